@@ -1,0 +1,47 @@
+# make worlds   sets up and generates every example into worlds/
+# make test     sets up, with a real Gazebo where this machine allows one, and runs the tests
+# make check    lint, types, import contracts
+# make docs     makes the generated parts of the manual and its pictures anew
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+ARGS ?=
+
+.PHONY: worlds test check docs gazebo lock
+
+worlds: $(VENV)/installed
+	for recipe in examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
+
+test: $(VENV)/developer gazebo
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest $(ARGS)
+
+check: $(VENV)/developer
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python -m docs.generate --check
+
+docs: $(VENV)/developer
+	$(BIN)/python -m docs.generate
+
+# A real simulator for the tests, set up where it is missing; where that cannot be, the tests that need it say so.
+gazebo:
+	scripts/gazebo-classic || test $$? = 3
+	scripts/sdformat || test $$? = 3
+
+$(VENV)/installed: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --editable .
+	touch $@
+
+$(VENV)/developer: $(VENV)/installed dev.lock
+	$(BIN)/python -m pip install --quiet --requirement dev.lock
+	touch $@
+
+# The developers' tools, each in one version: make lock, then make test.
+lock:
+	$(PYTHON) -m venv $(VENV)/lock
+	$(VENV)/lock/bin/pip install --quiet uv
+	$(VENV)/lock/bin/uv pip compile --quiet --universal --python-version 3.10 --group dev pyproject.toml -o dev.lock \
+	  --custom-compile-command 'make lock'

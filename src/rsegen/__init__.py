@@ -1,0 +1,54 @@
+"""Random Step Environments (NIST stepfields) for robot simulators.
+
+    import rsegen
+
+    recipe = rsegen.Recipe(
+        seed=7,
+        obstacles=[
+            rsegen.Placement(obstacle=rsegen.Random(max_height=5)),
+            rsegen.Placement(obstacle=rsegen.Peak(max_height=5, softness=50), first=(2, 2), last=(7, 7)),
+        ],
+    )
+    field = rsegen.build(recipe, 0)           # integer levels in cells
+    rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
+"""
+
+from rsegen.build import build
+from rsegen.codec import load, save, schema
+from rsegen.errors import RsegenError, UserError
+from rsegen.obstacles import KINDS, Obstacle
+from rsegen.obstacles.diagonal import DiagonalBarrier
+from rsegen.obstacles.horizontal import HorizontalBarrier
+from rsegen.obstacles.normal import NormalRandom
+from rsegen.obstacles.peak import Peak
+from rsegen.obstacles.random import Random
+from rsegen.pipeline import Generated, GeneratedMap, generate
+from rsegen.recipe import Placement, Recipe
+from rsegen.scene import Scene, compose
+from rsegen.stepfield import StepField
+from rsegen.version import __version__
+
+__all__ = [
+    "KINDS",
+    "DiagonalBarrier",
+    "Generated",
+    "GeneratedMap",
+    "HorizontalBarrier",
+    "NormalRandom",
+    "Obstacle",
+    "Peak",
+    "Placement",
+    "Random",
+    "Recipe",
+    "RsegenError",
+    "Scene",
+    "StepField",
+    "UserError",
+    "__version__",
+    "build",
+    "compose",
+    "generate",
+    "load",
+    "save",
+    "schema",
+]

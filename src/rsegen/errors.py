@@ -1,0 +1,80 @@
+"""Every error that rsegen raises on purpose, each one clear line.
+
+RsegenError
+├── UserError            what was asked for cannot be; the command line ends with exit code 2
+│   ├── ParameterError   a value is out of range, of the wrong type, or at odds with another
+│   ├── UnknownName      a kind, key or flag that is not there; lists the known ones
+│   ├── FileError        a file or folder cannot be read, or is not what it should be
+│   ├── OutputError      the output folder is taken, or may not be written to
+│   └── TooLarge         it would need more memory than there is
+└── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
+"""
+
+from __future__ import annotations
+
+import difflib
+import reprlib
+from collections.abc import Iterable
+
+
+class RsegenError(Exception):
+    """An error that rsegen raises on purpose."""
+
+
+class UserError(RsegenError):
+    """What was asked for cannot be done; the message says where, what was given and what would be right."""
+
+
+class FileError(UserError):
+    """A file or folder cannot be read, or is not what it should be."""
+
+
+class OutputError(UserError):
+    """The output folder is taken, or may not be written to."""
+
+
+class TooLarge(UserError):
+    """It would need more memory than there is."""
+
+
+class WriteError(RsegenError):
+    """The disk failed in the middle of writing."""
+
+
+class ParameterError(UserError, ValueError):
+    """`where: problem`, as in `obstacles[2].softness: 130 is outside 0..100`."""
+
+    def __init__(self, where: str, problem: str) -> None:
+        super().__init__(where, problem)
+        self.where = where
+        self.problem = problem
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.problem}" if self.where else self.problem
+
+    def inside(self, outer: str) -> ParameterError:
+        """The same error seen from outside: `softness` inside `obstacles[2]` is `obstacles[2].softness`."""
+        joint = "" if not self.where or self.where.startswith("[") else "."
+        return type(self)(f"{outer}{joint}{self.where}", self.problem)
+
+
+class UnknownName(ParameterError):
+    """A name that is not among the known ones; the message gives the nearest and lists them all."""
+
+    @classmethod
+    def among(cls, where: str, what: str, name: object, known: Iterable[str]) -> UnknownName:
+        """The error for `name`, which should have been one of `known`."""
+        names = sorted(known)
+        near = difflib.get_close_matches(str(name), names, n=1)
+        guess = f"; did you mean '{near[0]}'?" if near else ""
+        return cls(where, f"unknown {what} {shown(name)}{guess} (known: {', '.join(names)})")
+
+
+def shown(value: object) -> str:
+    """`value` as an error message shows it: short, and on one line whatever it is."""
+    return _SHORT.repr(value)
+
+
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = 60
+_SHORT.maxlong = 40

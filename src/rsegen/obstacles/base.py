@@ -1,0 +1,143 @@
+"""What an obstacle kind is: parameters with their bounds, and how they become levels.
+
+A kind is one file of this folder with one class: a frozen dataclass whose annotated fields are its parameters, under
+`@register`. Nothing else needs to know of it.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Annotated, ClassVar, NamedTuple, TypeVar
+
+import numpy as np
+
+from rsegen.chance import pick
+from rsegen.params import Real, Whole, settle
+from rsegen.places import ANYWHERE, Cell, Place
+from rsegen.stepfield import Array, Levels, Mask
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """The block cells of a map, frames left out."""
+
+    n_x: int
+    n_y: int
+    chunk_size: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self.n_x, self.n_y
+
+
+class Patch(NamedTuple):
+    """The levels that an obstacle proposes in a window of the map, and where in it they count."""
+
+    window: tuple[slice, slice]
+    levels: Levels
+    footprint: Mask
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Obstacle(ABC):
+    """One entry of a recipe's list, without its place."""
+
+    kind: ClassVar[str]
+
+    max_height: Annotated[
+        int, Whole(2, 32767, unit="units", help="number of levels n: the heights 0, 1, .. n-1 units")
+    ]
+    softness: Annotated[float, Real(0, 100, unit="%", help="run-out of the sides: 0 is vertical")] = 0.0
+
+    def __post_init__(self) -> None:
+        settle(self)
+
+    def check(self, first: Place, last: Place) -> None:
+        """Raise a ParameterError where this kind cannot lie between these two places."""
+
+    def usual_ends(self, grid: Grid) -> tuple[Place, Place]:
+        """The places that stand in where a recipe gives none: left to chance."""
+        return ANYWHERE, ANYWHERE
+
+    def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
+        """The two cells; what is left to chance is uniform over the map."""
+        x1, y1, x2, y2 = (
+            pick(rng, 0, cells - 1) if at == "random" else at
+            for at, cells in zip((*first, *last), grid.shape * 2, strict=True)
+        )
+        return (x1, y1), (x2, y2)
+
+    @abstractmethod
+    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
+        """Its levels between the two cells."""
+
+
+class Shaped(Obstacle):
+    """A barrier or peak: a profile in [0, 1] that stands only where its level is 1 or more."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def reach(self, grid: Grid) -> float:
+        """How far it may stand beyond the rectangle of its ends, in cells."""
+
+    @abstractmethod
+    def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
+        """f in [0, 1] at the cell centres x of shape (n, 1) and y of shape (1, m)."""
+
+    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
+        """The level on the axis or apex alone is the top one; the sides go down in steps (method: floor((n-1) f))."""
+        window = _window(grid, first, last, int(np.ceil(self.reach(grid))))
+        x, y = np.ogrid[window]
+        f = self.profile(x.astype(float), y.astype(float), first, last, grid)
+        levels = np.floor((self.max_height - 1) * f + 1e-9).astype(np.int16)
+        return Patch(window, levels, levels >= 1)
+
+
+class Region(Obstacle):
+    """A random kind: every cell of the rectangle first..last, by default of the whole map."""
+
+    __slots__ = ()
+
+    def usual_ends(self, grid: Grid) -> tuple[Place, Place]:
+        """Two opposite corners of the map."""
+        return (0, 0), (grid.n_x - 1, grid.n_y - 1)
+
+    @abstractmethod
+    def drawn(self, uniform: Array) -> Levels:
+        """Levels from numbers in [0, 1), one each."""
+
+    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
+        """Each cell by a number of its own."""
+        window = _window(grid, first, last, 0)
+        shape = tuple(part.stop - part.start for part in window)
+        return Patch(window, self.drawn(rng.random(shape)), np.ones(shape, dtype=bool))
+
+
+def _window(grid: Grid, first: Cell, last: Cell, margin: int) -> tuple[slice, slice]:
+    """The rectangle of both cells, wider by `margin` on every side, as far as the map goes."""
+    parts = [
+        slice(max(0, min(a, b) - margin), min(n, max(a, b) + margin + 1))
+        for a, b, n in zip(first, last, grid.shape, strict=True)
+    ]
+    return parts[0], parts[1]
+
+
+_REGISTRY: dict[str, type[Obstacle]] = {}
+_Kind = TypeVar("_Kind", bound=type[Obstacle])
+
+
+def register(cls: _Kind) -> _Kind:
+    """Make a kind known by its name; two kinds of one name are a mistake in the program."""
+    if cls.kind in _REGISTRY:
+        raise TypeError(f"two obstacle kinds are named {cls.kind!r}: {_REGISTRY[cls.kind]} and {cls}")
+    _REGISTRY[cls.kind] = cls
+    return cls
+
+
+def registered() -> Mapping[str, type[Obstacle]]:
+    """The kinds known so far, by name in alphabetical order."""
+    return MappingProxyType(dict(sorted(_REGISTRY.items())))

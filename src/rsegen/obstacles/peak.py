@@ -1,0 +1,65 @@
+"""The peak, traversable or not, of the paper's figure 3."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from rsegen.chance import pick
+from rsegen.obstacles.base import Grid, Shaped, register
+from rsegen.places import Cell, Coordinate, Place
+from rsegen.stepfield import Array
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Peak(Shaped):
+    """A round hill inside the rectangle first..last: a table with vertical sides at softness 0, a cone at 100."""
+
+    kind: ClassVar[str] = "peak"
+
+    def reach(self, grid: Grid) -> float:
+        """It stays inside its rectangle."""
+        return 0.0
+
+    def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
+        """clip((R - d) / w, 0, 1) with w = (softness / 100) * (R - d0); 1 inside R where w = 0.
+
+        d: distance from the centre, scaled so that a rectangle's ellipse is a circle of R, half the shorter side;
+        d0: the least d of any cell.
+        """
+        half_x, half_y = ((abs(a - b) + 1) / 2 for a, b in zip(first, last, strict=True))
+        radius = min(half_x, half_y)
+        dx = (x - (first[0] + last[0]) / 2) * (radius / half_x)
+        dy = (y - (first[1] + last[1]) / 2) * (radius / half_y)
+        d = np.sqrt(dx**2 + dy**2)
+        w = self.softness / 100 * (radius - d.min())
+        return np.clip((radius - d) / w, 0, 1) if w else np.where(d < radius, 1.0, 0.0)
+
+    def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
+        """What is left to chance makes a square inside the map, of side L/2..L where no side is given."""
+        given = [abs(a - b) for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
+        span = given[0] if given else pick(rng, (grid.chunk_size + 1) // 2, grid.chunk_size) - 1
+        (x1, x2), (y1, y2) = (
+            _side(a, b, min(span, cells - 1), cells, rng) for a, b, cells in zip(first, last, grid.shape, strict=True)
+        )
+        return (x1, y1), (x2, y2)
+
+
+def _side(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:
+    """Both coordinates on one axis, `span` apart where one of them is left to chance."""
+    if first == "random" and last == "random":
+        low = pick(rng, 0, cells - 1 - span)
+        return low, low + span
+    if first == "random":
+        return _beside(last, span, cells), last  # type: ignore[arg-type,return-value]  # last is given
+    if last == "random":
+        return first, _beside(first, span, cells)
+    return first, last
+
+
+def _beside(at: int, span: int, cells: int) -> int:
+    """A coordinate `span` cells on, or back where the map ends; never off the map."""
+    return at + span if at + span < cells else max(at - span, 0)

@@ -1,0 +1,184 @@
+"""What a parameter may be, said once: the bounds, the unit and the help of a field stand in its annotation.
+
+    softness: Annotated[float, Real(0, 100, unit="%", help="run-out of the sides")] = 0.0
+
+From there come the check in Python, the flag and the form, and the JSON Schema. A parameter is anything with the
+four methods of `Parameter`; a value that it accepts is returned in its one canonical form.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cache
+from types import MappingProxyType
+from typing import Any, Protocol, get_type_hints
+
+from rsegen.errors import ParameterError, shown
+
+Json = Any
+"""What JSON and YAML can say: a dict, list, str, int, float, bool or None."""
+
+
+class Parameter(Protocol):
+    """The sort of value that a field takes."""
+
+    @property
+    def help(self) -> str: ...
+    def check(self, where: str, value: object) -> Any:
+        """`value` in canonical form, or a ParameterError that says what would be right."""
+    def parse(self, text: str) -> object:
+        """What `text` on the command line stands for; not yet checked."""
+    def schema(self) -> dict[str, Json]:
+        """The JSON Schema of it."""
+    def describe(self) -> str:
+        """The values that it takes, in a few words."""
+
+
+@dataclass(frozen=True)
+class Real:
+    """A finite number from `low` to `high`, both allowed."""
+
+    low: float = -math.inf
+    high: float = math.inf
+    unit: str = ""
+    help: str = ""
+
+    def check(self, where: str, value: object) -> float:
+        number = self._number(where, value)
+        if not math.isfinite(number):
+            raise ParameterError(where, f"{shown(value)} is not a finite number; give {self.describe()}")
+        if not self.low <= number <= self.high:
+            raise ParameterError(where, f"{shown(value)} is outside {self.describe()}")
+        return number
+
+    def _number(self, where: str, value: object) -> float:
+        if isinstance(value, bool) or not hasattr(value, "__float__"):
+            raise ParameterError(where, f"{shown(value)} is not a number; give {self.describe()}")
+        try:
+            return float(value)  # type: ignore[arg-type]  # it has __float__
+        except (OverflowError, TypeError, ValueError):
+            raise ParameterError(where, f"{shown(value)} is not a number; give {self.describe()}") from None
+
+    def parse(self, text: str) -> object:
+        try:
+            return float(text)
+        except ValueError:
+            return text
+
+    def schema(self) -> dict[str, Json]:
+        bounds = {"minimum": self.low, "maximum": self.high}
+        return {"type": "number"} | {key: bound for key, bound in bounds.items() if math.isfinite(bound)}
+
+    def describe(self) -> str:
+        return _interval(self.low, self.high, self.unit)
+
+
+@dataclass(frozen=True)
+class Whole:
+    """A whole number from `low` to `high`, both allowed."""
+
+    low: int
+    high: int | None = None
+    unit: str = ""
+    help: str = ""
+
+    def check(self, where: str, value: object) -> int:
+        number = whole(value)
+        if number is None:
+            raise ParameterError(where, f"{shown(value)} is not a whole number; give {self.describe()}")
+        if number < self.low or (self.high is not None and number > self.high):
+            raise ParameterError(where, f"{shown(number)} is outside {self.describe()}")
+        return number
+
+    def parse(self, text: str) -> object:
+        return int(text) if re.fullmatch(r"[+-]?\d{1,40}", text) else text
+
+    def schema(self) -> dict[str, Json]:
+        high = {} if self.high is None else {"maximum": self.high}
+        return {"type": "integer", "minimum": self.low} | high
+
+    def describe(self) -> str:
+        return _interval(self.low, math.inf if self.high is None else self.high, self.unit)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of a few words."""
+
+    values: tuple[str, ...]
+    help: str = ""
+
+    def check(self, where: str, value: object) -> str:
+        if isinstance(value, str) and value in self.values:
+            return value
+        raise ParameterError(where, f"{shown(value)} is not one of {self.describe()}")
+
+    def parse(self, text: str) -> object:
+        return text
+
+    def schema(self) -> dict[str, Json]:
+        return {"enum": list(self.values)}
+
+    def describe(self) -> str:
+        return ", ".join(self.values)
+
+
+@dataclass(frozen=True)
+class Text:
+    """A text that a pattern matches whole."""
+
+    pattern: str
+    meaning: str
+    help: str = ""
+
+    def check(self, where: str, value: object) -> str:
+        if isinstance(value, str) and re.fullmatch(self.pattern, value):
+            return value
+        raise ParameterError(where, f"{shown(value)} will not do; give {self.meaning}")
+
+    def parse(self, text: str) -> object:
+        return text
+
+    def schema(self) -> dict[str, Json]:
+        return {"type": "string", "pattern": f"^{self.pattern}$"}
+
+    def describe(self) -> str:
+        return self.meaning
+
+
+@cache
+def parameters(owner: type) -> Mapping[str, Parameter]:
+    """The parameters of a dataclass by name, in the order of its fields."""
+    hints = get_type_hints(owner, include_extras=True)
+    found = {field.name: getattr(hints[field.name], "__metadata__", ()) for field in fields(owner)}
+    return MappingProxyType({name: marks[0] for name, marks in found.items() if marks})
+
+
+def settle(instance: object) -> None:
+    """Check every parameter of a frozen dataclass and store each in canonical form; None stays where it is the default."""
+    defaults = {field.name: field.default for field in fields(instance)}  # type: ignore[arg-type]  # a dataclass
+    for name, parameter in parameters(type(instance)).items():
+        value = getattr(instance, name)
+        if not (value is None and defaults[name] is None):
+            object.__setattr__(instance, name, parameter.check(name, value))
+
+
+def whole(value: object) -> int | None:
+    """`value` as an int where it is a whole number (2, 2.0, numpy's), else None; a bool is none."""
+    if isinstance(value, float):
+        return int(value) if value.is_integer() else None
+    try:
+        return None if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]  # asks just that
+    except TypeError:
+        return None
+
+
+def _interval(low: float, high: float, unit: str) -> str:
+    tail = f" {unit}" if unit else ""
+    if math.isinf(high):
+        return f"{low} or more{tail}"
+    return f"{low}..{high}{tail}"

@@ -1,0 +1,151 @@
+"""A recipe: everything that determines a set of maps."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass, field, fields, replace
+from typing import Annotated
+
+from rsegen.chance import SEEDS, fresh_seed
+from rsegen.errors import ParameterError, shown
+from rsegen.obstacles import Grid, Obstacle
+from rsegen.params import Choice, Json, Real, Text, Whole, parameters, settle
+from rsegen.places import AtCell, Cell, Pair, Place
+
+_CENTIMETRES = Real(0.001, 100_000, unit="cm")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Placement:
+    """An obstacle at its place: one row of the recipe's list.
+
+    `key` names its randomness: while it stays, so does what was drawn for it. Where none is given the recipe derives
+    one from the row itself, so that rows added, moved or removed leave the others as they were.
+    """
+
+    obstacle: Obstacle
+    first: Annotated[Place | None, AtCell(help="one end or corner, x and y in block cells of the map")] = None
+    last: Annotated[Place | None, AtCell(help="the other end or corner")] = None
+    blend: Annotated[
+        str, Choice(("replace", "max", "add", "min"), help="how it meets what was there before it")
+    ] = "replace"
+    key: Annotated[
+        str | None, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="names its randomness")
+    ] = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.obstacle, Obstacle):
+            raise ParameterError("obstacle", f"{shown(self.obstacle)} is not an obstacle, such as rsegen.Peak(...)")
+        settle(self)
+        if self.first and self.last:
+            self.obstacle.check(self.first, self.last)
+
+    def entry(self) -> dict[str, Json]:
+        """The row as a recipe file has it: what differs from the defaults, the kind first."""
+        return {"kind": self.obstacle.kind} | _stated(self.obstacle) | _stated(self)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Recipe:
+    """What to generate; every field is a global parameter of the method, in the words of the recipe file."""
+
+    name: Annotated[
+        str,
+        Text(r"[A-Za-z0-9_][A-Za-z0-9_.\-]{0,63}", "1..64 letters, digits, _ . - (no . or - first)", help="name of the maps"),
+    ] = "rse"
+    description: Annotated[str, Text(r"[^\x00-\x1f]{0,500}", "one line of up to 500 characters", help="for people")] = ""
+    maps: Annotated[int, Whole(1, help="number of maps to generate")] = 1
+    first_map: Annotated[int, Whole(0, SEEDS - 1, help="index of the first of them")] = 0
+    chunk_size: Annotated[int, Whole(1, 1000, unit="blocks", help="side of a single chunk (pallet)")] = 10
+    chunks: Annotated[Cell, Pair(help="map size in chunks: N for a square, or NxM")] = (1, 1)
+    unit_cm: Annotated[float, replace(_CENTIMETRES, help="height discretization step")] = 10.0
+    block_width_cm: Annotated[float, replace(_CENTIMETRES, help="side of a block, and depth of a frame")] = 10.0
+    boundary: Annotated[
+        str, Choice(("none", "divided", "outer"), help="frames: none, round every chunk, or one round the map")
+    ] = "divided"
+    frame_height_cm: Annotated[float, Real(0, 100_000, unit="cm", help="height of the frames")] = 10.0
+    mesh_type: Annotated[
+        str, Choice(("single", "multi", "pallet"), help="one model a map, one a block, or one a chunk")
+    ] = "single"
+    seed: Annotated[int, Whole(0, SEEDS - 1, help="of all randomness; drawn and recorded where none is given")] = field(
+        default_factory=fresh_seed
+    )
+    obstacles: tuple[Placement, ...] = ()
+
+    def __post_init__(self) -> None:
+        settle(self)
+        if not isinstance(self.obstacles, (list, tuple)):
+            raise ParameterError("obstacles", f"{shown(self.obstacles)} is not a list of placements")
+        for number, placement in enumerate(self.obstacles):
+            self._check_placement(f"obstacles[{number}]", placement)
+        object.__setattr__(self, "obstacles", _with_keys(tuple(self.obstacles)))
+
+    @property
+    def grid(self) -> Grid:
+        """The block cells of a map."""
+        m_x, m_y = self.chunks
+        return Grid(m_x * self.chunk_size, m_y * self.chunk_size, self.chunk_size)
+
+    @property
+    def indices(self) -> range:
+        """The indices of its maps."""
+        return range(self.first_map, self.first_map + self.maps)
+
+    @property
+    def top_level(self) -> int:
+        """The largest level that any of its obstacles has; 0 where there is none."""
+        return max((placement.obstacle.max_height - 1 for placement in self.obstacles), default=0)
+
+    def map_name(self, index: int) -> str:
+        """What map `index` is called, on disk and in the simulator."""
+        return f"{self.name}_{index:04d}"
+
+    def entry(self) -> dict[str, Json]:
+        """The recipe as a file has it: every parameter in full."""
+        plain = {name: _plain(getattr(self, name)) for name in parameters(Recipe)}
+        return plain | {"obstacles": [placement.entry() for placement in self.obstacles]}
+
+    def _check_placement(self, where: str, placement: object) -> None:
+        if not isinstance(placement, Placement):
+            raise ParameterError(where, f"{shown(placement)} is not a placement, rsegen.Placement(obstacle=..., ...)")
+        for end in ("first", "last"):
+            for axis, cells in enumerate(self.grid.shape):
+                at = (getattr(placement, end) or (0, 0))[axis]
+                if at != "random" and at >= cells:
+                    raise ParameterError(f"{where}.{end}[{axis}]", f"{shown(at)} is outside 0..{cells - 1}")
+
+
+def _with_keys(placements: tuple[Placement, ...]) -> tuple[Placement, ...]:
+    """Every placement with a key of its own: the given ones, and for the rest one from their content."""
+    taken = set()
+    for number, placement in enumerate(placements):
+        if placement.key in taken:
+            raise ParameterError(f"obstacles[{number}].key", f"{shown(placement.key)} is another obstacle's key too")
+        taken |= {placement.key} - {None}
+    return tuple(placement if placement.key else _with_key(placement, taken) for placement in placements)
+
+
+def _with_key(placement: Placement, taken: set[str | None]) -> Placement:
+    content = json.dumps(placement.entry(), sort_keys=True).encode()
+    stem = f"{placement.obstacle.kind}-{hashlib.blake2b(content, digest_size=4).hexdigest()}"
+    twins = (f"{stem}-{twin}" if twin else stem for twin in range(len(taken) + 1))
+    key = next(key for key in twins if key not in taken)
+    taken.add(key)
+    return replace(placement, key=key)
+
+
+def _stated(instance: Obstacle | Placement) -> dict[str, Json]:
+    """The parameters that differ from their defaults."""
+    defaults = {each.name: each.default for each in fields(instance)}
+    values = {name: getattr(instance, name) for name in parameters(type(instance))}
+    return {name: _plain(value) for name, value in values.items() if value != defaults[name]}
+
+
+def _plain(value: object) -> Json:
+    """A value as a file has it: lists for tuples, and 10 for 10.0."""
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, float) and value.is_integer():
+        return int(value)
+    return value

@@ -1,0 +1,144 @@
+"""A step field: integer levels in cells, some of which are frame.
+
+Heights are integers in units, so equality is exact; metres appear only in `heights`. Arrays have shape (n_x, n_y):
+axis 0 along +x, axis 1 along +y, cell (0, 0) in the corner of smallest x and y, the field centred on the origin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Levels = NDArray[np.int16]
+Mask = NDArray[np.bool_]
+Array = NDArray[np.float64]
+
+NANOMETRE_DIGITS = 9
+"""Metres are rounded to this many decimals, so that 3 * 0.1 m and 0.3 m are one height."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class StepField:
+    """The blocks and frames of one map, or of a part of it.
+
+    levels: (n_x, n_y), height of each block in units, 0 in frame cells; frame: (n_x, n_y), true where a frame stands.
+    block_width, unit, frame_height: metres.
+    """
+
+    levels: Levels
+    frame: Mask
+    block_width: float
+    unit: float
+    frame_height: float
+
+    def __post_init__(self) -> None:
+        for array in (self.levels, self.frame):
+            array.setflags(write=False)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, StepField):
+            return NotImplemented
+        lengths = (self.block_width, self.unit, self.frame_height)
+        return (
+            lengths == (other.block_width, other.unit, other.frame_height)
+            and np.array_equal(self.levels, other.levels)
+            and np.array_equal(self.frame, other.frame)
+        )
+
+    __hash__ = None  # type: ignore[assignment]  # compares by its arrays
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Cells along x and y, frames included."""
+        return self.levels.shape[0], self.levels.shape[1]
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Metres along x and y, frames included."""
+        n_x, n_y = self.shape
+        return round(n_x * self.block_width, NANOMETRE_DIGITS), round(n_y * self.block_width, NANOMETRE_DIGITS)
+
+    @property
+    def heights(self) -> Array:
+        """Height of every cell's top above the ground, metres, shape (n_x, n_y)."""
+        heights = np.where(self.frame, self.frame_height, self.levels * self.unit)
+        return np.round(heights, NANOMETRE_DIGITS)
+
+    @property
+    def blocks(self) -> Levels:
+        """The levels with frames left out."""
+        return self.levels[np.ix_(~self.frame.all(axis=1), ~self.frame.all(axis=0))]
+
+    def edges(self) -> tuple[Array, Array]:
+        """The lines between cells, metres: x of shape (n_x + 1,) and y of shape (n_y + 1,)."""
+        return _edges(self.shape[0], self.block_width), _edges(self.shape[1], self.block_width)
+
+    def level_counts(self) -> dict[int, int]:
+        """How many blocks there are of each level, frames left out; lowest level first."""
+        counts = np.bincount(self.levels[~self.frame])
+        return {int(level): int(counts[level]) for level in np.flatnonzero(counts)}
+
+    def pallets(self, chunk_size: int) -> Iterator[Pallet]:
+        """Its chunks one by one, each with the frame cells beside it."""
+        cuts_x, cuts_y = (_cuts(~self.frame.all(axis=1 - axis), chunk_size) for axis in (0, 1))
+        middle_x, middle_y = ((cuts[1:] + cuts[:-1] - cuts[-1]) / 2 * self.block_width for cuts in (cuts_x, cuts_y))
+        for i, x in enumerate(middle_x):
+            for j, y in enumerate(middle_y):
+                part = slice(cuts_x[i], cuts_x[i + 1]), slice(cuts_y[j], cuts_y[j + 1])
+                yield Pallet(chunk=(i, j), centre=(float(x), float(y)), field=self._part(part))
+
+    def _part(self, part: tuple[slice, slice]) -> StepField:
+        return StepField(
+            levels=self.levels[part],
+            frame=self.frame[part],
+            block_width=self.block_width,
+            unit=self.unit,
+            frame_height=self.frame_height,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Pallet:
+    """One chunk of a map as a field of its own: its place among the chunks, and its centre in metres."""
+
+    chunk: tuple[int, int]
+    centre: tuple[float, float]
+    field: StepField
+
+
+def framed(blocks: Levels, chunk_size: int, boundary: str) -> tuple[Levels, Mask]:
+    """Levels and frame of the whole map, from its blocks of shape (M_x * L, M_y * L).
+
+    `divided` puts a frame round every chunk, `outer` one round the map, `none` none; a frame is one cell deep.
+    """
+    if boundary == "none":
+        return blocks, np.zeros(blocks.shape, dtype=bool)
+    period = chunk_size if boundary == "divided" else max(blocks.shape)
+    inside_x, inside_y = (_inside(cells, period) for cells in blocks.shape)
+    frame = ~(inside_x[:, None] & inside_y[None, :])
+    levels = np.zeros(frame.shape, dtype=np.int16)
+    levels[np.ix_(inside_x, inside_y)] = blocks
+    return levels, frame
+
+
+def _inside(cells: int, period: int) -> Mask:
+    """Along one axis: false for a frame cell before and after every `period` cells, true for the cells themselves."""
+    period = min(cells, period)
+    return np.tile(np.array([False, *[True] * period, False]), cells // period)
+
+
+def _cuts(inside: Mask, chunk_size: int) -> NDArray[np.intp]:
+    """Where one axis is cut into chunks: after every `chunk_size` inside cells and the frame cell beside them, if any."""
+    ends = np.flatnonzero(inside)[chunk_size - 1 :: chunk_size] + 1
+    last = len(inside)
+    framed_between = len(ends) > 1 and not inside[min(ends[0], last - 1)]
+    cuts = ends + 1 if framed_between else ends.copy()
+    cuts[-1] = last
+    return np.concatenate([[0], cuts])
+
+
+def _edges(cells: int, width: float) -> Array:
+    return np.round((np.arange(cells + 1) - cells / 2) * width, NANOMETRE_DIGITS)
