@@ -1,16 +1,16 @@
 """Random Step Environments (NIST stepfields) for robot simulators.
 
-    import rsegen
+import rsegen
 
-    recipe = rsegen.Recipe(
-        seed=7,
-        obstacles=[
-            rsegen.Placement(obstacle=rsegen.Random(max_height=5)),
-            rsegen.Placement(obstacle=rsegen.Peak(max_height=5, softness=50), first=(2, 2), last=(7, 7)),
-        ],
-    )
-    field = rsegen.build(recipe, 0)           # integer levels in cells
-    rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
+recipe = rsegen.Recipe(
+    seed=7,
+    obstacles=[
+        rsegen.Placement(obstacle=rsegen.Random(max_height=5)),
+        rsegen.Placement(obstacle=rsegen.Peak(max_height=5, softness=50), first=(2, 2), last=(7, 7)),
+    ],
+)
+field = rsegen.build(recipe, 0)           # integer levels in cells
+rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
 """
 
 from rsegen.build import build

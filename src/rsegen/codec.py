@@ -1,6 +1,6 @@
 """Recipe <-> YAML and JSON; and the JSON Schema of a recipe file.
 
-A file has the words of `Recipe`, and `version` (of this format), `generator` (what wrote it) and `$schema` (for editors).
+A file has the words of `Recipe`, and `version` (of this format), `generator` (what wrote it), `$schema` (for editors).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
 from rsegen.obstacles import KINDS, Obstacle, kind
-from rsegen.params import Choice, Json, Text, Whole, parameters
+from rsegen.params import Json, Parameter, Text, Whole, parameters
 from rsegen.recipe import Placement, Recipe
 from rsegen.version import __version__
 
@@ -20,7 +20,7 @@ FORMAT = 1
 SCHEMA_ID = "urn:rsegen:recipe:1"
 MAX_BYTES = 64 * 2**20
 
-_ENVELOPE = {
+_ENVELOPE: dict[str, Parameter] = {
     "version": Whole(FORMAT, FORMAT, help="version of the recipe format"),
     "generator": Text(r"[^\x00-\x1f]{0,100}", "a short text", help="what wrote the file"),
     "$schema": Text(r"[^\x00-\x1f]{0,500}", "the address of a schema", help="for editors"),
@@ -28,7 +28,7 @@ _ENVELOPE = {
 
 
 def load(path: str | Path) -> Recipe:
-    """The recipe in a YAML or JSON file; FileError where it cannot be read, ParameterError where a value will not do."""
+    """The recipe in a YAML or JSON file; FileError where it cannot be read, ParameterError where a value is wrong."""
     path = Path(path)
     text = _text(path)
     content = _parse_json(text, path) if path.suffix.lower() == ".json" else _parse_yaml(text, path)
@@ -47,8 +47,8 @@ def save(recipe: Recipe, path: str | Path) -> None:
         raise FileError(f"{path}: {error.strerror or error}") from None
 
 
-def decode(content: object, start: Mapping[str, Any] | None = None) -> Recipe:
-    """The recipe that a file's content stands for; `start` has values that override it."""
+def decode(content: object) -> Recipe:
+    """The recipe that a file's content stands for."""
     if not isinstance(content, Mapping):
         raise ParameterError("", f"{shown(content)} is not a recipe; give keys such as obstacles: and chunk_size:")
     known = [*parameters(Recipe), "obstacles", *_ENVELOPE]
@@ -58,7 +58,6 @@ def decode(content: object, start: Mapping[str, Any] | None = None) -> Recipe:
     for key in _ENVELOPE.keys() & content.keys():
         _ENVELOPE[key].check(key, content[key])
     values = {key: value for key, value in content.items() if key not in _ENVELOPE and value is not None}
-    values |= start or {}
     values["obstacles"] = decode_placements(values.get("obstacles", []))
     return Recipe(**values)
 
@@ -71,8 +70,6 @@ def decode_placements(entries: object) -> tuple[Placement, ...]:
 
 
 def _placement(where: str, entry: object) -> Placement:
-    if isinstance(entry, Placement):
-        return entry
     if not isinstance(entry, Mapping):
         raise ParameterError(where, f"{shown(entry)} is not an obstacle; give kind: and its parameters")
     try:
@@ -115,12 +112,13 @@ def to_yaml(recipe: Recipe) -> str:
     """The recipe as the text of a YAML file."""
     import yaml
 
-    return yaml.safe_dump(encode(recipe), sort_keys=False, default_flow_style=None, allow_unicode=True, width=120)
+    text: str = yaml.safe_dump(encode(recipe), sort_keys=False, default_flow_style=None, allow_unicode=True, width=120)
+    return text
 
 
 def schema() -> dict[str, Json]:
     """The JSON Schema (2020-12) of a recipe file."""
-    properties = {name: _property(parameter) for name, parameter in (_ENVELOPE | parameters(Recipe)).items()}
+    properties = {name: _property(parameter) for name, parameter in {**_ENVELOPE, **parameters(Recipe)}.items()}
     rows = {"type": "array", "items": {"oneOf": [_row_schema(cls) for cls in KINDS.values()]}}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -134,7 +132,7 @@ def schema() -> dict[str, Json]:
 
 
 def _row_schema(cls: type[Obstacle]) -> dict[str, Json]:
-    own = {name: _property(parameter) for name, parameter in (parameters(cls) | parameters(Placement)).items()}
+    own = {name: _property(parameter) for name, parameter in {**parameters(cls), **parameters(Placement)}.items()}
     return {
         "title": cls.kind,
         "description": summary(cls),
@@ -145,7 +143,7 @@ def _row_schema(cls: type[Obstacle]) -> dict[str, Json]:
     }
 
 
-def _property(parameter: Any) -> dict[str, Json]:
+def _property(parameter: Parameter) -> dict[str, Json]:
     return {"description": parameter.help} | parameter.schema()
 
 
@@ -192,11 +190,13 @@ def _parse_yaml(text: str, path: Path) -> object:
     class Loader(yaml.SafeLoader):
         """Refuses a key that stands twice, which YAML forbids and PyYAML lets pass."""
 
-        def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
+        def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:  # noqa: FBT001, FBT002  # PyYAML's
             keys = [self.construct_object(key, deep=True) for key, _ in node.value]
             for number, key in enumerate(keys):
                 if key in keys[:number]:
-                    raise FileError(f"{path}:{node.value[number][0].start_mark.line + 1}: the key {shown(key)} stands twice")
+                    raise FileError(
+                        f"{path}:{node.value[number][0].start_mark.line + 1}: the key {shown(key)} stands twice"
+                    )
             return super().construct_mapping(node, deep)
 
     try:

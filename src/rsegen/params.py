@@ -30,10 +30,13 @@ class Parameter(Protocol):
     def help(self) -> str: ...
     def check(self, where: str, value: object) -> Any:
         """`value` in canonical form, or a ParameterError that says what would be right."""
+
     def parse(self, text: str) -> object:
         """What `text` on the command line stands for; not yet checked."""
+
     def schema(self) -> dict[str, Json]:
         """The JSON Schema of it."""
+
     def describe(self) -> str:
         """The values that it takes, in a few words."""
 
@@ -59,7 +62,7 @@ class Real:
         if isinstance(value, bool) or not hasattr(value, "__float__"):
             raise ParameterError(where, f"{shown(value)} is not a number; give {self.describe()}")
         try:
-            return float(value)  # type: ignore[arg-type]  # it has __float__
+            return float(value)
         except (OverflowError, TypeError, ValueError):
             raise ParameterError(where, f"{shown(value)} is not a number; give {self.describe()}") from None
 
@@ -150,16 +153,20 @@ class Text:
         return self.meaning
 
 
-@cache
 def parameters(owner: type) -> Mapping[str, Parameter]:
     """The parameters of a dataclass by name, in the order of its fields."""
+    return _parameters(owner)  # type: ignore[arg-type]  # mypy doubts that a class is hashable
+
+
+@cache
+def _parameters(owner: Any) -> Mapping[str, Parameter]:
     hints = get_type_hints(owner, include_extras=True)
     found = {field.name: getattr(hints[field.name], "__metadata__", ()) for field in fields(owner)}
     return MappingProxyType({name: marks[0] for name, marks in found.items() if marks})
 
 
 def settle(instance: object) -> None:
-    """Check every parameter of a frozen dataclass and store each in canonical form; None stays where it is the default."""
+    """Check every parameter of a frozen dataclass and store its canonical form; None stays where it is the default."""
     defaults = {field.name: field.default for field in fields(instance)}  # type: ignore[arg-type]  # a dataclass
     for name, parameter in parameters(type(instance)).items():
         value = getattr(instance, name)

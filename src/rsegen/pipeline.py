@@ -1,6 +1,6 @@
 """From a recipe to worlds on disk: what command line, window and scripts call.
 
-    Recipe --build--> StepField --compose--> Scene --export--> Bundle --write--> files
+Recipe --build--> StepField --compose--> Scene --export--> Bundle --write--> files
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from rsegen.errors import OutputError
-from rsegen.export import export
+from rsegen.export import MESH_TYPES, export
 from rsegen.memory import refuse_too_large
 from rsegen.recipe import Recipe
 from rsegen.scene import Scene, compose
@@ -22,13 +22,14 @@ MANY_MODELS = 1000
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class GeneratedMap:
-    """One map on disk: where, how large (cells with frames), how many blocks of each level, and what to know of it."""
+    """One map on disk: where, how large (cells with frames, metres), its blocks of each level, what to know of it."""
 
     name: str
     index: int
     folder: Path
     files: tuple[Path, ...]
     cells: tuple[int, int]
+    extent: tuple[float, float]
     level_counts: dict[int, int]
     warnings: tuple[str, ...]
 
@@ -73,24 +74,53 @@ def generate(
     return Generated(recipe=recipe, folder=folder, maps=tuple(made))
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Account:
+    """What a map is and costs: cells with frames, metres, blocks of each level; models, rectangles and bytes."""
+
+    name: str
+    seed: int
+    cells: tuple[int, int]
+    extent: tuple[float, float]
+    unit_cm: float
+    level_counts: dict[int, int]
+    mesh_type: str
+    models: int
+    faces: int
+    bytes: int
+    warnings: tuple[str, ...]
+
+
+def account(scene: Scene) -> Account:
+    """The account of a map: its files are made for it, and not written."""
+    mesh_type = MESH_TYPES[scene.recipe.mesh_type]
+    return Account(
+        name=scene.name,
+        seed=scene.recipe.seed,
+        cells=scene.field.shape,
+        extent=scene.field.extent,
+        unit_cm=scene.recipe.unit_cm,
+        level_counts=scene.field.level_counts(),
+        mesh_type=scene.recipe.mesh_type,
+        models=mesh_type.models(scene),
+        faces=mesh_type.faces(scene),
+        bytes=sum(len(piece) for content in export(scene).values() for piece in content),
+        warnings=warnings(scene),
+    )
+
+
 def warnings(scene: Scene) -> tuple[str, ...]:
     """What a person should know of a map before opening it."""
     found = []
     if not scene.field.levels.any():
         found.append("every block is at level 0: there is nothing to see but frames and ground")
-    models = _models(scene)
+    models = MESH_TYPES[scene.recipe.mesh_type].models(scene)
     if models > MANY_MODELS:
         found.append(
             f"{models:,} models: Gazebo Classic needs about {models * 1.5 / 1000:,.1f} GB and {models / 100:,.0f} s to "
             "load them, Gazebo Sim CPU at every step; mesh_type pallet or single costs a hundredth"
         )
     return tuple(found)
-
-
-def _models(scene: Scene) -> int:
-    chunks_x, chunks_y = scene.recipe.chunks
-    counts = {"single": 1, "pallet": chunks_x * chunks_y, "multi": int((scene.field.heights > 0).sum())}
-    return counts[scene.recipe.mesh_type]
 
 
 def _generate_map(scene: Scene, folder: Path, *, force: bool, preview: bool) -> GeneratedMap:
@@ -106,6 +136,7 @@ def _generate_map(scene: Scene, folder: Path, *, force: bool, preview: bool) -> 
         folder=home,
         files=tuple(write(bundle, home, force=force)),
         cells=scene.field.shape,
+        extent=scene.field.extent,
         level_counts=scene.field.level_counts(),
         warnings=warnings(scene),
     )

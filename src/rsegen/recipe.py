@@ -27,9 +27,9 @@ class Placement:
     obstacle: Obstacle
     first: Annotated[Place | None, AtCell(help="one end or corner, x and y in block cells of the map")] = None
     last: Annotated[Place | None, AtCell(help="the other end or corner")] = None
-    blend: Annotated[
-        str, Choice(("replace", "max", "add", "min"), help="how it meets what was there before it")
-    ] = "replace"
+    blend: Annotated[str, Choice(("replace", "max", "add", "min"), help="how it meets what was there before it")] = (
+        "replace"
+    )
     key: Annotated[
         str | None, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="names its randomness")
     ] = None
@@ -52,9 +52,15 @@ class Recipe:
 
     name: Annotated[
         str,
-        Text(r"[A-Za-z0-9_][A-Za-z0-9_.\-]{0,63}", "1..64 letters, digits, _ . - (no . or - first)", help="name of the maps"),
+        Text(
+            r"[A-Za-z0-9_][A-Za-z0-9_.\-]{0,63}",
+            "1..64 letters, digits, _ . - (no . or - first)",
+            help="name of the maps",
+        ),
     ] = "rse"
-    description: Annotated[str, Text(r"[^\x00-\x1f]{0,500}", "one line of up to 500 characters", help="for people")] = ""
+    description: Annotated[str, Text(r"[^\x00-\x1f]{0,500}", "one line of up to 500 characters", help="for people")] = (
+        ""
+    )
     maps: Annotated[int, Whole(1, help="number of maps to generate")] = 1
     first_map: Annotated[int, Whole(0, SEEDS - 1, help="index of the first of them")] = 0
     chunk_size: Annotated[int, Whole(1, 1000, unit="blocks", help="side of a single chunk (pallet)")] = 10

@@ -1,6 +1,6 @@
 """All that an exporter may know: a map, its geometry, its colours, its friction.
 
-    StepField --compose--> Scene
+StepField --compose--> Scene
 """
 
 from __future__ import annotations

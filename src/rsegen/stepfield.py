@@ -64,13 +64,17 @@ class StepField:
     @property
     def heights(self) -> Array:
         """Height of every cell's top above the ground, metres, shape (n_x, n_y)."""
-        heights = np.where(self.frame, self.frame_height, self.levels * self.unit)
-        return np.round(heights, NANOMETRE_DIGITS)
+        heights = np.where(self.frame, self.frame_height, self.levels.astype(np.float64) * self.unit)
+        return np.asarray(np.round(heights, NANOMETRE_DIGITS))
 
     @property
     def blocks(self) -> Levels:
         """The levels with frames left out."""
-        return self.levels[np.ix_(~self.frame.all(axis=1), ~self.frame.all(axis=0))]
+        return self.levels[np.ix_(self.inside(0), self.inside(1))]
+
+    def inside(self, axis: int) -> Mask:
+        """Along an axis (0: x, 1: y), where there are blocks and not frame alone."""
+        return np.asarray(~self.frame.all(axis=1 - axis))
 
     def edges(self) -> tuple[Array, Array]:
         """The lines between cells, metres: x of shape (n_x + 1,) and y of shape (n_y + 1,)."""
@@ -83,7 +87,7 @@ class StepField:
 
     def pallets(self, chunk_size: int) -> Iterator[Pallet]:
         """Its chunks one by one, each with the frame cells beside it."""
-        cuts_x, cuts_y = (_cuts(~self.frame.all(axis=1 - axis), chunk_size) for axis in (0, 1))
+        cuts_x, cuts_y = (_cuts(self.inside(axis), chunk_size) for axis in (0, 1))
         middle_x, middle_y = ((cuts[1:] + cuts[:-1] - cuts[-1]) / 2 * self.block_width for cuts in (cuts_x, cuts_y))
         for i, x in enumerate(middle_x):
             for j, y in enumerate(middle_y):
@@ -131,7 +135,7 @@ def _inside(cells: int, period: int) -> Mask:
 
 
 def _cuts(inside: Mask, chunk_size: int) -> NDArray[np.intp]:
-    """Where one axis is cut into chunks: after every `chunk_size` inside cells and the frame cell beside them, if any."""
+    """Where one axis is cut into chunks: after every `chunk_size` inside cells and their frame cell, if any."""
     ends = np.flatnonzero(inside)[chunk_size - 1 :: chunk_size] + 1
     last = len(inside)
     framed_between = len(ends) > 1 and not inside[min(ends[0], last - 1)]

@@ -43,11 +43,24 @@ def write(bundle: Bundle, folder: Path, *, force: bool = False) -> list[Path]:
         try:
             hidden.mkdir()
             for path, content in bundle.items():
-                _write_file(hidden / _inside(path), content)
+                _fill(hidden / _inside(path), content)
             _put_in_place(hidden, folder)
         finally:
             shutil.rmtree(hidden, ignore_errors=True)
     return sorted(folder / path for path in bundle)
+
+
+def write_file(content: Iterable[bytes], path: Path, *, force: bool = False) -> None:
+    """Write one file, whole or not at all; an OutputError where it is there already, unless `force`."""
+    if os.path.lexists(path) and not (force and path.is_file()):
+        raise OutputError(f"{path}: is there already; give --force to replace it, or another name")
+    with _told(path), _parent_of(path):
+        hidden = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+        try:
+            _fill(hidden, content)
+            hidden.replace(path)
+        finally:
+            hidden.unlink(missing_ok=True)
 
 
 def _inside(path: PurePosixPath) -> PurePosixPath:
@@ -56,7 +69,7 @@ def _inside(path: PurePosixPath) -> PurePosixPath:
     return path
 
 
-def _write_file(path: Path, content: Iterable[bytes]) -> None:
+def _fill(path: Path, content: Iterable[bytes]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("wb") as file:
         file.writelines(content)

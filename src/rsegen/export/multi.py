@@ -16,11 +16,21 @@ def files(scene: Scene) -> dict[str, Iterable[bytes]]:
     return {f"{scene.name}.world": sdf.encoded(sdf.world(scene, boxes(scene)))}
 
 
+def models(scene: Scene) -> int:
+    """Cells above the ground."""
+    return int((scene.field.heights > 0).sum())
+
+
+def faces(scene: Scene) -> int:
+    """Six a box."""
+    return 6 * models(scene)
+
+
 def boxes(scene: Scene) -> Iterator[str]:
     """A model for each cell above the ground: `block_X_Y` by block cell, `frame_I_J` by cell with frames counted."""
     field = scene.field
     x, y = ([decimal(float(at)) for at in (line[:-1] + line[1:]) / 2] for line in field.edges())
-    block_x, block_y = (np.cumsum(~field.frame.all(axis=1 - axis)) - 1 for axis in (0, 1))
+    block_x, block_y = (np.cumsum(field.inside(axis)) - 1 for axis in (0, 1))
     heights = field.heights
     for i, j in zip(*(cells.tolist() for cells in np.nonzero(heights)), strict=True):
         name = f"frame_{i}_{j}" if field.frame[i, j] else f"block_{block_x[i]}_{block_y[j]}"

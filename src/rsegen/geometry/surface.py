@@ -24,7 +24,7 @@ _Corners = NDArray[np.int64]
 
 
 class _Faces(NamedTuple):
-    """Rectangles by corner: (m, 4, 3) numbers of the x line, the y line and the height; what they look at and are of."""
+    """Rectangles: (m, 4, 3) corners by number of x line, y line and height; where they look, what they are of."""
 
     corners: _Corners
     normals: Ints
@@ -68,10 +68,10 @@ def _tops(rank: Ints, material: Ints) -> _Faces:
 def _risers(rank: Ints, material: Ints, axis: int) -> list[_Faces]:
     """The two sides, looking along +axis and -axis."""
     turned = (rank, material) if axis == 0 else (rank.T, material.T)
-    return [_side(*turned, axis, forward) for forward in (True, False)]
+    return [_side(*turned, axis, forward=forward) for forward in (True, False)]
 
 
-def _side(rank: Ints, material: Ints, axis: int, forward: bool) -> _Faces:
+def _side(rank: Ints, material: Ints, axis: int, *, forward: bool) -> _Faces:
     """Risers between neighbours along the first array axis, those that look forward or those that look back.
 
     A plane for each line between cells and each material; in it u counts cells across and v heights.

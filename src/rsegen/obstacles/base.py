@@ -30,6 +30,7 @@ class Grid:
 
     @property
     def shape(self) -> tuple[int, int]:
+        """Cells along x and y."""
         return self.n_x, self.n_y
 
 
@@ -48,14 +49,17 @@ class Obstacle(ABC):
     kind: ClassVar[str]
 
     max_height: Annotated[
-        int, Whole(2, 32767, unit="units", help="number of levels n: the heights 0, 1, .. n-1 units")
+        int,
+        Whole(2, 32767, unit="units", help="number of levels: 5 units of 10 cm give the heights 0, 10, 20, 30, 40 cm"),
     ]
-    softness: Annotated[float, Real(0, 100, unit="%", help="run-out of the sides: 0 is vertical")] = 0.0
+    softness: Annotated[
+        float, Real(0, 100, unit="%", help="run-out of the sides, 0 for vertical; takes as much off a random kind")
+    ] = 0.0
 
     def __post_init__(self) -> None:
         settle(self)
 
-    def check(self, first: Place, last: Place) -> None:
+    def check(self, first: Place, last: Place) -> None:  # noqa: B027  # most kinds lie anywhere
         """Raise a ParameterError where this kind cannot lie between these two places."""
 
     def usual_ends(self, grid: Grid) -> tuple[Place, Place]:

@@ -28,7 +28,7 @@ class HorizontalBarrier(Barrier):
             raise ParameterError("last", f"{ends} share neither x nor y, as the ends of a horizontal barrier do")
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-        """An axis that the ends can share is drawn, then the line on it; where neither end is given, it spans the map."""
+        """On an axis that both can share, at a line that is drawn if need be; across the map where no end is given."""
         axes = _shareable(first, last)
         shared = axes[pick(rng, 0, len(axes) - 1)]
         line = _given(first[shared], last[shared])

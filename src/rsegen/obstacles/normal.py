@@ -20,9 +20,7 @@ class NormalRandom(Region):
 
     kind: ClassVar[str] = "normal_random"
 
-    spread: Annotated[
-        float, Real(0.001, 100, help="standard deviation, as a share of the full height")
-    ] = 0.2
+    spread: Annotated[float, Real(0.001, 100, help="standard deviation, as a share of the full height")] = 0.2
 
     def drawn(self, uniform: Array) -> Levels:
         """floor(n f) with f = clip(0.5 + z spread, 0, 1 - eps) (1 - s/100) and z = the normal quantile of `uniform`.

@@ -1,0 +1,7 @@
+"""python -m rsegen."""
+
+import sys
+
+from rsegen.cli import main
+
+sys.exit(main())

@@ -1,0 +1,82 @@
+"""From flags to a recipe: one flag for every global parameter, named after it."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from rsegen.codec import decode_placement, load
+from rsegen.errors import ParameterError, shown
+from rsegen.obstacles import kind
+from rsegen.params import parameters
+from rsegen.recipe import Placement, Recipe
+
+Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+
+OBSTACLE_HELP = "add an obstacle, as in 'peak max_height=5 softness=30 first=2,2 last=7,7'; may be repeated"
+
+
+def add_recipe_flags(command: argparse.ArgumentParser) -> None:
+    """Every global parameter and `--obstacle`."""
+    group = command.add_argument_group("recipe", "each overrides what RECIPE says")
+    defaults = Recipe(seed=0)
+    for name, parameter in parameters(Recipe).items():
+        usual = "" if name in ("seed", "description") else f", {_plain(getattr(defaults, name))} by default"
+        text = f"{parameter.help} ({parameter.describe()}{usual})".replace("%", "%%")
+        group.add_argument(f"--{name.replace('_', '-')}", dest=name, metavar=_metavar(name), help=text)
+    group.add_argument("--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=OBSTACLE_HELP)
+
+
+def recipe_from(arguments: argparse.Namespace) -> Recipe:
+    """The recipe of the file, if one is given, with the flags over it and their obstacles after its own."""
+    known = parameters(Recipe)
+    given = {name: getattr(arguments, name) for name in known if getattr(arguments, name) is not None}
+    values: dict[str, Any] = {name: known[name].parse(text) for name, text in given.items()}
+    start = load(_file(arguments.recipe)) if arguments.recipe else Recipe()
+    added = tuple(placement(text) for text in arguments.obstacle)
+    return replace(start, **values, obstacles=start.obstacles + added)
+
+
+def placement(text: str) -> Placement:
+    """The obstacle that a text such as `peak max_height=5 first=2,2` stands for."""
+    try:
+        return decode_placement(_entry(text))
+    except ParameterError as error:
+        raise error.inside(f"--obstacle {shown(text)}: " if error.where else f"--obstacle {shown(text)}") from None
+
+
+def _entry(text: str) -> dict[str, object]:
+    try:
+        name, *pairs = shlex.split(text)
+    except ValueError:
+        raise ParameterError("", "give a kind and then KEY=VALUE, as in 'peak max_height=5'") from None
+    sorts = {**parameters(kind(name, "")), **parameters(Placement)}
+    entry: dict[str, object] = {"kind": name}
+    for pair in pairs:
+        key, equals, value = pair.partition("=")
+        if not equals:
+            raise ParameterError("", f"{shown(pair)} is not KEY=VALUE")
+        if key in entry:
+            raise ParameterError(key, "is given twice")
+        entry[key] = sorts[key].parse(value) if key in sorts else value
+    return entry
+
+
+def _file(text: str) -> Path:
+    path = Path(text)
+    return path / "recipe.json" if path.is_dir() else path
+
+
+def _metavar(name: str) -> str:
+    return {"chunks": "N|NxM", "name": "NAME", "description": "TEXT", "first_map": "INDEX"}.get(
+        name, name.rpartition("_")[2].upper()
+    )
+
+
+def _plain(value: object) -> str:
+    if isinstance(value, tuple):
+        return "x".join(map(str, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)

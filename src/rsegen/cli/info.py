@@ -1,0 +1,65 @@
+"""rsegen info: how large a map is, what stands in it, what it costs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator
+
+from rsegen.cli.flags import Subparsers
+from rsegen.cli.targets import MAP_HELP, TARGET_HELP, chosen
+from rsegen.pipeline import Account, account
+
+
+def add(commands: Subparsers) -> None:
+    """The parser of this command."""
+    command = commands.add_parser(
+        "info",
+        help="say how large a map is, what stands in it and what it costs",
+        description="Say how large a map is, how many blocks of each level it has, and its cost in faces and bytes.",
+    )
+    command.add_argument("target", metavar="RECIPE-or-DIR", help=TARGET_HELP)
+    command.add_argument("--map", metavar="INDEX", help=MAP_HELP)
+    command.add_argument("--json", action="store_true", help="print it for programs")
+    command.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Print it."""
+    found = account(chosen(arguments.target, arguments.map))
+    print(json.dumps(_summary(found), indent=2) if arguments.json else "\n".join(_report(found)))
+
+
+def _summary(found: Account) -> dict[str, object]:
+    return {
+        "name": found.name,
+        "seed": found.seed,
+        "cells": list(found.cells),
+        "size_m": list(found.extent),
+        "unit_cm": found.unit_cm,
+        "levels": list(found.level_counts),
+        "level_counts": found.level_counts,
+        "mesh_type": found.mesh_type,
+        "models": found.models,
+        "faces": found.faces,
+        "bytes": found.bytes,
+        "warnings": list(found.warnings),
+    }
+
+
+def _report(found: Account) -> Iterator[str]:
+    (n_x, n_y), (along_x, along_y) = found.cells, found.extent
+    blocks = sum(found.level_counts.values())
+    yield f"{found.name}, seed {found.seed}"
+    yield f"size     {n_x} x {n_y} cells with frames, {along_x:g} x {along_y:g} m"
+    yield f"blocks   {blocks:,} in levels of {found.unit_cm:g} cm"
+    for level, count in found.level_counts.items():
+        yield f"  level {level:>3}  {level * found.unit_cm:>7g} cm  {count:>9,}  {count / blocks:6.1%}"
+    cost = f"{_many(found.models, 'model')}, {_many(found.faces, 'face')}, {found.bytes:,} bytes"
+    yield f"costs    mesh type {found.mesh_type}: {cost}"
+    for text in found.warnings:
+        yield f"warning: {text}"
+
+
+def _many(count: int, what: str) -> str:
+    return f"{count:,} {what}{'' if count == 1 else 's'}"

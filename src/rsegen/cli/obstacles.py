@@ -1,0 +1,47 @@
+"""rsegen obstacles: the kinds, their parameters and ranges."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator, Mapping
+
+from rsegen.cli.flags import Subparsers
+from rsegen.codec import schema, summary
+from rsegen.obstacles import KINDS
+from rsegen.params import Parameter, parameters
+from rsegen.recipe import Placement
+
+
+def add(commands: Subparsers) -> None:
+    """The parser of this command."""
+    command = commands.add_parser(
+        "obstacles",
+        help="list the kinds of obstacles and their parameters",
+        description="List the kinds of obstacles with their parameters, ranges and meaning.",
+    )
+    command.add_argument("--json", action="store_true", help="print their JSON Schemas, for programs")
+    command.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Print them."""
+    if arguments.json:
+        print(json.dumps(schema()["properties"]["obstacles"]["items"]["oneOf"], indent=2))
+    else:
+        print("\n".join(_report()))
+
+
+def _report() -> Iterator[str]:
+    common = parameters(Placement)
+    for name, cls in KINDS.items():
+        yield f"{name}\n    {summary(cls)}"
+        yield from _rows(parameters(cls))
+        yield ""
+    yield "every kind"
+    yield from _rows(common)
+
+
+def _rows(known: Mapping[str, Parameter]) -> Iterator[str]:
+    for name, parameter in known.items():
+        yield f"    {name:<11} {parameter.help}: {parameter.describe()}"

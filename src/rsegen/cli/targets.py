@@ -1,0 +1,42 @@
+"""What a command can look at: a recipe file, the folder of a map, or a folder of such folders."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rsegen.codec import load
+from rsegen.errors import FileError, ParameterError, shown
+from rsegen.memory import refuse_too_large
+from rsegen.recipe import Recipe
+from rsegen.scene import Scene, compose
+
+TARGET_HELP = "a recipe (YAML, JSON), the folder of a map, or a folder of maps"
+MAP_HELP = "which map, by its index or its name (default: the first)"
+
+
+def recipes(target: str) -> Sequence[Recipe]:
+    """The recipe of a file or of a map's folder, or of every map in a folder; FileError where there is none."""
+    path = Path(target)
+    if not path.is_dir():
+        return [load(path)]
+    own = path / "recipe.json"
+    files = [own] if own.is_file() else sorted(path.glob("*/recipe.json"))
+    if not files:
+        raise FileError(f"{target}: no map in it, nor in its folders (a map's folder has a recipe.json)")
+    return [load(file) for file in files]
+
+
+def chosen(target: str, which: str | None) -> Scene:
+    """The scene of one map of `target`: the given one, or the first."""
+    for recipe in recipes(target):
+        index = recipe.first_map if which is None else _index(recipe, which)
+        if index is not None:
+            refuse_too_large(recipe)
+            return compose(recipe, index)
+    raise ParameterError("--map", f"there is no map {shown(which)} in {target}")
+
+
+def _index(recipe: Recipe, which: str) -> int | None:
+    digits = which.removeprefix(f"{recipe.name}_")
+    return int(digits) if digits.isdecimal() and len(digits) < 20 and int(digits) in recipe.indices else None
