@@ -155,7 +155,7 @@ class Text:
 
 def parameters(owner: type) -> Mapping[str, Parameter]:
     """The parameters of a dataclass by name, in the order of its fields."""
-    return _parameters(owner)  # type: ignore[arg-type]  # mypy doubts that a class is hashable
+    return _parameters(owner)
 
 
 @cache

@@ -45,13 +45,18 @@ def _joined(plane: Ints, u: Ints, v: Ints) -> Rectangles:
     order = np.lexsort((u, v, plane))
     plane, u, v = plane[order], u[order], v[order]
     starts = _starts((plane, v), u)
-    ends = np.append(starts[1:], len(u)) - 1
+    ends = _ends(starts, len(u))
     plane, u0, u1, v = plane[starts], u[starts], u[ends] + 1, v[starts]
     order = np.lexsort((v, u1, u0, plane))
     plane, u0, u1, v = plane[order], u0[order], u1[order], v[order]
     starts = _starts((plane, u0, u1), v)
-    ends = np.append(starts[1:], len(v)) - 1
+    ends = _ends(starts, len(v))
     return Rectangles(plane[starts], u0[starts], u1[starts], v[starts], v[ends] + 1)
+
+
+def _ends(starts: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """The last of every run, where the runs begin at `starts` and fill all of `count`."""
+    return np.append(starts, count)[1:] - 1 if count else starts
 
 
 def _starts(same: tuple[Ints, ...], along: Ints) -> NDArray[np.intp]:

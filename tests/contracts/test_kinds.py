@@ -1,0 +1,94 @@
+"""What every obstacle kind keeps to: a new file is tested here the moment it exists."""
+
+from __future__ import annotations
+
+import jsonschema
+import numpy as np
+import pytest
+
+from rsegen import KINDS, Obstacle, Placement, Recipe, build
+from rsegen.chance import generator
+from rsegen.codec import decode, encode, schema, summary
+from rsegen.obstacles import Grid
+from rsegen.params import parameters
+
+KIND = pytest.mark.parametrize("cls", KINDS.values(), ids=list(KINDS))
+GRIDS = pytest.mark.parametrize("grid", [Grid(10, 10, 10), Grid(20, 30, 10), Grid(1, 1, 1), Grid(7, 1, 1)], ids=str)
+
+
+def recipe_of(obstacle: Obstacle, grid: Grid = Grid(20, 30, 10)) -> Recipe:
+    chunks = grid.n_x // grid.chunk_size, grid.n_y // grid.chunk_size
+    placement = Placement(obstacle=obstacle)
+    return Recipe(chunk_size=grid.chunk_size, chunks=chunks, boundary="none", seed=5, obstacles=(placement,))
+
+
+@KIND
+@GRIDS
+@pytest.mark.parametrize("softness", [0, 37.5, 100])
+def test_levels_are_of_the_set_that_max_height_gives(cls: type[Obstacle], grid: Grid, softness: float) -> None:
+    recipe = recipe_of(cls(max_height=5, softness=softness), grid)
+    found = {level for index in range(20) for level in np.unique(build(recipe, index).levels).tolist()}
+    assert found <= {0, 1, 2, 3, 4}
+
+
+@KIND
+@GRIDS
+def test_ends_left_to_chance_lie_on_the_map(cls: type[Obstacle], grid: Grid) -> None:
+    obstacle = cls(max_height=5)
+    for index in range(50):
+        first, last = obstacle.ends(grid, ("random", "random"), ("random", "random"), generator(5, index, "k"))
+        assert all(0 <= at < cells for at, cells in zip((*first, *last), grid.shape * 2, strict=True))
+
+
+@KIND
+def test_ends_left_to_chance_differ_from_map_to_map(cls: type[Obstacle]) -> None:
+    obstacle = cls(max_height=5)
+    places = {
+        obstacle.ends(Grid(20, 30, 10), ("random", "random"), ("random", "random"), generator(5, index, "k"))
+        for index in range(20)
+    }
+    assert len(places) > 5
+
+
+@KIND
+def test_given_coordinates_stay(cls: type[Obstacle]) -> None:
+    grid = Grid(20, 30, 10)
+    for index in range(20):
+        first, last = cls(max_height=5).ends(grid, (3, "random"), ("random", 12), generator(5, index, "k"))
+        assert first[0] == 3
+        assert last[1] == 12
+
+
+@KIND
+def test_patch_fits_its_window(cls: type[Obstacle]) -> None:
+    patch = cls(max_height=5, softness=60).patch(Grid(20, 30, 10), (2, 4), (2, 9), generator(5, 0, "k"))
+    shape = tuple(part.stop - part.start for part in patch.window)
+    assert patch.levels.shape == patch.footprint.shape == shape
+    assert patch.levels.dtype == np.int16
+    assert patch.footprint.dtype == np.bool_
+
+
+@KIND
+def test_round_trip_through_a_file(cls: type[Obstacle]) -> None:
+    recipe = recipe_of(cls(max_height=7, softness=12.5))
+    assert decode(encode(recipe)) == recipe
+
+
+@KIND
+def test_schema_accepts_what_encode_writes_and_refuses_a_strange_key(cls: type[Obstacle]) -> None:
+    content = encode(recipe_of(cls(max_height=7, softness=12.5)))
+    jsonschema.validate(content, schema())
+    content["obstacles"][0]["hight"] = 3
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(content, schema())
+
+
+@KIND
+def test_every_parameter_is_explained(cls: type[Obstacle]) -> None:
+    assert summary(cls).endswith(".")
+    assert all(parameter.help and parameter.describe() for parameter in parameters(cls).values())
+
+
+@KIND
+def test_parameters_do_not_collide_with_those_of_a_placement(cls: type[Obstacle]) -> None:
+    assert not {"kind", *parameters(Placement)} & set(parameters(cls))
