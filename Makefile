@@ -1,13 +1,14 @@
 # make worlds   sets up and generates every example into worlds/
 # make test     sets up, with a real Gazebo where this machine allows one, and runs the tests
 # make check    lint, types, import contracts
+# make package  builds wheel and sdist into dist/ and tries the wheel
 # make docs     makes the generated parts of the manual and its pictures anew
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-ARGS ?=
+ARGS ?= --numprocesses=auto
 
-.PHONY: worlds test check docs gazebo lock
+.PHONY: worlds test check docs package gazebo lock
 
 worlds: $(VENV)/installed
 	for recipe in examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
@@ -24,6 +25,14 @@ check: $(VENV)/developer
 
 docs: $(VENV)/developer
 	$(BIN)/python -m docs.generate
+
+# The wheel, installed into an environment of its own, makes a world.
+package: $(VENV)/developer
+	rm -rf dist $(VENV)/package
+	$(BIN)/python -m build --outdir dist . >/dev/null
+	$(PYTHON) -m venv $(VENV)/package
+	$(VENV)/package/bin/pip install --quiet dist/*.whl
+	$(VENV)/package/bin/rsegen generate --seed 1 --obstacle 'random max_height=5' -o $(VENV)/package/worlds
 
 # A real simulator for the tests, set up where it is missing; where that cannot be, the tests that need it say so.
 gazebo:

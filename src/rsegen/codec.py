@@ -18,7 +18,9 @@ from rsegen.version import __version__
 
 FORMAT = 1
 SCHEMA_ID = "urn:rsegen:recipe:1"
-MAX_BYTES = 64 * 2**20
+MAX_BYTES = {".json": 64 * 2**20}
+MAX_BYTES_YAML = 4 * 2**20
+"""YAML takes a minute for so much; JSON a second for sixteen times more."""
 
 _ENVELOPE: dict[str, Parameter] = {
     "version": Whole(FORMAT, FORMAT, help="version of the recipe format"),
@@ -35,7 +37,7 @@ def load(path: str | Path) -> Recipe:
     try:
         return decode(content)
     except ParameterError as error:
-        raise error.inside(str(path)) if error.where.startswith("[") else _in_file(path, error) from None
+        raise error.of(str(path)) from None
 
 
 def save(recipe: Recipe, path: str | Path) -> None:
@@ -49,15 +51,18 @@ def save(recipe: Recipe, path: str | Path) -> None:
 
 def decode(content: object) -> Recipe:
     """The recipe that a file's content stands for."""
+    if content is None:
+        raise ParameterError("", "is empty; give keys such as obstacles: and chunk_size:")
     if not isinstance(content, Mapping):
         raise ParameterError("", f"{shown(content)} is not a recipe; give keys such as obstacles: and chunk_size:")
     known = [*parameters(Recipe), "obstacles", *_ENVELOPE]
     for key in content:
         if key not in known:
             raise UnknownName.among("", "key", key, known)
+    _refuse_gaps(content)
     for key in _ENVELOPE.keys() & content.keys():
         _ENVELOPE[key].check(key, content[key])
-    values = {key: value for key, value in content.items() if key not in _ENVELOPE and value is not None}
+    values = {key: value for key, value in content.items() if key not in _ENVELOPE}
     values["obstacles"] = decode_placements(values.get("obstacles", []))
     return Recipe(**values)
 
@@ -82,9 +87,10 @@ def decode_placement(entry: Mapping[str, Any]) -> Placement:
     """The placement of one row: `{"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]}`."""
     if "kind" not in entry:
         raise ParameterError("kind", f"is missing (known: {', '.join(KINDS)})")
+    _refuse_gaps(entry)
     cls = kind(entry["kind"])
     own, common = parameters(cls), parameters(Placement)
-    given = {key: value for key, value in entry.items() if key != "kind" and value is not None}
+    given = {key: value for key, value in entry.items() if key != "kind"}
     for key in given:
         if key not in own and key not in common:
             raise UnknownName.among("", f"parameter of {cls.kind}", key, [*own, *common])
@@ -92,6 +98,13 @@ def decode_placement(entry: Mapping[str, Any]) -> Placement:
         raise ParameterError("max_height", f"is missing; give {own['max_height'].describe()}")
     obstacle = cls(**{key: value for key, value in given.items() if key in own})
     return Placement(obstacle=obstacle, **{key: value for key, value in given.items() if key in common})
+
+
+def _refuse_gaps(content: Mapping[str, Json]) -> None:
+    """`boundary: null`, or a key with nothing after it, would be easily misread: as none, as 0, as the default."""
+    for key, value in content.items():
+        if value is None:
+            raise ParameterError(key, "has no value; give one, or leave the key out")
 
 
 def encode(recipe: Recipe) -> dict[str, Json]:
@@ -153,18 +166,18 @@ def summary(cls: type[Obstacle]) -> str:
 
 
 def _text(path: Path) -> str:
+    most = MAX_BYTES.get(path.suffix.lower(), MAX_BYTES_YAML)
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise FileError(f"{path}: larger than {MAX_BYTES // 2**20} MiB, too large for a recipe")
-        return path.read_text("utf-8-sig")
+        with path.open("rb") as file:
+            content = file.read(most + 1)
     except OSError as error:
         raise FileError(f"{path}: {error.strerror or error}") from None
+    if len(content) > most:
+        raise FileError(f"{path}: larger than {most // 2**20} MiB, too large for a recipe")
+    try:
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise FileError(f"{path}: not a text in UTF-8") from None
-
-
-def _in_file(path: Path, error: ParameterError) -> ParameterError:
-    return type(error)(f"{path}: {error.where}" if error.where else str(path), error.problem)
 
 
 def _parse_json(text: str, path: Path) -> object:

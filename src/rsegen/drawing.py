@@ -35,6 +35,7 @@ _LIT = {"top": 1.0, "x": 0.8, "y": 0.62}
 
 def picture(scene: Scene, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
     """The picture as the bytes of a file."""
+    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(14, 6.6), dpi=100, layout="constrained")
@@ -44,7 +45,8 @@ def picture(scene: Scene, format: str = "png") -> bytes:  # noqa: A002  # matplo
     _legend(figure, scene)
     figure.suptitle(_title(scene))
     stream = io.BytesIO()
-    figure.savefig(stream, format=format, metadata=_metadata(scene, format))
+    with rc_context({"svg.hashsalt": "rsegen"}):
+        figure.savefig(stream, format=format, metadata=_metadata(scene, format))
     return stream.getvalue()
 
 
@@ -132,7 +134,8 @@ def _arrows(axes: Axes, scene: Scene) -> None:
         start = corner - 0.06 * np.array(scene.field.extent)
         end = start + length * np.array(along)
         points = _projected(*np.array([[*start, 0], [*end, 0]]).T)
-        axes.annotate(name, xy=points[0], xytext=points[1], ha="center", va="center", arrowprops={"arrowstyle": "<-"})
+        look = {"ha": "center", "va": "center", "arrowprops": {"arrowstyle": "<-"}, "annotation_clip": False}
+        axes.annotate(name, xy=points[0], xytext=points[1], **look)
 
 
 def _legend(figure: Figure, scene: Scene) -> None:

@@ -13,8 +13,16 @@ RsegenError
 from __future__ import annotations
 
 import difflib
+import errno
 import reprlib
 from collections.abc import Iterable
+
+
+REFUSED = frozenset(
+    {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST}
+    | {errno.ENAMETOOLONG, errno.ELOOP}
+)
+"""What the system says where the user asked for a place that cannot be; anything else is a failure of the machine."""
 
 
 class RsegenError(Exception):
@@ -57,6 +65,10 @@ class ParameterError(UserError, ValueError):
         joint = "" if not self.where or self.where.startswith("[") else "."
         return type(self)(f"{outer}{joint}{self.where}", self.problem)
 
+    def of(self, source: str) -> ParameterError:
+        """The same error with the file or flag that it comes from: `recipe.yaml: obstacles[2].softness`."""
+        return type(self)(f"{source}: {self.where}" if self.where else source, self.problem)
+
 
 class UnknownName(ParameterError):
     """A name that is not among the known ones; the message gives the nearest and lists them all."""
@@ -65,16 +77,22 @@ class UnknownName(ParameterError):
     def among(cls, where: str, what: str, name: object, known: Iterable[str]) -> UnknownName:
         """The error for `name`, which should have been one of `known`."""
         names = sorted(known)
-        near = difflib.get_close_matches(str(name), names, n=1)
+        near = difflib.get_close_matches(name[:100], names, n=1) if isinstance(name, str) else []
         guess = f"; did you mean '{near[0]}'?" if near else ""
         return cls(where, f"unknown {what} {shown(name)}{guess} (known: {', '.join(names)})")
 
 
 def shown(value: object) -> str:
     """`value` as an error message shows it: short, and on one line whatever it is."""
-    return _SHORT.repr(value)
+    try:
+        text = " ".join(_SHORT.repr(value).splitlines())
+    except ValueError:  # Python writes out no number that is longer
+        return "a number of thousands of digits"
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
+_LONGEST = 120
 _SHORT = reprlib.Repr()
+_SHORT.maxlevel = 3
 _SHORT.maxstring = _SHORT.maxother = 60
 _SHORT.maxlong = 40

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rsegen.errors import TooLarge
 from rsegen.recipe import Recipe
 
-BYTES_A_CELL = {"single": 2000, "multi": 100, "pallet": 2000}
+BYTES_A_CELL = {"single": 1100, "multi": 200, "pallet": 1100}
 """Peak memory for each cell of a map, by mesh type: measured on random maps of 1000 x 1000, rounded up."""
 
 

@@ -94,11 +94,12 @@ class Whole:
         if number is None:
             raise ParameterError(where, f"{shown(value)} is not a whole number; give {self.describe()}")
         if number < self.low or (self.high is not None and number > self.high):
-            raise ParameterError(where, f"{shown(number)} is outside {self.describe()}")
+            amiss = "is not" if self.high is None else "is outside"
+            raise ParameterError(where, f"{shown(number)} {amiss} {self.describe()}")
         return number
 
     def parse(self, text: str) -> object:
-        return int(text) if re.fullmatch(r"[+-]?\d{1,40}", text) else text
+        return integer(text)
 
     def schema(self) -> dict[str, Json]:
         high = {} if self.high is None else {"maximum": self.high}
@@ -132,14 +133,14 @@ class Choice:
 
 @dataclass(frozen=True)
 class Text:
-    """A text that a pattern matches whole."""
+    """A text that a pattern matches whole, and that UTF-8 can write."""
 
     pattern: str
     meaning: str
     help: str = ""
 
     def check(self, where: str, value: object) -> str:
-        if isinstance(value, str) and re.fullmatch(self.pattern, value):
+        if isinstance(value, str) and re.fullmatch(self.pattern, value) and not re.search("[\ud800-\udfff]", value):
             return value
         raise ParameterError(where, f"{shown(value)} will not do; give {self.meaning}")
 
@@ -184,8 +185,17 @@ def whole(value: object) -> int | None:
         return None
 
 
+def integer(text: str) -> int | str:
+    """The number that `text` writes in digits, or `text` itself where it does not."""
+    return int(text) if re.fullmatch(r"[+-]?[0-9]{1,4000}", text) else text
+
+
 def _interval(low: float, high: float, unit: str) -> str:
     tail = f" {unit}" if unit else ""
     if math.isinf(high):
-        return f"{low} or more{tail}"
-    return f"{low}..{high}{tail}"
+        return f"{_bound(low)} or more{tail}"
+    return f"{_bound(low)}..{_bound(high)}{tail}"
+
+
+def _bound(number: float) -> str:
+    return str(int(number)) if float(number).is_integer() else str(number)

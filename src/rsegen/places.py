@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from rsegen.errors import ParameterError, shown
-from rsegen.params import Json, whole
+from rsegen.params import Json, integer, whole
 
 Cell = tuple[int, int]
 """x and y in block cells of the whole map, frames left out."""
@@ -42,7 +42,7 @@ class AtCell:
 
     def parse(self, text: str) -> object:
         parts = text.split(",")
-        return text if len(parts) == 1 else [int(part) if part.isdecimal() else part for part in parts]
+        return text if len(parts) == 1 else [integer(part) for part in parts]
 
     def schema(self) -> dict[str, Json]:
         coordinate = {"anyOf": [{"type": "integer", "minimum": 0}, {"const": "random"}]}
@@ -55,8 +55,9 @@ class AtCell:
 
 @dataclass(frozen=True)
 class Pair:
-    """A whole number for each of x and y, 1 or more; one number stands for both."""
+    """A whole number for each of x and y, from 1 to a thousand million; one number stands for both."""
 
+    high: ClassVar[int] = 10**9
     help: str = ""
 
     def check(self, where: str, value: object) -> Cell:
@@ -65,18 +66,18 @@ class Pair:
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
         numbers = [whole(one) for one in values]
         for number in numbers:
-            if number is None or number < 1:
+            if number is None or not 1 <= number <= self.high:
                 raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
         return numbers[0], numbers[1]  # type: ignore[return-value]  # None was refused above
 
     def parse(self, text: str) -> object:
         parts = text.replace("x", ",").split(",")
-        numbers = [int(part) if part.isdecimal() else part for part in parts]
+        numbers = [integer(part) for part in parts]
         return numbers[0] if len(numbers) == 1 else numbers
 
     def schema(self) -> dict[str, Json]:
-        number = {"type": "integer", "minimum": 1}
+        number = {"type": "integer", "minimum": 1, "maximum": self.high}
         return {"anyOf": [number, {"type": "array", "items": number, "minItems": 2, "maxItems": 2}]}
 
     def describe(self) -> str:
-        return "a whole number from 1 on, or one for each of x and y, as in [2, 3]"
+        return f"a whole number in 1..{self.high}, or one for each of x and y, as in [2, 3]"

@@ -80,7 +80,7 @@ def _report(made: Generated) -> Iterator[str]:
 
 
 def _how_to_open(one: GeneratedMap, folder: Path) -> Iterator[str]:
-    """Lines to copy. Worlds name meshes relative to themselves; Gazebo Classic before 11.2 looks in `.` for them."""
+    """Lines to copy. Worlds name meshes relative to themselves; Gazebo Classic before 11.3 looks in `.` for them."""
     yield f"Gazebo Sim:     gz sim {shlex.quote(str(one.world))}"
     yield f"Gazebo Classic: cd {shlex.quote(str(one.folder))} && gazebo {shlex.quote(one.world.name)}"
     if (one.folder / "model.sdf").is_file():

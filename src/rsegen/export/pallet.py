@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from rsegen.export import sdf
 from rsegen.export.obj import mtl, obj
-from rsegen.geometry import Mesh, surface
+from rsegen.geometry import surface
 from rsegen.scene import Scene
 from rsegen.stepfield import Pallet
 
@@ -15,10 +15,10 @@ def files(scene: Scene) -> dict[str, Iterable[bytes]]:
     """A world of pallets, and a mesh for each; pallets without a block above the ground are left out."""
     found: dict[str, Iterable[bytes]] = {f"meshes/{scene.name}.mtl": mtl(scene)}
     parts = []
-    for pallet, mesh in _standing(scene):
+    for pallet in _standing(scene):
         name = "pallet_{}_{}".format(*pallet.chunk)
         uri = f"meshes/{scene.name}_{name}.obj"
-        found[uri] = obj(mesh, f"{scene.name}.mtl")
+        found[uri] = obj(surface(pallet.field), f"{scene.name}.mtl")
         parts.append(sdf.mesh_model(name, uri, scene.friction, pallet.centre))
     return found | {f"{scene.name}.world": sdf.encoded(sdf.world(scene, parts))}
 
@@ -30,11 +30,8 @@ def models(scene: Scene) -> int:
 
 def faces(scene: Scene) -> int:
     """Rectangles of all their surfaces."""
-    return sum(len(mesh.faces) for _, mesh in _standing(scene))
+    return sum(len(surface(pallet.field).faces) for pallet in _standing(scene))
 
 
-def _standing(scene: Scene) -> Iterator[tuple[Pallet, Mesh]]:
-    for pallet in scene.field.pallets(scene.recipe.chunk_size):
-        mesh = surface(pallet.field)
-        if len(mesh.faces):
-            yield pallet, mesh
+def _standing(scene: Scene) -> Iterator[Pallet]:
+    return (pallet for pallet in scene.field.pallets(scene.recipe.chunk_size) if pallet.field.heights.any())

@@ -1,0 +1,108 @@
+"""The generated parts of the manual: schema, obstacle reference, parameter table, pictures.
+
+    python -m docs.generate           makes them anew
+    python -m docs.generate --check   exits with 1 where one of them is out of date, and names it
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from rsegen import KINDS, Placement, Recipe, Scene, compose, load, schema
+from rsegen.codec import encode, summary
+from rsegen.drawing import picture
+from rsegen.params import Parameter, parameters
+
+DOCS = Path(__file__).parent
+EXAMPLES = sorted((DOCS.parent / "examples").glob("*.yaml"))
+
+
+def texts() -> dict[Path, str]:
+    """Every generated text by its file."""
+    return {
+        DOCS / "recipe.schema.json": json.dumps(schema(), indent=2) + "\n",
+        DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
+        DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
+        DOCS / "examples.md": "\n".join(_examples()) + "\n",
+    }
+
+
+def pictures() -> dict[Path, Scene]:
+    """What every generated picture shows, by its file: the first map of each example, and one of each kind alone."""
+    shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES}
+    shown |= {DOCS / "pictures" / f"kind-{kind}.png": _alone(kind) for kind in KINDS}
+    return {path: compose(recipe) for path, recipe in shown.items()}
+
+
+def stale() -> Iterator[Path]:
+    """The files that are missing or out of date; a picture is judged by the recipe that it carries."""
+    for path, text in texts().items():
+        if not path.exists() or path.read_text("utf-8") != text:
+            yield path
+    for path, scene in pictures().items():
+        if not path.exists() or _recipe_in(path) != encode(scene.alone):
+            yield path
+
+
+def main(arguments: list[str]) -> int:
+    """Make or check."""
+    if arguments == ["--check"]:
+        found = list(stale())
+        for path in found:
+            print(f"{path}: out of date; run: make docs")  # noqa: T201  # a command
+        return 1 if found else 0
+    for path, text in texts().items():
+        path.write_text(text, "utf-8", newline="\n")
+    for path, scene in pictures().items():
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(picture(scene))
+    return 0
+
+
+def _alone(kind: str) -> Recipe:
+    obstacle = KINDS[kind](max_height=5, softness=0 if "random" in kind else 50)
+    return Recipe(name=kind, seed=5, obstacles=(Placement(obstacle=obstacle),))
+
+
+def _recipe_in(path: Path) -> object:
+    from PIL import Image
+
+    with Image.open(io.BytesIO(path.read_bytes())) as found:
+        return json.loads(found.info.get("Description", "null"))
+
+
+def _obstacles() -> Iterator[str]:
+    yield "# Obstacles\n\nMade by `make docs` from the obstacle classes; `rsegen obstacles` prints the same."
+    for kind, cls in KINDS.items():
+        yield f"\n## `{kind}`\n\n{summary(cls)}\n"
+        yield from _table(parameters(cls))
+        yield f"\n![{kind}](pictures/kind-{kind}.png)"
+    yield "\n## Every kind\n"
+    yield from _table(parameters(Placement))
+
+
+def _parameters() -> Iterator[str]:
+    yield "# Global parameters\n\nMade by `make docs` from `rsegen.Recipe`; each is a key of the recipe file and a flag.\n"
+    yield from _table(parameters(Recipe))
+
+
+def _examples() -> Iterator[str]:
+    yield "# Examples\n\nMade by `make docs` from `examples/`."
+    for path in EXAMPLES:
+        yield f"\n## {path.stem}\n\n{load(path).description}: `rsegen generate examples/{path.name} -o worlds`\n"
+        yield f"![{path.stem}](pictures/{path.stem}.png)"
+
+
+def _table(known: Mapping[str, Parameter]) -> Iterator[str]:
+    yield "| parameter | values | meaning |\n|---|---|---|"
+    for name, parameter in known.items():
+        values = parameter.describe().replace("|", "\\|")
+        yield f"| `{name}` | {values} | {parameter.help} |"
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,79 @@
+"""The house keeps its promises."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rsegen
+from rsegen import KINDS
+from rsegen.cli import main
+from rsegen.codec import schema
+from rsegen.errors import RsegenError
+
+ROOT = Path(__file__).parents[1]
+EXAMPLES = sorted((ROOT / "examples").glob("*.yaml"))
+
+
+def test_public_names_are_all_there() -> None:
+    assert all(hasattr(rsegen, name) for name in rsegen.__all__)
+    assert rsegen.__all__ == sorted(rsegen.__all__, key=lambda name: (not name.isupper(), not name[0].isupper(), name))
+
+
+def test_every_obstacle_class_is_public_by_name() -> None:
+    assert {cls.__name__ for cls in KINDS.values()} <= set(rsegen.__all__)
+
+
+def test_error_tree_in_the_docstring_is_the_error_tree() -> None:
+    def tree(cls: type) -> set[str]:
+        return {cls.__name__}.union(*(tree(below) for below in cls.__subclasses__()))
+
+    drawn = (sys.modules["rsegen.errors"].__doc__ or "").split()
+    assert tree(RsegenError) <= set(drawn)
+
+
+@pytest.mark.parametrize("heavy", ["matplotlib", "tqdm", "psutil", "yaml"])
+def test_import_is_light(heavy: str) -> None:
+    code = f"import rsegen.cli, sys; sys.exit({heavy!r} in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_python_m_runs_the_command() -> None:
+    found = subprocess.run([sys.executable, "-m", "rsegen", "--version"], capture_output=True, text=True, check=True)
+    assert found.stdout == f"rsegen {rsegen.__version__}\n"
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_is_named_after_its_file_described_and_seeded(path: Path) -> None:
+    recipe = rsegen.load(path)
+    assert recipe.name == path.stem
+    assert recipe.description
+    assert "seed:" in path.read_text("utf-8")
+
+
+def test_the_examples_use_every_kind() -> None:
+    used = {placement.obstacle.kind for path in EXAMPLES for placement in rsegen.load(path).obstacles}
+    assert used == set(KINDS)
+
+
+def test_published_schema_is_current() -> None:
+    assert json.loads((ROOT / "docs" / "recipe.schema.json").read_text("utf-8")) == schema()
+
+
+GOLDEN = sorted((ROOT / "tests" / "golden").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("recipe", GOLDEN, ids=lambda path: path.stem)
+def test_golden_maps(tmp_path: Path, recipe: Path) -> None:
+    """Byte for byte; after a change that is meant: rsegen generate RECIPE -o tests/golden --force, and read the diff."""
+    assert main(["generate", str(recipe), "-o", str(tmp_path)]) == 0
+    (made,) = tmp_path.iterdir()
+    expected = recipe.parent / made.name
+    names = {str(path.relative_to(made)) for path in made.rglob("*") if path.is_file()}
+    assert names == {str(path.relative_to(expected)) for path in expected.rglob("*") if path.is_file()}
+    for name in names:
+        assert (made / name).read_text("utf-8") == (expected / name).read_text("utf-8"), name
