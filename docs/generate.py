@@ -1,7 +1,7 @@
 """The generated parts of the manual: schema, obstacle reference, parameter table, pictures.
 
-    python -m docs.generate           makes them anew
-    python -m docs.generate --check   exits with 1 where one of them is out of date, and names it
+python -m docs.generate           makes them anew
+python -m docs.generate --check   exits with 1 where one of them is out of date, and names it
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def _obstacles() -> Iterator[str]:
 
 
 def _parameters() -> Iterator[str]:
-    yield "# Global parameters\n\nMade by `make docs` from `rsegen.Recipe`; each is a key of the recipe file and a flag.\n"
+    yield "# Global parameters\n\nMade by `make docs` from `rsegen.Recipe`; each is a key of a recipe and a flag.\n"
     yield from _table(parameters(Recipe))
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import placements, recipes
 
 from rsegen import HorizontalBarrier, Peak, Placement, Random, Recipe, build
+from strategies import placements, recipes
 
 
 @given(recipes(), st.integers(0, 5))
@@ -26,7 +26,7 @@ def test_a_map_does_not_depend_on_how_many_are_made(recipe: Recipe, index: int, 
 @given(recipes())
 def test_levels_stay_below_the_largest_max_height(recipe: Recipe) -> None:
     levels = build(recipe).levels
-    assert 0 <= levels.min()
+    assert levels.min() >= 0
     assert levels.max() <= recipe.top_level
 
 
@@ -115,7 +115,9 @@ def test_a_shape_overwrites_only_where_it_stands_and_a_random_kind_its_whole_reg
 
 
 def test_a_random_horizontal_barrier_crosses_the_map() -> None:
-    recipe = Recipe(seed=9, chunks=(1, 2), boundary="none", obstacles=(Placement(obstacle=HorizontalBarrier(max_height=2)),))
+    recipe = Recipe(
+        seed=9, chunks=(1, 2), boundary="none", obstacles=(Placement(obstacle=HorizontalBarrier(max_height=2)),)
+    )
     along = set()
     for index in range(30):
         levels = build(recipe, index).levels

@@ -8,12 +8,12 @@ from pathlib import Path
 import jsonschema
 import pytest
 from hypothesis import given
-from strategies import recipes
 
 import rsegen
 from rsegen import Recipe
 from rsegen.codec import decode, encode, schema, to_json, to_yaml
 from rsegen.params import parameters
+from strategies import recipes
 
 
 @given(recipes())

@@ -47,7 +47,9 @@ def test_same_map_same_bytes_in_every_format(format_: str) -> None:
     assert picture(compose(RECIPE), format_) == picture(compose(RECIPE), format_)
 
 
-@pytest.mark.parametrize("recipe", [Recipe(seed=1, boundary="none"), replace(RECIPE, chunk_size=1)], ids=["flat", "one"])
+@pytest.mark.parametrize(
+    "recipe", [Recipe(seed=1, boundary="none"), replace(RECIPE, chunk_size=1)], ids=["flat", "one"]
+)
 def test_the_smallest_maps_can_be_drawn(recipe: Recipe) -> None:
     assert image(recipe).size == (1400, 660)
 

@@ -155,14 +155,14 @@ def test_weights_are_the_shares_of_the_levels() -> None:
 
 @given(HEIGHTS, SOFTNESS, st.integers(0, 1000))
 def test_equal_weights_give_the_levels_of_no_weights(max_height: int, softness: float, seed: int) -> None:
-    fields = [
+    plain, weighted = (
         build(Recipe(boundary="none", seed=seed, obstacles=(Placement(obstacle=obstacle, key="k"),))).levels
         for obstacle in (
             Random(max_height=max_height, softness=softness),
             Random(max_height=max_height, softness=softness, weights=(3,) * max_height),
         )
-    ]
-    np.testing.assert_array_equal(*fields)
+    )
+    np.testing.assert_array_equal(plain, weighted)
 
 
 def test_normal_random_is_smoother_than_random() -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
-from strategies import fields, recipes
 
 from rsegen import Recipe, StepField, build
 from rsegen.stepfield import framed
+from strategies import fields, recipes
 
 
 def test_divided_is_a_single_outer_and_a_double_inner_boundary() -> None:

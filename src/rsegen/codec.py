@@ -6,7 +6,7 @@ A file has the words of `Recipe`, and `version` (of this format), `generator` (w
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +18,8 @@ from rsegen.version import __version__
 
 FORMAT = 1
 SCHEMA_ID = "urn:rsegen:recipe:1"
-MAX_BYTES = {".json": 64 * 2**20}
-MAX_BYTES_YAML = 4 * 2**20
-"""YAML takes a minute for so much; JSON a second for sixteen times more."""
+MAX_MIB = {".json": 64, ".yaml": 4}
+"""The largest files that are read: a minute's work for PyYAML, a second's for JSON."""
 
 _ENVELOPE: dict[str, Parameter] = {
     "version": Whole(FORMAT, FORMAT, help="version of the recipe format"),
@@ -51,15 +50,12 @@ def save(recipe: Recipe, path: str | Path) -> None:
 
 def decode(content: object) -> Recipe:
     """The recipe that a file's content stands for."""
-    if content is None:
-        raise ParameterError("", "is empty; give keys such as obstacles: and chunk_size:")
     if not isinstance(content, Mapping):
         raise ParameterError("", f"{shown(content)} is not a recipe; give keys such as obstacles: and chunk_size:")
     known = [*parameters(Recipe), "obstacles", *_ENVELOPE]
     for key in content:
         if key not in known:
             raise UnknownName.among("", "key", key, known)
-    _refuse_gaps(content)
     for key in _ENVELOPE.keys() & content.keys():
         _ENVELOPE[key].check(key, content[key])
     values = {key: value for key, value in content.items() if key not in _ENVELOPE}
@@ -87,7 +83,6 @@ def decode_placement(entry: Mapping[str, Any]) -> Placement:
     """The placement of one row: `{"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]}`."""
     if "kind" not in entry:
         raise ParameterError("kind", f"is missing (known: {', '.join(KINDS)})")
-    _refuse_gaps(entry)
     cls = kind(entry["kind"])
     own, common = parameters(cls), parameters(Placement)
     given = {key: value for key, value in entry.items() if key != "kind"}
@@ -98,13 +93,6 @@ def decode_placement(entry: Mapping[str, Any]) -> Placement:
         raise ParameterError("max_height", f"is missing; give {own['max_height'].describe()}")
     obstacle = cls(**{key: value for key, value in given.items() if key in own})
     return Placement(obstacle=obstacle, **{key: value for key, value in given.items() if key in common})
-
-
-def _refuse_gaps(content: Mapping[str, Json]) -> None:
-    """`boundary: null`, or a key with nothing after it, would be easily misread: as none, as 0, as the default."""
-    for key, value in content.items():
-        if value is None:
-            raise ParameterError(key, "has no value; give one, or leave the key out")
 
 
 def encode(recipe: Recipe) -> dict[str, Json]:
@@ -166,14 +154,16 @@ def summary(cls: type[Obstacle]) -> str:
 
 
 def _text(path: Path) -> str:
-    most = MAX_BYTES.get(path.suffix.lower(), MAX_BYTES_YAML)
+    most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"])
     try:
         with path.open("rb") as file:
-            content = file.read(most + 1)
+            content = file.read(most * 2**20 + 1)
     except OSError as error:
         raise FileError(f"{path}: {error.strerror or error}") from None
-    if len(content) > most:
-        raise FileError(f"{path}: larger than {most // 2**20} MiB, too large for a recipe")
+    except ValueError as error:  # a name with a null character
+        raise FileError(f"{shown(str(path))}: {error}") from None
+    if len(content) > most * 2**20:
+        raise FileError(f"{path}: larger than {most} MiB, too large for a recipe (JSON: up to {MAX_MIB['.json']} MiB)")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -194,28 +184,48 @@ def _parse_json(text: str, path: Path) -> object:
     except json.JSONDecodeError as error:
         raise FileError(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
     except (RecursionError, ValueError) as error:
-        raise FileError(f"{path}: not a recipe: {error}") from None
+        raise FileError(f"{path}: not a recipe: {_words(error)}") from None
 
 
 def _parse_yaml(text: str, path: Path) -> object:
     import yaml
 
     class Loader(yaml.SafeLoader):
-        """Refuses a key that stands twice, which YAML forbids and PyYAML lets pass."""
+        """Refuses keys that stand twice, which YAML forbids and PyYAML lets pass, and merge keys, which can explode."""
 
-        def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:  # noqa: FBT001, FBT002  # PyYAML's
-            keys = [self.construct_object(key, deep=True) for key, _ in node.value]
-            for number, key in enumerate(keys):
-                if key in keys[:number]:
-                    raise FileError(
-                        f"{path}:{node.value[number][0].start_mark.line + 1}: the key {shown(key)} stands twice"
-                    )
-            return super().construct_mapping(node, deep)
+        def compose_mapping_node(self, anchor: Any) -> Any:
+            node = super().compose_mapping_node(anchor)
+            keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+            _refuse_twins([(key.value, f"{path}:{key.start_mark.line + 1}") for key in keys])
+            return node
+
+        def flatten_mapping(self, node: Any) -> None:
+            for key in (key for key, _ in node.value if key.tag == "tag:yaml.org,2002:merge"):
+                raise FileError(f"{path}:{key.start_mark.line + 1}: the key '<<' is not read here; write the keys out")
 
     try:
         return yaml.load(text, Loader)  # noqa: S506  # a SafeLoader
-    except yaml.MarkedYAMLError as error:
-        at = f":{error.problem_mark.line + 1}:{error.problem_mark.column + 1}" if error.problem_mark else ""
-        raise FileError(f"{path}{at}: not YAML: {error.problem}") from None
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        raise FileError(f"{path}: not YAML: {str(error).splitlines()[0]}") from None
+    except FileError:
+        raise
+    except Exception as error:  # PyYAML fails in many ways at values that are not what their tags say
+        mark = getattr(error, "problem_mark", None)
+        at = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
+        raise FileError(f"{path}{at}: not YAML: {_words(error)}") from None
+
+
+def _refuse_twins(keys: Iterable[tuple[str, str]]) -> None:
+    """A FileError for the first key that has been there before; each comes with its place."""
+    seen = set()
+    for key, where in keys:
+        if key in seen:
+            raise FileError(f"{where}: the key {shown(key)} stands twice")
+        seen.add(key)
+
+
+def _words(error: Exception) -> str:
+    """What a parser says, in a few words and without its advice to programmers."""
+    if isinstance(error, RecursionError):
+        return "nested too deeply"
+    if isinstance(error, (AttributeError, LookupError, TypeError)):
+        return "a value is not what its tag says"
+    return str(getattr(error, "problem", error)).partition(";")[0].partition("\n")[0]

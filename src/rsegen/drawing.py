@@ -134,8 +134,8 @@ def _arrows(axes: Axes, scene: Scene) -> None:
         start = corner - 0.06 * np.array(scene.field.extent)
         end = start + length * np.array(along)
         points = _projected(*np.array([[*start, 0], [*end, 0]]).T)
-        look = {"ha": "center", "va": "center", "arrowprops": {"arrowstyle": "<-"}, "annotation_clip": False}
-        axes.annotate(name, xy=points[0], xytext=points[1], **look)
+        text = axes.annotate(name, xy=points[0], xytext=points[1], arrowprops={"arrowstyle": "<-"})
+        text.set(ha="center", va="center", annotation_clip=False)
 
 
 def _legend(figure: Figure, scene: Scene) -> None:

@@ -17,7 +17,6 @@ import errno
 import reprlib
 from collections.abc import Iterable
 
-
 REFUSED = frozenset(
     {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST}
     | {errno.ENAMETOOLONG, errno.ELOOP}
@@ -84,6 +83,8 @@ class UnknownName(ParameterError):
 
 def shown(value: object) -> str:
     """`value` as an error message shows it: short, and on one line whatever it is."""
+    if value is None:
+        return "nothing"  # what stands after `boundary:` in a file is Python's None, and not the word none
     try:
         text = " ".join(_SHORT.repr(value).splitlines())
     except ValueError:  # Python writes out no number that is longer

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Annotated
 
@@ -77,7 +78,7 @@ class Recipe:
     seed: Annotated[int, Whole(0, SEEDS - 1, help="of all randomness; drawn and recorded where none is given")] = field(
         default_factory=fresh_seed
     )
-    obstacles: tuple[Placement, ...] = ()
+    obstacles: Sequence[Placement] = ()
 
     def __post_init__(self) -> None:
         settle(self)

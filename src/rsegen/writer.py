@@ -6,19 +6,17 @@ that is there already is left alone unless the caller says otherwise, and even t
 
 from __future__ import annotations
 
-import errno
 import os
 import secrets
 import shutil
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
 
-from rsegen.errors import OutputError, RsegenError, WriteError
+from rsegen.errors import REFUSED, OutputError, RsegenError, WriteError
 from rsegen.export import Bundle
 
 _MARK = "recipe.json"
-_REFUSED = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST, errno.ENAMETOOLONG}
 
 
 def refuse_taken(folders: Iterable[Path], *, force: bool) -> None:
@@ -28,7 +26,9 @@ def refuse_taken(folders: Iterable[Path], *, force: bool) -> None:
             continue
         if not force:
             raise OutputError(f"{folder}: is there already; give --force to replace it, or another folder or --name")
-        if folder.is_symlink() or not (folder / _MARK).is_file():
+        if folder.is_symlink():
+            raise OutputError(f"{folder}: is a link, so it is not replaced; give another folder or --name")
+        if not (folder / _MARK).is_file():
             raise OutputError(f"{folder}: was not made by rsegen (it has no {_MARK}), so it is not replaced")
 
 
@@ -50,10 +50,19 @@ def write(bundle: Bundle, folder: Path, *, force: bool = False) -> list[Path]:
     return sorted(folder / path for path in bundle)
 
 
+def refuse_taken_file(path: Path, *, force: bool) -> None:
+    """Raise an OutputError where something stands there that is not a file, or is not to be replaced."""
+    if not os.path.lexists(path):
+        return
+    if not path.is_file():
+        raise OutputError(f"{path}: is there already and is not a file; give another name")
+    if not force:
+        raise OutputError(f"{path}: is there already; give --force to replace it, or another name")
+
+
 def write_file(content: Iterable[bytes], path: Path, *, force: bool = False) -> None:
     """Write one file, whole or not at all; an OutputError where it is there already, unless `force`."""
-    if os.path.lexists(path) and not (force and path.is_file()):
-        raise OutputError(f"{path}: is there already; give --force to replace it, or another name")
+    refuse_taken_file(path, force=force)
     with _told(path), _parent_of(path):
         hidden = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
         try:
@@ -76,30 +85,28 @@ def _fill(path: Path, content: Iterable[bytes]) -> None:
 
 
 def _put_in_place(hidden: Path, folder: Path) -> None:
-    """Rename; a folder that stands there goes only when the new one is in its place."""
-    if not folder.exists():
-        hidden.rename(folder)
-        return
+    """Rename; a folder that stands there goes only when the new one is in its place, wherever it is interrupted."""
     old = folder.with_name(hidden.name + ".old")
-    folder.rename(old)
     try:
+        if folder.exists():
+            folder.rename(old)
         hidden.rename(folder)
-    except BaseException:
-        old.rename(folder)
-        raise
-    shutil.rmtree(old)
+    finally:
+        if old.exists() and not folder.exists():
+            old.rename(folder)
+        shutil.rmtree(old, ignore_errors=True)
 
 
 @contextmanager
 def _parent_of(folder: Path) -> Iterator[None]:
     """Make the folders above; where that was in vain, take the new ones away again."""
     missing = [above for above in folder.parents if not above.exists()]
-    folder.parent.mkdir(parents=True, exist_ok=True)
     try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
         yield
     except BaseException:
-        for above in missing:
-            if not any(above.iterdir()):
+        with suppress(OSError):  # it was not made, or something else is in it by now
+            for above in missing:
                 above.rmdir()
         raise
 
@@ -112,5 +119,5 @@ def _told(folder: Path) -> Iterator[None]:
     except RsegenError:
         raise
     except OSError as error:
-        kind = OutputError if error.errno in _REFUSED else WriteError
+        kind = OutputError if error.errno in REFUSED else WriteError
         raise kind(f"{folder}: cannot be written: {error.strerror or error}; nothing was left there") from error

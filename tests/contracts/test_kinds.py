@@ -16,7 +16,10 @@ KIND = pytest.mark.parametrize("cls", KINDS.values(), ids=list(KINDS))
 GRIDS = pytest.mark.parametrize("grid", [Grid(10, 10, 10), Grid(20, 30, 10), Grid(1, 1, 1), Grid(7, 1, 1)], ids=str)
 
 
-def recipe_of(obstacle: Obstacle, grid: Grid = Grid(20, 30, 10)) -> Recipe:
+GRID = Grid(20, 30, 10)
+
+
+def recipe_of(obstacle: Obstacle, grid: Grid = GRID) -> Recipe:
     chunks = grid.n_x // grid.chunk_size, grid.n_y // grid.chunk_size
     placement = Placement(obstacle=obstacle)
     return Recipe(chunk_size=grid.chunk_size, chunks=chunks, boundary="none", seed=5, obstacles=(placement,))

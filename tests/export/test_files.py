@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import trimesh
 from hypothesis import given, settings
-from strategies import recipes
 
 from rsegen import Recipe, compose
 from rsegen.codec import decode, to_json
@@ -20,6 +19,7 @@ from rsegen.export import MESH_TYPES, export
 from rsegen.export.numbers import decimal
 from rsegen.params import parameters
 from rsegen.scene import Scene
+from strategies import recipes
 
 
 def files_of(scene: Scene) -> dict[str, bytes]:
@@ -77,7 +77,7 @@ def test_obj_read_by_trimesh_has_the_volume_of_the_blocks(recipe: Recipe) -> Non
 
 def occupied_extent(scene: Scene) -> np.ndarray:
     cells = np.argwhere(scene.field.heights > 0)
-    return (np.ptp(cells, axis=0) + 1) * scene.field.block_width
+    return np.asarray((np.ptp(cells, axis=0) + 1) * scene.field.block_width)
 
 
 @given(recipes())
@@ -185,7 +185,8 @@ def test_paths_stay_inside_the_folder(recipe: Recipe) -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(0.1 + 0.2, "0.3"), (-0.0, "0"), (1e-12, "0"), (-1.25, "-1.25"), (100.0, "100"), (5e-7, "0.0000005")]
+    ("value", "text"),
+    [(0.1 + 0.2, "0.3"), (-0.0, "0"), (1e-12, "0"), (-1.25, "-1.25"), (100.0, "100"), (5e-7, "0.0000005")],
 )
 def test_numbers_are_plain_decimals(value: float, text: str) -> None:
     assert decimal(value) == text

@@ -9,11 +9,11 @@ import pytest
 import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import fields
 
 from rsegen import Placement, Random, Recipe, StepField, build
 from rsegen.geometry import NORMALS, Mesh, surface
 from rsegen.geometry.rectangles import merge_rectangles
+from strategies import fields
 
 
 def as_trimesh(mesh: Mesh) -> trimesh.Trimesh:
@@ -101,7 +101,7 @@ def test_a_ray_from_above_meets_every_cell_at_its_height() -> None:
     triangles = surface(field).vertices[surface(field).triangles]
     middle_x, middle_y = ((line[:-1] + line[1:]) / 2 for line in field.edges())
     for (i, j), height in np.ndenumerate(field.heights):
-        assert highest_at(triangles, middle_x[i] + 0.003, middle_y[j] + 0.001) == height
+        assert highest_at(triangles, float(middle_x[i]) + 0.003, float(middle_y[j]) + 0.001) == height
 
 
 def highest_at(triangles: np.ndarray, x: float, y: float) -> float:

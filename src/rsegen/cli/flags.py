@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import os.path
 import shlex
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from rsegen.codec import decode_placement, load
-from rsegen.errors import ParameterError, shown
+from rsegen.errors import FileError, ParameterError, shown
 from rsegen.obstacles import kind
 from rsegen.params import parameters
 from rsegen.recipe import Placement, Recipe
@@ -35,9 +36,9 @@ def recipe_from(arguments: argparse.Namespace) -> Recipe:
     known = parameters(Recipe)
     given = {name: getattr(arguments, name) for name in known if getattr(arguments, name) is not None}
     values: dict[str, Any] = {name: known[name].parse(text) for name, text in given.items()}
-    start = load(_file(arguments.recipe)) if arguments.recipe else Recipe()
+    start = Recipe() if arguments.recipe is None else load(_file(arguments.recipe))
     added = tuple(placement(text) for text in arguments.obstacle)
-    return replace(start, **values, obstacles=start.obstacles + added)
+    return replace(start, **values, obstacles=(*start.obstacles, *added))
 
 
 def placement(text: str) -> Placement:
@@ -45,7 +46,7 @@ def placement(text: str) -> Placement:
     try:
         return decode_placement(_entry(text))
     except ParameterError as error:
-        raise error.inside(f"--obstacle {shown(text)}: " if error.where else f"--obstacle {shown(text)}") from None
+        raise error.of(f"--obstacle {shown(text)}") from None
 
 
 def _entry(text: str) -> dict[str, object]:
@@ -66,8 +67,12 @@ def _entry(text: str) -> dict[str, object]:
 
 
 def _file(text: str) -> Path:
-    path = Path(text)
-    return path / "recipe.json" if path.is_dir() else path
+    if not os.path.isdir(text):
+        return Path(text)
+    path = Path(text) / "recipe.json"
+    if not path.is_file():
+        raise FileError(f"{text}: a folder without a recipe.json; give a recipe file or the folder of a map")
+    return path
 
 
 def _metavar(name: str) -> str:

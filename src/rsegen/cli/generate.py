@@ -25,12 +25,20 @@ def add(commands: Subparsers) -> None:
         epilog="rsegen obstacles lists the kinds of obstacles and their parameters.",
     )
     command.add_argument("recipe", nargs="?", metavar="RECIPE", help="YAML or JSON file, or the folder of a map")
-    command.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write the maps into")
+    command.add_argument(
+        "-o", "--output", type=_folder, required=True, metavar="DIR", help="folder to write the maps into"
+    )
     command.add_argument("--force", action="store_true", help="replace maps that are there already")
     command.add_argument("--preview", action="store_true", help="add a picture, preview.png, to every map")
     command.add_argument("--json", action="store_true", help="print a summary for programs")
     add_recipe_flags(command)
     command.set_defaults(run=run)
+
+
+def _folder(text: str) -> Path:
+    if not text:
+        raise argparse.ArgumentTypeError("nothing is given; give a folder, as in -o worlds")
+    return Path(text)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -92,7 +100,7 @@ def _how_to_open(one: GeneratedMap, folder: Path) -> Iterator[str]:
 @contextmanager
 def _bar(maps: int) -> Iterator[Callable[[GeneratedMap], None] | None]:
     """A progress bar on a terminal, where there is something to wait for."""
-    if maps == 1 or not sys.stderr.isatty():
+    if maps == 1 or not (sys.stderr and sys.stderr.isatty()):
         yield None
         return
     from tqdm import tqdm

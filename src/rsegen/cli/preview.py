@@ -8,7 +8,7 @@ from pathlib import Path
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.targets import MAP_HELP, TARGET_HELP, chosen
 from rsegen.drawing import picture, picture_format
-from rsegen.writer import write_file
+from rsegen.writer import refuse_taken_file, write_file
 
 
 def add(commands: Subparsers) -> None:
@@ -31,6 +31,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Draw, and write the picture."""
     path = Path(arguments.output)
     format_ = picture_format(path)
+    refuse_taken_file(path, force=arguments.force)
     scene = chosen(arguments.target, arguments.map)
     write_file([picture(scene, format_)], path, force=arguments.force)
     print(f"{path}: {scene.name}, seed {scene.recipe.seed}")

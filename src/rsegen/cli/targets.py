@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os.path
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -18,7 +19,7 @@ MAP_HELP = "which map, by its index or its name (default: the first)"
 def recipes(target: str) -> Sequence[Recipe]:
     """The recipe of a file or of a map's folder, or of every map in a folder; FileError where there is none."""
     path = Path(target)
-    if not path.is_dir():
+    if not os.path.isdir(target):
         return [load(path)]
     own = path / "recipe.json"
     files = [own] if own.is_file() else sorted(path.glob("*/recipe.json"))
@@ -29,12 +30,14 @@ def recipes(target: str) -> Sequence[Recipe]:
 
 def chosen(target: str, which: str | None) -> Scene:
     """The scene of one map of `target`: the given one, or the first."""
-    for recipe in recipes(target):
+    found = recipes(target)
+    for recipe in found:
         index = recipe.first_map if which is None else _index(recipe, which)
         if index is not None:
             refuse_too_large(recipe)
             return compose(recipe, index)
-    raise ParameterError("--map", f"there is no map {shown(which)} in {target}")
+    first, last = found[0].map_name(found[0].indices[0]), found[-1].map_name(found[-1].indices[-1])
+    raise ParameterError("--map", f"there is no map {shown(which)} in {target}; give an index or name, {first}..{last}")
 
 
 def _index(recipe: Recipe, which: str) -> int | None:
