@@ -9,12 +9,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from rsegen.errors import OutputError
 from rsegen.export import MESH_TYPES, export
-from rsegen.memory import refuse_too_large
 from rsegen.recipe import Recipe
+from rsegen.room import refuse_too_large, refuse_too_many
 from rsegen.scene import Scene, compose
-from rsegen.writer import refuse_taken, write
+from rsegen.writer import refuse_not_a_folder, refuse_taken, write
 
 MANY_MODELS = 1000
 """From here on a world of many models is slow to load (about 1.5 MB and 10 ms each in Gazebo Classic)."""
@@ -59,12 +58,12 @@ def generate(
     """Write every map of a recipe as `folder/NAME_000k`; `progress` is told of each that is done.
 
     `force` replaces maps that are there already; `preview` adds a picture to each. Raises an OutputError before
-    anything is written where a map's folder is taken, TooLarge where it would not fit into memory.
+    anything is written where a map's folder is taken, TooLarge where there is no room for the maps.
     """
     folder = Path(folder)
     refuse_too_large(recipe)
-    if folder.exists() and not folder.is_dir():
-        raise OutputError(f"{folder}: is a file; give a folder")
+    refuse_not_a_folder(folder)
+    refuse_too_many(recipe, folder)
     refuse_taken((folder / recipe.map_name(index) for index in recipe.indices), force=force)
     made = []
     for index in recipe.indices:

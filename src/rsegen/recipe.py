@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
+from itertools import count
 from typing import Annotated
 
 from rsegen.chance import SEEDS, fresh_seed
@@ -82,6 +83,8 @@ class Recipe:
 
     def __post_init__(self) -> None:
         settle(self)
+        if self.first_map + self.maps > SEEDS:
+            raise ParameterError("maps", f"{shown(self.maps)} from first_map {self.first_map} on go beyond {SEEDS - 1}")
         if not isinstance(self.obstacles, (list, tuple)):
             raise ParameterError("obstacles", f"{shown(self.obstacles)} is not a list of placements")
         for number, placement in enumerate(self.obstacles):
@@ -130,16 +133,16 @@ def _with_keys(placements: tuple[Placement, ...]) -> tuple[Placement, ...]:
         if placement.key in taken:
             raise ParameterError(f"obstacles[{number}].key", f"{shown(placement.key)} is another obstacle's key too")
         taken |= {placement.key} - {None}
-    return tuple(placement if placement.key else _with_key(placement, taken) for placement in placements)
+    free: dict[str, Iterator[str]] = {}
+    return tuple(placement if placement.key else _with_key(placement, taken, free) for placement in placements)
 
 
-def _with_key(placement: Placement, taken: set[str | None]) -> Placement:
+def _with_key(placement: Placement, taken: set[str | None], free: dict[str, Iterator[str]]) -> Placement:
+    """Named after its content; `free` goes on numbering the rows of one content, `taken` are the given keys."""
     content = json.dumps(placement.entry(), sort_keys=True).encode()
     stem = f"{placement.obstacle.kind}-{hashlib.blake2b(content, digest_size=4).hexdigest()}"
-    twins = (f"{stem}-{twin}" if twin else stem for twin in range(len(taken) + 1))
-    key = next(key for key in twins if key not in taken)
-    taken.add(key)
-    return replace(placement, key=key)
+    twins = free.setdefault(stem, (f"{stem}-{twin}" if twin else stem for twin in count()))
+    return replace(placement, key=next(key for key in twins if key not in taken))
 
 
 def _stated(instance: Obstacle | Placement) -> dict[str, Json]:

@@ -13,10 +13,21 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
 
-from rsegen.errors import REFUSED, OutputError, RsegenError, WriteError
+from rsegen.errors import REFUSED, OutputError, RsegenError, WriteError, shown
 from rsegen.export import Bundle
 
 _MARK = "recipe.json"
+
+
+def refuse_not_a_folder(folder: Path) -> None:
+    """Raise an OutputError where something else than a folder stands there, or none can have that name."""
+    try:
+        taken = folder.exists() and not folder.is_dir()
+    except (OSError, ValueError) as error:
+        name = str(folder) if isinstance(error, OSError) else shown(str(folder))
+        raise OutputError(f"{name}: {getattr(error, 'strerror', error)}") from None
+    if taken:
+        raise OutputError(f"{folder}: is a file; give a folder")
 
 
 def refuse_taken(folders: Iterable[Path], *, force: bool) -> None:

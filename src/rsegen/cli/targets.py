@@ -8,8 +8,8 @@ from pathlib import Path
 
 from rsegen.codec import load
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.memory import refuse_too_large
 from rsegen.recipe import Recipe
+from rsegen.room import refuse_too_large
 from rsegen.scene import Scene, compose
 
 TARGET_HELP = "a recipe (YAML, JSON), the folder of a map, or a folder of maps"

@@ -96,7 +96,8 @@ class Shaped(Obstacle):
         """The level on the axis or apex alone is the top one; the sides go down in steps (method: floor((n-1) f))."""
         window = _window(grid, first, last, int(np.ceil(self.reach(grid))))
         x, y = np.ogrid[window]
-        f = self.profile(x.astype(float), y.astype(float), first, last, grid)
+        with np.errstate(over="ignore"):  # a run-out of next to nothing
+            f = self.profile(x.astype(float), y.astype(float), first, last, grid)
         levels = np.floor((self.max_height - 1) * f + 1e-9).astype(np.int16)
         return Patch(window, levels, levels >= 1)
 

@@ -1,0 +1,68 @@
+"""Whether there is room for a recipe, in memory and on the disk: asked before anything is tried."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from pathlib import Path
+
+from rsegen.errors import TooLarge, shown
+from rsegen.recipe import Recipe
+
+BYTES_A_CELL = {"single": 1100, "multi": 200, "pallet": 1100}
+"""Peak memory for each cell of a map, by mesh type: measured on random maps of 1000 x 1000, rounded up."""
+
+BYTES_A_MAP = 5000
+"""What is kept of each map that is done, to be told at the end: measured on thousands of maps, rounded down."""
+
+BYTES_ON_DISK = 3 * 4096
+"""What a map takes on the disk at the very least: three files, of a block each."""
+
+
+def refuse_too_large(recipe: Recipe) -> None:
+    """Raise TooLarge where one map would need more memory than is free."""
+    n_x, n_y = _shape(recipe)
+    needed, free = n_x * n_y * BYTES_A_CELL[recipe.mesh_type], _free_memory()
+    if needed > free:
+        raise TooLarge(
+            f"chunks: a map of {n_x} x {n_y} cells needs about {_giga(needed)} of memory, "
+            f"and {_giga(free)} are free; give fewer chunks or a smaller chunk_size"
+        )
+
+
+def refuse_too_many(recipe: Recipe, folder: Path) -> None:
+    """Raise TooLarge where the maps would not fit on the folder's disk, nor what is kept of them into memory."""
+    room: dict[str, tuple[int, float]] = {
+        "memory": (BYTES_A_MAP, _free_memory()),
+        "disk": (BYTES_ON_DISK, _free_disk(folder)),
+    }
+    for what, (each, free) in room.items():
+        if recipe.maps * each > free:
+            raise TooLarge(
+                f"maps: {shown(recipe.maps)} of them need {_giga(recipe.maps * each)} of {what} or more, "
+                f"and {_giga(free)} are free; give fewer, and the next ones from first_map on"
+            )
+
+
+def _shape(recipe: Recipe) -> tuple[int, int]:
+    """Cells along x and y, frames included: small chunks have more frame than blocks."""
+    chunks_x, chunks_y = recipe.chunks
+    frames_x, frames_y = {"none": (0, 0), "outer": (2, 2), "divided": (2 * chunks_x, 2 * chunks_y)}[recipe.boundary]
+    return recipe.grid.n_x + frames_x, recipe.grid.n_y + frames_y
+
+
+def _free_memory() -> int:
+    import psutil
+
+    return int(psutil.virtual_memory().available)
+
+
+def _free_disk(folder: Path) -> float:
+    """Of the disk that the folder is on, or will be; what has no size, as /proc, says by itself that it takes nothing."""
+    there = next(above for above in (folder.absolute(), *folder.absolute().parents) if above.exists())
+    usage = shutil.disk_usage(there)
+    return usage.free if usage.total else math.inf
+
+
+def _giga(size: float) -> str:
+    return f"{size / 1e9:,.1f} GB" if size < 10**15 else "a million GB or more"

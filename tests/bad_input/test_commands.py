@@ -1,0 +1,146 @@
+"""Commands, flags, and what they are pointed at; what is there already; more than there is room for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pytest
+
+from complaints import (
+    OBSTACLE,
+    Refused,
+    exit_code,
+    recipe,
+)
+from rsegen.cli import COMMANDS
+
+COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
+    "maps beyond every index": (
+        ["generate", *OBSTACLE, "--maps", "9" * 400, "-o", "out"],
+        ["maps: 999", "first_map 0", "9223372036854775807"],
+    ),
+    "nothing": ([], ["COMMAND"]),
+    "a misspelt command": (["genrate"], ["'genrate'", "did you mean 'generate'?", "info, obstacles, preview, schema"]),
+    "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, info"]),
+    "a misspelt flag": (["generate", "-o", "out", "--sed", "1"], ["'--sed'", "did you mean '--seed'?", "--chunk-size"]),
+    "half a flag": (["generate", "-o", "out", "--chunk", "1"], ["'--chunk'", "did you mean '--chunks'?"]),
+    "another command's flag": (["info", "recipe.yaml", "--force"], ["'--force'", "--json"]),
+    "two recipes": (["generate", "a.yaml", "b.yaml", "-o", "out"], ["'b.yaml' is too much"]),
+    "no output": (["generate"], ["-o/--output"]),
+    "an output of no name": (["generate", "-o", ""], ["-o/--output", "give a folder"]),
+    "a recipe of no name": (["generate", "", "-o", "out"], ["directory"]),
+    "a flag without its value": (["generate", "-o", "out", "--seed"], ["--seed", "expected one argument"]),
+    "a recipe that is not there": (["generate", "no.yaml", "-o", "out"], ["no.yaml: No such file"]),
+    "a recipe in a file": (["generate", "file/r.yaml", "-o", "out"], ["file/r.yaml: Not a directory"]),
+    "a recipe of too long a name": (["generate", "n" * 300, "-o", "out"], ["nnn: File name too long"]),
+    "a folder without a recipe": (
+        ["generate", "folder", "-o", "out"],
+        ["folder: ", "recipe.json", "give a recipe file"],
+    ),
+    "a link to itself": (["info", "loop"], ["loop: Too many levels of symbolic links"]),
+    "a target that is not there": (["info", "no.yaml"], ["no.yaml: No such file"]),
+    "a target without maps": (["info", "folder"], ["folder: no map in it"]),
+    "a target of another sort": (["info", "file"], ["file: 'not a recipe' is not a recipe"]),
+    "an index beyond": (["info", "two.yaml", "--map", "2"], ["--map", "'2'", "two.yaml", "rse_0000..rse_0001"]),
+    "an index below": (["info", "two.yaml", "--map=-1"], ["--map", "'-1'", "rse_0000..rse_0001"]),
+    "an index that is a word": (["info", "two.yaml", "--map", "last"], ["--map", "'last'", "rse_0000..rse_0001"]),
+    "another map's name": (["info", "two.yaml", "--map", "map_0001"], ["--map", "'map_0001'", "rse_0000..rse_0001"]),
+    "an index of many digits": (["info", "two.yaml", "--map", "9" * 9000], ["--map", "'999", "rse_0000..rse_0001"]),
+    "an output that is a file": (["generate", "-o", "file"], ["file: is a file; give a folder"]),
+    "an output in a file": (["generate", "-o", "file/a/b"], ["file/a/b/rse_0000: cannot be written: Not a directory"]),
+    "an output of too long a name": (["generate", "-o", "n" * 300], ["nnn: File name too long"]),
+    "an output on a device": (["generate", "-o", "/dev/null"], ["/dev/null: is a file"]),
+    "an output where nothing can be": (["generate", "-o", "/proc/a/b"], ["/proc/a/b/rse_0000: cannot be written"]),
+    "a picture without an ending": (["preview", "two.yaml", "-o", "picture"], ["picture: ", ".png, .svg, .pdf"]),
+    "a picture of another ending": (["preview", "two.yaml", "-o", "p.bmp"], ["p.bmp: ", ".png, .svg, .pdf"]),
+    "a picture of an ending only": (["preview", "two.yaml", "-o", ".png"], [".png: ", "not a picture's name"]),
+    "a picture of no name": (["preview", "two.yaml", "-o", ""], ["not a picture's name"]),
+    "a picture that is there": (["preview", "two.yaml", "-o", "old.png"], ["old.png: is there already", "--force"]),
+    "a picture that is a folder": (
+        ["preview", "two.yaml", "-o", "folder.png", "--force"],
+        ["folder.png: is there already and is not a file"],
+    ),
+    "a picture in a file": (["preview", "two.yaml", "-o", "file/p.png"], ["file/p.png: cannot be written"]),
+    "a picture of a map beyond": (["preview", "two.yaml", "-o", "p.png", "--map", "2"], ["--map", "rse_0001"]),
+}
+
+
+@pytest.mark.parametrize(("arguments", "words"), COMMAND_LINES.values(), ids=COMMAND_LINES)
+def test_a_command_line(refused: Refused, arguments: Sequence[str], words: Sequence[str]) -> None:
+    recipe("not a recipe", "file")
+    recipe("maps: 2\nseed: 7\nchunk_size: 2\n", "two.yaml")
+    recipe("an old picture", "old.png")
+    Path("folder").mkdir()
+    Path("folder.png").mkdir()
+    Path("loop").symlink_to("loop")
+    line = refused(*arguments)
+    assert [word for word in words if word not in line] == []
+
+
+def test_json_does_not_change_how_a_mistake_is_told(refused: Refused) -> None:
+    assert refused("generate", "-o", "out", "--json", "--maps", "0") == refused("generate", "-o", "out", "--maps", "0")
+
+
+@pytest.mark.parametrize("command", [command.__name__.rpartition(".")[2] for command in COMMANDS])
+def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, command: str) -> None:
+    given = {"generate": ["-o", "out"], "preview": ["a.yaml", "-o", "p.png"], "info": ["a.yaml"]}
+    line = refused(command, *given.get(command, []), "--hlep")
+    assert "unknown flag '--hlep'; did you mean '--help'?" in line
+
+
+# What is there already.
+
+
+def test_a_map_that_is_there_is_left_alone_and_no_other_is_begun(refused: Refused) -> None:
+    assert exit_code("generate", *OBSTACLE, "--first-map", "2", "-o", "out") == 0
+    line = refused("generate", *OBSTACLE, "--maps", "5", "-o", "out")
+    assert "out/rse_0002: is there already; give --force to replace it" in line
+
+
+def test_force_spares_a_folder_that_is_not_a_map(refused: Refused) -> None:
+    Path("out/rse_0001").mkdir(parents=True)
+    recipe("years of work", "out/rse_0001/thesis.tex")
+    line = refused("generate", *OBSTACLE, "--maps", "2", "--force", "-o", "out")
+    assert "out/rse_0001: was not made by rsegen (it has no recipe.json)" in line
+
+
+def test_force_spares_a_file_in_the_place_of_a_map(refused: Refused) -> None:
+    Path("out").mkdir()
+    recipe("years of work", "out/rse_0000")
+    assert "out/rse_0000: was not made by rsegen" in refused("generate", *OBSTACLE, "--force", "-o", "out")
+
+
+@pytest.mark.parametrize("target", ["elsewhere", "nowhere"])
+def test_force_spares_a_link(refused: Refused, target: str) -> None:
+    Path("elsewhere").mkdir()
+    recipe("{}", "elsewhere/recipe.json")
+    Path("out").mkdir()
+    Path("out/rse_0000").symlink_to(f"../{target}")
+    assert "out/rse_0000: is a link" in refused("generate", *OBSTACLE, "--force", "-o", "out")
+
+
+# More than there is: said before it is tried.
+
+TOO_MUCH: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
+    "chunks": (["--chunks", "1000000"], ["chunks: a map of", "fewer chunks"]),
+    "chunks along one axis": (
+        ["--chunks", "1000000000x1", "--chunk-size", "1000"],
+        ["chunks: a map of", "fewer chunks"],
+    ),
+    "small chunks in frames": (["--chunks", "300000", "--chunk-size", "1"], ["900000 x 900000 cells"]),
+    "boxes": (["--chunks", "1000000", "--mesh-type", "multi"], ["chunks: a map of", "fewer chunks"]),
+    "maps": (["--maps", "1000000000000", "--chunk-size", "1"], ["maps: 1000000000000", "give fewer", "first_map"]),
+}
+
+
+@pytest.mark.parametrize(("flags", "words"), TOO_MUCH.values(), ids=TOO_MUCH)
+def test_more_than_there_is_memory_for(refused: Refused, flags: Sequence[str], words: Sequence[str]) -> None:
+    line = refused("generate", *OBSTACLE, *flags, "-o", "out")
+    assert " GB" in line
+    assert [word for word in words if word not in line] == []
+
+
+@pytest.mark.parametrize("command", [["info"], ["preview", "-o", "p.png"]], ids=["info", "preview"])
+def test_looking_at_more_than_there_is_memory_for(refused: Refused, command: list[str]) -> None:
+    assert "chunks: a map of" in refused(*command, recipe("chunks: 1000000\n"))
