@@ -32,11 +32,8 @@ def refuse_too_large(recipe: Recipe) -> None:
 
 def refuse_too_many(recipe: Recipe, folder: Path) -> None:
     """Raise TooLarge where the maps would not fit on the folder's disk, nor what is kept of them into memory."""
-    room: dict[str, tuple[int, float]] = {
-        "memory": (BYTES_A_MAP, _free_memory()),
-        "disk": (BYTES_ON_DISK, _free_disk(folder)),
-    }
-    for what, (each, free) in room.items():
+    room = (("memory", BYTES_A_MAP, _free_memory()), ("disk", BYTES_ON_DISK, _free_disk(folder)))
+    for what, each, free in room:
         if recipe.maps * each > free:
             raise TooLarge(
                 f"maps: {shown(recipe.maps)} of them need {_giga(recipe.maps * each)} of {what} or more, "
@@ -58,7 +55,7 @@ def _free_memory() -> int:
 
 
 def _free_disk(folder: Path) -> float:
-    """Of the disk that the folder is on, or will be; what has no size, as /proc, says by itself that it takes nothing."""
+    """Of the disk that the folder is on, or will be; no limit where there is no size, as in /proc."""
     there = next(above for above in (folder.absolute(), *folder.absolute().parents) if above.exists())
     usage = shutil.disk_usage(there)
     return usage.free if usage.total else math.inf
