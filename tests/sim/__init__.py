@@ -1,0 +1,1 @@
+"""What rsegen writes, judged by the simulators that read it."""

@@ -1,0 +1,69 @@
+"""The maps that simulators are given: every example, every mesh type and boundary, every obstacle kind."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+
+import rsegen
+from rsegen.export import MESH_TYPES
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
+BOUNDARIES = ("none", "divided", "outer")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Map:
+    """One map of a recipe, made and on disk."""
+
+    scene: rsegen.Scene
+    folder: Path
+
+    @property
+    def world(self) -> Path:
+        """The file that a simulator opens."""
+        return self.folder / f"{self.scene.name}.world"
+
+
+def examples() -> Iterator[rsegen.Recipe]:
+    """A recipe for every map of every example."""
+    for recipe in map(rsegen.load, EXAMPLES):
+        for index in recipe.indices:
+            yield replace(recipe, first_map=index, maps=1)
+
+
+def variants() -> Iterator[rsegen.Recipe]:
+    """A small random map of two chunks in every mesh type with every boundary."""
+    random = rsegen.Placement(obstacle=rsegen.Random(max_height=4))
+    for mesh_type, boundary in product(MESH_TYPES, BOUNDARIES):
+        yield rsegen.Recipe(
+            name=f"{mesh_type}-{boundary}",
+            chunk_size=5,
+            chunks=(2, 1),
+            mesh_type=mesh_type,
+            boundary=boundary,
+            seed=1,
+            obstacles=(random,),
+        )
+
+
+def kinds() -> Iterator[rsegen.Recipe]:
+    """A small map with nothing but one obstacle, for every kind, as one mesh and as boxes."""
+    for kind, mesh_type in product(rsegen.KINDS, ("single", "multi")):
+        placement = rsegen.Placement(obstacle=rsegen.KINDS[kind](max_height=4, softness=40))
+        yield rsegen.Recipe(
+            name=f"{kind}-{mesh_type}", chunk_size=6, mesh_type=mesh_type, seed=1, obstacles=(placement,)
+        )
+
+
+def map_name(recipe: rsegen.Recipe) -> str:
+    """What a test is called by."""
+    return recipe.map_name(recipe.first_map)
+
+
+def generated(recipe: rsegen.Recipe, folder: Path) -> Map:
+    """The first map of a recipe, written into a folder."""
+    made = rsegen.generate(recipe, folder).maps[0]
+    return Map(scene=rsegen.compose(recipe, made.index), folder=made.folder)
