@@ -149,7 +149,7 @@ def test_json_says_what_was_made(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert set(told) == {"folder", "seed", "maps"}
     assert (told["folder"], told["seed"]) == (str(tmp_path), 7)
     (one,) = told["maps"]
-    assert one["cells"] == [side, side]
+    assert one["size"] == [side, side]
     assert one["size_m"] == [side / 10, side / 10]
     assert one["levels"] == [0, 1, 2]
     assert sum(one["level_counts"].values()) == 400

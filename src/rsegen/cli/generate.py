@@ -63,7 +63,7 @@ def summary(made: Generated) -> dict[str, object]:
                 "index": one.index,
                 "folder": str(one.folder),
                 "world": str(one.world),
-                "cells": list(one.cells),
+                "size": list(one.cells),
                 "size_m": list(one.extent),
                 "levels": list(one.level_counts),
                 "level_counts": one.level_counts,

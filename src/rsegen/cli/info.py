@@ -34,7 +34,7 @@ def _summary(found: Account) -> dict[str, object]:
     return {
         "name": found.name,
         "seed": found.seed,
-        "cells": list(found.cells),
+        "size": list(found.cells),
         "size_m": list(found.extent),
         "unit_cm": found.unit_cm,
         "levels": list(found.level_counts),
