@@ -14,7 +14,7 @@ rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
 """
 
 from rsegen.build import build
-from rsegen.codec import load, save, schema
+from rsegen.codec import schema
 from rsegen.errors import RsegenError, UserError
 from rsegen.obstacles import KINDS, Obstacle
 from rsegen.obstacles.diagonal import DiagonalBarrier
@@ -24,6 +24,7 @@ from rsegen.obstacles.peak import Peak
 from rsegen.obstacles.random import Random
 from rsegen.pipeline import Generated, GeneratedMap, generate
 from rsegen.recipe import Placement, Recipe
+from rsegen.recipe_file import load, save
 from rsegen.scene import Scene, compose
 from rsegen.stepfield import StepField
 from rsegen.version import __version__

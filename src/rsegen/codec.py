@@ -1,4 +1,4 @@
-"""Recipe <-> YAML and JSON; and the JSON Schema of a recipe file.
+"""Recipe <-> the content of a recipe file; and its JSON Schema.
 
 A file has the words of `Recipe`, and `version` (of this format), `generator` (what wrote it), `$schema` (for editors).
 """
@@ -6,11 +6,10 @@ A file has the words of `Recipe`, and `version` (of this format), `generator` (w
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
-from rsegen.errors import FileError, ParameterError, UnknownName, shown
+from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.obstacles import KINDS, Obstacle, kind
 from rsegen.params import Json, Parameter, Text, Whole, parameters
 from rsegen.recipe import Placement, Recipe
@@ -18,34 +17,11 @@ from rsegen.version import __version__
 
 FORMAT = 1
 SCHEMA_ID = "urn:rsegen:recipe:1"
-MAX_MIB = {".json": 64, ".yaml": 4}
-"""The largest files that are read: a minute's work for PyYAML, a second's for JSON."""
-
 _ENVELOPE: dict[str, Parameter] = {
     "version": Whole(FORMAT, FORMAT, help="version of the recipe format"),
     "generator": Text(r"[^\x00-\x1f]{0,100}", "a short text", help="what wrote the file"),
     "$schema": Text(r"[^\x00-\x1f]{0,500}", "the address of a schema", help="for editors"),
 }
-
-
-def load(path: str | Path) -> Recipe:
-    """The recipe in a YAML or JSON file; FileError where it cannot be read, ParameterError where a value is wrong."""
-    path = Path(path)
-    text = _text(path)
-    content = _parse_json(text, path) if path.suffix.lower() == ".json" else _parse_yaml(text, path)
-    try:
-        return decode(content)
-    except ParameterError as error:
-        raise error.of(str(path)) from None
-
-
-def save(recipe: Recipe, path: str | Path) -> None:
-    """Write a recipe file: JSON where the name ends so, else YAML."""
-    path = Path(path)
-    try:
-        path.write_text(to_json(recipe) if path.suffix.lower() == ".json" else to_yaml(recipe), "utf-8", newline="\n")
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
 
 
 def decode(content: object) -> Recipe:
@@ -151,81 +127,3 @@ def _property(parameter: Parameter) -> dict[str, Json]:
 def summary(cls: type[Obstacle]) -> str:
     """A kind's meaning in one line."""
     return (cls.__doc__ or "").strip().splitlines()[0]
-
-
-def _text(path: Path) -> str:
-    most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"])
-    try:
-        with path.open("rb") as file:
-            content = file.read(most * 2**20 + 1)
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
-    except ValueError as error:  # a name with a null character
-        raise FileError(f"{shown(str(path))}: {error}") from None
-    if len(content) > most * 2**20:
-        raise FileError(f"{path}: larger than {most} MiB, too large for a recipe (JSON: up to {MAX_MIB['.json']} MiB)")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise FileError(f"{path}: not a text in UTF-8") from None
-
-
-def _parse_json(text: str, path: Path) -> object:
-    def unique(pairs: list[tuple[str, Json]]) -> dict[str, Json]:
-        found: dict[str, Json] = {}
-        for key, value in pairs:
-            if key in found:
-                raise FileError(f"{path}: the key {shown(key)} stands twice")
-            found[key] = value
-        return found
-
-    try:
-        return json.loads(text, object_pairs_hook=unique)
-    except json.JSONDecodeError as error:
-        raise FileError(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
-    except (RecursionError, ValueError) as error:
-        raise FileError(f"{path}: not a recipe: {_words(error)}") from None
-
-
-def _parse_yaml(text: str, path: Path) -> object:
-    import yaml
-
-    class Loader(yaml.SafeLoader):
-        """Refuses keys that stand twice, which YAML forbids and PyYAML lets pass, and merge keys, which can explode."""
-
-        def compose_mapping_node(self, anchor: Any) -> Any:
-            node = super().compose_mapping_node(anchor)
-            keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-            _refuse_twins([(key.value, f"{path}:{key.start_mark.line + 1}") for key in keys])
-            return node
-
-        def flatten_mapping(self, node: Any) -> None:
-            for key in (key for key, _ in node.value if key.tag == "tag:yaml.org,2002:merge"):
-                raise FileError(f"{path}:{key.start_mark.line + 1}: the key '<<' is not read here; write the keys out")
-
-    try:
-        return yaml.load(text, Loader)  # noqa: S506  # a SafeLoader
-    except FileError:
-        raise
-    except Exception as error:  # PyYAML fails in many ways at values that are not what their tags say
-        mark = getattr(error, "problem_mark", None)
-        at = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
-        raise FileError(f"{path}{at}: not YAML: {_words(error)}") from None
-
-
-def _refuse_twins(keys: Iterable[tuple[str, str]]) -> None:
-    """A FileError for the first key that has been there before; each comes with its place."""
-    seen = set()
-    for key, where in keys:
-        if key in seen:
-            raise FileError(f"{where}: the key {shown(key)} stands twice")
-        seen.add(key)
-
-
-def _words(error: Exception) -> str:
-    """What a parser says, in a few words and without its advice to programmers."""
-    if isinstance(error, RecursionError):
-        return "nested too deeply"
-    if isinstance(error, (AttributeError, LookupError, TypeError)):
-        return "a value is not what its tag says"
-    return str(getattr(error, "problem", error)).partition(";")[0].partition("\n")[0]

@@ -3,10 +3,10 @@
 RsegenError
 ├── UserError            what was asked for cannot be; the command line ends with exit code 2
 │   ├── ParameterError   a value is out of range, of the wrong type, or at odds with another
-│   ├── UnknownName      a kind, key or flag that is not there; lists the known ones
+│   │   └── UnknownName  a kind, key or flag that is not there; lists the known ones
 │   ├── FileError        a file or folder cannot be read, or is not what it should be
 │   ├── OutputError      the output folder is taken, or may not be written to
-│   └── TooLarge         it would need more memory than there is
+│   └── TooLarge         it would need more room than there is, in memory or on the disk
 └── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
 """
 
@@ -41,7 +41,7 @@ class OutputError(UserError):
 
 
 class TooLarge(UserError):
-    """It would need more memory than there is."""
+    """It would need more room than there is, in memory or on the disk."""
 
 
 class WriteError(RsegenError):

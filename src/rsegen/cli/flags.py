@@ -9,11 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from rsegen.codec import decode_placement, load
+from rsegen.codec import decode_placement
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.obstacles import kind
 from rsegen.params import parameters
 from rsegen.recipe import Placement, Recipe
+from rsegen.recipe_file import load
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 

@@ -6,9 +6,9 @@ import os.path
 from collections.abc import Sequence
 from pathlib import Path
 
-from rsegen.codec import load
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.recipe import Recipe
+from rsegen.recipe_file import load
 from rsegen.room import refuse_too_large
 from rsegen.scene import Scene, compose
 
