@@ -10,6 +10,7 @@ from typing import Any
 
 import jsonschema
 import pytest
+import yaml
 
 import rsegen
 from rsegen import KINDS, Recipe
@@ -200,7 +201,6 @@ def test_a_seed_that_was_drawn_is_shown_and_makes_the_same_map(
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_the_schema_accepts_every_example(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    yaml = pytest.importorskip("yaml")
     jsonschema.validate(yaml.safe_load(path.read_text("utf-8")), json.loads(printed(capsys, "schema")))
 
 

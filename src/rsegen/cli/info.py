@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator
 
 from rsegen.cli.flags import Subparsers
-from rsegen.cli.targets import MAP_HELP, TARGET_HELP, chosen
+from rsegen.cli.targets import add_target_flags, chosen
 from rsegen.pipeline import Account, account
 
 
@@ -18,8 +18,7 @@ def add(commands: Subparsers) -> None:
         help="say how large a map is, what stands in it and what it costs",
         description="Say how large a map is, how many blocks of each level it has, and its cost in faces and bytes.",
     )
-    command.add_argument("target", metavar="RECIPE-or-DIR", help=TARGET_HELP)
-    command.add_argument("--map", metavar="INDEX", help=MAP_HELP)
+    add_target_flags(command)
     command.add_argument("--json", action="store_true", help="print it for programs")
     command.set_defaults(run=run)
 

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from rsegen.cli.flags import Subparsers
-from rsegen.cli.targets import MAP_HELP, TARGET_HELP, chosen
+from rsegen.cli.targets import add_target_flags, chosen
 from rsegen.drawing import picture, picture_format
 from rsegen.writer import refuse_taken_file, write_file
 
@@ -18,11 +18,10 @@ def add(commands: Subparsers) -> None:
         help="draw a map: plan with heights, and a view in 3D",
         description="Draw a map: its plan with the heights, and a view in three dimensions. Needs no screen.",
     )
-    command.add_argument("target", metavar="RECIPE-or-DIR", help=TARGET_HELP)
+    add_target_flags(command)
     command.add_argument(
         "-o", "--output", required=True, metavar="FILE", help="png, svg, pdf, jpg or webp, by its ending"
     )
-    command.add_argument("--map", metavar="INDEX", help=MAP_HELP)
     command.add_argument("--force", action="store_true", help="replace a picture that is there already")
     command.set_defaults(run=run)
 

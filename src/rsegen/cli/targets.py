@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os.path
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,8 +13,12 @@ from rsegen.recipe_file import load
 from rsegen.room import refuse_too_large
 from rsegen.scene import Scene, compose
 
-TARGET_HELP = "a recipe (YAML, JSON), the folder of a map, or a folder of maps"
-MAP_HELP = "which map, by its index or its name (default: the first)"
+
+def add_target_flags(command: argparse.ArgumentParser) -> None:
+    """Where to look, and which map."""
+    where = "a recipe (YAML, JSON), the folder of a map, or a folder of maps"
+    command.add_argument("target", metavar="RECIPE-or-DIR", help=where)
+    command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
 
 
 def recipes(target: str) -> Sequence[Recipe]:
