@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from rsegen import Placement, Random, Recipe, StepField, build
 from rsegen.geometry import NORMALS, Mesh, surface
-from rsegen.geometry.rectangles import merge_rectangles
+from rsegen.geometry.rectangles import merge_squares
 from strategies import fields
 
 
@@ -129,7 +129,7 @@ def test_rectangles_cover_exactly_the_squares(squares: list[tuple[int, int, int]
     plane, u, v = np.array(squares, dtype=np.int64).reshape(-1, 3).T
     covered = [
         (p, i, j)
-        for p, u0, u1, v0, v1 in zip(*(column.tolist() for column in merge_rectangles(plane, u, v)), strict=True)
+        for p, u0, u1, v0, v1 in zip(*(column.tolist() for column in merge_squares(plane, u, v)), strict=True)
         for i in range(u0, u1)
         for j in range(v0, v1)
     ]
@@ -140,4 +140,4 @@ def test_each_plane_is_cut_the_better_way() -> None:
     comb = [(0, 0, v) for v in range(5)] + [(0, 1, v) for v in (0, 2, 4)]
     turned = [(1, v, u) for _, u, v in comb]
     plane, u, v = np.array(comb + turned, dtype=np.int64).T
-    assert np.bincount(merge_rectangles(plane, u, v).plane).tolist() == [4, 4]
+    assert np.bincount(merge_squares(plane, u, v).plane).tolist() == [4, 4]

@@ -1,11 +1,12 @@
 """Merging unit squares into few rectangles.
 
-A square is a cell (u, v) of a plane; planes are numbered and never meet. Squares in one row are joined to runs, equal
-runs in successive rows to rectangles; that is done along u and along v, and each plane keeps what gave it fewer.
+A square is a cell (u, v) of a plane; planes are numbered and never meet. Squares in one row are joined to strips, equal
+strips in successive rows to rectangles; that is done along u and along v, and each plane keeps what gave it fewer.
 """
 
 from __future__ import annotations
 
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
@@ -27,12 +28,16 @@ class Rectangles(NamedTuple):
         """Some of them, by number or by mask."""
         return Rectangles(*(column[which] for column in self))
 
+    @property
+    def turned(self) -> Rectangles:
+        """The same with u and v exchanged."""
+        return Rectangles(self.plane, self.v0, self.v1, self.u0, self.u1)
 
-def merge_rectangles(plane: Ints, u: Ints, v: Ints) -> Rectangles:
+
+def merge_squares(plane: Ints, u: Ints, v: Ints) -> Rectangles:
     """Rectangles that cover exactly the given squares, each once, sorted by plane."""
-    along_u = _joined(plane, u, v)
-    plane_v, v0, v1, u0, u1 = _joined(plane, v, u)
-    along_v = Rectangles(plane_v, u0, u1, v0, v1)
+    along_u = merge_strips(*_strips(plane, u, v)).turned
+    along_v = merge_strips(*_strips(plane, v, u))
     planes = int(plane.max(initial=-1)) + 1
     fewer = np.bincount(along_v.plane, minlength=planes) < np.bincount(along_u.plane, minlength=planes)
     kept = along_u.rows(~fewer[along_u.plane]), along_v.rows(fewer[along_v.plane])
@@ -40,29 +45,34 @@ def merge_rectangles(plane: Ints, u: Ints, v: Ints) -> Rectangles:
     return both.rows(np.argsort(both.plane, kind="stable"))
 
 
-def _joined(plane: Ints, u: Ints, v: Ints) -> Rectangles:
-    """Runs along u of squares, then stacks along v of equal runs."""
-    order = np.lexsort((u, v, plane))
-    plane, u, v = plane[order], u[order], v[order]
-    starts = _starts((plane, v), u)
-    ends = _ends(starts, len(u))
-    plane, u0, u1, v = plane[starts], u[starts], u[ends] + 1, v[starts]
-    order = np.lexsort((v, u1, u0, plane))
-    plane, u0, u1, v = plane[order], u0[order], u1[order], v[order]
-    starts = _starts((plane, u0, u1), v)
-    ends = _ends(starts, len(v))
-    return Rectangles(plane[starts], u0[starts], u1[starts], v[starts], v[ends] + 1)
+def merge_strips(plane: Ints, u: Ints, v0: Ints, v1: Ints) -> Rectangles:
+    """Rectangles of strips v0 <= v < v1, each one cell wide: those that are equal and follow one another along u."""
+    order = _order(plane, v0, v1, u)
+    plane, u, v0, v1 = plane[order], u[order], v0[order], v1[order]
+    starts, ends = _runs((plane, v0, v1), u)
+    return Rectangles(plane[starts], u[starts], u[ends] + 1, v0[starts], v1[starts])
 
 
-def _ends(starts: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-    """The last of every run, where the runs begin at `starts` and fill all of `count`."""
-    return np.append(starts, count)[1:] - 1 if count else starts
+def _strips(plane: Ints, along: Ints, row: Ints) -> tuple[Ints, Ints, Ints, Ints]:
+    """Squares of one row that follow one another: their plane and row, where they begin, and where they end."""
+    order = _order(plane, row, along)
+    plane, along, row = plane[order], along[order], row[order]
+    starts, ends = _runs((plane, row), along)
+    return plane[starts], row[starts], along[starts], along[ends] + 1
 
 
-def _starts(same: tuple[Ints, ...], along: Ints) -> NDArray[np.intp]:
-    """Where a new run begins: one of `same` changes, or `along` does not go on by one."""
-    broken = np.ones(len(along), dtype=bool)
-    broken[1:] = np.diff(along) != 1
+def _runs(same: tuple[Ints, ...], along: Ints) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """First and last of every run, in which all of `same` stay and `along` goes on by one."""
+    broken = np.ones(len(along) + 1, dtype=bool)
+    broken[1:-1] = np.diff(along) != 1
     for column in same:
-        broken[1:] |= np.diff(column) != 0
-    return np.flatnonzero(broken)
+        broken[1:-1] |= np.diff(column) != 0
+    return np.flatnonzero(broken[:-1]), np.flatnonzero(broken[1:])
+
+
+def _order(*columns: Ints) -> NDArray[np.intp]:
+    """The order by the first column, then the second, and so on; no two rows are equal. One sort where that can be."""
+    sizes = [int(column.max(initial=0)) + 1 for column in columns]
+    if prod(sizes) >= 2**63:
+        return np.lexsort(columns[::-1])
+    return np.argsort(np.ravel_multi_index(columns, tuple(sizes)))

@@ -11,13 +11,14 @@ Nothing faces down and nothing lies at z = 0, where the ground is. A riser belon
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.geometry.mesh import Mesh
-from rsegen.geometry.rectangles import Ints, Rectangles, merge_rectangles
+from rsegen.geometry.rectangles import Ints, Rectangles, merge_squares, merge_strips
 from rsegen.stepfield import StepField
 
 _Corners = NDArray[np.int64]
@@ -41,26 +42,33 @@ def surface(field: StepField) -> Mesh:
     order = np.argsort(faces.materials, kind="stable")
     edges_x, edges_y = field.edges()
     lines = (edges_x, edges_y, tops)
-    codes, numbers = np.unique(_codes(faces.corners[order], lines), return_inverse=True)
-    places = np.unravel_index(codes, tuple(map(len, lines)))
+    grid = tuple(map(len, lines))
+    codes, numbers = _welded(np.ravel_multi_index(tuple(np.moveaxis(faces.corners[order], 2, 0)), grid), prod(grid))
+    places = np.unravel_index(codes, grid)
     return Mesh(
         vertices=np.stack([line[at] for line, at in zip(lines, places, strict=True)], axis=1),
-        faces=numbers.reshape(-1, 4).astype(np.int32),
+        faces=numbers.astype(np.int32),
         normals=faces.normals[order].astype(np.int8),
         materials=faces.materials[order].astype(np.int16),
     )
 
 
-def _codes(corners: _Corners, lines: tuple[np.ndarray, ...]) -> Ints:
-    return np.ravel_multi_index(tuple(corners[..., axis].ravel() for axis in range(3)), tuple(map(len, lines)))
+def _welded(codes: Ints, possible: int) -> tuple[Ints, Ints]:
+    """Every code below `possible` that comes, once and sorted; and for each given code its number among them."""
+    if possible > 16 * codes.size:
+        found, numbers = np.unique(codes, return_inverse=True)
+        return found, numbers.reshape(codes.shape)
+    used = np.zeros(possible, dtype=bool)
+    used[codes] = True
+    return np.flatnonzero(used), (np.cumsum(used) - 1)[codes]
 
 
 def _tops(rank: Ints, material: Ints) -> _Faces:
     """One plane for each height and material."""
     x, y = np.nonzero(rank)
-    keys, plane = np.unique(np.stack([rank[x, y], material[x, y]]), axis=1, return_inverse=True)
-    found = merge_rectangles(plane.ravel(), x, y)
-    height, of = keys[:, found.plane]
+    kinds = int(material.max()) + 1
+    found = merge_squares(rank[x, y] * kinds + material[x, y], x, y)
+    height, of = np.divmod(found.plane, kinds)
     corners = _ring(found, lambda u, v: (u, v, height))
     return _Faces(corners, np.full(len(height), 4), of)
 
@@ -74,18 +82,16 @@ def _risers(rank: Ints, material: Ints, axis: int) -> list[_Faces]:
 def _side(rank: Ints, material: Ints, axis: int, *, forward: bool) -> _Faces:
     """Risers between neighbours along the first array axis, those that look forward or those that look back.
 
-    A plane for each line between cells and each material; in it u counts cells across and v heights.
+    A plane for each line between cells and each material; in it u counts cells across and v heights. In one plane all
+    risers end at one height, so where neighbours begin at one height too they are one rectangle.
     """
     around = np.pad(rank, ((1, 1), (0, 0)))
     higher, lower = (around[:-1], around[1:]) if forward else (around[1:], around[:-1])
     line, u = np.nonzero(higher > lower)
-    low, high = lower[line, u], higher[line, u]
-    of = material[line - 1 if forward else line, u]
-    pieces = np.repeat(np.arange(len(u)), high - low)
-    v = np.arange(len(pieces)) - np.repeat(np.cumsum(high - low) - high, high - low)
-    keys, plane = np.unique(np.stack([line, of])[:, pieces], axis=1, return_inverse=True)
-    found = merge_rectangles(plane.ravel(), u[pieces], v)
-    line, of = keys[:, found.plane]
+    kinds = int(material.max()) + 1
+    plane = line * kinds + material[line - 1 if forward else line, u]
+    found = merge_strips(plane, u, lower[line, u], higher[line, u])
+    line, of = np.divmod(found.plane, kinds)
     ring = _ring(found, (lambda u, v: (line, u, v)) if axis == 0 else (lambda u, v: (u, line, v)))
     outward = forward == (axis == 0)
     normal = 2 * axis + (0 if forward else 1)
