@@ -113,12 +113,19 @@ class _Server:
     def step(self, steps: int) -> None:
         """Simulate so many steps, as fast as the world's physics allows."""
         self._gz("world", "--multi-step", str(steps))
-        while self._steps() < steps:
-            continue
+        done, end = 0, time.monotonic() + PATIENCE
+        while done < steps:
+            before, done = done, self._steps()
+            end = time.monotonic() + PATIENCE if done > before else end
+            if time.monotonic() > end:
+                raise Lost(f"stands still at step {done} of {steps}")
 
     def poses(self) -> dict[str, Pose]:
         """Where every model stands, by its name."""
-        models = parse(self._told("topic", "--request", "entity_list")).parts["models"]
+        told = self._told("topic", "--request", "entity_list")
+        models = parse(told).parts.get("models")
+        if not models:
+            raise Lost(f"no models in: {told}")
         return {model.values["name"]: _pose(model.parts["pose"][0]) for model in models}
 
     def errors(self) -> list[str]:
@@ -128,7 +135,10 @@ class _Server:
     def _steps(self) -> int:
         """How many steps have been simulated since the start."""
         told = self._told("topic", "--echo", "~/world_stats", "--unformatted", "--duration", "1")
-        return int(re.findall(r"iterations: (\d+)", told)[-1])
+        counts = re.findall(r"iterations: (\d+)", told)
+        if not counts:
+            raise Lost(f"no count of iterations in: {told}")
+        return int(counts[-1])
 
     def _told(self, *arguments: str) -> str:
         """What a `gz` command prints, which is something."""
