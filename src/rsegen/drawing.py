@@ -85,7 +85,7 @@ def _view(axes: Axes, scene: Scene) -> None:
     from matplotlib.collections import PolyCollection
 
     heights, frame, levels, factor = _coarse(scene)
-    shapes, colours = _polygons(scene, heights, _colours(scene, frame, levels), factor * scene.field.block_width)
+    shapes, colours = _polygons(heights, _colours(scene, frame, levels), factor * scene.field.block_width)
     line = 0.35 if max(heights.shape) <= 60 else 0.0
     axes.add_collection(PolyCollection(list(shapes), facecolors=colours, edgecolors=colours * 0.55, linewidths=line))
     axes.set_aspect("equal")
@@ -96,7 +96,7 @@ def _view(axes: Axes, scene: Scene) -> None:
     _arrows(axes, scene)
 
 
-def _polygons(scene: Scene, heights: Array, colours: Array, width: float) -> tuple[Array, Array]:
+def _polygons(heights: Array, colours: Array, width: float) -> tuple[Array, Array]:
     """Tops and the two visible sides of every column, the farthest first: (m, 4, 2) on the picture, (m, 3) colours."""
     n_x, n_y = heights.shape
     padded = np.pad(heights, 1)

@@ -54,12 +54,8 @@ def _text(path: Path) -> str:
 
 def _parse_json(text: str, path: Path) -> object:
     def unique(pairs: list[tuple[str, Json]]) -> dict[str, Json]:
-        found: dict[str, Json] = {}
-        for key, value in pairs:
-            if key in found:
-                raise FileError(f"{path}: the key {shown(key)} stands twice")
-            found[key] = value
-        return found
+        _refuse_twins((key, str(path)) for key, _ in pairs)
+        return dict(pairs)
 
     try:
         return json.loads(text, object_pairs_hook=unique)
@@ -78,7 +74,7 @@ def _parse_yaml(text: str, path: Path) -> object:
         def compose_mapping_node(self, anchor: Any) -> Any:
             node = super().compose_mapping_node(anchor)
             keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-            _refuse_twins([(key.value, f"{path}:{key.start_mark.line + 1}") for key in keys])
+            _refuse_twins((key.value, f"{path}:{key.start_mark.line + 1}") for key in keys)
             return node
 
         def flatten_mapping(self, node: Any) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os.path
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 from rsegen.errors import FileError, ParameterError, shown
@@ -21,28 +21,27 @@ def add_target_flags(command: argparse.ArgumentParser) -> None:
     command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
 
 
-def recipes(target: str) -> Sequence[Recipe]:
+def recipes(target: str) -> Iterator[Recipe]:
     """The recipe of a file or of a map's folder, or of every map in a folder; FileError where there is none."""
     path = Path(target)
-    if not os.path.isdir(target):
-        return [load(path)]
-    own = path / "recipe.json"
-    files = [own] if own.is_file() else sorted(path.glob("*/recipe.json"))
+    own = path / "recipe.json" if os.path.isdir(target) else path
+    files = [own] if own == path or own.is_file() else sorted(path.glob("*/recipe.json"))
     if not files:
         raise FileError(f"{target}: no map in it, nor in its folders (a map's folder has a recipe.json)")
-    return [load(file) for file in files]
+    return map(load, files)
 
 
 def chosen(target: str, which: str | None) -> Scene:
     """The scene of one map of `target`: the given one, or the first."""
-    found = recipes(target)
-    for recipe in found:
+    names = []
+    for recipe in recipes(target):
         index = recipe.first_map if which is None else _index(recipe, which)
         if index is not None:
             refuse_too_large(recipe)
             return compose(recipe, index)
-    first, last = found[0].map_name(found[0].indices[0]), found[-1].map_name(found[-1].indices[-1])
-    raise ParameterError("--map", f"there is no map {shown(which)} in {target}; give an index or name, {first}..{last}")
+        names += [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
+    known = f"give an index or name, {names[0]}..{names[-1]}"
+    raise ParameterError("--map", f"there is no map {shown(which)} in {target}; {known}")
 
 
 def _index(recipe: Recipe, which: str) -> int | None:
