@@ -34,6 +34,9 @@ OVERRIDES: Mapping[str, tuple[str, object]] = {
     "boundary": ("outer", "outer"),
     "frame_height_cm": ("0", 0),
     "mesh_type": ("pallet", "pallet"),
+    "mesh": ("watertight", "watertight"),
+    "collision": ("boxes", "boxes"),
+    "tile": ("2", 2),
     "seed": ("9223372036854775807", 2**63 - 1),
 }
 """For every global parameter, a flag's text that differs from `recipe_file`, and what the map's recipe then says."""
@@ -248,7 +251,7 @@ def test_info_agrees_with_what_generate_made(tmp_path: Path, capsys: pytest.Capt
     told = read(capsys, "info", tmp_path / "rse_0000")
     assert told["bytes"] == sum(path.stat().st_size for path in tmp_path.rglob("*") if path.is_file())
     assert {key: told[key] for key in one.keys() & told.keys()} == {key: one[key] for key in one.keys() & told.keys()}
-    assert set(told) - set(one) == {"seed", "unit_cm", "mesh_type", "models", "faces", "bytes"}
+    assert set(told) - set(one) == {"seed", "unit_cm", "mesh_type", "models", "collisions", "faces", "bytes"}
 
 
 def test_info_for_people_says_size_levels_and_cost(recipe_file: Path, capsys: pytest.CaptureFixture[str]) -> None:

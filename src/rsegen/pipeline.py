@@ -10,13 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from rsegen.export import MESH_TYPES, export
+from rsegen.export.obj import faces
 from rsegen.recipe import Recipe
 from rsegen.room import refuse_too_large, refuse_too_many
 from rsegen.scene import Scene, compose
 from rsegen.writer import refuse_not_a_folder, refuse_taken, write
 
-MANY_MODELS = 1000
-"""From here on a world of many models is slow to load (about 1.5 MB and 10 ms each in Gazebo Classic)."""
+MANY = 1000
+"""From here on models (1.5 MB and 10 ms each in Gazebo Classic) or collisions (0.25 MB) are felt."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -75,7 +76,7 @@ def generate(
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Account:
-    """What a map is and costs: cells with frames, metres, blocks of each level; models, rectangles and bytes."""
+    """What a map is and costs: cells with frames, metres, blocks of each level; models, faces to be seen and bytes."""
 
     name: str
     seed: int
@@ -85,6 +86,7 @@ class Account:
     level_counts: dict[int, int]
     mesh_type: str
     models: int
+    collisions: int
     faces: int
     bytes: int
     warnings: tuple[str, ...]
@@ -92,6 +94,11 @@ class Account:
 
 def account(scene: Scene) -> Account:
     """The account of a map: its files are made for it, and not written."""
+    size = seen = 0
+    for path, content in export(scene).items():
+        for piece in content:
+            size += len(piece)
+            seen += faces(piece) if path.suffix == ".obj" else 0
     mesh_type = MESH_TYPES[scene.recipe.mesh_type]
     return Account(
         name=scene.name,
@@ -102,8 +109,9 @@ def account(scene: Scene) -> Account:
         level_counts=scene.field.level_counts(),
         mesh_type=scene.recipe.mesh_type,
         models=mesh_type.models(scene),
-        faces=mesh_type.faces(scene),
-        bytes=sum(len(piece) for content in export(scene).values() for piece in content),
+        collisions=mesh_type.collisions(scene),
+        faces=seen or 6 * mesh_type.models(scene),
+        bytes=size,
         warnings=warnings(scene),
     )
 
@@ -113,11 +121,17 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     found = []
     if not scene.field.levels.any():
         found.append("every block is at level 0: there is nothing to see but frames and ground")
-    models = MESH_TYPES[scene.recipe.mesh_type].models(scene)
-    if models > MANY_MODELS:
+    mesh_type = MESH_TYPES[scene.recipe.mesh_type]
+    models = mesh_type.models(scene)
+    if models > MANY:
         found.append(
             f"{models:,} models: Gazebo Classic needs about {models * 1.5 / 1000:,.1f} GB and {models / 100:,.0f} s to "
             "load them, Gazebo Sim CPU at every step; mesh_type pallet or single costs a hundredth"
+        )
+    elif (collisions := mesh_type.collisions(scene)) > MANY:
+        found.append(
+            f"{collisions:,} collisions: Gazebo Classic needs about {collisions / 4000:,.1f} GB for them and longer to "
+            "load and to step, Gazebo Sim several times the CPU; collision mesh costs next to nothing"
         )
     return tuple(found)
 

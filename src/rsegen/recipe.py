@@ -76,6 +76,19 @@ class Recipe:
     mesh_type: Annotated[
         str, Choice(("single", "multi", "pallet"), help="one model a map, one a block, or one a chunk")
     ] = "single"
+    mesh: Annotated[
+        str,
+        Choice(
+            ("merged", "watertight", "blocks"),
+            help="mesh: the exposed surface in few rectangles, closed and without gaps, or 6 faces a block",
+        ),
+    ] = "merged"
+    collision: Annotated[
+        str, Choice(("mesh", "boxes", "blocks"), help="what is touched: the same mesh, few boxes, or one box a block")
+    ] = "mesh"
+    tile: Annotated[
+        int, Whole(0, 100_000, unit="cells", help="side of the parts that the mesh is cut into, a file each; 0: none")
+    ] = 0
     seed: Annotated[int, Whole(0, SEEDS - 1, help="of all randomness; drawn and recorded where none is given")] = field(
         default_factory=fresh_seed
     )
@@ -85,6 +98,7 @@ class Recipe:
         settle(self)
         if self.first_map + self.maps > SEEDS:
             raise ParameterError("maps", f"{shown(self.maps)} from first_map {self.first_map} on go beyond {SEEDS - 1}")
+        self._check_shapes()
         if not isinstance(self.obstacles, (list, tuple)):
             raise ParameterError("obstacles", f"{shown(self.obstacles)} is not a list of placements")
         for number, placement in enumerate(self.obstacles):
@@ -115,6 +129,17 @@ class Recipe:
         """The recipe as a file has it: every parameter in full."""
         plain = {name: _plain(getattr(self, name)) for name in parameters(Recipe)}
         return plain | {"obstacles": [placement.entry() for placement in self.obstacles]}
+
+    def _check_shapes(self) -> None:
+        """Raise a ParameterError for a shape that models of this mesh type cannot have."""
+        if self.mesh_type == "multi" and self.mesh != "merged":
+            raise ParameterError("mesh", f"'{self.mesh}' is for mesh_type single and pallet; multi is made of boxes")
+        if self.mesh_type == "multi" and self.collision == "boxes":
+            raise ParameterError("collision", "'boxes' is for mesh_type single and pallet; in multi every block is one")
+        if self.tile and self.mesh_type != "single":
+            raise ParameterError("tile", f"{self.tile} is for mesh_type single; give 0 with mesh_type {self.mesh_type}")
+        if self.tile and self.mesh == "watertight":
+            raise ParameterError("tile", f"{self.tile} would cut a watertight mesh open; give 0, or mesh merged")
 
     def _check_placement(self, where: str, placement: object) -> None:
         if not isinstance(placement, Placement):

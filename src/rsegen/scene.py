@@ -6,10 +6,8 @@ StepField --compose--> Scene
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 from rsegen.build import build
-from rsegen.geometry import Mesh, surface
 from rsegen.recipe import Recipe
 from rsegen.stepfield import StepField
 
@@ -26,7 +24,7 @@ _LOW_TO_HIGH: tuple[Colour, ...] = (
 """From dark to light, so that heights can be told apart in grey too."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, slots=True)
 class Scene:
     """Map `index` of a recipe, as it stands in a world; `friction` is Coulomb's coefficient."""
 
@@ -44,11 +42,6 @@ class Scene:
     def alone(self) -> Recipe:
         """The recipe of this map and no other."""
         return replace(self.recipe, first_map=self.index, maps=1)
-
-    @cached_property
-    def mesh(self) -> Mesh:
-        """The merged surface of the whole map."""
-        return surface(self.field)
 
     def colour(self, material: int) -> Colour:
         """The colour of a material: 0 is the frame, any other the level."""

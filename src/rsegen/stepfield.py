@@ -16,6 +16,9 @@ Levels = NDArray[np.int16]
 Mask = NDArray[np.bool_]
 Array = NDArray[np.float64]
 
+Window = tuple[slice, slice]
+"""Cells of a field, from start to stop along x and y, frames counted."""
+
 NANOMETRE_DIGITS = 9
 """Metres are rounded to this many decimals, so that 3 * 0.1 m and 0.3 m are one height."""
 
@@ -56,6 +59,16 @@ class StepField:
         return self.levels.shape[0], self.levels.shape[1]
 
     @property
+    def whole(self) -> Window:
+        """All its cells."""
+        return slice(0, self.shape[0]), slice(0, self.shape[1])
+
+    def stands(self, window: Window | None = None) -> bool:
+        """Whether anything in it, or in a window of it, is above the ground."""
+        part = window or self.whole
+        return bool(self.levels[part].any() or (round(self.frame_height, NANOMETRE_DIGITS) and self.frame[part].any()))
+
+    @property
     def extent(self) -> tuple[float, float]:
         """Metres along x and y, frames included."""
         n_x, n_y = self.shape
@@ -94,7 +107,7 @@ class StepField:
                 part = slice(cuts_x[i], cuts_x[i + 1]), slice(cuts_y[j], cuts_y[j + 1])
                 yield Pallet(chunk=(i, j), centre=(float(x), float(y)), field=self._part(part))
 
-    def _part(self, part: tuple[slice, slice]) -> StepField:
+    def _part(self, part: Window) -> StepField:
         return StepField(
             levels=self.levels[part],
             frame=self.frame[part],

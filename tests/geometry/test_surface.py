@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 import trimesh
 from hypothesis import given
-from hypothesis import strategies as st
 
 from rsegen import Placement, Random, Recipe, StepField, build
-from rsegen.geometry import NORMALS, Mesh, surface
-from rsegen.geometry.rectangles import merge_squares
+from rsegen.geometry import NORMALS, Mesh, surface, windows
 from strategies import fields
 
 
@@ -56,14 +52,6 @@ def test_risers_fill_every_step_exactly(axis: int, sign: int, field: StepField) 
 
 
 @given(fields())
-def test_volume_is_that_of_the_blocks(field: StepField) -> None:
-    mesh = surface(field)
-    blocks = field.heights.sum() * field.block_width**2
-    volume = as_trimesh(mesh).volume if len(mesh.faces) else 0.0
-    assert volume == pytest.approx(blocks, rel=1e-9, abs=1e-12)
-
-
-@given(fields())
 def test_corners_turn_counterclockwise_seen_from_outside(field: StepField) -> None:
     mesh = surface(field)
     a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in (0, 1, 2))
@@ -96,25 +84,6 @@ def test_faces_have_the_material_of_their_block(field: StepField) -> None:
     }
 
 
-def test_a_ray_from_above_meets_every_cell_at_its_height() -> None:
-    field = build(Recipe(seed=4, chunks=(2, 2), obstacles=(Placement(obstacle=Random(max_height=5)),)))
-    triangles = surface(field).vertices[surface(field).triangles]
-    middle_x, middle_y = ((line[:-1] + line[1:]) / 2 for line in field.edges())
-    for (i, j), height in np.ndenumerate(field.heights):
-        assert highest_at(triangles, float(middle_x[i]) + 0.003, float(middle_y[j]) + 0.001) == height
-
-
-def highest_at(triangles: np.ndarray, x: float, y: float) -> float:
-    """Where a vertical line meets horizontal triangles; 0 for the ground."""
-    flat = triangles[np.ptp(triangles[:, :, 2], axis=1) == 0]
-    sides = [
-        (b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (b[:, 1] - a[:, 1]) * (x - a[:, 0])
-        for a, b in pairwise([*np.moveaxis(flat, 1, 0), flat[:, 0]])
-    ]
-    hit = np.all(np.stack(sides) > 0, axis=0)
-    return float(flat[hit, 0, 2].max(initial=0.0))
-
-
 def test_a_plain_is_one_rectangle_and_its_rim() -> None:
     plain = Placement(obstacle=Random(max_height=2, weights=(0, 1)))
     assert len(surface(build(Recipe(boundary="none", obstacles=(plain,)))).faces) == 5
@@ -124,20 +93,10 @@ def test_level_ground_has_no_surface() -> None:
     assert len(surface(build(Recipe(boundary="none"))).faces) == 0
 
 
-@given(st.lists(st.tuples(st.integers(0, 1), st.integers(0, 6), st.integers(0, 6)), unique=True))
-def test_rectangles_cover_exactly_the_squares(squares: list[tuple[int, int, int]]) -> None:
-    plane, u, v = np.array(squares, dtype=np.int64).reshape(-1, 3).T
-    covered = [
-        (p, i, j)
-        for p, u0, u1, v0, v1 in zip(*(column.tolist() for column in merge_squares(plane, u, v)), strict=True)
-        for i in range(u0, u1)
-        for j in range(v0, v1)
-    ]
-    assert sorted(covered) == sorted(squares)
-
-
-def test_each_plane_is_cut_the_better_way() -> None:
-    comb = [(0, 0, v) for v in range(5)] + [(0, 1, v) for v in (0, 2, 4)]
-    turned = [(1, v, u) for _, u, v in comb]
-    plane, u, v = np.array(comb + turned, dtype=np.int64).T
-    assert np.bincount(merge_squares(plane, u, v).plane).tolist() == [4, 4]
+def test_a_window_is_its_share_of_the_whole() -> None:
+    field = build(Recipe(seed=4, chunks=(2, 2), obstacles=(Placement(obstacle=Random(max_height=5)),)))
+    parts = [surface(field, window) for window in windows(field.whole, 7)]
+    assert len(parts) == 16
+    area = sum(as_trimesh(part).area for part in parts)
+    assert area == pytest.approx(as_trimesh(surface(field)).area, rel=1e-9)
+    assert sum(as_trimesh(part).volume for part in parts) == pytest.approx(field.heights.sum() * 0.01, rel=1e-9)

@@ -40,6 +40,7 @@ def _summary(found: Account) -> dict[str, object]:
         "level_counts": found.level_counts,
         "mesh_type": found.mesh_type,
         "models": found.models,
+        "collisions": found.collisions,
         "faces": found.faces,
         "bytes": found.bytes,
         "warnings": list(found.warnings),
@@ -54,7 +55,8 @@ def _report(found: Account) -> Iterator[str]:
     yield f"blocks   {blocks:,} in levels of {found.unit_cm:g} cm"
     for level, count in found.level_counts.items():
         yield f"  level {level:>3}  {level * found.unit_cm:>7g} cm  {count:>9,}  {count / blocks:6.1%}"
-    cost = f"{_many(found.models, 'model')}, {_many(found.faces, 'face')}, {found.bytes:,} bytes"
+    costs = (_many(found.models, "model"), _many(found.collisions, "collision"), _many(found.faces, "face"))
+    cost = f"{', '.join(costs)}, {found.bytes:,} bytes"
     yield f"costs    mesh type {found.mesh_type}: {cost}"
     for text in found.warnings:
         yield f"warning: {text}"

@@ -27,8 +27,8 @@ class MeshType(Protocol):
     def models(self, scene: Scene) -> int:
         """How many models the world has."""
 
-    def faces(self, scene: Scene) -> int:
-        """How many rectangles a simulator is given."""
+    def collisions(self, scene: Scene) -> int:
+        """How many shapes can be touched in it."""
 
 
 MESH_TYPES: Mapping[str, MeshType] = {"single": single, "multi": multi, "pallet": pallet}

@@ -4,23 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from rsegen.export import sdf
-from rsegen.export.obj import mtl, obj
-from rsegen.geometry import surface
+from rsegen.export import sdf, shapes
 from rsegen.scene import Scene
 from rsegen.stepfield import Pallet
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
     """A world of pallets, and a mesh for each; pallets without a block above the ground are left out."""
-    found: dict[str, Iterable[bytes]] = {f"meshes/{scene.name}.mtl": mtl(scene)}
-    parts = []
+    found: dict[str, Iterable[bytes]] = {f"{scene.name}.world": sdf.encoded(sdf.world(scene, _models(scene)))}
     for pallet in _standing(scene):
-        name = "pallet_{}_{}".format(*pallet.chunk)
-        uri = f"meshes/{scene.name}_{name}.obj"
-        found[uri] = obj(surface(pallet.field), f"{scene.name}.mtl")
-        parts.append(sdf.mesh_model(name, uri, scene.friction, pallet.centre))
-    return found | {f"{scene.name}.world": sdf.encoded(sdf.world(scene, parts))}
+        found |= shapes.mesh_files(scene, pallet.field, _stem(scene, pallet))
+    return found
 
 
 def models(scene: Scene) -> int:
@@ -28,10 +22,25 @@ def models(scene: Scene) -> int:
     return sum(1 for _ in _standing(scene))
 
 
-def faces(scene: Scene) -> int:
-    """Rectangles of all their surfaces."""
-    return sum(len(surface(pallet.field).faces) for pallet in _standing(scene))
+def collisions(scene: Scene) -> int:
+    """Of all of them."""
+    return sum(shapes.collisions(scene, pallet.field) for pallet in _standing(scene))
+
+
+def _models(scene: Scene) -> Iterator[str]:
+    for pallet in _standing(scene):
+        stem = _stem(scene, pallet)
+        seen, touched = (shape(scene, pallet.field, stem) for shape in (shapes.seen, shapes.touched))
+        yield from sdf.model(_name(pallet), seen, touched, scene.friction, sdf.numbers((*pallet.centre, 0)))
 
 
 def _standing(scene: Scene) -> Iterator[Pallet]:
-    return (pallet for pallet in scene.field.pallets(scene.recipe.chunk_size) if pallet.field.heights.any())
+    return (pallet for pallet in scene.field.pallets(scene.recipe.chunk_size) if pallet.field.stands())
+
+
+def _name(pallet: Pallet) -> str:
+    return "pallet_{}_{}".format(*pallet.chunk)
+
+
+def _stem(scene: Scene, pallet: Pallet) -> str:
+    return f"{scene.name}_{_name(pallet)}"

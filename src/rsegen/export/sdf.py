@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 from rsegen.export.numbers import decimal
-from rsegen.scene import Scene
+from rsegen.scene import Colour, Scene
 
 VERSION = "1.6"
 
@@ -55,24 +56,49 @@ def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
     yield "  </world>\n" + TAIL
 
 
-def mesh_model(name: str, uri: str | None, friction: float, place: tuple[float, float] = (0.0, 0.0)) -> str:
-    """A static model of one mesh, seen and touched alike; an empty one where there is no mesh."""
-    x, y = map(decimal, place)
-    pose = f"<pose>{x} {y} 0 0 0 0</pose>"
-    shape = f"<mesh><uri>{uri}</uri></mesh>"
-    parts = _touched(shape, friction) + _seen(shape) if uri else ""
-    return _model(name, pose, parts)
+class Shape(NamedTuple):
+    """A <geometry>, what it is called, where its middle is, metres, and its paint; each text as SDF has it."""
+
+    name: str
+    geometry: str
+    centre: str = ""
+    paint: str = ""
 
 
-def box_model(name: str, place: tuple[str, str], size: tuple[float, float], scene: Scene, material: int) -> str:
-    """A static box on the ground: `place` its centre, `size` its width and height, in metres."""
-    width, height = map(decimal, size)
-    x, y = place
-    pose = f"<pose>{x} {y} {decimal(size[1] / 2)} 0 0 0</pose>"
-    shape = f"<box><size>{width} {width} {height}</size></box>"
-    colour = " ".join(map(decimal, scene.colour(material)))
-    paint = f"<material><ambient>{colour} 1</ambient><diffuse>{colour} 1</diffuse></material>"
-    return _model(name, pose, _touched(shape, scene.friction) + _seen(shape, paint))
+def mesh(name: str, uri: str) -> Shape:
+    """The mesh of a file."""
+    return Shape(name, f"<mesh><uri>{uri}</uri></mesh>")
+
+
+def box(name: str, size: Iterable[float], centre: str = "", paint: str = "") -> Shape:
+    """A box along the axes, its size in metres."""
+    return Shape(name, f"<box><size>{numbers(size)}</size></box>", centre, paint)
+
+
+def model(
+    name: str, seen: Iterable[Shape], touched: Iterable[Shape], friction: float, place: str = "0 0 0"
+) -> Iterator[str]:
+    """A static model of shapes to be seen and shapes to be touched, piece by piece; `place` is x, y and z, metres."""
+    yield f"""\
+    <model name="{name}">
+      <static>true</static>
+      <pose>{place} 0 0 0</pose>
+      <link name="link">
+"""
+    yield from (_touched(shape, friction) for shape in touched)
+    yield from (_seen(shape) for shape in seen)
+    yield "      </link>\n    </model>\n"
+
+
+def numbers(values: Iterable[float]) -> str:
+    """Numbers as SDF has them."""
+    return " ".join(map(decimal, values))
+
+
+def paint(colour: Colour) -> str:
+    """A material of one colour."""
+    rgba = numbers((*colour, 1))
+    return f"<material><ambient>{rgba}</ambient><diffuse>{rgba}</diffuse></material>"
 
 
 def encoded(texts: Iterable[str]) -> Iterator[bytes]:
@@ -80,22 +106,11 @@ def encoded(texts: Iterable[str]) -> Iterator[bytes]:
     return (text.encode() for text in texts)
 
 
-def _model(name: str, pose: str, parts: str) -> str:
-    return f"""\
-    <model name="{name}">
-      <static>true</static>
-      {pose}
-      <link name="link">
-{parts}      </link>
-    </model>
-"""
-
-
-def _touched(shape: str, friction: float) -> str:
+def _touched(shape: Shape, friction: float) -> str:
     """`kd` 1000 lets soft wheels roll over the seams between coplanar triangles, which ODE would take for bumps."""
     return f"""\
-        <collision name="collision">
-          <geometry>{shape}</geometry>
+        <collision name="{shape.name}">{_pose(shape)}
+          <geometry>{shape.geometry}</geometry>
           <surface>
             <contact><ode><kd>1000</kd></ode></contact>
             {_friction(friction)}
@@ -104,12 +119,19 @@ def _touched(shape: str, friction: float) -> str:
 """
 
 
-def _seen(shape: str, paint: str = "") -> str:
+def _seen(shape: Shape) -> str:
     return f"""\
-        <visual name="visual">
-          <geometry>{shape}</geometry>{paint and chr(10) + " " * 10 + paint}
+        <visual name="{shape.name}">{_pose(shape)}
+          <geometry>{shape.geometry}</geometry>{shape.paint and _LINE + shape.paint}
         </visual>
 """
+
+
+def _pose(shape: Shape) -> str:
+    return shape.centre and f"{_LINE}<pose>{shape.centre} 0 0 0</pose>"
+
+
+_LINE = "\n" + " " * 10
 
 
 def _friction(mu: float) -> str:

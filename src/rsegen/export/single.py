@@ -1,26 +1,23 @@
-"""Mesh type `single`: the map is one model of one merged mesh, as a package that any world can include."""
+"""Mesh type `single`: the map is one model, as a package that any world can include."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import chain
 
-from rsegen.export import sdf
-from rsegen.export.obj import mtl, obj
+from rsegen.export import sdf, shapes
 from rsegen.scene import Scene
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
     """The model package, and a world with this model in it."""
     name = scene.name
-    mesh = f"meshes/{name}.obj" if len(scene.mesh.faces) else None
-    found: dict[str, Iterable[bytes]] = {
+    return {
         "model.config": [_config(name).encode()],
-        "model.sdf": sdf.encoded(_package(scene, mesh and f"model://{name}/{mesh}")),
-        f"{name}.world": sdf.encoded(sdf.world(scene, [sdf.mesh_model(name, mesh, scene.friction)])),
+        "model.sdf": sdf.encoded(chain([sdf.HEAD], _model(scene, f"model://{name}/"), [sdf.TAIL])),
+        f"{name}.world": sdf.encoded(sdf.world(scene, _model(scene))),
+        **shapes.mesh_files(scene, scene.field, name),
     }
-    if mesh:
-        found |= {mesh: obj(scene.mesh, f"{name}.mtl"), f"meshes/{name}.mtl": mtl(scene)}
-    return found
 
 
 def models(scene: Scene) -> int:
@@ -28,15 +25,15 @@ def models(scene: Scene) -> int:
     return 1
 
 
-def faces(scene: Scene) -> int:
-    """Rectangles of the merged surface."""
-    return len(scene.mesh.faces)
+def collisions(scene: Scene) -> int:
+    """Its mesh, or its tiles, or its boxes."""
+    return shapes.collisions(scene, scene.field)
 
 
-def _package(scene: Scene, uri: str | None) -> Iterator[str]:
-    yield sdf.HEAD
-    yield sdf.mesh_model(scene.name, uri, scene.friction)
-    yield sdf.TAIL
+def _model(scene: Scene, root: str = "") -> Iterator[str]:
+    """The map as a model; a recipe's URIs start with `root`."""
+    seen, touched = (shape(scene, scene.field, scene.name, root) for shape in (shapes.seen, shapes.touched))
+    return sdf.model(scene.name, seen, touched, scene.friction)
 
 
 def _config(name: str) -> str:

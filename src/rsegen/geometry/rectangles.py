@@ -1,24 +1,25 @@
-"""Merging unit squares into few rectangles.
+"""Merging equal squares of a grid into few rectangles with short seams.
 
-A square is a cell (u, v) of a plane; planes are numbered and never meet. Squares in one row are joined to strips, equal
-strips in successive rows to rectangles; that is done along u and along v, and each plane keeps what gave it fewer.
+labels of shape (n_u, n_v): squares of one label that touch are one plane, 0 is nothing. A plane is cut along v at every
+concave corner that `chords.walls` does not cut along u; what is left between the cuts are rectangles.
 """
 
 from __future__ import annotations
 
-from math import prod
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
+from rsegen.geometry.chords import walls
+
+Ints = NDArray[np.integer]
 
 
 class Rectangles(NamedTuple):
-    """The cells u0 <= u < u1, v0 <= v < v1 of a plane, one array entry a rectangle."""
+    """The squares u0 <= u < u1, v0 <= v < v1 that have one label, one array entry a rectangle."""
 
-    plane: Ints
+    label: Ints
     u0: Ints
     u1: Ints
     v0: Ints
@@ -28,51 +29,88 @@ class Rectangles(NamedTuple):
         """Some of them, by number or by mask."""
         return Rectangles(*(column[which] for column in self))
 
-    @property
-    def turned(self) -> Rectangles:
-        """The same with u and v exchanged."""
-        return Rectangles(self.plane, self.v0, self.v1, self.u0, self.u1)
+
+def merge(labels: Ints) -> Rectangles:
+    """Rectangles that cover every labelled square once; nearly the fewest that there can be."""
+    wall = walls(labels)
+    there, apart = labels != 0, labels[:, 1:] != labels[:, :-1]
+    begins, ends = there.copy(), there.copy()
+    begins[:, 1:] &= apart | wall
+    ends[:, :-1] &= apart | wall
+    return _stacked(labels, begins, np.flatnonzero(ends))
 
 
-def merge_squares(plane: Ints, u: Ints, v: Ints) -> Rectangles:
-    """Rectangles that cover exactly the given squares, each once, sorted by plane."""
-    along_u = merge_strips(*_strips(plane, u, v)).turned
-    along_v = merge_strips(*_strips(plane, v, u))
-    planes = int(plane.max(initial=-1)) + 1
-    fewer = np.bincount(along_v.plane, minlength=planes) < np.bincount(along_u.plane, minlength=planes)
-    kept = along_u.rows(~fewer[along_u.plane]), along_v.rows(fewer[along_v.plane])
-    both = Rectangles(*(np.concatenate(columns) for columns in zip(*kept, strict=True)))
-    return both.rows(np.argsort(both.plane, kind="stable"))
+def _stacked(labels: Ints, begins: NDArray[np.bool_], ends: NDArray[np.intp]) -> Rectangles:
+    """Strips along v, from where one begins to where it ends; equal ones in successive rows are one rectangle."""
+    n_u, n_v = labels.shape
+    starts = np.flatnonzero(begins)
+    lengths = np.zeros(labels.size, dtype=np.int32)
+    lengths[starts] = ends - starts + 1
+    flat = labels.ravel()
+    below = starts[np.searchsorted(starts, n_v) :]
+    goes_on = below[(lengths[below - n_v] == lengths[below]) & (flat[below - n_v] == flat[below])]
+    first, last = begins.copy(), begins
+    first.ravel()[goes_on] = False
+    last.ravel()[goes_on - n_v] = False
+    v0, u0 = np.divmod(np.flatnonzero(first.T), n_u)
+    u1 = np.flatnonzero(last.T) - v0 * n_u + 1
+    at = u0 * n_v + v0
+    return Rectangles(flat[at], u0, u1, v0, v0 + lengths[at])
 
 
-def merge_strips(plane: Ints, u: Ints, v0: Ints, v1: Ints) -> Rectangles:
-    """Rectangles of strips v0 <= v < v1, each one cell wide: those that are equal and follow one another along u."""
-    order = _order(plane, v0, v1, u)
-    plane, u, v0, v1 = plane[order], u[order], v0[order], v1[order]
-    starts, ends = _runs((plane, v0, v1), u)
-    return Rectangles(plane[starts], u[starts], u[ends] + 1, v0[starts], v1[starts])
+def merge_hanging(strips: Rectangles) -> Rectangles:
+    """The fewest rectangles of strips that hang side by side from one height, v1, down to v0.
+
+    strips: sorted by label and u0; no two that touch are equal in v0. Between two that end at one height what hangs
+    lower is cut off, so that they become one:
+
+         _______________            _______________
+        |   |   |   |   |          |           |   |
+        |___|   |___|   |    -->   |___________|   |
+            |___|   |   |              |___|   |   |
+                    |___|                      |___|
+    """
+    done = []
+    while True:
+        hopeful = _has_twins(strips)
+        done.append(strips.rows(~hopeful))
+        strips = strips.rows(hopeful)
+        if not len(strips.label):
+            return Rectangles(*(np.concatenate(columns) for columns in zip(*done, strict=True)))
+        level = np.minimum(*_neighbours(strips))
+        lowest = strips.v0 < level
+        done.append(strips._replace(v1=level).rows(lowest))
+        strips = _joined(strips._replace(v0=np.where(lowest, level, strips.v0)))
 
 
-def _strips(plane: Ints, along: Ints, row: Ints) -> tuple[Ints, Ints, Ints, Ints]:
-    """Squares of one row that follow one another: their plane and row, where they begin, and where they end."""
-    order = _order(plane, row, along)
-    plane, along, row = plane[order], along[order], row[order]
-    starts, ends = _runs((plane, row), along)
-    return plane[starts], row[starts], along[starts], along[ends] + 1
+def _touching(strips: Rectangles) -> NDArray[np.bool_]:
+    """Between each strip and the next: do they hang side by side?"""
+    return np.asarray((strips.label[1:] == strips.label[:-1]) & (strips.u0[1:] == strips.u1[:-1]))
 
 
-def _runs(same: tuple[Ints, ...], along: Ints) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """First and last of every run, in which all of `same` stay and `along` goes on by one."""
-    broken = np.ones(len(along) + 1, dtype=bool)
-    broken[1:-1] = np.diff(along) != 1
-    for column in same:
-        broken[1:-1] |= np.diff(column) != 0
-    return np.flatnonzero(broken[:-1]), np.flatnonzero(broken[1:])
+def _neighbours(strips: Rectangles) -> tuple[Ints, Ints]:
+    """How far down the strips beside each hang, before it and after it; v1 where there is none."""
+    touching = _touching(strips)
+    before, after = strips.v1.copy(), strips.v1.copy()
+    before[1:][touching] = strips.v0[:-1][touching]
+    after[:-1][touching] = strips.v0[1:][touching]
+    return before, after
 
 
-def _order(*columns: Ints) -> NDArray[np.intp]:
-    """The order by the first column, then the second, and so on; no two rows are equal. One sort where that can be."""
-    sizes = [int(column.max(initial=0)) + 1 for column in columns]
-    if prod(sizes) >= 2**63:
-        return np.lexsort(columns[::-1])
-    return np.argsort(np.ravel_multi_index(columns, tuple(sizes)))
+def _joined(strips: Rectangles) -> Rectangles:
+    """Strips that touch and hang equally far down, as one."""
+    begins = np.ones(len(strips.label) + 1, dtype=bool)
+    begins[1:-1] = ~_touching(strips) | (strips.v0[1:] != strips.v0[:-1])
+    return strips.rows(begins[:-1])._replace(u1=strips.u1[begins[1:]])
+
+
+def _has_twins(strips: Rectangles) -> NDArray[np.bool_]:
+    """Which strips are in a row of at least three, two of which hang equally far down."""
+    row = np.zeros(len(strips.label), dtype=np.int64)
+    np.cumsum(~_touching(strips), out=row[1:])
+    long: NDArray[np.bool_] = np.bincount(row)[row] >= 3
+    heights = int(strips.v1.max(initial=0)) + 1
+    ends = np.sort(row[long] * heights + strips.v0[long])
+    found = np.zeros(len(row), dtype=bool)
+    found[ends[1:][ends[1:] == ends[:-1]] // heights] = True
+    return np.asarray(found[row])

@@ -1,0 +1,33 @@
+"""Every block by itself, 8 corners and 6 faces: how the paper writes a field; for comparison."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rsegen.geometry.mesh import Mesh
+from rsegen.geometry.relief import relief
+from rsegen.stepfield import StepField, Window
+
+_CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+"""Of a cube, by x, y and z."""
+
+_SIDES = np.array([[1, 2, 6, 5], [3, 0, 4, 7], [2, 3, 7, 6], [0, 1, 5, 4], [4, 5, 6, 7], [3, 2, 1, 0]])
+"""Of a cube, by corners; in the order of NORMALS."""
+
+
+def blocks(field: StepField, window: Window | None = None) -> Mesh:
+    """The blocks and frame cells of a field, or of a window of it, that stand above the ground; nothing is merged."""
+    ground = relief(field, window)
+    x, y = np.nonzero(ground.cells)
+    labels = ground.cells[x, y]
+    order = np.argsort(labels % ground.kinds, kind="stable")
+    cells = np.stack([x, y, np.zeros_like(x)], axis=1)[order]
+    scale = np.stack([np.ones_like(x), np.ones_like(x), labels[order] // ground.kinds], axis=1)
+    count = len(cells)
+    return Mesh(
+        lines=ground.lattice.lines,
+        places=(cells[:, None] + _CORNERS * scale[:, None]).reshape(-1, 3).astype(np.int32),
+        faces=(8 * np.arange(count)[:, None, None] + _SIDES).reshape(-1, 4).astype(np.int32),
+        normals=np.tile(np.arange(6, dtype=np.int8), count),
+        materials=np.repeat(labels[order] % ground.kinds, 6).astype(np.int16),
+    )

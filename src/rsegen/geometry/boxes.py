@@ -1,0 +1,68 @@
+"""A step field as few boxes: they rebuild it exactly, and no two of them overlap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rsegen.geometry.rectangles import Ints, merge
+from rsegen.geometry.relief import Relief, relief
+from rsegen.stepfield import Array, StepField
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Boxes:
+    """Boxes along the axes, (n, 3) each, metres: their low and their high corners."""
+
+    low: Array
+    high: Array
+
+    def __len__(self) -> int:
+        return len(self.low)
+
+
+def boxes(field: StepField) -> Boxes:
+    """Few boxes that are together the blocks and frames of a field; materials do not matter.
+
+    Either each stands on the ground, its top a rectangle of one height; or they lie on one another in layers, from one
+    height to the next: whichever is fewer.
+    """
+    ground = relief(field)
+    return _placed(min(_columns(ground), _layers(ground), key=len), ground)
+
+
+def single_boxes(field: StepField) -> Boxes:
+    """A box for every cell above the ground."""
+    ground = relief(field)
+    x, y = np.nonzero(ground.cells)
+    return _placed(np.stack([x, x + 1, y, y + 1, 0 * x, ground.cells[x, y] // ground.kinds], axis=1), ground)
+
+
+def _columns(ground: Relief) -> Ints:
+    """Lines (n, 6) from and to along x, y and z."""
+    found = merge(ground.cells // ground.kinds)
+    return np.stack([found.u0, found.u1, found.v0, found.v1, 0 * found.u0, found.label], axis=1)
+
+
+def _layers(ground: Relief) -> Ints:
+    """The same; a rectangle that is the same in layers that follow one another is one box."""
+    top = ground.cells // ground.kinds
+    found = []
+    for rank in range(1, len(ground.lattice.lines[2])):
+        layer = merge((top >= rank).astype(np.int8))
+        found.append(np.stack([layer.u0, layer.u1, layer.v0, layer.v1, np.full_like(layer.u0, rank)], axis=1))
+    lines = np.concatenate([np.empty((0, 5), dtype=np.int64), *found])
+    lines = lines[np.lexsort(lines.T[::-1])]
+    begins = np.ones(len(lines) + 1, dtype=bool)
+    begins[1:-1] = (np.diff(lines, axis=0) != [0, 0, 0, 0, 1]).any(axis=1)
+    first, last = lines[begins[:-1]], lines[begins[1:], 4:]
+    return np.concatenate([first[:, :4], first[:, 4:] - 1, last], axis=1)
+
+
+def _placed(lines: Ints, ground: Relief) -> Boxes:
+    low, high = (
+        np.stack([line[lines[:, 2 * axis + end]] for axis, line in enumerate(ground.lattice.lines)], axis=1)
+        for end in (0, 1)
+    )
+    return Boxes(low=low, high=high)

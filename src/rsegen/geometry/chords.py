@@ -1,0 +1,145 @@
+"""Where a plane of squares is cut: first for the fewest rectangles, then for the shortest seams.
+
+A plane has to be cut at each of its concave corners, and a cut that joins two of them, a chord, saves one rectangle.
+The fewest rectangles come from the most chords of which no two meet (Ohtsuki 1982; Ferrari, Sankar and Sklansky 1984).
+Of chords that meet, those that meet fewest others go first, and short ones before long ones; that is the most, or
+nearly. Corners without a chord are cut the shorter way. Short seams leave large rectangles whole:
+
+       _    _              _    _                    _    _
+     _| |__| |_          _|_|__|_|_                _| |__| |_
+    |          |   -->  |          |   and not    | : :  : : |
+    |__________|        |__________|              |_:_:__:_:_|
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Ints = NDArray[np.integer]
+Mask = NDArray[np.bool_]
+
+
+class _Runs(NamedTuple):
+    """Straight ways inside a plane from rim to rim: from corner `start` over `length` squares, each `step` corners on.
+
+    Corners of squares are numbered row by row, (n_u + 1, n_v + 1).
+    """
+
+    start: Ints
+    length: Ints
+    step: int
+
+    @property
+    def end(self) -> Ints:
+        return self.start + self.length * self.step
+
+    def rows(self, which: NDArray[np.intp] | Mask) -> _Runs:
+        return _Runs(self.start[which], self.length[which], self.step)
+
+    def corners(self, *, last: bool) -> tuple[Ints, Ints]:
+        """Of each run every corner in turn, with or without the last, and the number of the run that it belongs to."""
+        count = self.length + last
+        run = np.repeat(np.arange(len(count)), count)
+        along = np.arange(len(run)) - np.repeat(np.cumsum(count) - count, count)
+        return self.start[run] + along * self.step, run
+
+
+def walls(labels: Ints) -> Mask:
+    """Which neighbours along v a cut along u goes between: (n_u, n_v - 1). Labels (n_u, n_v); 0 is nothing."""
+    n_u, n_v = labels.shape
+    concave, along_u, along_v = _runs(labels)
+    wall = np.zeros((n_u + 1) * (n_v + 1), dtype=bool)
+    kept_u, kept_v = _apart(_chords(along_u, concave), _chords(along_v, concave), len(wall))
+    wall[kept_u.corners(last=False)[0]] = True
+    for chords in (kept_u, kept_v):
+        concave[chords.start] = concave[chords.end] = False
+    for cut in _shorter_ways(concave, along_u, along_v, kept_v):
+        wall[cut.corners(last=False)[0]] = True
+    return wall.reshape(n_u + 1, n_v + 1)[:-1, 1:-1]
+
+
+def _runs(labels: Ints) -> tuple[Mask, _Runs, _Runs]:
+    """The concave corners, and all runs along u and along v. Between two squares of one label a way is inside."""
+    around = np.pad(labels, 1)
+    there = around != 0
+    inside_u = (around[:, 1:] == around[:, :-1]) & there[:, 1:]
+    inside_v = (around[1:] == around[:-1]) & there[1:]
+    down, up, left, right = inside_u[:-1], inside_u[1:], inside_v[:, :-1], inside_v[:, 1:]
+    ending = ~(down & up & left & right)
+    columns = around.shape[1] - 1
+    starts, ends = (np.flatnonzero(way & ending) for way in (right, left))
+    along_v = _Runs(starts, ends - starts, 1)
+    starts, ends = (np.flatnonzero((way & ending).T) for way in (up, down))
+    rows = around.shape[0] - 1
+    column, row = np.divmod(starts, rows)
+    along_u = _Runs(row * columns + column, ends - starts, columns)
+    return ((down ^ up) & (left ^ right)).ravel(), along_u, along_v
+
+
+def _chords(runs: _Runs, concave: Mask) -> _Runs:
+    return runs.rows(concave[runs.start] & concave[runs.end])
+
+
+def _apart(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_Runs, _Runs]:
+    """Chords of which no two meet, as many as can easily be had."""
+    on = np.full(corners, -1, dtype=np.int32)
+    at, chord = along_v.corners(last=True)
+    on[at] = chord
+    at, a = along_u.corners(last=True)
+    b = on[at]
+    a, b = a[b >= 0], b[b >= 0] + len(along_u.start)
+    kept = _independent(a, b, np.concatenate([along_u.length, along_v.length]))
+    return along_u.rows(kept[: len(along_u.start)]), along_v.rows(kept[len(along_u.start) :])
+
+
+def _independent(a: Ints, b: Ints, lengths: Ints) -> Mask:
+    """Which chords stay, of a number of chords of which a[k] and b[k] meet.
+
+    Taking one that meets a single other is never wrong; where there is none, one that meets fewer than all that it
+    meets is taken, or as many and is shorter.
+    """
+    kept = np.ones(len(lengths), dtype=bool)
+    rank = np.empty(len(lengths), dtype=np.int64)
+    rank[np.argsort(lengths, kind="stable")] = np.arange(len(lengths))
+    while len(a):
+        met = np.bincount(a, minlength=len(lengths)) + np.bincount(b, minlength=len(lengths))
+        alone_a, alone_b = met[a] == 1, met[b] == 1
+        shorter_a = rank[a] < rank[b]
+        take_a, take_b = alone_a & (shorter_a | ~alone_b), alone_b & ~(alone_a & shorter_a)
+        if not (take_a.any() or take_b.any()):
+            worth = met * len(lengths) + rank
+            least = worth.copy()
+            np.minimum.at(least, a, worth[b])
+            np.minimum.at(least, b, worth[a])
+            take_a, take_b = least[a] == worth[a], least[b] == worth[b]
+        kept[b[take_a]] = kept[a[take_b]] = False
+        both = kept[a] & kept[b]
+        a, b = a[both], b[both]
+    return kept
+
+
+def _shorter_ways(concave: Mask, along_u: _Runs, along_v: _Runs, kept_v: _Runs) -> tuple[_Runs, _Runs]:
+    """The cuts along u of the corners that are nearer to the rim along u than along v; they end at a kept chord."""
+    reach = np.zeros(len(concave), dtype=np.int32)
+    reach[along_v.start] = reach[along_v.end] = along_v.length
+    stop = np.zeros(len(concave), dtype=bool)
+    stop[kept_v.corners(last=True)[0]] = True
+    forward = along_u.rows(concave[along_u.start] & (along_u.length < reach[along_u.start]))
+    back = along_u.rows(concave[along_u.end] & (along_u.length < reach[along_u.end]))
+    back = _Runs(back.end, back.length, -back.step)
+    found = _until(stop, back)
+    return _until(stop, forward), _Runs(found.end, found.length, along_u.step)
+
+
+def _until(stop: Mask, runs: _Runs) -> _Runs:
+    """Every run as far as the first corner where it must stop."""
+    if not len(runs.start):
+        return runs
+    at, run = runs.corners(last=True)
+    first = np.cumsum(runs.length + 1) - runs.length - 1
+    along = np.arange(len(at)) - first[run]
+    reached = np.where(stop[at], along, runs.length[run])
+    return runs._replace(length=np.minimum.reduceat(reached, first))

@@ -1,0 +1,100 @@
+"""Faces on the grid of a field, as they are gathered: a corner is one number, until all are welded to a mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import prod
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsegen.geometry.mesh import Mesh
+from rsegen.geometry.rectangles import Ints, Rectangles
+from rsegen.stepfield import Array
+
+
+class Faces(NamedTuple):
+    """corners: (m, 3 or 4) numbers of places on a lattice, in turn; normals: rows of NORMALS; materials."""
+
+    corners: Ints
+    normals: Ints
+    materials: Ints
+
+    @classmethod
+    def joined(cls, parts: Iterable[Faces]) -> Faces:
+        """All of them, in the order of their materials."""
+        faces = cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+        return faces.rows(np.argsort(faces.materials, kind="stable"))
+
+    def rows(self, which: Ints) -> Faces:
+        """Some of them, by number."""
+        return Faces(self.corners[which], self.normals[which], self.materials[which])
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Lattice:
+    """All places where lines along x, y and z meet, numbered row by row; metres."""
+
+    lines: tuple[Array, Array, Array]
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """How many lines there are along each axis."""
+        n_x, n_y, n_z = map(len, self.lines)
+        return n_x, n_y, n_z
+
+    @property
+    def steps(self) -> tuple[int, int, int]:
+        """From a place to the next along each axis."""
+        _, n_y, n_z = self.shape
+        return n_y * n_z, n_z, 1
+
+    def ring(self, found: Rectangles, axes: tuple[int, int], at: Ints) -> Ints:
+        """The corners (m, 4) of rectangles whose u and v run along two axes, at a number of the third axis each.
+
+        In turn from u to v.
+        """
+        step_u, step_v, step_at = (self.steps[axis] for axis in (*axes, 3 - sum(axes)))
+        small = prod(self.shape) < 2**31
+        corners = np.empty((len(found.label), 4), dtype=np.int32 if small else np.int64)
+        low, high = found.u0 * step_u + at * step_at, found.u1 * step_u + at * step_at
+        near, far = found.v0 * step_v, found.v1 * step_v
+        for corner, (u, v) in enumerate(((low, near), (high, near), (high, far), (low, far))):
+            corners[:, corner] = u + v
+        return corners
+
+    def weld(self, faces: Faces) -> Mesh:
+        """The mesh of faces: every place that is used becomes one vertex."""
+        places, numbers = welded(faces.corners, prod(self.shape))
+        return self.mesh(faces._replace(corners=numbers), places)
+
+    def mesh(self, faces: Faces, places: Ints) -> Mesh:
+        """The mesh of faces whose corners are numbers of vertices at the given places."""
+        return Mesh(
+            lines=self.lines,
+            places=np.stack(self.unravelled(places), axis=-1).astype(np.int32),
+            faces=faces.corners.astype(np.int32),
+            normals=faces.normals.astype(np.int8),
+            materials=faces.materials.astype(np.int16),
+        )
+
+    def unravelled(self, places: Ints) -> tuple[Ints, Ints, Ints]:
+        """Their lines along x, y and z."""
+        across, z = np.divmod(places, self.shape[2])
+        x, y = np.divmod(across, self.shape[1])
+        return x, y, z
+
+
+def welded(corners: Ints, possible: int) -> tuple[Ints, NDArray[np.int32]]:
+    """Every number below `possible` that comes, once and sorted; and which of them each corner is."""
+    if possible > 64 * corners.size:
+        found, numbers = np.unique(corners, return_inverse=True)
+        return found, numbers.reshape(corners.shape).astype(np.int32)
+    used = np.zeros(possible, dtype=bool)
+    used[corners] = True
+    found = np.flatnonzero(used)
+    number = np.empty(possible, dtype=np.int32)
+    number[found] = np.arange(len(found), dtype=np.int32)
+    return found, number[corners]

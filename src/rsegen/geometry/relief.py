@@ -1,0 +1,65 @@
+"""A field, or a window of it, as small whole numbers: what all geometry is made from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from rsegen.geometry.faces import Lattice
+from rsegen.geometry.rectangles import Ints
+from rsegen.stepfield import NANOMETRE_DIGITS, Array, StepField, Window
+
+
+class Relief(NamedTuple):
+    """labels: (n_x + 2, n_y + 2), the window's cells and those around it, rank * kinds + material; 0 is the ground.
+
+    A rank is the number of a height on the lattice's z lines; a material is 0 for a frame, else the level.
+    """
+
+    labels: Ints
+    kinds: int
+    lattice: Lattice
+
+    @property
+    def cells(self) -> Ints:
+        """The labels of the window alone."""
+        return self.labels[1:-1, 1:-1]
+
+
+def relief(field: StepField, window: Window | None = None) -> Relief:
+    """The relief of a window of a field, or of the whole field; outside the field there is ground."""
+    cells_x, cells_y = window or field.whole
+    seen = slice(max(cells_x.start - 1, 0), cells_x.stop + 1), slice(max(cells_y.start - 1, 0), cells_y.stop + 1)
+    labels, kinds, tops = _labels(field, seen)
+    missing = [
+        (int(part.start == 0), int(part.stop == cells))
+        for part, cells in zip((cells_x, cells_y), field.shape, strict=True)
+    ]
+    edges_x, edges_y = field.edges()
+    lines = edges_x[cells_x.start : cells_x.stop + 1], edges_y[cells_y.start : cells_y.stop + 1], tops
+    return Relief(np.pad(labels, missing), kinds, Lattice(lines=lines))
+
+
+def windows(window: Window, side: int) -> Iterator[Window]:
+    """A window cut into parts of at most `side` x `side` cells, from the corner of smallest x and y on."""
+    for x in range(window[0].start, window[0].stop, side):
+        for y in range(window[1].start, window[1].stop, side):
+            yield slice(x, min(x + side, window[0].stop)), slice(y, min(y + side, window[1].stop))
+
+
+def _labels(field: StepField, seen: Window) -> tuple[Ints, int, Array]:
+    """The label of every cell, the number of kinds, and the heights that ranks stand for."""
+    levels, frame = field.levels[seen], field.frame[seen]
+    known = np.flatnonzero(np.bincount(levels.ravel()))
+    heights = np.round(known * field.unit, NANOMETRE_DIGITS)
+    frame_height = round(field.frame_height, NANOMETRE_DIGITS) if frame.any() else 0.0
+    tops: Array = np.unique(np.append(heights, [0.0, frame_height]))
+    kinds = int(known[-1]) + 1
+    label_of: Ints = np.zeros(kinds, dtype=np.int32 if len(tops) * kinds < 2**30 else np.int64)
+    label_of[known] = np.searchsorted(tops, heights) * kinds + known
+    label_of[0] = 0
+    labels: Ints = label_of[levels]
+    labels[frame] = np.searchsorted(tops, frame_height) * kinds
+    return labels, kinds, tops

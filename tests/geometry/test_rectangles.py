@@ -1,0 +1,95 @@
+"""Rectangles cover the squares exactly, and are nearly the fewest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from geometry.grids import GRIDS
+from geometry.minimum import counted, searched
+from rsegen.geometry import surface
+from rsegen.geometry.rectangles import Rectangles, merge, merge_hanging
+from rsegen.stepfield import StepField
+
+
+def grids(top: int, side: int) -> st.SearchStrategy[np.ndarray]:
+    shapes = st.tuples(st.integers(1, side), st.integers(1, side))
+    return arrays.arrays(np.int64, shapes, elements=st.integers(0, top))
+
+
+def rows(found: Rectangles) -> Iterator[tuple[int, ...]]:
+    return zip(*(column.tolist() for column in found), strict=True)
+
+
+@given(grids(top=3, side=9))
+def test_rectangles_cover_every_labelled_square_once(labels: np.ndarray) -> None:
+    painted, times = np.zeros_like(labels), np.zeros_like(labels)
+    for label, u0, u1, v0, v1 in rows(merge(labels)):
+        painted[u0:u1, v0:v1] = label
+        times[u0:u1, v0:v1] += 1
+    np.testing.assert_array_equal(painted, labels)
+    np.testing.assert_array_equal(times, labels != 0)
+
+
+@given(grids(top=2, side=3))
+def test_the_theorem_counts_what_a_search_finds(labels: np.ndarray) -> None:
+    assert counted(labels) == searched(labels)
+
+
+@given(grids(top=2, side=4))
+@settings(max_examples=200)
+def test_small_grids_are_cut_into_the_fewest(labels: np.ndarray) -> None:
+    assert len(merge(labels).label) == counted(labels)
+
+
+@pytest.mark.parametrize("kind", GRIDS)
+@pytest.mark.parametrize("size", [10, 80])
+def test_surfaces_are_within_3_percent_of_the_fewest_rectangles(kind: str, size: int) -> None:
+    levels = GRIDS[kind](size, np.random.default_rng(3))
+    assert len(surface(field_of(levels)).faces) <= 1.03 * fewest_faces(levels)
+
+
+def field_of(levels: np.ndarray) -> StepField:
+    frame = np.zeros(levels.shape, dtype=bool)
+    return StepField(levels=levels.astype(np.int16), frame=frame, block_width=0.1, unit=0.1, frame_height=0.1)
+
+
+def fewest_faces(levels: np.ndarray) -> int:
+    """Of tops, and of the risers on every line between cells, each kept apart by the level of its block."""
+    found = counted(levels)
+    for turned in (levels, levels.T):
+        around = np.pad(turned, ((1, 1), (0, 0)))
+        for one, other in [*pairwise(around), *pairwise(around[::-1])]:
+            heights = np.arange(1, levels.max() + 1)[:, None]
+            found += counted(np.where((heights <= one) & (heights > other), one, 0))
+    return found
+
+
+@given(st.lists(st.integers(0, 5), min_size=1, max_size=12))
+def test_what_hangs_is_cut_into_the_fewest(low: list[int]) -> None:
+    top = 6
+    starts = [0] + [k for k in range(1, len(low)) if low[k] != low[k - 1]]
+    u0 = np.array(starts)
+    strips = Rectangles(0 * u0, u0, np.append(u0[1:], len(low)), np.array(low)[u0], np.full(len(u0), top))
+
+    found = merge_hanging(strips)
+
+    painted = np.zeros((len(low), top), dtype=int)
+    for _, a, b, c, d in rows(found):
+        painted[a:b, c:d] += 1
+    np.testing.assert_array_equal(painted, np.arange(top) >= np.array(low)[:, None])
+    assert len(found.label) == counted(painted)
+
+
+def test_a_lane_is_one_rectangle_whatever_lies_beside_it() -> None:
+    labels = np.full((9, 40), 2)
+    labels[2:7] = 1
+    labels[1, 1::3] = labels[7, 1::4] = 1
+    lane = [row for row in rows(merge(labels)) if row[1:] == (2, 7, 0, 40)]
+    assert len(lane) == 1
