@@ -36,7 +36,9 @@ def smoothed(size: int, rng: Rng, sigma: int) -> np.ndarray:
     noise = rng.normal(size=(size, size))
     for axis in (0, 1):
         noise = np.apply_along_axis(lambda row: np.convolve(row, weights, "same")[:size], axis, noise)
-    return np.asarray(np.searchsorted(np.quantile(noise, [0.2, 0.4, 0.6, 0.8]), noise) + 1)
+    bounds: np.ndarray = np.quantile(noise, [0.2, 0.4, 0.6, 0.8])
+    levels: np.ndarray = np.searchsorted(bounds, noise)
+    return np.asarray(levels + 1)
 
 
 def obstacles(size: int, rng: Rng) -> np.ndarray:

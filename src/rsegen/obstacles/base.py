@@ -7,7 +7,7 @@ A kind is one file of this folder with one class: a frozen dataclass whose annot
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, ClassVar, NamedTuple, TypeVar
@@ -95,10 +95,14 @@ class Shaped(Obstacle):
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """The level on the axis or apex alone is the top one; the sides go down in steps (method: floor((n-1) f))."""
         window = _window(grid, first, last, int(np.ceil(self.reach(grid))))
-        x, y = np.ogrid[window]
-        with np.errstate(over="ignore"):  # a run-out of next to nothing
-            f = self.profile(x.astype(float), y.astype(float), first, last, grid)
-        levels = np.floor((self.max_height - 1) * f + 1e-9).astype(np.int16)
+
+        def part(rows: slice) -> Levels:
+            x, y = np.ogrid[rows, window[1]]
+            with np.errstate(over="ignore"):  # a run-out of next to nothing
+                f = self.profile(x.astype(float), y.astype(float), first, last, grid)
+            return np.floor((self.max_height - 1) * f + 1e-9).astype(np.int16)
+
+        levels = _by_rows(window, part)
         return Patch(window, levels, levels >= 1)
 
 
@@ -118,8 +122,9 @@ class Region(Obstacle):
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Each cell by a number of its own."""
         window = _window(grid, first, last, 0)
-        shape = tuple(part.stop - part.start for part in window)
-        return Patch(window, self.drawn(rng.random(shape)), np.ones(shape, dtype=bool))
+        width = window[1].stop - window[1].start
+        levels = _by_rows(window, lambda rows: self.drawn(rng.random((rows.stop - rows.start, width))))
+        return Patch(window, levels, np.ones(levels.shape, dtype=bool))
 
 
 def _window(grid: Grid, first: Cell, last: Cell, margin: int) -> tuple[slice, slice]:
@@ -130,6 +135,15 @@ def _window(grid: Grid, first: Cell, last: Cell, margin: int) -> tuple[slice, sl
     ]
     return parts[0], parts[1]
 
+
+def _by_rows(window: tuple[slice, slice], part: Callable[[slice], Levels]) -> Levels:
+    """The levels of a window, made of so many rows at once that the numbers behind them need no memory to speak of."""
+    rows, columns = window
+    step = max(_CELLS_AT_ONCE // (columns.stop - columns.start), 1)
+    return np.concatenate([part(slice(low, min(low + step, rows.stop))) for low in range(rows.start, rows.stop, step)])
+
+
+_CELLS_AT_ONCE = 2**18
 
 _REGISTRY: dict[str, type[Obstacle]] = {}
 _Kind = TypeVar("_Kind", bound=type[Obstacle])

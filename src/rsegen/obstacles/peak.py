@@ -32,10 +32,14 @@ class Peak(Shaped):
         """
         half_x, half_y = ((abs(a - b) + 1) / 2 for a, b in zip(first, last, strict=True))
         radius = min(half_x, half_y)
-        dx = (x - (first[0] + last[0]) / 2) * (radius / half_x)
-        dy = (y - (first[1] + last[1]) / 2) * (radius / half_y)
-        d = np.sqrt(dx**2 + dy**2)
-        w = self.softness / 100 * (radius - d.min())
+        middle_x, middle_y = (first[0] + last[0]) / 2, (first[1] + last[1]) / 2
+
+        def distance(x: Array, y: Array) -> Array:
+            dx, dy = (x - middle_x) * (radius / half_x), (y - middle_y) * (radius / half_y)
+            return np.sqrt(dx**2 + dy**2)
+
+        d, d0 = distance(x, y), distance(np.floor(middle_x), np.floor(middle_y))
+        w = self.softness / 100 * (radius - d0)
         return np.clip((radius - d) / w, 0, 1) if w else np.where(d < radius, 1.0, 0.0)
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
