@@ -11,6 +11,7 @@ import multiprocessing
 import os
 import signal
 import sys
+import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -20,7 +21,6 @@ from contextlib import contextmanager
 from functools import partial
 from itertools import islice
 from multiprocessing.connection import Connection, wait
-from threading import Thread
 from typing import NoReturn, TypeVar
 
 from rsegen.errors import WorkerLost
@@ -32,6 +32,8 @@ AHEAD = 3
 
 MOST = 61 if sys.platform == "win32" else 1024
 """Windows waits for no more than 63 things at once."""
+
+_STOPS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
 def cores() -> int:
@@ -83,13 +85,13 @@ def _result(future: Future[Sequence[Made]]) -> Sequence[Made]:
 def _submit(
     pool: ProcessPoolExecutor, work: Callable[[Sequence[int]], Sequence[Made]], batch: Sequence[int]
 ) -> Future[Sequence[Made]]:
-    with _deaf():
+    with _unhurried(), _deaf():
         return pool.submit(work, batch)
 
 
 @contextmanager
 def _deaf() -> Iterator[None]:
-    """What is started here hears no Ctrl-C, from its first instant on; this process hears of it right after."""
+    """What is started here hears no Ctrl-C, from its first instant on."""
     if sys.platform == "win32":
         yield
         return
@@ -100,13 +102,34 @@ def _deaf() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
+@contextmanager
+def _unhurried() -> Iterator[None]:
+    """Signals wait until this is over: a worker that is half started would complain.
+
+    A mask would not do: threads of numerical libraries have none, and what they hear Python takes for its own.
+    """
+    here = threading.current_thread() is threading.main_thread()
+    handlers = {each: signal.getsignal(each) for each in _STOPS if here}
+    handlers = {each: handler for each, handler in handlers.items() if handler not in (signal.SIG_IGN, None)}
+    heard: list[int] = []
+    try:
+        for each in handlers:
+            signal.signal(each, lambda signal_, frame: heard.append(signal_))
+        yield
+    finally:
+        for each, handler in handlers.items():
+            signal.signal(each, handler)
+        for each in heard[:1]:
+            signal.raise_signal(each)
+
+
 # In a worker.
 
 
 def _begin(told: Connection) -> None:
     """A worker's first act: be deaf to Ctrl-C, and listen to the one who gives the work."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    Thread(target=_listen, args=(told,), daemon=True).start()
+    threading.Thread(target=_listen, args=(told,), daemon=True).start()
 
 
 def _listen(told: Connection) -> None:

@@ -67,7 +67,7 @@ def clear_away(folder: Path, names: Callable[[str], bool]) -> None:
 
     Only real folders with a hidden name just as `write` makes them are taken for such.
     """
-    with suppress(FileNotFoundError), told(folder), os.scandir(folder) as entries:
+    with told(folder), suppress(FileNotFoundError), os.scandir(folder) as entries:
         for entry in entries:
             match = _HIDDEN.fullmatch(entry.name)
             if match and names(match["name"]) and entry.is_dir(follow_symlinks=False):
