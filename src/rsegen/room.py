@@ -12,7 +12,7 @@ from rsegen.recipe import Recipe
 BYTES_A_CELL = {"single": 1100, "multi": 200, "pallet": 1100}
 """Peak memory for each cell of a map, by mesh type: measured on random maps of 1000 x 1000, rounded up."""
 
-BYTES_A_MAP = 5000
+BYTES_A_MAP = 1500
 """What is kept of each map that is done, to be told at the end: measured on thousands of maps, rounded down."""
 
 BYTES_A_WORKER = 50_000_000
