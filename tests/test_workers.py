@@ -134,6 +134,6 @@ def test_workers_end_when_the_one_who_started_them_is_killed(tmp_path: Path) -> 
     until_there(process, tmp_path / "out", 50)
     workers = psutil.Process(process.pid).children(recursive=True)
     process.kill()
-    process.wait(60)
+    ended(process)
     assert len(workers) >= 2
     assert not psutil.wait_procs(workers, timeout=10)[1]
