@@ -9,7 +9,7 @@ from pathlib import Path, PurePosixPath
 import pytest
 
 from rsegen.errors import OutputError, WriteError
-from rsegen.writer import write, write_file
+from rsegen.writer import clear_away, write, write_file
 
 BUNDLE = {PurePosixPath("recipe.json"): [b"{", b"}"], PurePosixPath("meshes/a.obj"): [b"v 0 0 0\n"]}
 
@@ -29,9 +29,9 @@ def interrupted() -> Iterator[bytes]:
 
 
 def test_every_file_is_written(tmp_path: Path) -> None:
-    paths = write(BUNDLE, tmp_path / "above" / "map")
+    names = write(BUNDLE, tmp_path / "above" / "map")
     assert contents(tmp_path) == {"above/map/recipe.json": b"{}", "above/map/meshes/a.obj": b"v 0 0 0\n"}
-    assert paths == sorted(path for path in tmp_path.rglob("*") if path.is_file())
+    assert names == ("meshes/a.obj", "recipe.json")
 
 
 def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
@@ -95,3 +95,17 @@ def test_a_single_file_that_fails_leaves_the_old_one(tmp_path: Path) -> None:
     with pytest.raises(WriteError):
         write_file(full_disk(), tmp_path / "map.png", force=True)
     assert contents(tmp_path) == {"map.png": b"old"}
+
+
+def test_a_map_that_was_being_replaced_when_all_was_killed_comes_back(tmp_path: Path) -> None:
+    write(BUNDLE, tmp_path / "map")
+    before = contents(tmp_path)
+    (tmp_path / "map").rename(tmp_path / ".map.0123abcd.old")
+    (tmp_path / ".map.0123abcd").mkdir()
+    clear_away(tmp_path, names=lambda name: name == "map")
+    assert contents(tmp_path) == before
+    assert [path.name for path in tmp_path.iterdir()] == ["map"]
+
+
+def test_where_there_is_no_folder_there_is_nothing_to_clear_away(tmp_path: Path) -> None:
+    clear_away(tmp_path / "none", names=lambda _: True)

@@ -7,7 +7,8 @@ RsegenError
 │   ├── FileError        a file or folder cannot be read, or is not what it should be
 │   ├── OutputError      the output folder is taken, or may not be written to
 │   └── TooLarge         it would need more room than there is, in memory or on the disk
-└── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
+├── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
+└── WorkerLost           a worker was killed from outside; nothing half written is left; exit code 1
 """
 
 from __future__ import annotations
@@ -46,6 +47,10 @@ class TooLarge(UserError):
 
 class WriteError(RsegenError):
     """The disk failed in the middle of writing."""
+
+
+class WorkerLost(RsegenError):
+    """A worker was killed from outside, by the system for want of memory or by a person."""
 
 
 class ParameterError(UserError, ValueError):

@@ -5,33 +5,63 @@ Recipe --build--> StepField --compose--> Scene --export--> Bundle --write--> fil
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+import os
+import sys
+from collections.abc import Callable, Generator, Iterable
+from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path, PurePosixPath
 
+from rsegen.errors import ParameterError
 from rsegen.export import MESH_TYPES, export
 from rsegen.export.obj import faces
+from rsegen.params import Whole
 from rsegen.recipe import Recipe
-from rsegen.room import refuse_too_large, refuse_too_many
+from rsegen.resume import complete, is_map_of
+from rsegen.room import maps_at_once, refuse_too_large, refuse_too_many
 from rsegen.scene import Scene, compose
-from rsegen.writer import refuse_not_a_folder, refuse_taken, write
+from rsegen.workers import shared_out
+from rsegen.writer import clear_away, parent_of, refuse_not_a_folder, refuse_taken, told, write
 
 MANY = 1000
 """From here on models (1.5 MB and 10 ms each in Gazebo Classic) or collisions (0.25 MB) are felt."""
 
+WORTHWHILE = 1.0
+"""Seconds of work from which on workers gain more than they cost."""
+
+BATCH = 0.2
+"""Seconds of work that a worker is given at once: much more than the giving takes, little enough to see it move."""
+
+WORKERS = Whole(1, help="processes that make maps at the same time")
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class GeneratedMap:
-    """One map on disk: where, how large (cells with frames, metres), its blocks of each level, what to know of it."""
+    """One map on disk: where, how large (cells with frames, metres), its blocks of each level, what to know of it.
+
+    `home` is the folder that all maps are in, `names` are those of the files in this map's own.
+    """
 
     name: str
     index: int
-    folder: Path
-    files: tuple[Path, ...]
+    home: Path
+    names: tuple[str, ...]
     cells: tuple[int, int]
     extent: tuple[float, float]
     level_counts: dict[int, int]
     warnings: tuple[str, ...]
+
+    @property
+    def folder(self) -> Path:
+        """The map's own folder."""
+        return self.home / self.name
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """All that was written."""
+        return tuple(self.folder / name for name in self.names)
 
     @property
     def world(self) -> Path:
@@ -41,37 +71,50 @@ class GeneratedMap:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Generated:
-    """All maps of a recipe on disk."""
+    """The maps of a recipe on disk: those that were made, and the indices of those that were there already."""
 
     recipe: Recipe
     folder: Path
     maps: tuple[GeneratedMap, ...]
+    already: tuple[int, ...] = ()
 
 
-def generate(
+def generate(  # noqa: PLR0913  # each is a flag of the command
     recipe: Recipe,
     folder: str | Path,
     *,
     force: bool = False,
+    resume: bool = False,
     preview: bool = False,
+    workers: int = 1,
     progress: Callable[[GeneratedMap], None] | None = None,
 ) -> Generated:
-    """Write every map of a recipe as `folder/NAME_000k`; `progress` is told of each that is done.
+    """Write every map of a recipe as `folder/NAME_000k`; `progress` is told of each that is done, in their order.
 
-    `force` replaces maps that are there already; `preview` adds a picture to each. Raises an OutputError before
-    anything is written where a map's folder is taken, TooLarge where there is no room for the maps.
+    `force` replaces maps that are there already; `resume` leaves them, if each is the one that would be made, and makes
+    the others; `preview` adds a picture to each. With `workers` beyond 1, other processes take a part where that is
+    quicker; a script then needs `if __name__ == "__main__":`. Raises an OutputError before anything is written where a
+    map's folder is taken, TooLarge where there is no room for the maps.
     """
-    folder = Path(folder)
+    folder, workers = Path(folder), WORKERS.check("workers", workers)
+    if force and resume:
+        raise ParameterError("resume", "keeps the maps that are there, and force replaces them; give one of the two")
     refuse_too_large(recipe)
     refuse_not_a_folder(folder)
-    refuse_too_many(recipe, folder)
-    refuse_taken((folder / recipe.map_name(index) for index in recipe.indices), force=force)
+    already = complete(recipe, folder, preview=preview) if resume else frozenset()
+    refuse_too_many(recipe.maps - len(already), folder)
+    if resume:
+        clear_away(folder, partial(is_map_of, recipe))
+    else:
+        refuse_taken((os.path.join(folder, recipe.map_name(index)) for index in recipe.indices), force=force)
+    order = _Order(recipe=recipe, folder=folder, replace=force or (resume and preview), preview=preview)
     made = []
-    for index in recipe.indices:
-        made.append(_generate_map(compose(recipe, index), folder, force=force, preview=preview))
-        if progress:
-            progress(made[-1])
-    return Generated(recipe=recipe, folder=folder, maps=tuple(made))
+    with closing(_made(order, already, workers)) as maps:
+        for one in maps:
+            made.append(one)
+            if progress:
+                progress(one)
+    return Generated(recipe=recipe, folder=folder, maps=tuple(made), already=tuple(sorted(already)))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -136,20 +179,56 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _generate_map(scene: Scene, folder: Path, *, force: bool, preview: bool) -> GeneratedMap:
-    bundle = dict(export(scene))
-    if preview:
-        from rsegen.drawing import picture
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Order:
+    """Which maps to make, where and how: all that a worker is told."""
 
-        bundle[PurePosixPath("preview.png")] = [picture(scene)]
-    home = folder / scene.name
-    return GeneratedMap(
-        name=scene.name,
-        index=scene.index,
-        folder=home,
-        files=tuple(write(bundle, home, force=force)),
-        cells=scene.field.shape,
-        extent=scene.field.extent,
-        level_counts=scene.field.level_counts(),
-        warnings=warnings(scene),
-    )
+    recipe: Recipe
+    folder: Path
+    replace: bool
+    preview: bool
+
+    @property
+    def seconds(self) -> float:
+        """About how long a map takes; it decides how the work is shared out, not what comes of it."""
+        n_x, n_y = self.recipe.grid.shape
+        return 2e-3 + n_x * n_y * 4e-6 + 0.5 * self.preview
+
+    def __call__(self, indices: Iterable[int]) -> tuple[GeneratedMap, ...]:
+        return tuple(map(self.made, indices))
+
+    def made(self, index: int) -> GeneratedMap:
+        """One map, on disk."""
+        scene = compose(self.recipe, index)
+        bundle = dict(export(scene))
+        if self.preview:
+            from rsegen.drawing import picture
+
+            bundle[PurePosixPath("preview.png")] = [picture(scene)]
+        return GeneratedMap(
+            name=scene.name,
+            index=index,
+            home=self.folder,
+            names=tuple(map(sys.intern, write(bundle, self.folder / scene.name, force=self.replace))),
+            cells=scene.field.shape,
+            extent=scene.field.extent,
+            level_counts=scene.field.level_counts(),
+            warnings=warnings(scene),
+        )
+
+
+def _made(order: _Order, already: frozenset[int], workers: int) -> Generator[GeneratedMap, None, None]:
+    """The maps that are not there already, made here or, where that is quicker, by workers."""
+    indices = (index for index in order.recipe.indices if index not in already)
+    left = order.recipe.maps - len(already)
+    workers = min(workers, left, maps_at_once(order.recipe))
+    if workers == 1 or left * order.seconds < WORTHWHILE:
+        yield from map(order.made, indices)
+        return
+    batch = math.ceil(min(BATCH / order.seconds, left / workers / 4))
+    try:
+        with told(order.folder), parent_of(order.folder / "map"):
+            yield from shared_out(order, indices, batch=batch, workers=workers)
+    except BaseException:
+        clear_away(order.folder, partial(is_map_of, order.recipe))  # what a worker left that was killed
+        raise

@@ -12,8 +12,11 @@ from rsegen.recipe import Recipe
 BYTES_A_CELL = {"single": 1100, "multi": 200, "pallet": 1100}
 """Peak memory for each cell of a map, by mesh type: measured on random maps of 1000 x 1000, rounded up."""
 
-BYTES_A_MAP = 5000
+BYTES_A_MAP = 1500
 """What is kept of each map that is done, to be told at the end: measured on thousands of maps, rounded down."""
+
+BYTES_A_WORKER = 50_000_000
+"""What a worker takes before it has begun: measured with numpy 2.4, rounded up."""
 
 BYTES_ON_DISK = 3 * 4096
 """What a map takes on the disk at the very least: three files, of a block each."""
@@ -30,13 +33,19 @@ def refuse_too_large(recipe: Recipe) -> None:
         )
 
 
-def refuse_too_many(recipe: Recipe, folder: Path) -> None:
+def maps_at_once(recipe: Recipe) -> int:
+    """How many of its maps fit into memory together."""
+    n_x, n_y = _shape(recipe)
+    return max(1, _free_memory() // (n_x * n_y * BYTES_A_CELL[recipe.mesh_type] + BYTES_A_WORKER))
+
+
+def refuse_too_many(maps: int, folder: Path) -> None:
     """Raise TooLarge where the maps would not fit on the folder's disk, nor what is kept of them into memory."""
     room = (("memory", BYTES_A_MAP, _free_memory()), ("disk", BYTES_ON_DISK, _free_disk(folder)))
     for what, each, free in room:
-        if recipe.maps * each > free:
+        if maps * each > free:
             raise TooLarge(
-                f"maps: {shown(recipe.maps)} of them need {_giga(recipe.maps * each)} of {what} or more, "
+                f"maps: {shown(maps)} of them need {_giga(maps * each)} of {what} or more, "
                 f"and {_giga(free)} are free; give fewer, and the next ones from first_map on"
             )
 

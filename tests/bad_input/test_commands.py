@@ -31,6 +31,12 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "an output of no name": (["generate", "-o", ""], ["-o/--output", "give a folder"]),
     "a recipe of no name": (["generate", "", "-o", "out"], ["directory"]),
     "a flag without its value": (["generate", "-o", "out", "--seed"], ["--seed", "expected one argument"]),
+    "no worker": (["generate", "-o", "out", "--workers", "0"], ["--workers: 0 is not 1 or more"]),
+    "workers in a word": (["generate", "-o", "out", "--workers", "all"], ["--workers: 'all' is not a whole number"]),
+    "to keep maps and to replace them": (
+        ["generate", "-o", "out", "--force", "--resume"],
+        ["--resume: not allowed with argument --force"],
+    ),
     "a recipe that is not there": (["generate", "no.yaml", "-o", "out"], ["no.yaml: No such file"]),
     "a recipe in a file": (["generate", "file/r.yaml", "-o", "out"], ["file/r.yaml: Not a directory"]),
     "a recipe of too long a name": (["generate", "n" * 300, "-o", "out"], ["nnn: File name too long"]),

@@ -6,7 +6,6 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -24,6 +23,7 @@ from complaints import (
     the_line,
 )
 from rsegen import writer
+from runs import ended, started, started_with_small_files, whole_maps_only
 
 
 def test_a_mistake_of_ours_is_one_line_that_asks_for_a_report(
@@ -76,27 +76,6 @@ def test_an_impatient_second_ctrl_c_does_not_disturb_the_clearing_up(
     assert snapshot(tmp_path) == before
 
 
-def started(
-    *arguments: str | Path, before: str = "", after: str = "", stdout: Any = subprocess.PIPE, **environment: str
-) -> subprocess.Popen[str]:
-    """The command as a process of its own, which buffers what it prints; `before` and `after` are the shell's."""
-    own = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")} | environment
-    shell = ["/bin/sh", "-c", f'{before} exec "$@" {after}', "sh"]
-    command = [*shell, sys.executable, "-m", "rsegen", *map(str, arguments)]
-    return subprocess.Popen(command, stdout=stdout, stderr=subprocess.PIPE, text=True, env=own)
-
-
-def ended(process: subprocess.Popen[str]) -> tuple[int, str]:
-    """Its exit code and what it said on stderr."""
-    _, err = process.communicate(timeout=60)
-    return process.returncode, err
-
-
-def whole_maps_only(folder: Path) -> bool:
-    made = {frozenset(path.name.replace(one.name, "") for path in one.rglob("*")) for one in folder.iterdir()}
-    return len(made) == 1 and all(one.name.startswith("rse_") for one in folder.iterdir())
-
-
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_a_run_that_is_stopped_leaves_whole_maps_only(tmp_path: Path, name: str) -> None:
     process = started("generate", *OBSTACLE, "--maps", "100000", "-o", tmp_path / "out")
@@ -105,7 +84,11 @@ def test_a_run_that_is_stopped_leaves_whole_maps_only(tmp_path: Path, name: str)
         time.sleep(0.01)
     process.send_signal(getattr(signal, name))
     code, err = ended(process)
-    assert (code, the_line(err)) == (1, "rsegen: stopped; the maps that were complete are there, nothing else is")
+    made = len(list((tmp_path / "out").iterdir()))
+    words = (
+        f"stopped; {made} of 100000 maps are complete, nothing else is there; the same command with --seed 7 --resume"
+    )
+    assert (code, the_line(err)) == (1, f"rsegen: {words} makes the others")
     assert whole_maps_only(tmp_path / "out")
 
 
@@ -121,8 +104,7 @@ def test_a_run_that_is_stopped_in_its_only_map_leaves_nothing(tmp_path: Path) ->
 
 
 def test_a_file_that_grows_too_large_for_the_system_leaves_nothing(tmp_path: Path) -> None:
-    process = started("generate", *OBSTACLE, "--chunks", "5", "-o", tmp_path / "a" / "b", before="ulimit -f 20;")
-    code, err = ended(process)
+    code, err = ended(started_with_small_files("generate", *OBSTACLE, "--chunks", "5", "-o", tmp_path / "a" / "b"))
     assert code == 1
     assert "rse_0000: cannot be written: File too large; nothing was left there" in the_line(err)
     assert list(tmp_path.iterdir()) == []

@@ -36,9 +36,7 @@ def smoothed(size: int, rng: Rng, sigma: int) -> np.ndarray:
     noise = rng.normal(size=(size, size))
     for axis in (0, 1):
         noise = np.apply_along_axis(lambda row: np.convolve(row, weights, "same")[:size], axis, noise)
-    bounds: np.ndarray = np.quantile(noise, [0.2, 0.4, 0.6, 0.8])
-    levels: np.ndarray = np.searchsorted(bounds, noise)
-    return np.asarray(levels + 1)
+    return np.asarray(np.searchsorted(np.quantile(noise, [0.2, 0.4, 0.6, 0.8]), noise) + 1)
 
 
 def obstacles(size: int, rng: Rng) -> np.ndarray:
@@ -51,7 +49,7 @@ def obstacles(size: int, rng: Rng) -> np.ndarray:
 
 def pyramid(size: int, rng: Rng) -> np.ndarray:
     rim = np.minimum(np.arange(size), np.arange(size)[::-1])
-    return np.minimum(np.minimum.outer(rim, rim) * 10 // size, 4) + 1
+    return np.asarray(np.minimum(np.minimum.outer(rim, rim) * 10 // size, 4) + 1)
 
 
 def lane(size: int, rng: Rng) -> np.ndarray:

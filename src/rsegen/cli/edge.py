@@ -55,7 +55,7 @@ def _code_and_words(error: BaseException) -> tuple[int, str]:
         case RsegenError():
             return 2 if isinstance(error, UserError) else 1, str(error)
         case KeyboardInterrupt():
-            return 1, "stopped; the maps that were complete are there, nothing else is"
+            return 1, str(error) or "stopped; the maps that were complete are there, nothing else is"
         case OSError():
             where = error.filename or "what was to be printed"
             said = "" if isinstance(error, BrokenPipeError) else f"{where}: {error.strerror or error}"

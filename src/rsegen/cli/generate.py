@@ -11,7 +11,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rsegen.cli.flags import Subparsers, add_recipe_flags, recipe_from
-from rsegen.pipeline import Generated, GeneratedMap, generate
+from rsegen.pipeline import WORKERS, Generated, GeneratedMap, generate
+from rsegen.recipe import Recipe
+from rsegen.resume import standing
+from rsegen.workers import cores
 
 _SHOWN = 10
 
@@ -28,9 +31,19 @@ def add(commands: Subparsers) -> None:
     command.add_argument(
         "-o", "--output", type=_folder, required=True, metavar="DIR", help="folder to write the maps into"
     )
-    command.add_argument("--force", action="store_true", help="replace maps that are there already")
+    there = command.add_mutually_exclusive_group()
+    there.add_argument("--force", action="store_true", help="replace maps that are there already")
+    there.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on where a run was stopped: keep the maps that are there already, if each is the one that would be "
+        "made (with --preview: and has its picture), and make the others; needs the same recipe and seed",
+    )
     command.add_argument("--preview", action="store_true", help="add a picture, preview.png, to every map")
     command.add_argument("--json", action="store_true", help="print a summary for programs")
+    command.add_argument(
+        "--workers", metavar="N", help=f"{WORKERS.help} ({WORKERS.describe()}, as many as there are cores by default)"
+    )
     add_recipe_flags(command)
     command.set_defaults(run=run)
 
@@ -44,16 +57,43 @@ def _folder(text: str) -> Path:
 def run(arguments: argparse.Namespace) -> None:
     """Generate, and say what was made."""
     recipe = recipe_from(arguments)
-    with _bar(recipe.maps) as progress:
-        made = generate(recipe, arguments.output, force=arguments.force, preview=arguments.preview, progress=progress)
+    with _told_how_to_go_on(recipe, arguments), _bar(recipe) as progress:
+        made = generate(
+            recipe,
+            arguments.output,
+            force=arguments.force,
+            resume=arguments.resume,
+            preview=arguments.preview,
+            workers=cores() if arguments.workers is None else _workers(arguments.workers),
+            progress=progress,
+        )
     if arguments.json:
         print(json.dumps(summary(made), indent=2))
     else:
         print("\n".join(_report(made)))
 
 
+def _workers(text: str) -> int:
+    return WORKERS.check("--workers", WORKERS.parse(text))
+
+
+@contextmanager
+def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace) -> Iterator[None]:
+    """Who stops a run hears how many maps are complete, and how to make the others."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        there = 0 if arguments.force else standing(recipe, arguments.output, preview=arguments.preview)
+        if not there:
+            raise
+        raise KeyboardInterrupt(
+            f"stopped; {there} of {recipe.maps} maps are complete, nothing else is there; "
+            f"the same command with --seed {recipe.seed} --resume makes the others"
+        ) from None
+
+
 def summary(made: Generated) -> dict[str, object]:
-    """What was made, for programs."""
+    """What was made, for programs; `already` names the maps that --resume found, where there are any."""
     return {
         "folder": str(made.folder),
         "seed": made.recipe.seed,
@@ -72,12 +112,16 @@ def summary(made: Generated) -> dict[str, object]:
             }
             for one in made.maps
         ],
-    }
+    } | ({"already": [made.recipe.map_name(index) for index in made.already]} if made.already else {})
 
 
 def _report(made: Generated) -> Iterator[str]:
+    if made.already:
+        yield f"{_count(len(made.already))} there already, seed {made.recipe.seed}"
+    if not made.maps:
+        return
     n_x, n_y = made.maps[0].cells
-    yield f"{len(made.maps)} map{'s'[: len(made.maps) > 1]} of {n_x} x {n_y} cells, seed {made.recipe.seed}:"
+    yield f"{_count(len(made.maps))} of {n_x} x {n_y} cells, seed {made.recipe.seed}:"
     for one in made.maps[:_SHOWN]:
         yield f"  {one.world}"
     if len(made.maps) > _SHOWN:
@@ -85,6 +129,10 @@ def _report(made: Generated) -> Iterator[str]:
     for text in dict.fromkeys(text for one in made.maps for text in one.warnings):
         yield f"warning: {text}"
     yield from _how_to_open(made.maps[0], made.folder)
+
+
+def _count(maps: int) -> str:
+    return f"{maps} map{'s'[: maps > 1]}"
 
 
 def _how_to_open(one: GeneratedMap, folder: Path) -> Iterator[str]:
@@ -98,16 +146,20 @@ def _how_to_open(one: GeneratedMap, folder: Path) -> Iterator[str]:
 
 
 @contextmanager
-def _bar(maps: int) -> Iterator[Callable[[GeneratedMap], None] | None]:
-    """A progress bar on a terminal, where there is something to wait for."""
-    if maps == 1 or not (sys.stderr and sys.stderr.isatty()):
+def _bar(recipe: Recipe) -> Iterator[Callable[[GeneratedMap], None] | None]:
+    """A progress bar on a terminal, where there is something to wait for; maps that are there already count as done."""
+    if recipe.maps == 1 or not (sys.stderr and sys.stderr.isatty()):
         yield None
         return
     from tqdm import tqdm
 
-    with tqdm(total=maps, unit="map") as bar:
+    with tqdm(total=recipe.maps, unit="map", miniters=1) as bar:
 
         def done(one: GeneratedMap) -> None:
-            bar.update()
+            place = one.index - recipe.first_map + 1
+            if not bar.n:
+                bar.initial = bar.n = place - 1  # of no weight in the time that is left
+            bar.update(place - bar.n)
 
         yield done
+        bar.update(recipe.maps - bar.n)

@@ -1,0 +1,139 @@
+"""Several workers make what one makes, and end when they should."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+
+import psutil
+import pytest
+
+import rsegen
+from complaints import exit_code, the_line
+from rsegen import GeneratedMap, Placement, Recipe, pipeline
+from rsegen.errors import ParameterError
+from runs import contents, ended, started, started_with_small_files, until_there, whole_maps_only
+
+OBSTACLE = ["--obstacle", "random max_height=5", "--seed", "7"]
+MANY = [*OBSTACLE, "--maps", "50000", "--workers", "2"]
+RECIPE = Recipe(
+    seed=7,
+    maps=13,
+    first_map=9_995,
+    chunk_size=4,
+    obstacles=[Placement(obstacle=rsegen.Random(max_height=3)), Placement(obstacle=rsegen.Peak(max_height=5))],
+)
+
+
+@pytest.fixture
+def eager(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Workers are started however little there is to make."""
+    monkeypatch.setattr(pipeline, "WORTHWHILE", 0.0)
+
+
+@pytest.mark.usefixtures("eager")
+@pytest.mark.parametrize("mesh_type", ["single", "multi"])
+def test_maps_are_the_same_whoever_makes_them(tmp_path: Path, mesh_type: str) -> None:
+    recipe, told = rsegen.codec.decode({**RECIPE.entry(), "mesh_type": mesh_type}), []
+    for workers in (1, 2, 3):
+        seen: list[GeneratedMap] = []
+        made = rsegen.generate(recipe, tmp_path / str(workers), workers=workers, progress=seen.append)
+        assert tuple(seen) == made.maps
+        assert [one.index for one in seen] == list(recipe.indices)
+        told.append([(one.names, one.cells, one.extent, one.level_counts, one.warnings) for one in seen])
+        assert all(path.is_file() for one in seen for path in one.files)
+    assert told[0] == told[1] == told[2]
+    assert contents(tmp_path / "1") == contents(tmp_path / "2") == contents(tmp_path / "3")
+
+
+def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pipeline, "shared_out", lambda *_, **__: pytest.fail("workers were started"))
+    assert len(rsegen.generate(RECIPE, tmp_path, workers=8).maps) == 13
+
+
+def test_no_worker_is_a_mistake(tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match="workers: 0 is not"):
+        rsegen.generate(RECIPE, tmp_path, workers=0)
+
+
+def test_what_fails_in_a_worker_is_told_as_if_it_were_here(tmp_path: Path) -> None:
+    told = []
+    for workers in "13":
+        flags = ["--chunks", "5", "--maps", "200", "--workers", workers]
+        code, err = ended(started_with_small_files("generate", *OBSTACLE, *flags, "-o", tmp_path / "a" / "b"))
+        told.append((code, the_line(err)))
+        assert list(tmp_path.iterdir()) == []
+    assert told[0] == told[1]
+    assert told[0][0] == 1
+    assert "rse_0000: cannot be written: File too large; nothing was left there" in told[0][1]
+
+
+@pytest.mark.usefixtures("eager")
+def test_workers_cannot_make_a_folder_in_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("")
+    command: list[str | Path] = ["generate", *OBSTACLE, "--maps", "4", "--workers", "2", "-o", tmp_path / "file" / "a"]
+    assert exit_code(*command) == 2
+    assert "file/a: cannot be written: Not a directory" in the_line(capsys.readouterr().err)
+
+
+def to_it_alone(process: int) -> None:
+    os.kill(process, signal.SIGINT)
+
+
+def to_its_workers_too(process: int) -> None:
+    for worker in psutil.Process(process).children(recursive=True):
+        worker.send_signal(signal.SIGINT)
+    os.kill(process, signal.SIGINT)
+
+
+@pytest.mark.parametrize("send", [to_it_alone, to_its_workers_too])
+@pytest.mark.parametrize("maps", [0, 1, 200])
+def test_ctrl_c_ends_all_workers_and_leaves_whole_maps(tmp_path: Path, send: Callable[[int], None], maps: int) -> None:
+    process = started("generate", *MANY, "-o", tmp_path / "out")
+    until_there(process, tmp_path, 1 if maps == 0 else 0)
+    until_there(process, tmp_path / "out", maps)
+    workers = psutil.Process(process.pid).children(recursive=True)
+    send(process.pid)
+    code, err = ended(process)
+    assert code == 1
+    assert the_line(err).startswith("rsegen: stopped; ")
+    assert not psutil.wait_procs(workers, timeout=10)[1]
+    made = list(tmp_path.glob("out/*"))
+    assert not made or whole_maps_only(tmp_path / "out")
+    assert not made or f"stopped; {len(made)} of 50000 maps are complete" in err
+
+
+def test_ctrl_c_stops_in_the_middle_of_a_large_map(tmp_path: Path) -> None:
+    flags = ["--chunks", "40", "--mesh-type", "multi", "--maps", "20", "--workers", "2"]
+    process = started("generate", *OBSTACLE, *flags, "-o", tmp_path / "out")
+    while not list(tmp_path.glob("out/.rse_*/*.world")):
+        assert process.poll() is None
+    to_it_alone(process.pid)
+    code, err = ended(process)
+    assert (code, the_line(err)) == (1, "rsegen: stopped; the maps that were complete are there, nothing else is")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_worker_that_is_killed_is_told_of_and_leaves_nothing(tmp_path: Path) -> None:
+    process = started("generate", *MANY, "-o", tmp_path / "out")
+    until_there(process, tmp_path / "out", 50)
+    *_, worker = (one for one in psutil.Process(process.pid).children() if "spawn_main" in " ".join(one.cmdline()))
+    worker.kill()
+    code, err = ended(process)
+    assert (code, the_line(err)) == (
+        1,
+        "rsegen: a worker was lost: it was killed, or ran out of memory; give fewer --workers",
+    )
+    assert whole_maps_only(tmp_path / "out")
+
+
+def test_workers_end_when_the_one_who_started_them_is_killed(tmp_path: Path) -> None:
+    process = started("generate", *MANY, "-o", tmp_path / "out")
+    until_there(process, tmp_path / "out", 50)
+    workers = psutil.Process(process.pid).children(recursive=True)
+    process.kill()
+    ended(process)
+    assert len(workers) >= 2
+    assert not psutil.wait_procs(workers, timeout=10)[1]
