@@ -31,7 +31,7 @@ bench: $(VENV)/developer
 	$(BIN)/python -m benchmarks.speed $(if $(wildcard $(VENV)/isaaclab),--isaaclab $(VENV)/isaaclab/bin/python) $(BENCH)
 	$(BIN)/python -m docs.generate
 
-# IsaacLab, to be measured beside: the one function needs no simulator and none of its other requirements.
+# IsaacLab, to be measured beside: the one function needs no simulator; the package asks for Python 3.11.
 bench-isaaclab:
 	python3.11 -m venv $(VENV)/isaaclab
 	$(VENV)/isaaclab/bin/pip install --quiet torch trimesh scipy
