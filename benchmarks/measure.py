@@ -33,7 +33,7 @@ class Failed(Exception):  # a way that failed is a row of the table
 
 def written(way: Way, size: int, python: str) -> Run:
     """One grid to a file."""
-    room = str(psutil.virtual_memory().available // 2)
+    room = str(psutil.virtual_memory().available * 3 // 4)
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder) / f"grid.{way.ending}")
         return _told([python, "-m", "benchmarks.child", room, way.module, way.function, str(size), path])

@@ -102,7 +102,7 @@ def _faces(results: Results) -> Iterator[str]:
 def _small(results: Results) -> Iterator[str]:
     """The largest grid that both rsegen and the loop wrote."""
     both = [row.size for row in results.writers if row.name == "merged" and results.middle("loop", row.size)]
-    size = max(both)
+    size = max(both, default=0)
     yield _head(f"{size:,} x {size:,} random blocks to a file", "CPU s", "peak MB", "file, MB", "faces")
     for row in results.rows(size):
         if row.middle:

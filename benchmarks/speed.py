@@ -67,12 +67,13 @@ class Work:
 
 
 def measured(plan: Plan, isaaclab: str) -> Results:
-    """Everything that the plan asks for."""
+    """Everything that the plan asks for; the short commands first, before gigabytes wait for the disk."""
+    commanded = tuple(_rounds(_commandings(plan), plan))
     return Results(
         machine=machine(),
         plan=f"{plan.text}, K = {', '.join(map(str, plan.sizes))}",
         writers=tuple(row for size in plan.sizes for row in _rounds(_writings(plan, size, isaaclab), plan)),
-        commands=tuple(_rounds(_commandings(plan), plan)),
+        commands=commanded,
         faces=tuple(Faces(**each) for each in _counted(plan)),  # type: ignore[arg-type]  # as printed
     )
 
@@ -115,7 +116,7 @@ def main(arguments: list[str]) -> int:
     """Measure, print, and keep what is worth keeping."""
     given = _given(arguments)
     plan = PLANS["full" if given.full else "quick" if given.quick else "usual"]
-    plan = replace(plan, sizes=tuple(given.sizes or plan.sizes))
+    plan = replace(plan, sizes=tuple(given.sizes or plan.sizes), runs=given.runs or plan.runs)
     results = measured(plan, given.isaaclab)
     folder = given.output or (None if given.quick else RESULTS)
     if folder:
@@ -136,6 +137,7 @@ def _given(arguments: list[str]) -> argparse.Namespace:
     length.add_argument("--quick", action="store_true", help="under two minutes")
     length.add_argument("--full", action="store_true", help="the slow ways and the largest grid too")
     parser.add_argument("--sizes", type=int, nargs="+", metavar="K", help="blocks a side, in place of the plan's")
+    parser.add_argument("--runs", type=int, metavar="N", help="of each work at most, in place of the plan's")
     parser.add_argument("--output", type=Path, metavar="DIR", help="benchmarks/results, or none where --quick")
     parser.add_argument("--isaaclab", default=sys.executable, metavar="PYTHON", help="one that has IsaacLab installed")
     return parser.parse_args(arguments)
