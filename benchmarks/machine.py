@@ -9,9 +9,10 @@ from pathlib import Path
 
 
 def machine() -> str:
-    """Model of the CPU, cores, memory, Python and libraries."""
+    """Model of the CPU, cores and what they do already, Python and libraries."""
     libraries = ", ".join(f"{name} {_version(name)}" for name in ("numpy", "trimesh"))
-    return f"{_cpu()}, {os.cpu_count()} cores; {platform.system()}; Python {platform.python_version()}, {libraries}"
+    cores = f"{os.cpu_count()} cores, {os.getloadavg()[0]:.1f} of them busy before"
+    return f"{_cpu()}, {cores}; {platform.system()}; Python {platform.python_version()}, {libraries}"
 
 
 def _cpu() -> str:

@@ -68,9 +68,9 @@ class Work:
 
 def measured(plan: Plan, isaaclab: str) -> Results:
     """Everything that the plan asks for; the short commands first, before gigabytes wait for the disk."""
-    commanded = tuple(_rounds(_commandings(plan), plan))
+    where, commanded = machine(), tuple(_rounds(_commandings(plan), plan))
     return Results(
-        machine=machine(),
+        machine=where,
         plan=f"{plan.text}, K = {', '.join(map(str, plan.sizes))}",
         writers=tuple(row for size in plan.sizes for row in _rounds(_writings(plan, size, isaaclab), plan)),
         commands=commanded,

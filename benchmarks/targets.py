@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from benchmarks.figures import Results, Row, Run
 from benchmarks.ways import LARGEST, MATRICES
 
+MANY = 1000
+
 Reading = Callable[[Results], float | None]
 
 
@@ -50,10 +52,10 @@ def over(above: Reading, below: Reading, factor: float = 1) -> Reading:
 
 
 def rate(name: str) -> Reading:
-    """Maps a second of CPU."""
+    """Maps a second of CPU, where there are enough of them for Python's start not to matter."""
 
     def figure(results: Results) -> float | None:
-        return next((_rate(row) for row in results.commands if row.name == name), None)
+        return next((_rate(row) for row in results.commands if row.name == name and row.count >= MANY), None)
 
     return figure
 
