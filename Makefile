@@ -3,12 +3,13 @@
 # make check    lint, types, import contracts
 # make package  builds wheel and sdist into dist/ and tries the wheel
 # make docs     makes the generated parts of the manual and its pictures anew
+# make bench    measures speed, memory and face counts beside other ways; BENCH=--quick for two minutes, not kept
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 ARGS ?= --numprocesses=auto
 
-.PHONY: worlds test check docs package gazebo lock
+.PHONY: worlds test check docs package gazebo lock bench bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
@@ -25,6 +26,16 @@ check: $(VENV)/developer
 
 docs: $(VENV)/developer
 	$(BIN)/python -m docs.generate
+
+bench: $(VENV)/developer
+	$(BIN)/python -m benchmarks.speed $(if $(wildcard $(VENV)/isaaclab),--isaaclab $(VENV)/isaaclab/bin/python) $(BENCH)
+	$(BIN)/python -m docs.generate
+
+# IsaacLab, to be measured beside: the one function needs no simulator; the package asks for Python 3.11.
+bench-isaaclab:
+	python3.11 -m venv $(VENV)/isaaclab
+	$(VENV)/isaaclab/bin/pip install --quiet torch trimesh scipy
+	$(VENV)/isaaclab/bin/pip install --quiet --no-deps isaaclab==2.3.2.post1
 
 # The wheel, installed into an environment of its own, makes a world.
 package: $(VENV)/developer

@@ -1,4 +1,4 @@
-"""The generated parts of the manual: schema, obstacle reference, parameter table, pictures.
+"""The generated parts of the manual: schema, obstacle reference, parameter table, figures of speed, pictures.
 
 python -m docs.generate           makes them anew
 python -m docs.generate --check   exits with 1 where one of them is out of date, and names it
@@ -12,18 +12,25 @@ import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from benchmarks.figures import RESULTS, loaded
+from benchmarks.report import page, with_table
+
 from rsegen import KINDS, Placement, Recipe, Scene, compose, load, schema
 from rsegen.codec import encode, summary
 from rsegen.drawing import picture
 from rsegen.params import Parameter, parameters
 
 DOCS = Path(__file__).parent
+README = DOCS.parent / "README.md"
 EXAMPLES = sorted((DOCS.parent / "examples").glob("*.yaml"))
 
 
 def texts() -> dict[Path, str]:
     """Every generated text by its file."""
+    figures = loaded(RESULTS / "speed.json")
     return {
+        README: with_table(README.read_text("utf-8"), figures),
+        DOCS / "benchmarks.md": page(figures),
         DOCS / "recipe.schema.json": json.dumps(schema(), indent=2) + "\n",
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",

@@ -1,0 +1,1 @@
+"""What rsegen costs, measured beside what others do."""
