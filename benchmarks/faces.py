@@ -27,7 +27,7 @@ def counted(grid: str, size: int, seeds: int) -> Faces:
         seeds=seeds,
         naive=6.0 * size * size,
         exposed=float(np.mean([exposed(levels) for levels in drawn])),
-        merged=float(np.mean([len(merged(levels).faces) for levels in drawn])),
+        merged=float(np.mean([merged(levels) for levels in drawn])),
     )
 
 

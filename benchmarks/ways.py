@@ -50,6 +50,16 @@ WAYS = (
         largest_full=LARGEST,
     ),
     Way(
+        name="watertight",
+        title="rsegen, watertight, OBJ",
+        module="ours",
+        function="watertight_obj",
+        faces="triangles",
+        largest=320,
+        largest_full=320,
+    ),
+    Way(name="blocks", title="rsegen, 8 vertices and 6 faces a block, OBJ", module="ours", function="blocks_obj"),
+    Way(
         name="multi",
         title="rsegen `multi`, a box model a block, SDF",
         module="ours",

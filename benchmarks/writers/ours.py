@@ -10,15 +10,23 @@ import numpy as np
 from benchmarks.grids import BLOCK, Levels
 from rsegen import Placement, Random, Recipe, Scene, StepField
 from rsegen.export import multi
-from rsegen.export.obj import obj
-from rsegen.geometry import Mesh, surface
+from rsegen.export.obj import faces, obj
+from rsegen.geometry import meshes
 
 
 def merged_obj(levels: Levels, path: Path) -> int:
     """The merged surface as OBJ."""
-    mesh = merged(levels)
-    _write(obj(mesh, "x.mtl"), path)
-    return len(mesh.faces)
+    return _obj(levels, "merged", path)
+
+
+def watertight_obj(levels: Levels, path: Path) -> int:
+    """The closed surface as OBJ."""
+    return _obj(levels, "watertight", path)
+
+
+def blocks_obj(levels: Levels, path: Path) -> int:
+    """8 vertices and 6 faces a block as OBJ."""
+    return _obj(levels, "blocks", path)
 
 
 def multi_world(levels: Levels, path: Path) -> int:
@@ -27,12 +35,21 @@ def multi_world(levels: Levels, path: Path) -> int:
     scene = Scene(recipe=recipe, index=0, field=_field(levels))
     (world,) = multi.files(scene).values()
     _write(world, path)
-    return multi.faces(scene)
+    return 6 * multi.models(scene)
 
 
-def merged(levels: Levels) -> Mesh:
-    """The merged surface of a grid."""
-    return surface(_field(levels))
+def merged(levels: Levels) -> int:
+    """How many faces the merged surface of a grid has."""
+    return sum(len(mesh.faces) for mesh in meshes(_field(levels), "merged"))
+
+
+def _obj(levels: Levels, mesh: str, path: Path) -> int:
+    found = 0
+    with path.open("wb") as file:
+        for piece in obj(meshes(_field(levels), mesh), "x.mtl"):
+            found += faces(piece)
+            file.write(piece)
+    return found
 
 
 def _field(levels: Levels) -> StepField:

@@ -14,19 +14,16 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path, PurePosixPath
 
+from rsegen.account import warnings
 from rsegen.errors import ParameterError
-from rsegen.export import MESH_TYPES, export
-from rsegen.export.obj import faces
+from rsegen.export import export
 from rsegen.params import Whole
 from rsegen.recipe import Recipe
 from rsegen.resume import complete, is_map_of
 from rsegen.room import maps_at_once, refuse_too_large, refuse_too_many
-from rsegen.scene import Scene, compose
+from rsegen.scene import compose
 from rsegen.workers import shared_out
 from rsegen.writer import clear_away, parent_of, refuse_not_a_folder, refuse_taken, told, write
-
-MANY = 1000
-"""From here on models (1.5 MB and 10 ms each in Gazebo Classic) or collisions (0.25 MB) are felt."""
 
 WORTHWHILE = 1.0
 """Seconds of work from which on workers gain more than they cost."""
@@ -115,68 +112,6 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
             if progress:
                 progress(one)
     return Generated(recipe=recipe, folder=folder, maps=tuple(made), already=tuple(sorted(already)))
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Account:
-    """What a map is and costs: cells with frames, metres, blocks of each level; models, faces to be seen and bytes."""
-
-    name: str
-    seed: int
-    cells: tuple[int, int]
-    extent: tuple[float, float]
-    unit_cm: float
-    level_counts: dict[int, int]
-    mesh_type: str
-    models: int
-    collisions: int
-    faces: int
-    bytes: int
-    warnings: tuple[str, ...]
-
-
-def account(scene: Scene) -> Account:
-    """The account of a map: its files are made for it, and not written."""
-    size = seen = 0
-    for path, content in export(scene).items():
-        for piece in content:
-            size += len(piece)
-            seen += faces(piece) if path.suffix == ".obj" else 0
-    mesh_type = MESH_TYPES[scene.recipe.mesh_type]
-    return Account(
-        name=scene.name,
-        seed=scene.recipe.seed,
-        cells=scene.field.shape,
-        extent=scene.field.extent,
-        unit_cm=scene.recipe.unit_cm,
-        level_counts=scene.field.level_counts(),
-        mesh_type=scene.recipe.mesh_type,
-        models=mesh_type.models(scene),
-        collisions=mesh_type.collisions(scene),
-        faces=seen or 6 * mesh_type.models(scene),
-        bytes=size,
-        warnings=warnings(scene),
-    )
-
-
-def warnings(scene: Scene) -> tuple[str, ...]:
-    """What a person should know of a map before opening it."""
-    found = []
-    if not scene.field.levels.any():
-        found.append("every block is at level 0: there is nothing to see but frames and ground")
-    mesh_type = MESH_TYPES[scene.recipe.mesh_type]
-    models = mesh_type.models(scene)
-    if models > MANY:
-        found.append(
-            f"{models:,} models: Gazebo Classic needs about {models * 1.5 / 1000:,.1f} GB and {models / 100:,.0f} s to "
-            "load them, Gazebo Sim CPU at every step; mesh_type pallet or single costs a hundredth"
-        )
-    elif (collisions := mesh_type.collisions(scene)) > MANY:
-        found.append(
-            f"{collisions:,} collisions: Gazebo Classic needs about {collisions / 4000:,.1f} GB for them and longer to "
-            "load and to step, Gazebo Sim several times the CPU; collision mesh costs next to nothing"
-        )
-    return tuple(found)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
