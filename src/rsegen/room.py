@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 import shutil
+from math import prod
 from pathlib import Path
 
 from rsegen.errors import TooLarge, shown
+from rsegen.geometry import PIECE
 from rsegen.recipe import Recipe
 
-BYTES_A_CELL = {"single": 1100, "multi": 200, "pallet": 1100}
-"""Peak memory for each cell of a map, by mesh type: measured on random maps of 1000 x 1000, rounded up."""
+BYTES_A_CELL = 16
+"""Of memory for every cell of a map: measured between 1000 x 1000 and 4000 x 4000 blocks, rounded up."""
+
+BYTES_A_CELL_OF_A_PIECE = {"merged": 1000, "blocks": 1000, "watertight": 3500}
+"""While it is made into a mesh: measured on random pieces of 5 and of 100 levels, rounded up."""
 
 BYTES_A_MAP = 1500
 """What is kept of each map that is done, to be told at the end: measured on thousands of maps, rounded down."""
@@ -25,7 +30,7 @@ BYTES_ON_DISK = 3 * 4096
 def refuse_too_large(recipe: Recipe) -> None:
     """Raise TooLarge where one map would need more memory than is free."""
     n_x, n_y = _shape(recipe)
-    needed, free = n_x * n_y * BYTES_A_CELL[recipe.mesh_type], _free_memory()
+    needed, free = _memory(recipe), _free_memory()
     if needed > free:
         raise TooLarge(
             f"chunks: a map of {n_x} x {n_y} cells needs about {_giga(needed)} of memory, "
@@ -35,8 +40,7 @@ def refuse_too_large(recipe: Recipe) -> None:
 
 def maps_at_once(recipe: Recipe) -> int:
     """How many of its maps fit into memory together."""
-    n_x, n_y = _shape(recipe)
-    return max(1, _free_memory() // (n_x * n_y * BYTES_A_CELL[recipe.mesh_type] + BYTES_A_WORKER))
+    return max(1, _free_memory() // (_memory(recipe) + BYTES_A_WORKER))
 
 
 def refuse_too_many(maps: int, folder: Path) -> None:
@@ -48,6 +52,14 @@ def refuse_too_many(maps: int, folder: Path) -> None:
                 f"maps: {shown(maps)} of them need {_giga(maps * each)} of {what} or more, "
                 f"and {_giga(free)} are free; give fewer, and the next ones from first_map on"
             )
+
+
+def _memory(recipe: Recipe) -> int:
+    """What one map takes at its peak, in bytes. A watertight mesh is made of a whole model at once."""
+    cells = prod(_shape(recipe))
+    model = (recipe.chunk_size + 2) ** 2 if recipe.mesh_type == "pallet" else cells
+    piece = min(cells, model if recipe.mesh == "watertight" else PIECE**2)
+    return cells * BYTES_A_CELL + piece * BYTES_A_CELL_OF_A_PIECE[recipe.mesh]
 
 
 def _shape(recipe: Recipe) -> tuple[int, int]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import rsegen
 from rsegen.export import MESH_TYPES
@@ -47,6 +48,30 @@ def variants() -> Iterator[rsegen.Recipe]:
             seed=1,
             obstacles=(random,),
         )
+
+
+Shape = Mapping[str, Any]
+"""Parameters of a recipe that say what is seen and touched, where they are not the default ones."""
+
+SHAPES: tuple[Shape, ...] = (
+    {},
+    {"mesh": "watertight"},
+    {"mesh": "blocks"},
+    {"collision": "boxes"},
+    {"collision": "blocks"},
+    {"tile": 7},
+)
+
+
+def shape_name(shape: Shape) -> str:
+    """What a test is called by."""
+    return "-".join(f"{name}-{value}" for name, value in shape.items()) or "default"
+
+
+def shaped() -> Iterator[rsegen.Recipe]:
+    """The first map of every example in every shape but the default one."""
+    for recipe, shape in product(map(rsegen.load, EXAMPLES), SHAPES[1:]):
+        yield replace(recipe, name=f"{recipe.name}-{shape_name(shape)}", maps=1, **shape)
 
 
 def kinds() -> Iterator[rsegen.Recipe]:

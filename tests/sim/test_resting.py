@@ -12,7 +12,7 @@ import pytest
 import rsegen
 from sim.bodies import SHAPES, SIZE, body, furnished
 from sim.gazebo import Gazebo
-from sim.maps import examples, generated, map_name, variants
+from sim.maps import examples, generated, map_name, shaped, variants
 
 DROP = 0.01
 """Metres that every body falls."""
@@ -21,7 +21,7 @@ Spot = tuple[str, str, float, float, float]
 """Name and shape of a body, and the middle of the top of the cell that it falls on."""
 
 
-@pytest.mark.parametrize("recipe", [*examples(), *variants()], ids=map_name)
+@pytest.mark.parametrize("recipe", [*examples(), *variants(), *shaped()], ids=map_name)
 def test_bodies_rest_on_the_top_of_their_cell(recipe: rsegen.Recipe, gazebo: Gazebo, tmp_path: Path) -> None:
     made = generated(recipe, tmp_path)
     field = made.scene.field

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from rsegen.stepfield import NANOMETRE_DIGITS
 
 
+@lru_cache(maxsize=2**14)
 def decimal(value: float) -> str:
     """A plain decimal to the nanometre, without trailing zeros: 0.3, -1.25, 0."""
     text = f"{value:.{NANOMETRE_DIGITS}f}".rstrip("0").rstrip(".")

@@ -62,8 +62,8 @@ def _faces(mesh: Mesh, first: int) -> Iterator[bytes]:
     """A group for each material, in whose order the faces are; `first` is the number of the first vertex."""
     numbers = _counted(first, len(mesh.places))
     normals = _texts([f"//{number + 1}" for number in range(len(NORMALS))])
-    for material in np.unique(mesh.materials):
-        name = material_name(int(material))
+    for material in np.flatnonzero(np.bincount(mesh.materials)).tolist():
+        name = material_name(material)
         yield f"g {name}\nusemtl {name}\n".encode()
         for strip in _strips(*np.searchsorted(mesh.materials, [material, material + 1]).tolist()):
             normal = normals[mesh.normals[strip]]

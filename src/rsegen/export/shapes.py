@@ -34,8 +34,9 @@ def touched(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterat
             yield shape._replace(name=shape.name.replace("visual", "collision"))
         return
     found = boxes(field) if scene.recipe.collision == "boxes" else single_boxes(field)
-    for number, (low, high) in enumerate(zip(found.low, found.high, strict=True)):
-        yield sdf.box(f"collision_{number}", high - low, sdf.numbers((low + high) / 2))
+    sizes, centres = found.high - found.low, (found.low + found.high) / 2
+    for number, (size, centre) in enumerate(zip(sizes.tolist(), centres.tolist(), strict=True)):
+        yield sdf.box(f"collision_{number}", size, sdf.numbers(centre))
 
 
 def collisions(scene: Scene, field: StepField) -> int:

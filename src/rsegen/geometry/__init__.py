@@ -10,7 +10,19 @@ from rsegen.geometry.surface import surface
 from rsegen.geometry.watertight import watertight
 from rsegen.stepfield import StepField, Window
 
-__all__ = ["NORMALS", "Boxes", "Mesh", "blocks", "boxes", "meshes", "single_boxes", "surface", "watertight", "windows"]
+__all__ = [
+    "NORMALS",
+    "PIECE",
+    "Boxes",
+    "Mesh",
+    "blocks",
+    "boxes",
+    "meshes",
+    "single_boxes",
+    "surface",
+    "watertight",
+    "windows",
+]
 
 PIECE = 512
 """Side of the pieces, in cells, that large maps are made in, so that memory does not grow with the map."""

@@ -55,7 +55,7 @@ def _labels(field: StepField, seen: Window) -> tuple[Ints, int, Array]:
     known = np.flatnonzero(np.bincount(levels.ravel()))
     heights = np.round(known * field.unit, NANOMETRE_DIGITS)
     frame_height = round(field.frame_height, NANOMETRE_DIGITS) if frame.any() else 0.0
-    tops: Array = np.unique(np.append(heights, [0.0, frame_height]))
+    tops = np.array(sorted({0.0, frame_height, *heights.tolist()}))
     kinds = int(known[-1]) + 1
     label_of: Ints = np.zeros(kinds, dtype=np.int32 if len(tops) * kinds < 2**30 else np.int64)
     label_of[known] = np.searchsorted(tops, heights) * kinds + known
