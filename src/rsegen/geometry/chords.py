@@ -52,6 +52,8 @@ def walls(labels: Ints) -> Mask:
     n_u, n_v = labels.shape
     concave, along_u, along_v = _runs(labels)
     wall = np.zeros((n_u + 1) * (n_v + 1), dtype=bool)
+    if not concave.any():
+        return wall.reshape(n_u + 1, n_v + 1)[:-1, 1:-1]
     kept_u, kept_v = _apart(_chords(along_u, concave), _chords(along_v, concave), len(wall))
     wall[kept_u.corners(last=False)[0]] = True
     for chords in (kept_u, kept_v):
@@ -63,7 +65,8 @@ def walls(labels: Ints) -> Mask:
 
 def _runs(labels: Ints) -> tuple[Mask, _Runs, _Runs]:
     """The concave corners, and all runs along u and along v. Between two squares of one label a way is inside."""
-    around = np.pad(labels, 1)
+    around = np.zeros([cells + 2 for cells in labels.shape], dtype=labels.dtype)
+    around[1:-1, 1:-1] = labels
     there = around != 0
     inside_u = (around[:, 1:] == around[:, :-1]) & there[:, 1:]
     inside_v = (around[1:] == around[:-1]) & there[1:]
@@ -85,6 +88,8 @@ def _chords(runs: _Runs, concave: Mask) -> _Runs:
 
 def _apart(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_Runs, _Runs]:
     """Chords of which no two meet, as many as can easily be had."""
+    if not (len(along_u.start) and len(along_v.start)):
+        return along_u, along_v
     on = np.full(corners, -1, dtype=np.int32)
     at, chord = along_v.corners(last=True)
     on[at] = chord

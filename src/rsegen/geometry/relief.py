@@ -33,13 +33,12 @@ def relief(field: StepField, window: Window | None = None) -> Relief:
     cells_x, cells_y = window or field.whole
     seen = slice(max(cells_x.start - 1, 0), cells_x.stop + 1), slice(max(cells_y.start - 1, 0), cells_y.stop + 1)
     labels, kinds, tops = _labels(field, seen)
-    missing = [
-        (int(part.start == 0), int(part.stop == cells))
-        for part, cells in zip((cells_x, cells_y), field.shape, strict=True)
-    ]
+    around = np.zeros([part.stop - part.start + 2 for part in (cells_x, cells_y)], dtype=labels.dtype)
+    x, y = (part.start - cells.start + 1 for part, cells in zip(seen, (cells_x, cells_y), strict=True))
+    around[x : x + labels.shape[0], y : y + labels.shape[1]] = labels
     edges_x, edges_y = field.edges()
     lines = edges_x[cells_x.start : cells_x.stop + 1], edges_y[cells_y.start : cells_y.stop + 1], tops
-    return Relief(np.pad(labels, missing), kinds, Lattice(lines=lines))
+    return Relief(around, kinds, Lattice(lines=lines))
 
 
 def windows(window: Window, side: int) -> Iterator[Window]:
