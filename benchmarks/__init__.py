@@ -1,0 +1,1 @@
+"""Measurements of what rsegen makes, each a command: `python -m benchmarks.NAME`."""
