@@ -2,226 +2,130 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
-import numpy as np
+from benchmarks.contact import fields, partitions
+from benchmarks.contact.fields import Shapes, boxes, mesh
 
-from benchmarks.contact import partitions
-from benchmarks.contact.partitions import Patch
-from benchmarks.contact.shapes import Box, Heights, Shape, Triangles
-from rsegen import StepField
-from rsegen.geometry import surface
-from rsegen.stepfield import Array
-
-Shapes = Callable[[StepField], Iterable[Shape]]
-Partition = Callable[[Array], Iterable[Patch]]
+FIXED = '<joint name="anchor" type="fixed"><parent>world</parent><child>link</child></joint>'
+HEAVY = (
+    "<gravity>false</gravity><inertial><mass>1000000</mass>"
+    "<inertia><ixx>1000000</ixx><iyy>1000000</iyy><izz>1000000</izz></inertia></inertial>"
+)
+BODY = HEAVY + "<kinematic>true</kinematic>"
+"""ODE takes the smaller min_depth of two bodies, and a static model is none: only as a body the field can say 0."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Construction:
     """A name, what it is in a line, its shapes, and how the simulator holds and touches them.
 
-    contact: parameters for ODE; held: SDF in the place of <static>true</static>, of which `{link}` goes into the link;
-    levels: whether it can be more than the bare ground; quick: whether it is in the short run.
+    kd: damping of contacts for ODE, 0 for Gazebo's own 1; held: how the model is kept in its place; link: what its link
+    has beside collisions; levels: whether it can be more than the bare ground; quick: whether it is in the short run.
     """
 
     name: str
     says: str
-    shapes: Shapes
-    contact: str = ""
+    shapes: Shapes = fields.shipped
+    kd: int = 0
     held: str = "<static>true</static>"
     link: str = ""
     levels: bool = True
     quick: bool = True
 
 
-FIXED = '<joint name="anchor" type="fixed"><parent>world</parent><child>link</child></joint>'
-HEAVY = (
-    "<gravity>false</gravity><inertial><mass>1000000</mass><inertia><ixx>1000000</ixx><iyy>1000000</iyy>"
-    "<izz>1000000</izz></inertia></inertial>"
-)
-
-
-def boxes(partition: Partition) -> Shapes:
-    """A box from the ground for each patch."""
-
-    def shapes(field: StepField) -> Iterator[Shape]:
-        x, y = (line.tolist() for line in field.edges())
-        for i0, i1, j0, j1, height in partition(field.heights):
-            centre = ((x[i0] + x[i1]) / 2, (y[j0] + y[j1]) / 2, height / 2)
-            yield Box(centre=centre, size=(x[i1] - x[i0], y[j1] - y[j0], height))
-
-    return shapes
-
-
-def mesh(partition: Partition) -> Shapes:
-    """One mesh of the patches as tops and the shipped surface's walls."""
-    return lambda field: [Triangles(corners=np.concatenate([tops(field, partition), walls(field)]))]
-
-
-def shipped(field: StepField) -> Iterator[Shape]:
-    """One mesh of the shipped surface."""
-    made = surface(field)
-    yield Triangles(corners=made.vertices[made.triangles])
-
-
-def block_mesh(field: StepField) -> Iterator[Shape]:
-    """One mesh with all six faces of every block."""
-    faces = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-    x, y = (line.tolist() for line in field.edges())
-    blocks = []
-    for i0, i1, j0, j1, height in partitions.cells(field.heights):
-        ring = [(x[i0], y[j0]), (x[i1], y[j0]), (x[i1], y[j1]), (x[i0], y[j1])]
-        blocks.append([(a, b, c) for c in (0.0, height) for a, b in ring])
-    yield Triangles(corners=_halved(np.array(blocks)[:, faces].reshape(-1, 4, 3)))
-
-
-def fans(field: StepField) -> Iterator[Shape]:
-    """Tops as fans round their middle with a corner wherever another rectangle has one."""
-    made = surface(field)
-    points = {tuple(point) for point in np.round(made.vertices, 9).tolist()}
-    corners = []
-    for ring in made.vertices[made.faces[made.normals == 4]]:
-        border = [point for a, b in zip(ring, np.roll(ring, -1, axis=0), strict=True) for point in _along(a, b, points)]
-        middle = ring.mean(axis=0)
-        corners += [(middle, a, b) for a, b in zip(border, [*border[1:], border[0]], strict=True)]
-    yield Triangles(corners=np.concatenate([np.array(corners), walls(field)]))
-
-
-def height_map(samples: int) -> Shapes:
-    """Floors as a height map with so many samples a cell, each the lowest of the cells it touches; walls as a mesh."""
-
-    def shapes(field: StepField) -> Iterator[Shape]:
-        yield Heights(samples=_sampled(field, samples), side=_side(field, samples), height=field.unit * 255 / _STEP)
-        yield Triangles(corners=np.concatenate([walls(field), _rims(field, field.block_width / samples)]))
-
-    return shapes
-
-
-def tops(field: StepField, partition: Partition) -> Array:
-    """Two triangles for each patch."""
-    x, y = field.edges()
-    i0, i1, j0, j1, height = (np.array(column) for column in zip(*partition(field.heights), strict=True))
-    ring = ((i0, j0), (i1, j0), (i1, j1), (i0, j1))
-    return _halved(np.stack([np.stack([x[i], y[j], height], axis=1) for i, j in ring], axis=1))
-
-
-def walls(field: StepField) -> Array:
-    """The shipped surface without its tops."""
-    made = surface(field)
-    return _halved(made.vertices[made.faces[made.normals != 4]])
-
-
-_STEP = 16
-"""Grey of a level in a height map."""
-
-
-def _side(field: StepField, samples: int) -> float:
-    return (len(_sampled(field, samples)) - 1) * field.block_width / samples
-
-
-def _sampled(field: StepField, samples: int) -> np.ndarray[tuple[int, int], np.dtype[np.uint8]]:
-    """In the middle of a larger square of ground."""
-    levels = np.pad(field.levels, 1)
-    fine = np.repeat(np.repeat(levels, samples, axis=0), samples, axis=1)
-    corners = np.minimum.reduce([fine[:-1, :-1], fine[1:, :-1], fine[:-1, 1:], fine[1:, 1:]])[
-        samples - 1 :, samples - 1 :
-    ]
-    corners = corners[: field.shape[0] * samples + 1, : field.shape[1] * samples + 1]
-    side = 2 ** int(np.ceil(np.log2(max(corners.shape) - 1))) + 1
-    whole = np.zeros((side, side), dtype=np.uint8)
-    i, j = ((side - length) // 2 for length in corners.shape)
-    whole[i : i + corners.shape[0], j : j + corners.shape[1]] = corners * _STEP
-    return whole
-
-
-def _rims(field: StepField, width: float) -> Array:
-    """Strips along the ledges of tops, on the higher side."""
-    made = surface(field)
-    sides = made.normals != 4
-    rings, outward = made.vertices[made.faces[sides]], _OUTWARD[made.normals[sides]]
-    ends = [np.where((ring[:, 2] == ring[:, 2].max())[:, None], ring, np.nan) for ring in rings]
-    strips = []
-    for ring, out in zip(ends, outward, strict=True):
-        a, b = ring[~np.isnan(ring[:, 0])]
-        strip = np.array([a, b, b - out * width, a - out * width])
-        upward = np.cross(strip[1] - strip[0], strip[2] - strip[0])[2] > 0
-        strips.append(strip if upward else strip[::-1])
-    return _halved(np.array(strips))
-
-
-_OUTWARD = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1]])
-
-
-def _along(a: Array, b: Array, points: set[tuple[float, ...]]) -> list[Array]:
-    """The points of a border from a to before b, cell by cell where a point is known there."""
-    steps = max(1, round(float(np.linalg.norm(b - a)) / 0.1))
-    found = [a + (b - a) * k / steps for k in range(steps)]
-    return [point for k, point in enumerate(found) if k == 0 or tuple(np.round(point, 9).tolist()) in points]
-
-
-def _halved(rings: Array) -> Array:
-    """Every rectangle as two triangles."""
-    return rings[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3, 3)
-
-
-def _kd(value: int) -> str:
-    return f"<kd>{value}</kd>"
-
-
-_KD = _kd(1000)
-
 ALL = (
     Construction(name="plane", says="the bare ground: the goal", shapes=lambda _: (), levels=False),
-    Construction(name="mesh", says="the merged surface", shapes=shipped),
-    Construction(name="mesh-kd1000", says="the merged surface, kd 1000: shipped", shapes=shipped, contact=_KD),
-    Construction(name="mesh-kd100", says="the merged surface, kd 100", shapes=shipped, contact=_kd(100)),
-    Construction(name="mesh-kd300", says="the merged surface, kd 300", shapes=shipped, contact=_kd(300)),
-    Construction(name="mesh-kd3000", says="the merged surface, kd 3000", shapes=shipped, contact=_kd(3000)),
-    Construction(name="mesh-kd1e5", says="the merged surface, kd 100000", shapes=shipped, contact=_kd(100000)),
-    Construction(name="largest", says="largest rectangles first", shapes=mesh(partitions.largest_first)),
+    Construction(
+        name="body-kd1000", says="the shipped surface as a kinematic body, kd 1000", kd=1000, held="", link=BODY
+    ),
+    Construction(name="mesh-kd1000", says="the shipped surface, kd 1000: what is shipped", kd=1000),
+    Construction(
+        name="height-map",
+        says="floors as a height map, 4 samples a cell; walls and rims as a mesh",
+        shapes=fields.height_map(4),
+    ),
+    Construction(name="mesh", says="the shipped surface"),
+    Construction(name="block-mesh", says="a mesh, 8 vertices and 6 faces a block", shapes=fields.block_mesh),
+    Construction(name="body", says="the shipped surface as a kinematic body", held="", link=BODY, quick=False),
+    Construction(
+        name="body-kd100",
+        says="the shipped surface as a kinematic body, kd 100",
+        kd=100,
+        held="",
+        link=BODY,
+        quick=False,
+    ),
+    Construction(
+        name="body-kd3000",
+        says="the shipped surface as a kinematic body, kd 3000",
+        kd=3000,
+        held="",
+        link=BODY,
+        quick=False,
+    ),
+    Construction(
+        name="body-fixed-kd1000",
+        says="the shipped surface as a kinematic body fixed to the world, kd 1000",
+        kd=1000,
+        held=FIXED,
+        link=BODY,
+        quick=False,
+    ),
+    Construction(
+        name="body-block-mesh-kd1000",
+        says="the block mesh as a kinematic body, kd 1000",
+        shapes=fields.block_mesh,
+        kd=1000,
+        held="",
+        link=BODY,
+        quick=False,
+    ),
+    Construction(
+        name="body-largest-kd1000",
+        says="largest rectangles first, as a kinematic body, kd 1000",
+        shapes=mesh(partitions.largest_first),
+        kd=1000,
+        held="",
+        link=BODY,
+        quick=False,
+    ),
+    Construction(name="mesh-kd100", says="the shipped surface, kd 100", kd=100, quick=False),
+    Construction(name="mesh-kd100000", says="the shipped surface, kd 100000", kd=100000, quick=False),
     Construction(
         name="largest-kd1000",
         says="largest rectangles first, kd 1000",
         shapes=mesh(partitions.largest_first),
-        contact=_KD,
+        kd=1000,
+        quick=False,
     ),
     Construction(
         name="extended-kd1000",
         says="tops that go on under higher blocks, kd 1000",
         shapes=mesh(partitions.extended),
-        contact=_KD,
+        kd=1000,
+        quick=False,
     ),
-    Construction(name="fans-kd1000", says="no T-junctions, fans round the middle, kd 1000", shapes=fans, contact=_KD),
-    Construction(name="boxes", says="merged boxes", shapes=boxes(partitions.merged)),
-    Construction(name="layers", says="boxes a height, under all that is higher", shapes=boxes(partitions.layered)),
     Construction(
         name="layers-mesh-kd1000",
-        says="the layers' tops as a mesh, kd 1000",
+        says="tops of all that is as high or higher, kd 1000",
         shapes=mesh(partitions.layered),
-        contact=_KD,
+        kd=1000,
+        quick=False,
     ),
-    Construction(name="block-mesh", says="a mesh, 8 vertices and 6 faces a block", shapes=block_mesh),
+    Construction(
+        name="fans-kd1000",
+        says="no T-junctions: fans round the middle of each top, kd 1000",
+        shapes=fields.fans,
+        kd=1000,
+        quick=False,
+    ),
+    Construction(name="boxes", says="merged boxes", shapes=boxes(partitions.merged), quick=False),
+    Construction(
+        name="layers",
+        says="boxes for each height below all that is as high or higher",
+        shapes=boxes(partitions.layered),
+        quick=False,
+    ),
     Construction(name="cells", says="a box a cell", shapes=boxes(partitions.cells), quick=False),
-    Construction(
-        name="height-map-4", says="a height map, 4 samples a cell, and a mesh of walls and rims", shapes=height_map(4)
-    ),
-    Construction(
-        name="height-map-2", says="a height map, 2 samples a cell, and a mesh of walls and rims", shapes=height_map(2)
-    ),
-    Construction(
-        name="body-fixed",
-        says="the merged surface as a heavy body fixed to the world",
-        shapes=shipped,
-        held=FIXED,
-        link=HEAVY,
-    ),
-    Construction(
-        name="body-kinematic",
-        says="the merged surface as a kinematic body",
-        shapes=shipped,
-        held="",
-        link=HEAVY + "<kinematic>true</kinematic>",
-    ),
 )

@@ -39,7 +39,7 @@ OTHERS = {"plain": 0.0, "lane": 1.0, "scattered": 0.25}
 """Share of the cells beside the track whose level is drawn at random."""
 DROP = 0.01
 """Metres that a body falls."""
-BODIES = 12
+BODIES = 9
 """Of each sort."""
 
 

@@ -211,12 +211,13 @@ _WORLD = f"""\
 
 def _model(construction: Construction, field: StepField, folder: Path) -> str:
     collisions = []
+    kd = f"<kd>{construction.kd}</kd>" if construction.kd else ""
     for number, shape in enumerate(construction.shapes(field)):
         for name, content in shape.files(f"shape_{number}").items():
             (folder / name).write_bytes(content)
         x, y, z = shape.centre
         geometry = shape.geometry(f"shape_{number}").replace("file://", f"file://{folder}/")
-        surface = f"<surface><contact><ode>{construction.contact}</ode></contact>{_FRICTION}</surface>"
+        surface = f"<surface><contact><ode>{kd}</ode></contact>{_FRICTION}</surface>"
         collisions.append(
             f'<collision name="collision_{number}"><pose>{x} {y} {z} 0 0 0</pose>'
             f"<geometry>{geometry}</geometry>{surface}</collision>\n"
