@@ -30,23 +30,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("no Gazebo Classic 11 here: run scripts/gazebo-classic", file=sys.stderr)
         return NO_GAZEBO
     chosen = [each for each in ALL if (each.name in options.only if options.only else each.quick or not options.quick)]
-    seeds = SEEDS[:1] if options.quick else SEEDS
-    trials, lost = _trials(chosen, seeds, replace(gazebo, patience=PATIENCE), options.results)
+    trials, lost = _trials(
+        chosen,
+        _plan(chosen, SEEDS[:1] if options.quick else SEEDS),
+        replace(gazebo, patience=PATIENCE),
+        options.results,
+    )
     print(table(trials, chosen, lost))
     return 0
 
 
+def _plan(chosen: Sequence[Construction], seeds: Sequence[int]) -> list[tuple[Construction, int]]:
+    """The most telling constructions on every field, then the others on the first."""
+    telling = [(each, seed) for seed in seeds for each in chosen if each.quick]
+    return telling + [(each, seeds[0]) for each in chosen if not each.quick]
+
+
 def _trials(
-    chosen: Sequence[Construction], seeds: Sequence[int], gazebo: Gazebo, folder: Path
+    chosen: Sequence[Construction], plan: Sequence[tuple[Construction, int]], gazebo: Gazebo, folder: Path
 ) -> tuple[list[Trial], list[str]]:
     """All that were done, also where they are interrupted; results are written after each."""
     trials: list[Trial] = []
     lost: list[str] = []
     try:
-        for seed in seeds:
-            for each in chosen:
-                _report(each, seed, gazebo, trials, lost)
-                write(trials, chosen, lost, folder)
+        for each, seed in plan:
+            _report(each, seed, gazebo, trials, lost)
+            write(trials, chosen, lost, folder)
     except KeyboardInterrupt:
         lost.append("Interrupted: not every construction was tried on every field.")
         write(trials, chosen, lost, folder)

@@ -15,13 +15,17 @@ HEAVY = (
 BODY = HEAVY + "<kinematic>true</kinematic>"
 """ODE takes the smaller min_depth of two bodies, and a static model is none: only as a body the field can say 0."""
 
+LIFT = 0.00001
+"""A body that stands on the ground plane would touch it at every foot of a wall and in every step."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Construction:
     """A name, what it is in a line, its shapes, and how the simulator holds and touches them.
 
     kd: damping of contacts for ODE, 0 for Gazebo's own 1; held: how the model is kept in its place; link: what its link
-    has beside collisions; levels: whether it can be more than the bare ground; quick: whether it is in the short run.
+    has beside collisions; lift: how far the collisions are raised, metres; levels: whether it can be more than the bare
+    ground; quick: whether it is in the short run, and in the long run on every field instead of one.
     """
 
     name: str
@@ -30,6 +34,7 @@ class Construction:
     kd: int = 0
     held: str = "<static>true</static>"
     link: str = ""
+    lift: float = 0
     levels: bool = True
     quick: bool = True
 
@@ -37,7 +42,12 @@ class Construction:
 ALL = (
     Construction(name="plane", says="the bare ground: the goal", shapes=lambda _: (), levels=False),
     Construction(
-        name="body-kd1000", says="the shipped surface as a kinematic body, kd 1000", kd=1000, held="", link=BODY
+        name="body-kd1000",
+        says="the shipped surface as a kinematic body, kd 1000",
+        kd=1000,
+        held="",
+        link=BODY,
+        lift=LIFT,
     ),
     Construction(name="mesh-kd1000", says="the shipped surface, kd 1000: what is shipped", kd=1000),
     Construction(
@@ -47,13 +57,16 @@ ALL = (
     ),
     Construction(name="mesh", says="the shipped surface"),
     Construction(name="block-mesh", says="a mesh, 8 vertices and 6 faces a block", shapes=fields.block_mesh),
-    Construction(name="body", says="the shipped surface as a kinematic body", held="", link=BODY, quick=False),
+    Construction(
+        name="body", says="the shipped surface as a kinematic body", held="", link=BODY, lift=LIFT, quick=False
+    ),
     Construction(
         name="body-kd100",
         says="the shipped surface as a kinematic body, kd 100",
         kd=100,
         held="",
         link=BODY,
+        lift=LIFT,
         quick=False,
     ),
     Construction(
@@ -62,6 +75,7 @@ ALL = (
         kd=3000,
         held="",
         link=BODY,
+        lift=LIFT,
         quick=False,
     ),
     Construction(
@@ -70,6 +84,7 @@ ALL = (
         kd=1000,
         held=FIXED,
         link=BODY,
+        lift=LIFT,
         quick=False,
     ),
     Construction(
@@ -79,6 +94,7 @@ ALL = (
         kd=1000,
         held="",
         link=BODY,
+        lift=LIFT,
         quick=False,
     ),
     Construction(
@@ -88,6 +104,7 @@ ALL = (
         kd=1000,
         held="",
         link=BODY,
+        lift=LIFT,
         quick=False,
     ),
     Construction(name="mesh-kd100", says="the shipped surface, kd 100", kd=100, quick=False),

@@ -42,6 +42,7 @@ _HEAD = (
     "stiff wheels",
     "sphere wheels",
     "drops failed, mm",
+    "fields",
     "cost",
     "load",
     "memory",
@@ -51,9 +52,18 @@ _HEAD = (
 def write(trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence[str], folder: Path) -> None:
     """contact.md and contact.json."""
     folder.mkdir(parents=True, exist_ok=True)
-    content = {"trials": [asdict(trial) for trial in trials], "lost": list(lost)}
-    (folder / "contact.json").write_text(json.dumps(content, indent=1) + "\n")
+    content = {"trials": [_rounded(asdict(trial)) for trial in trials], "lost": list(lost)}
+    (folder / "contact.json").write_text(json.dumps(content) + "\n")
     (folder / "contact.md").write_text(table(trials, tried, lost))
+
+
+def _rounded(value: object) -> object:
+    """Numbers to a thousandth, however deep."""
+    if isinstance(value, float):
+        return round(value, 3)
+    if isinstance(value, dict):
+        return {key: _rounded(inner) for key, inner in value.items()}
+    return [_rounded(inner) for inner in value] if isinstance(value, list) else value
 
 
 def table(trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence[str]) -> str:
@@ -81,7 +91,7 @@ def _row(name: str, trials: Sequence[Trial]) -> tuple[str, ...]:
     ]
     costs = (np.mean([getattr(trial, what) for trial in trials]) for what in ("cost", "load_cpu", "memory"))
     cost, load, memory = map(float, costs)
-    return name, *columns, _rested(rests), f"{cost:.2f}", f"{load:.1f}", f"{memory:.0f}"
+    return name, *columns, _rested(rests), str(len(trials)), f"{cost:.2f}", f"{load:.1f}", f"{memory:.0f}"
 
 
 def _driven(drives: Sequence[Drive]) -> str:
