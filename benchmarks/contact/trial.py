@@ -103,7 +103,7 @@ def _run(construction: Construction, seed: int, world: Path, gazebo: Gazebo) -> 
         load=load,
         load_cpu=loaded.cpu,
         memory=loaded.memory,
-        errors=errors,
+        errors=sorted(set(errors)),
     )
 
 
