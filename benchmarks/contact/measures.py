@@ -13,7 +13,7 @@ from sim.gazebo import Lost, Server
 Record = list[tuple[float, dict[str, list[float]]]]
 """Second and poses (x, y, z, roll, pitch, yaw) of models, to three digits, which is all that Gazebo writes."""
 
-IDLE = 0.5
+IDLE = 0.2
 """Processors in use, below which a server stands still."""
 
 _STATE = re.compile(r"<sim_time>(\d+) (\d+)</sim_time>(.*?)</state>", re.DOTALL)

@@ -92,7 +92,7 @@ def _run(construction: Construction, seed: int, world: Path, gazebo: Gazebo) -> 
         poses, errors = server.poses(), server.errors()
         server.end()
         told = record(server.state.read_text())
-    if max(at for at, _ in told) < SECONDS - PERIOD:
+    if max((at for at, _ in told), default=0) < SECONDS - PERIOD:
         raise Lost("stopped early")
     return Trial(
         construction=construction.name,
