@@ -70,15 +70,6 @@ ALL = (
         quick=False,
     ),
     Construction(
-        name="body-kd3000",
-        says="the shipped surface as a kinematic body, kd 3000",
-        kd=3000,
-        held="",
-        link=BODY,
-        lift=LIFT,
-        quick=False,
-    ),
-    Construction(
         name="body-fixed-kd1000",
         says="the shipped surface as a kinematic body fixed to the world, kd 1000",
         kd=1000,
@@ -107,7 +98,6 @@ ALL = (
         lift=LIFT,
         quick=False,
     ),
-    Construction(name="mesh-kd100", says="the shipped surface, kd 100", kd=100, quick=False),
     Construction(name="mesh-kd100000", says="the shipped surface, kd 100000", kd=100000, quick=False),
     Construction(
         name="largest-kd1000",
