@@ -4,12 +4,13 @@
 # make package  builds wheel and sdist into dist/ and tries the wheel
 # make docs     makes the generated parts of the manual and its pictures anew
 # make bench    measures speed, memory and face counts beside other ways; BENCH=--quick for two minutes, not kept
+# make bench-contact   ranks collision constructions in a real Gazebo; QUICK=--quick in a few minutes
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 ARGS ?= --numprocesses=auto
 
-.PHONY: worlds test check docs package gazebo lock bench bench-isaaclab
+.PHONY: worlds test check docs package gazebo lock bench bench-contact bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
@@ -44,6 +45,9 @@ package: $(VENV)/developer
 	$(PYTHON) -m venv $(VENV)/package
 	$(VENV)/package/bin/pip install --quiet dist/*.whl
 	$(VENV)/package/bin/rsegen generate --seed 1 --obstacle 'random max_height=5' -o $(VENV)/package/worlds
+
+bench-contact: $(VENV)/developer gazebo
+	PYTHONPATH=tests $(BIN)/python -m benchmarks.contact $(QUICK)
 
 # A real simulator for the tests, set up where it is missing; where that cannot be, the tests that need it say so.
 gazebo:

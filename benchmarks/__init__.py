@@ -1,1 +1,1 @@
-"""What rsegen costs, measured beside what others do."""
+"""Measurements of what rsegen makes, each a command: `python -m benchmarks.NAME`."""

@@ -14,7 +14,6 @@ from pathlib import Path
 
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import page, with_table
-
 from rsegen import KINDS, Placement, Recipe, Scene, compose, load, schema
 from rsegen.codec import encode, summary
 from rsegen.drawing import picture

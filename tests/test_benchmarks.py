@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from benchmarks.faces import exposed
 from benchmarks.figures import Results, Row, Run, loaded, saved
 from benchmarks.grids import GRIDS, TOP

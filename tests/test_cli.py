@@ -34,6 +34,7 @@ OVERRIDES: Mapping[str, tuple[str, object]] = {
     "boundary": ("outer", "outer"),
     "frame_height_cm": ("0", 0),
     "mesh_type": ("pallet", "pallet"),
+    "simulator": ("classic", "classic"),
     "mesh": ("watertight", "watertight"),
     "collision": ("boxes", "boxes"),
     "tile": ("2", 2),

@@ -76,6 +76,10 @@ class Recipe:
     mesh_type: Annotated[
         str, Choice(("single", "multi", "pallet"), help="one model a map, one a block, or one a chunk")
     ] = "single"
+    simulator: Annotated[
+        str,
+        Choice(("both", "classic"), help="for both Gazebos, or for Gazebo Classic alone, where floors are then truer"),
+    ] = "both"
     mesh: Annotated[
         str,
         Choice(
@@ -136,6 +140,8 @@ class Recipe:
             raise ParameterError("mesh", f"'{self.mesh}' is for mesh_type single and pallet; multi is made of boxes")
         if self.mesh_type == "multi" and self.collision == "boxes":
             raise ParameterError("collision", "'boxes' is for mesh_type single and pallet; in multi every block is one")
+        if self.simulator == "classic" and self.mesh_type != "single":
+            raise ParameterError("simulator", f"'classic' is for mesh_type single; give both with {self.mesh_type}")
         if self.tile and self.mesh_type != "single":
             raise ParameterError("tile", f"{self.tile} is for mesh_type single; give 0 with mesh_type {self.mesh_type}")
         if self.tile and self.mesh == "watertight":

@@ -102,12 +102,27 @@ def test_a_tile_without_blocks_has_no_file() -> None:
         ({"mesh_type": "multi", "mesh": "watertight"}, "mesh: 'watertight' is for mesh_type single and pallet"),
         ({"mesh_type": "multi", "collision": "boxes"}, "collision: 'boxes' is for mesh_type single and pallet"),
         ({"mesh_type": "pallet", "tile": 5}, "tile: 5 is for mesh_type single"),
+        ({"mesh_type": "pallet", "simulator": "classic"}, "simulator: 'classic' is for mesh_type single"),
         ({"mesh": "watertight", "tile": 5}, "tile: 5 would cut a watertight mesh open"),
     ],
 )
 def test_shapes_that_cannot_be_are_refused(entries: dict[str, object], said: str) -> None:
     with pytest.raises(ParameterError, match=f"^{said}"):
         scene_of(**entries)
+
+
+@pytest.mark.parametrize("collision", COLLISIONS)
+def test_for_gazebo_classic_alone_a_map_is_a_body_that_nothing_moves(collision: str) -> None:
+    scene = scene_of(simulator="classic", collision=collision)
+    ((model, link),) = links(files_of(scene), f"{scene.name}.world")
+    assert model.find("static") is None
+    assert (link.findtext("kinematic"), link.findtext("gravity")) == ("true", "false")
+    both = scene_of(collision=collision)
+    ((_, usual),) = links(files_of(both), f"{both.name}.world")
+    for one, other in zip(link.findall("collision"), usual.findall("collision"), strict=True):
+        lifted = np.array((one.findtext("pose") or "").split(), dtype=float)
+        before = np.array((other.findtext("pose") or "0 0 0 0 0 0").split(), dtype=float)
+        np.testing.assert_allclose(lifted - before, [0, 0, 1e-5, 0, 0, 0], atol=1e-12)
 
 
 def test_many_collisions_are_warned_of(tmp_path: Path) -> None:

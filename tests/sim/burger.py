@@ -18,11 +18,32 @@ from sim.gazebo import Pose
 SPEED = 0.22
 """Metres a second: the most that the real one does."""
 
+RADIUS = 0.033
+"""Of a wheel, metres."""
+
+EVERYTHING = 0xFFFF
+"""Gazebo's own mask of a collision that has none."""
+
 _CLEARANCE = 0.010
-_RADIUS = 0.033
-_SOFT = "<contact><ode><kp>100000</kp><kd>1</kd><max_vel>0.01</max_vel><min_depth>0.001</min_depth></ode></contact>"
+_SOFT = "<kp>100000</kp><kd>1</kd><max_vel>0.01</max_vel><min_depth>0.001</min_depth>"
 _SLIDING = "<friction><ode><mu>0</mu><mu2>0</mu2></ode></friction>"
 _GRIPPING = "<friction><ode><mu>100000</mu><mu2>100000</mu2><fdir1>0 0 1</fdir1></ode></friction>"
+
+
+class Wheels(NamedTuple):
+    """Shape of a wheel, its contact parameters for ODE, friction, moments of inertia, and gain of the motor.
+
+    moments: about x, y and the axle z, kg m^2; gain: Nm for each rad/s that the wheel is too slow.
+    """
+
+    shape: str = f"<cylinder><radius>{RADIUS}</radius><length>0.018</length></cylinder>"
+    contact: str = _SOFT
+    friction: str = _GRIPPING
+    moments: tuple[float, float, float] = (0.00182, 0.00329, 0.00182)
+    gain: float = 1
+
+
+BURGER_WHEELS = Wheels()
 
 
 class Start(NamedTuple):
@@ -47,8 +68,11 @@ def way(start: Start, end: Pose) -> Way:
     return Way(dx * cos(heading) + dy * sin(heading), dy * cos(heading) - dx * sin(heading))
 
 
-def burger(name: str, start: Start) -> str:
-    """The robot as SDF; from the first step on both wheels are to turn for SPEED, straight ahead."""
+def burger(name: str, start: Start, wheels: Wheels = BURGER_WHEELS, mask: int = EVERYTHING) -> str:
+    """The robot as SDF; from the first step on both wheels are to turn for SPEED, straight ahead.
+
+    Its caster has its wheels' contact. It touches only what has a bit of `mask` in its own mask.
+    """
     return f"""\
     <model name="{name}">
       <pose>{start.x} {start.y} {start.ground + _CLEARANCE} 0 0 {start.heading}</pose>
@@ -57,6 +81,7 @@ def burger(name: str, start: Start) -> str:
         <collision name="box">
           <pose>-0.032 0 0.070 0 0 0</pose>
           <geometry><box><size>0.140 0.140 0.140</size></box></geometry>
+          {_surface("", "", mask)}
         </collision>
       </link>
       <link name="lidar">
@@ -68,27 +93,27 @@ def burger(name: str, start: Start) -> str:
         {_inertial("0 0 0", 0.005, (0.001, 0.001, 0.001))}
         <collision name="ball">
           <geometry><sphere><radius>0.005</radius></sphere></geometry>
-          <surface>{_SOFT}{_SLIDING}</surface>
+          {_surface(wheels.contact, _SLIDING, mask)}
         </collision>
       </link>
       <joint name="socket" type="ball"><parent>body</parent><child>caster</child></joint>
-{_wheel("left", 0.080)}{_wheel("right", -0.080)}\
+{_wheel("left", 0.080, wheels, mask)}{_wheel("right", -0.080, wheels, mask)}\
       <plugin name="drive" filename="libJointControlPlugin.so">
-        {_motor("left")}
-        {_motor("right")}
+        {_motor("left", wheels.gain)}
+        {_motor("right", wheels.gain)}
       </plugin>
     </model>
 """
 
 
-def _wheel(side: str, y: float) -> str:
+def _wheel(side: str, y: float, wheels: Wheels, mask: int) -> str:
     return f"""\
       <link name="{side}_wheel">
         <pose>0 {y} 0.023 {-pi / 2} 0 0</pose>
-        {_inertial("0 0 0", 0.0285, (0.00182, 0.00329, 0.00182))}
+        {_inertial("0 0 0", 0.0285, wheels.moments)}
         <collision name="tyre">
-          <geometry><cylinder><radius>{_RADIUS}</radius><length>0.018</length></cylinder></geometry>
-          <surface>{_SOFT}{_GRIPPING}</surface>
+          <geometry>{wheels.shape}</geometry>
+          {_surface(wheels.contact, wheels.friction, mask)}
         </collision>
       </link>
       <joint name="{side}_axle" type="revolute">
@@ -99,8 +124,13 @@ def _wheel(side: str, y: float) -> str:
 """
 
 
-def _motor(side: str) -> str:
-    turn = f"<joint>{side}_axle</joint><target>{SPEED / _RADIUS}</target><pid_gains>1 0 0</pid_gains>"
+def _surface(contact: str, friction: str, mask: int) -> str:
+    touching = f"<contact><collide_bitmask>{mask}</collide_bitmask><ode>{contact}</ode></contact>"
+    return f"<surface>{touching}{friction}</surface>"
+
+
+def _motor(side: str, gain: float) -> str:
+    turn = f"<joint>{side}_axle</joint><target>{SPEED / RADIUS}</target><pid_gains>{gain} 0 0</pid_gains>"
     return f'<controller type="velocity">{turn}</controller>'
 
 

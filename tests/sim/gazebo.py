@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -18,14 +19,17 @@ from typing import IO
 
 from sim.messages import Message, parse
 
-HARMLESS = ("Can't open display", "Unable to open audio device")
-"""Errors of every server that has neither screen nor loudspeaker."""
+HARMLESS = ("Can't open display", "Unable to open audio device", "Header is empty", "Data was empty, try again")
+"""Errors of every server that has neither screen nor loudspeaker, and of those that a `gz` command has just left."""
 
 ATTEMPTS = 4
 """Gazebo 11.1's server now and then dies or hangs while a `gz` command connects to it or leaves."""
 
 PATIENCE = 20.0
 """Seconds for a world to load, and for a server to answer."""
+
+SET_UP = Path(".cache", "rsegen", "gazebo-classic")
+"""Where scripts/gazebo-classic sets it up, below the user's home."""
 
 _COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
 
@@ -57,6 +61,7 @@ class Gazebo:
     """An installed Gazebo Classic 11: the folder that holds `gzserver` and `gz`."""
 
     commands: Path
+    patience: float = PATIENCE
 
     def run(self, world: Path, steps: int, models: Path | None = None) -> Run:
         """Simulate a world from its beginning; `models` is the folder where model:// is looked for.
@@ -75,36 +80,38 @@ class Gazebo:
         return self._attempt(world, steps, models, left - 1)
 
     def _once(self, world: Path, steps: int, models: Path | None) -> Run:
-        with self._serving(world, models) as server:
+        with self.serving(world, models) as server:
             server.step(steps)
             return Run(poses=server.poses(), errors=server.errors())
 
     @contextmanager
-    def _serving(self, world: Path, models: Path | None) -> Iterator[_Server]:
+    def serving(self, world: Path, models: Path | None = None, *recording: str) -> Iterator[Server]:
         """A server that has loaded a world and stands still; its record begins when the world is complete."""
         with tempfile.TemporaryDirectory() as home:
             environment = _environment(home, models)
             record, log = Path(home, "record"), Path(home, "log")
-            options = ["--verbose", "--pause", "--record", "--record_path", str(record)]
+            options = ["--verbose", "--pause", "--record", "--record_path", str(record), *recording]
             command = [str(self.commands / "gzserver"), *options, world.name]
             with log.open("w") as output, _started(command, environment, world.parent, output) as process:
-                server = _Server(gz=self.commands / "gz", environment=environment, log=log, process=process)
-                server.wait_for(record / "state.log")
+                state = record / "state.log"
+                server = Server(gz=self.commands / "gz", environment=environment, log=log, state=state, process=process)
+                server.wait_for(state, self.patience)
                 yield server
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class _Server:
+class Server:
     """A running server, which stands still unless it is stepped."""
 
     gz: Path
     environment: Mapping[str, str]
     log: Path
+    state: Path
     process: subprocess.Popen[str]
 
-    def wait_for(self, file: Path) -> None:
+    def wait_for(self, file: Path, patience: float) -> None:
         """Wait until the server has made a file."""
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + patience
         while not file.exists():
             if self.process.poll() is not None or time.monotonic() > end:
                 raise Lost(self._end_of_log())
@@ -112,13 +119,21 @@ class _Server:
 
     def step(self, steps: int) -> None:
         """Simulate so many steps, as fast as the world's physics allows."""
-        self._gz("world", "--multi-step", str(steps))
+        self.begin(steps)
         done, end = 0, time.monotonic() + PATIENCE
         while done < steps:
             before, done = done, self._steps()
             end = time.monotonic() + PATIENCE if done > before else end
             if time.monotonic() > end:
                 raise Lost(f"stands still at step {done} of {steps}")
+
+    def begin(self, steps: int) -> None:
+        """Have it simulate so many steps, and do not wait for them."""
+        self._gz("world", "--multi-step", str(steps))
+
+    def end(self) -> None:
+        """Have it finish its record and go."""
+        _end(self.process)
 
     def poses(self) -> dict[str, Pose]:
         """Where every model stands, by its name."""
@@ -158,6 +173,27 @@ class _Server:
 
     def _lines(self) -> list[str]:
         return _COLOUR_CODE.sub("", self.log.read_text(errors="replace")).splitlines()
+
+
+def installed() -> Gazebo | None:
+    """A Gazebo Classic 11: the one on PATH, else the one that scripts/gazebo-classic has set up."""
+    on_path = shutil.which("gzserver")
+    set_up = Path.home() / SET_UP
+    folders = [Path(on_path).parent] if on_path else []
+    folders += [set_up / "bin"] if (set_up / "complete").exists() else []
+    found = (folder for folder in folders if "version 11" in printed(str(folder / "gzserver"), "--version"))
+    commands = next(found, None)
+    return Gazebo(commands=commands) if commands else None
+
+
+def printed(*command: str) -> str:
+    """Both outputs of a command; nothing where there is no such command or it does not end."""
+    try:
+        return subprocess.run(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False
+        ).stdout
+    except (FileNotFoundError, subprocess.TimeoutExpired):
+        return ""
 
 
 def _environment(home: str, models: Path | None) -> dict[str, str]:

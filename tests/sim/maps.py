@@ -60,6 +60,7 @@ SHAPES: tuple[Shape, ...] = (
     {"collision": "boxes"},
     {"collision": "blocks"},
     {"tile": 7},
+    {"simulator": "classic"},
 )
 
 

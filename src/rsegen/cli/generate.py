@@ -128,16 +128,17 @@ def _report(made: Generated) -> Iterator[str]:
         yield f"  and {len(made.maps) - _SHOWN} more in {made.folder}"
     for text in dict.fromkeys(text for one in made.maps for text in one.warnings):
         yield f"warning: {text}"
-    yield from _how_to_open(made.maps[0], made.folder)
+    yield from _how_to_open(made.maps[0], made.folder, made.recipe.simulator)
 
 
 def _count(maps: int) -> str:
     return f"{maps} map{'s'[: maps > 1]}"
 
 
-def _how_to_open(one: GeneratedMap, folder: Path) -> Iterator[str]:
+def _how_to_open(one: GeneratedMap, folder: Path, simulator: str) -> Iterator[str]:
     """Lines to copy. Worlds name meshes relative to themselves; Gazebo Classic before 11.3 looks in `.` for them."""
-    yield f"Gazebo Sim:     gz sim {shlex.quote(str(one.world))}"
+    if simulator == "both":
+        yield f"Gazebo Sim:     gz sim {shlex.quote(str(one.world))}"
     yield f"Gazebo Classic: cd {shlex.quote(str(one.folder))} && gazebo {shlex.quote(one.world.name)}"
     if (one.folder / "model.sdf").is_file():
         home = shlex.quote(str(folder.resolve()))

@@ -85,6 +85,25 @@ def model(
       <pose>{place} 0 0 0</pose>
       <link name="link">
 """
+    yield from _shapes(seen, touched, friction)
+
+
+def body(name: str, seen: Iterable[Shape], touched: Iterable[Shape], friction: float) -> Iterator[str]:
+    """The same as a body that nothing moves, for Gazebo Classic alone (decision 8)."""
+    yield f"""\
+    <model name="{name}">
+      <link name="link">
+        <gravity>false</gravity>
+        <kinematic>true</kinematic>
+        <inertial>
+          <mass>1000000</mass>
+          <inertia><ixx>1000000</ixx><iyy>1000000</iyy><izz>1000000</izz></inertia>
+        </inertial>
+"""
+    yield from _shapes(seen, (_lifted(shape) for shape in touched), friction)
+
+
+def _shapes(seen: Iterable[Shape], touched: Iterable[Shape], friction: float) -> Iterator[str]:
     yield from (_touched(shape, friction) for shape in touched)
     yield from (_seen(shape) for shape in seen)
     yield "      </link>\n    </model>\n"
@@ -104,6 +123,15 @@ def paint(colour: Colour) -> str:
 def encoded(texts: Iterable[str]) -> Iterator[bytes]:
     """Text as bytes, piece by piece."""
     return (text.encode() for text in texts)
+
+
+LIFT = 0.00001
+"""Metres: a body that stood on the ground plane would touch it, at the foot of every wall and in every step."""
+
+
+def _lifted(shape: Shape) -> Shape:
+    x, y, z = map(float, (shape.centre or "0 0 0").split())
+    return shape._replace(centre=numbers((x, y, z + LIFT)))
 
 
 def _touched(shape: Shape, friction: float) -> str:

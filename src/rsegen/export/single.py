@@ -33,7 +33,8 @@ def collisions(scene: Scene) -> int:
 def _model(scene: Scene, root: str = "") -> Iterator[str]:
     """The map as a model; a recipe's URIs start with `root`."""
     seen, touched = (shape(scene, scene.field, scene.name, root) for shape in (shapes.seen, shapes.touched))
-    return sdf.model(scene.name, seen, touched, scene.friction)
+    model = sdf.body if scene.recipe.simulator == "classic" else sdf.model
+    return model(scene.name, seen, touched, scene.friction)
 
 
 def _config(name: str) -> str:

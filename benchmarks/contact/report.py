@@ -1,0 +1,109 @@
+"""What the trials say: a ranked table in Markdown, everything in JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.contact.constructions import Construction
+from benchmarks.contact.trial import Drive, Rest, Trial
+
+COLUMNS = (
+    ("soft", "plain"),
+    ("soft", "lane"),
+    ("soft", "scattered"),
+    ("light", None),
+    ("stiff", None),
+    ("sphere", None),
+)
+"""Robot and ground of a column of drives; None: every ground."""
+
+_INTRODUCTION = """\
+# Constructions of a step field, by what is felt on them
+
+Made by `make bench-contact` in Gazebo Classic 11; ranked by how far soft wheels stray on average. Drives of 2.2 m over
+blocks of equal height, at up to five headings: sideways error at the end in mm, mean (max) / standard deviation of the
+roll in mrad. Drops: how many of the bodies do not rest where they should (more than 1 mm too high or low, moved by more
+than 1 cm, or still moving by 0.2 mm), and the largest error in height, mm. Cost: CPU s of the server for a simulated
+second with all robots driving. Load: CPU s. Memory: MB when loaded. The server itself and the robots are in all three:
+compare with the plane. They are single runs: take differences under 30 % for noise. Distances aside are exact poses,
+heights over time and rolls come from Gazebo's record, which has three digits.
+"""
+
+_HEAD = (
+    "construction",
+    "soft: plain",
+    "soft: lane",
+    "soft: scattered",
+    "light wheels",
+    "stiff wheels",
+    "sphere wheels",
+    "drops failed, mm",
+    "fields",
+    "cost",
+    "load",
+    "memory",
+)
+
+
+def write(trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence[str], folder: Path) -> None:
+    """contact.md and contact.json."""
+    folder.mkdir(parents=True, exist_ok=True)
+    content = {"trials": [_rounded(asdict(trial)) for trial in trials], "lost": list(lost)}
+    (folder / "contact.json").write_text(json.dumps(content) + "\n")
+    (folder / "contact.md").write_text(table(trials, tried, lost))
+
+
+def _rounded(value: object) -> object:
+    """Numbers to a thousandth, however deep."""
+    if isinstance(value, float):
+        return round(value, 3)
+    if isinstance(value, dict):
+        return {key: _rounded(inner) for key, inner in value.items()}
+    return [_rounded(inner) for inner in value] if isinstance(value, list) else value
+
+
+def table(trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence[str]) -> str:
+    """The whole page."""
+    groups = {each.name: [trial for trial in trials if trial.construction == each.name] for each in tried}
+    ranked = sorted((name for name in groups if groups[name]), key=lambda name: strayed(groups[name]))
+    rows = [_HEAD, ("---",) * len(_HEAD), *(_row(name, groups[name]) for name in ranked)]
+    lines = [_INTRODUCTION, *("| " + " | ".join(row) + " |" for row in rows), ""]
+    lines += [f"- `{each.name}`: {each.says}" for each in tried if groups[each.name]]
+    lines += ["", f"Fields (seeds): {', '.join(map(str, sorted({trial.seed for trial in trials})))}.", *lost]
+    return "\n".join(lines) + "\n"
+
+
+def strayed(trials: Sequence[Trial]) -> float:
+    """Mean sideways error of the soft wheels, mm."""
+    return float(np.mean([abs(drive.aside) for trial in trials for drive in trial.drives if drive.robot == "soft"]))
+
+
+def _row(name: str, trials: Sequence[Trial]) -> tuple[str, ...]:
+    drives = [drive for trial in trials for drive in trial.drives]
+    rests = [rest for trial in trials for rest in trial.rests]
+    columns = [
+        _driven([drive for drive in drives if drive.robot == robot and ground in (None, drive.ground)])
+        for robot, ground in COLUMNS
+    ]
+    costs = (np.mean([getattr(trial, what) for trial in trials]) for what in ("cost", "load_cpu", "memory"))
+    cost, load, memory = map(float, costs)
+    return name, *columns, _rested(rests), str(len(trials)), f"{cost:.2f}", f"{load:.1f}", f"{memory:.0f}"
+
+
+def _driven(drives: Sequence[Drive]) -> str:
+    aside = [abs(drive.aside) for drive in drives]
+    stuck = sum(drive.ahead < 2 for drive in drives)
+    said = f"{np.mean(aside):.2f} ({max(aside):.2f}) / {np.mean([drive.roll for drive in drives]):.2f}"
+    return f"{said}, {stuck} stuck" if stuck else said
+
+
+def _rested(rests: Sequence[Rest]) -> str:
+    if not rests:
+        return "-"
+    failed = sum(rest.failed for rest in rests)
+    return f"{failed} of {len(rests)}, {max(abs(rest.above) for rest in rests):.2f}"

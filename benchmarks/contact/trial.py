@@ -1,0 +1,135 @@
+"""A construction tried on a course, and what came of it."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.contact.constructions import Construction
+from benchmarks.contact.courses import SECONDS, Drop, drops
+from benchmarks.contact.measures import Record, record, usage, when_idle
+from benchmarks.contact.worlds import field_of, robots_on, written
+from rsegen import StepField
+from sim.bodies import SIZE
+from sim.burger import way
+from sim.gazebo import ATTEMPTS, Gazebo, Lost, Pose
+
+PERIOD = 0.05
+"""Seconds between two poses of the record."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Drive:
+    """How a robot drove: mm off its course at the end, mrad of yaw, mrad of roll (sd), metres ahead."""
+
+    robot: str
+    ground: str
+    heading: int
+    aside: float
+    yaw: float
+    roll: float
+    ahead: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Rest:
+    """How a dropped body rests: mm above its place, mm aside, mm of height that it still moves through."""
+
+    name: str
+    above: float
+    aside: float
+    jitter: float
+
+    @property
+    def failed(self) -> bool:
+        """More than 1 mm too high or too low, moved by more than 1 cm, or still moving."""
+        return abs(self.above) > 1 or self.aside > 10 or self.jitter > 0.2
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Trial:
+    """What came of a run; cost: CPU s a simulated second; load: s, and CPU s; memory: MB when loaded."""
+
+    construction: str
+    seed: int
+    drives: list[Drive]
+    rests: list[Rest]
+    cost: float
+    load: float
+    load_cpu: float
+    memory: float
+    errors: list[str]
+
+
+def tried(construction: Construction, seed: int, gazebo: Gazebo) -> Trial:
+    """Drive and drop everything; a server that is lost is tried again."""
+    with tempfile.TemporaryDirectory() as folder:
+        world = written(construction, field_of(construction, seed), Path(folder))
+        return _attempt(construction, seed, world, gazebo, ATTEMPTS - 1)
+
+
+def _attempt(construction: Construction, seed: int, world: Path, gazebo: Gazebo, left: int) -> Trial:
+    try:
+        return _run(construction, seed, world, gazebo)
+    except Lost:
+        if not left:
+            raise
+    return _attempt(construction, seed, world, gazebo, left - 1)
+
+
+def _run(construction: Construction, seed: int, world: Path, gazebo: Gazebo) -> Trial:
+    field = field_of(construction, seed)
+    began = time.monotonic()
+    with gazebo.serving(world, None, "--record_encoding", "txt", "--record_period", str(PERIOD)) as server:
+        loaded, load = usage(server), time.monotonic() - began
+        server.begin(SECONDS * 1000)
+        done = when_idle(server)
+        poses, errors = server.poses(), server.errors()
+        server.end()
+        told = record(server.state.read_text())
+    if max((at for at, _ in told), default=0) < SECONDS - PERIOD:
+        raise Lost("stopped early")
+    return Trial(
+        construction=construction.name,
+        seed=seed,
+        drives=list(_drives(field, poses, told)),
+        rests=[_rest(drop, poses, told) for drop in drops(field)] if construction.levels else [],
+        cost=(done.cpu - loaded.cpu) / SECONDS,
+        load=load,
+        load_cpu=loaded.cpu,
+        memory=loaded.memory,
+        errors=sorted(set(errors)),
+    )
+
+
+def _drives(field: StepField, poses: Mapping[str, Pose], told: Record) -> Iterator[Drive]:
+    for name, robot, (ground, heading), start in robots_on(field):
+        end = poses[name]
+        gone = way(start, end)
+        turned = (end.yaw - start.heading + np.pi) % (2 * np.pi) - np.pi
+        rolls = [at[name][3] for second, at in told if second >= 0.5 and name in at]
+        yield Drive(
+            robot=robot,
+            ground=ground,
+            heading=heading,
+            aside=1000 * gone.aside,
+            yaw=1000 * turned,
+            roll=1000 * float(np.std(rolls)),
+            ahead=gone.ahead,
+        )
+
+
+def _rest(drop: Drop, poses: Mapping[str, Pose], told: Record) -> Rest:
+    end = poses[drop.name]
+    heights = [at[drop.name][2] for second, at in told if second >= SECONDS - 2 and drop.name in at]
+    return Rest(
+        name=drop.name,
+        above=1000 * (end.z - drop.top - SIZE / 2),
+        aside=1000 * float(np.hypot(end.x - drop.x, end.y - drop.y)),
+        jitter=1000 * (max(heights) - min(heights)),
+    )

@@ -1,0 +1,92 @@
+"""The world of a course: a field in its construction, robots on their marks, bodies in the air."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from benchmarks.contact.constructions import Construction
+from benchmarks.contact.courses import DROP, course, drops, nothing, starts
+from rsegen import StepField
+from sim.bodies import body
+from sim.burger import BURGER_WHEELS, RADIUS, Start, Wheels, burger
+
+ROBOTS: Mapping[str, Wheels] = {
+    "soft": BURGER_WHEELS,
+    "light": BURGER_WHEELS._replace(
+        friction="<friction><ode><mu>100000</mu><mu2>100000</mu2></ode></friction>",
+        moments=(1.12e-5, 1.12e-5, 2.07e-5),
+        gain=0.01,
+    ),
+    "stiff": BURGER_WHEELS._replace(contact="", friction=""),
+    "sphere": BURGER_WHEELS._replace(shape=f"<sphere><radius>{RADIUS}</radius></sphere>"),
+}
+"""A TurtleBot3's soft wheels; the same light and without a direction of friction; Gazebo's default contact; spheres."""
+
+_FRICTION = "<friction><ode><mu>1</mu><mu2>1</mu2></ode></friction>"
+
+_WORLD = f"""\
+<?xml version="1.0"?>
+<sdf version="1.6">
+  <world name="course">
+    <physics type="ode">
+      <max_step_size>0.001</max_step_size>
+      <real_time_update_rate>2000</real_time_update_rate>
+    </physics>
+    <model name="ground_plane">
+      <static>true</static>
+      <link name="link">
+        <collision name="collision">
+          <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
+          <surface>{_FRICTION}</surface>
+        </collision>
+      </link>
+    </model>
+{{models}}
+  </world>
+</sdf>
+"""
+
+
+def field_of(construction: Construction, seed: int) -> StepField:
+    """The field of a seed; nothing for a construction without levels."""
+    return course(seed) if construction.levels else nothing()
+
+
+def robots_on(field: StepField) -> Iterator[tuple[str, str, tuple[str, int], Start]]:
+    """Name, robot, ground and heading, and start of each: the soft one everywhere, the others where it is hardest."""
+    for place, start in starts(field).items():
+        ground, heading = place
+        for robot in ROBOTS if ground != "plain" and heading % 90 else ("soft",):
+            yield f"{robot}_{place[0]}_{place[1]}", robot, place, start
+
+
+def written(construction: Construction, field: StepField, folder: Path) -> Path:
+    """The world's file in a folder, with the files that it names."""
+    models = [_model(construction, field, folder)] if construction.levels else []
+    kinds = list(ROBOTS)
+    models += [
+        burger(name, start, ROBOTS[robot], 1 << kinds.index(robot)) for name, robot, _, start in robots_on(field)
+    ]
+    if construction.levels:
+        models += [body(drop.name, drop.shape, (drop.x, drop.y, drop.top + DROP)) for drop in drops(field)]
+    path = folder / "course.world"
+    path.write_text(_WORLD.format(models="".join(models)))
+    return path
+
+
+def _model(construction: Construction, field: StepField, folder: Path) -> str:
+    collisions = []
+    kd = f"<kd>{construction.kd}</kd>" if construction.kd else ""
+    for number, shape in enumerate(construction.shapes(field)):
+        for name, content in shape.files(f"shape_{number}").items():
+            (folder / name).write_bytes(content)
+        x, y, z = shape.centre
+        geometry = shape.geometry(f"shape_{number}").replace("file://", f"file://{folder}/")
+        surface = f"<surface><contact><ode>{kd}</ode></contact>{_FRICTION}</surface>"
+        collisions.append(
+            f'<collision name="collision_{number}"><pose>{x} {y} {z + construction.lift} 0 0 0</pose>'
+            f"<geometry>{geometry}</geometry>{surface}</collision>\n"
+        )
+    link = f'<link name="link">{construction.link}{"".join(collisions)}</link>'
+    return f'<model name="field">{link}{construction.held}</model>\n'
