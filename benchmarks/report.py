@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from benchmarks.figures import Results, Row, Run
 from benchmarks.targets import TARGETS, Target
@@ -28,11 +28,16 @@ def page(results: Results) -> str:
 
 def with_table(text: str, results: Results) -> str:
     """A text, with the table between its marks made anew; the rest as it was."""
+    return filled(text, _small(results))
+
+
+def filled(text: str, lines: Iterable[str]) -> str:
+    """A text, with the lines between its marks put in the place of those that are there."""
     before, _, rest = text.partition(MARKS[0])
     _, found, after = rest.partition(MARKS[1])
     if not found:
         raise ValueError(f"the text has no line {MARKS[0]} with {MARKS[1]} after it")
-    return before + "\n".join((MARKS[0], *_small(results), MARKS[1])) + after
+    return before + "\n".join((MARKS[0], *lines, MARKS[1])) + after
 
 
 def _page(results: Results) -> Iterator[str]:

@@ -13,13 +13,14 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from benchmarks.figures import RESULTS, loaded
-from benchmarks.report import page, with_table
+from benchmarks.report import filled, page, with_table
 from rsegen import KINDS, Placement, Recipe, Scene, compose, load, schema
 from rsegen.codec import encode, summary
 from rsegen.drawing import picture
 from rsegen.params import Parameter, parameters
 
 DOCS = Path(__file__).parent
+GAZEBO = DOCS / "gazebo.md"
 README = DOCS.parent / "README.md"
 EXAMPLES = sorted((DOCS.parent / "examples").glob("*.yaml"))
 
@@ -27,9 +28,12 @@ EXAMPLES = sorted((DOCS.parent / "examples").glob("*.yaml"))
 def texts() -> dict[Path, str]:
     """Every generated text by its file."""
     figures = loaded(RESULTS / "speed.json")
+    contact = (RESULTS / "contact.md").read_text("utf-8")
     return {
         README: with_table(README.read_text("utf-8"), figures),
         DOCS / "benchmarks.md": page(figures),
+        DOCS / "contact.md": contact,
+        GAZEBO: filled(GAZEBO.read_text("utf-8"), _told_apart(contact)),
         DOCS / "recipe.schema.json": json.dumps(schema(), indent=2) + "\n",
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
@@ -79,6 +83,27 @@ def _recipe_in(path: Path) -> object:
 
     with Image.open(io.BytesIO(path.read_bytes())) as found:
         return json.loads(found.info.get("Description", "null"))
+
+
+SHOWN = {
+    "plane": "the bare ground",
+    "body-kd1000": "merged mesh, `--simulator classic`",
+    "mesh-kd1000": "merged mesh, by default",
+    "watertight-kd1000": "watertight mesh",
+    "mesh": "merged mesh without soft contact",
+    "block-mesh": "8 vertices and 6 faces a block, without soft contact",
+}
+"""What of the contact benchmark is in the manual, and what it is called there."""
+
+
+def _told_apart(contact: str) -> Iterator[str]:
+    """A few rows and columns of the contact benchmark's table."""
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in contact.splitlines() if line[:1] == "|"]
+    columns = [rows[0].index(name) for name in ("soft: lane", "soft: scattered", "light wheels", "sphere wheels")]
+    yield "| mm aside after 2.2 m, mean (max) | lane in a random field | plain with others | light wheels | spheres |"
+    yield "|---|---|---|---|---|"
+    for row in (row for name in SHOWN for row in rows if row[0] == name):
+        yield "| " + " | ".join([SHOWN[row[0]], *(row[column].split(" /")[0] for column in columns)]) + " |"
 
 
 def _obstacles() -> Iterator[str]:

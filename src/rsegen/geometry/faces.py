@@ -87,9 +87,13 @@ class Lattice:
         return x, y, z
 
 
+_LARGEST_TABLE = 2**25
+"""Entries, of 5 bytes each; what would need a larger one is sorted."""
+
+
 def welded(corners: Ints, possible: int) -> tuple[Ints, NDArray[np.int32]]:
     """Every number below `possible` that comes, once and sorted; and which of them each corner is."""
-    if possible > 64 * corners.size:
+    if possible > min(64 * corners.size, _LARGEST_TABLE):
         found, numbers = np.unique(corners, return_inverse=True)
         return found, numbers.reshape(corners.shape).astype(np.int32)
     used = np.zeros(possible, dtype=bool)
