@@ -1,0 +1,206 @@
+"""What the window works on: a recipe in the making, with undo and redo; knows no Qt.
+
+    draft --recipe--> Recipe --compose--> Scene
+
+A draft may be wrong while somebody types; the session then keeps the last scene that was right, and says what is wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+
+from rsegen.chance import fresh_seed
+from rsegen.codec import decode, encode
+from rsegen.errors import ParameterError
+from rsegen.params import Json, parameters
+from rsegen.recipe import Recipe
+from rsegen.recipe_file import load, save
+
+Entry = Mapping[str, Json]
+"""One obstacle as a recipe file has it."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Row:
+    """One row of the list: an obstacle, and whether it counts."""
+
+    entry: Entry
+    enabled: bool = True
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Draft:
+    """Everything that undo brings back: global parameters as a file has them, and the list of obstacles."""
+
+    values: Entry
+    rows: tuple[Row, ...] = ()
+
+    def recipe(self) -> Recipe:
+        """The recipe that it stands for; a ParameterError counts all rows, also those that are switched off."""
+        enabled = [number for number, row in enumerate(self.rows) if row.enabled]
+        try:
+            return decode({**self.values, "obstacles": [dict(self.rows[number].entry) for number in enabled]})
+        except ParameterError as error:
+            raise _with_all_rows_counted(error, enabled) from None
+
+
+@dataclass(kw_only=True)
+class Session:
+    """A draft and its history; `changed` is called after every change."""
+
+    draft: Draft
+    path: Path | None = None
+    changed: Callable[[], None] = lambda: None
+    problem: ParameterError | None = None
+    recipe: Recipe = field(default_factory=lambda: Recipe(seed=0))
+    _undone: list[Draft] = field(default_factory=list)
+    _done: list[Draft] = field(default_factory=list)
+    _saved: Draft | None = None
+    _gesture: object = None
+
+    def __post_init__(self) -> None:
+        self._saved = self.draft
+        self._look()
+
+    @classmethod
+    def new(cls) -> Session:
+        """A single pallet of level ground."""
+        return cls(draft=drafted(Recipe()))
+
+    @classmethod
+    def opened(cls, path: Path) -> Session:
+        """The recipe of a file."""
+        return cls(draft=drafted(load(path)), path=path)
+
+    # Global parameters.
+
+    def set(self, name: str, value: Json, *, gesture: object = None) -> None:
+        """Another value of a global parameter."""
+        self._put(replace(self.draft, values={**self.draft.values, name: value}), gesture)
+
+    def reroll(self) -> None:
+        """Another seed."""
+        self.set("seed", fresh_seed())
+
+    # The list of obstacles.
+
+    def add(self, entry: Entry, at: int | None = None) -> int:
+        """Add an obstacle, at the end where nothing else is said; gives its row."""
+        at = len(self.draft.rows) if at is None else at
+        row = Row(entry=MappingProxyType({**entry, "key": self._free_key()}))
+        self._put_rows((*self.draft.rows[:at], row, *self.draft.rows[at:]))
+        return at
+
+    def duplicate(self, row: int) -> int:
+        """The same once more, below it."""
+        return self.add(self.draft.rows[row].entry, row + 1)
+
+    def remove(self, row: int) -> None:
+        """Take one out."""
+        self._put_rows((*self.draft.rows[:row], *self.draft.rows[row + 1 :]))
+
+    def clear(self) -> None:
+        """Take all out."""
+        self._put_rows(())
+
+    def move(self, row: int, to: int) -> None:
+        """Put one elsewhere in the list: later ones lie on earlier ones."""
+        rows = list(self.draft.rows)
+        rows.insert(to, rows.pop(row))
+        self._put_rows(tuple(rows))
+
+    def enable(self, row: int, *, enabled: bool) -> None:
+        """Whether one counts."""
+        self._change(row, replace(self.draft.rows[row], enabled=enabled), None)
+
+    def change(self, row: int, entry: Entry, *, gesture: object = None) -> None:
+        """Other parameters of one; changes of one gesture, such as a drag, are undone together."""
+        key = self.draft.rows[row].entry.get("key")
+        named = {**entry, "key": key} if key else dict(entry)
+        self._change(row, replace(self.draft.rows[row], entry=MappingProxyType(named)), gesture)
+
+    # History and files.
+
+    def undo(self) -> None:
+        """As it was before the last change."""
+        if self._done:
+            self._undone.append(self.draft)
+            self._show(self._done.pop())
+
+    def redo(self) -> None:
+        """The change that was undone last, once more."""
+        if self._undone:
+            self._done.append(self.draft)
+            self._show(self._undone.pop())
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is anything to undo."""
+        return bool(self._done)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is anything to redo."""
+        return bool(self._undone)
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether it differs from its file."""
+        return self.draft != self._saved
+
+    def save(self, path: Path) -> None:
+        """Write the recipe to a file; rows that are switched off are left out."""
+        save(self.draft.recipe(), path, force=True)
+        self.path, self._saved = path, self.draft
+        self.changed()
+
+    def _put_rows(self, rows: tuple[Row, ...]) -> None:
+        self._put(replace(self.draft, rows=rows), None)
+
+    def _change(self, number: int, row: Row, gesture: object) -> None:
+        rows = (*self.draft.rows[:number], row, *self.draft.rows[number + 1 :])
+        self._put(replace(self.draft, rows=rows), gesture)
+
+    def _put(self, draft: Draft, gesture: object) -> None:
+        if draft == self.draft:
+            return
+        if gesture is None or gesture != self._gesture:
+            self._done.append(self.draft)
+        self._undone.clear()
+        self._show(draft)
+        self._gesture = gesture
+
+    def _show(self, draft: Draft) -> None:
+        self.draft, self._gesture = draft, None
+        self._look()
+        self.changed()
+
+    def _look(self) -> None:
+        """What is right is kept; what is wrong is said."""
+        try:
+            self.recipe, self.problem = self.draft.recipe(), None
+        except ParameterError as error:
+            self.problem = error
+
+    def _free_key(self) -> str:
+        taken = {row.entry.get("key") for row in self.draft.rows}
+        return next(key for number in range(1, len(taken) + 2) if (key := f"obstacle-{number}") not in taken)
+
+
+def drafted(recipe: Recipe) -> Draft:
+    """The draft of a recipe."""
+    content = {name: value for name, value in encode(recipe).items() if name in (*parameters(Recipe), "obstacles")}
+    rows = tuple(Row(entry=MappingProxyType(row)) for row in content.pop("obstacles"))
+    return Draft(values=content, rows=rows)
+
+
+def _with_all_rows_counted(error: ParameterError, enabled: Sequence[int]) -> ParameterError:
+    """`obstacles[1]` is the second that is switched on: name the row that it stands in."""
+    head, bracket, rest = error.where.partition("obstacles[")
+    number, closing, after = rest.partition("]")
+    if not (bracket and closing and not head):
+        return error
+    return type(error)(f"obstacles[{enabled[int(number)]}]{after}", error.problem)

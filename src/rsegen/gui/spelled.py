@@ -1,0 +1,56 @@
+"""A recipe spelled out: as a command line, and as a Python program that generate the same."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+
+from rsegen.gui.session import Entry, drafted
+from rsegen.obstacles import KINDS
+from rsegen.params import Json, parameters
+from rsegen.recipe import Placement, Recipe
+
+
+def command_line(recipe: Recipe, folder: str) -> str:
+    """The command that generates the same."""
+    words = ["rsegen", "generate", "-o", folder]
+    for name, value in _stated(recipe).items():
+        words += [f"--{name.replace('_', '-')}", _word(value, "x")]
+    for placement in recipe.obstacles:
+        words += ["--obstacle", " ".join(_words(placement.entry()))]
+    return shlex.join(words)
+
+
+def python_code(recipe: Recipe, folder: str) -> str:
+    """The program that generates the same."""
+    lines = ["import rsegen", "", "recipe = rsegen.Recipe("]
+    lines += [f"    {name}={_tuple(value)!r}," for name, value in _stated(recipe).items()]
+    lines += ["    obstacles=[", *(f"        {_call(placement)}," for placement in recipe.obstacles), "    ],", ")"]
+    return "\n".join([*lines, f"rsegen.generate(recipe, {folder!r})", ""])
+
+
+def _stated(recipe: Recipe) -> Entry:
+    """The seed, and the global parameters that differ from their defaults."""
+    usual = drafted(Recipe(seed=0)).values
+    return {name: value for name, value in drafted(recipe).values.items() if value != usual[name] or name == "seed"}
+
+
+def _call(placement: Placement) -> str:
+    entry = placement.entry()
+    own = parameters(KINDS[entry.pop("kind")])
+    name = type(placement.obstacle).__name__
+    inner = ", ".join(f"{key}={_tuple(entry.pop(key))!r}" for key in list(entry) if key in own)
+    outer = "".join(f", {key}={_tuple(value)!r}" for key, value in entry.items())
+    return f"rsegen.Placement(obstacle=rsegen.{name}({inner}){outer})"
+
+
+def _words(entry: Entry) -> Sequence[str]:
+    return [str(entry["kind"]), *(f"{key}={_word(value, ',')}" for key, value in entry.items() if key != "kind")]
+
+
+def _word(value: Json, joint: str) -> str:
+    return joint.join(map(str, value)) if isinstance(value, list) else str(value)
+
+
+def _tuple(value: Json) -> Json:
+    return tuple(value) if isinstance(value, list) else value
