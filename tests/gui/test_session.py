@@ -125,9 +125,9 @@ def test_parameters_may_change_while_what_was_drawn_stays(session: Session) -> N
 
 def test_files_are_saved_and_opened(session: Session, tmp_path: Path) -> None:
     session.add(PEAK)
-    assert session.unsaved
+    before = session.unsaved
     session.save(tmp_path / "field.yaml")
-    assert session.unsaved is False
+    assert (before, session.unsaved) == (True, False)
     assert load(tmp_path / "field.yaml") == session.recipe
     assert Session.opened(tmp_path / "field.yaml").recipe == session.recipe
 

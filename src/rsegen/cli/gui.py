@@ -1,0 +1,30 @@
+"""rsegen gui: the window."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from rsegen.cli.flags import Subparsers
+from rsegen.errors import FileError
+
+
+def add(commands: Subparsers) -> None:
+    """The parser of this command."""
+    command = commands.add_parser(
+        "gui",
+        help="open the window",
+        description="Open the window: shape a field with the mouse and see it. Needs pip install 'rsegen[gui]'.",
+    )
+    command.add_argument("recipe", nargs="?", metavar="RECIPE", help="YAML or JSON file to start with")
+    command.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Until the window is closed."""
+    try:
+        from rsegen.gui.application import run as run_window
+    except ImportError as error:
+        raise FileError(f"gui: the window cannot be opened ({error}); pip install 'rsegen[gui]'") from None
+    sys.exit(run_window(Path(arguments.recipe) if arguments.recipe else None))

@@ -1,0 +1,149 @@
+"""One widget for every sort of parameter: what it may be stands in the parameter, and nowhere here."""
+
+from __future__ import annotations
+
+from typing import TypeVar, cast
+
+from PySide6.QtCore import QSignalBlocker, Signal
+from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QLineEdit, QSpinBox, QWidget
+
+from rsegen.params import Choice, Json, Parameter, Real, Whole
+from rsegen.places import Pair
+
+_MOST = 2**31 - 1
+
+
+_Widget = TypeVar("_Widget", bound=QWidget)
+
+
+def named(widget: _Widget, name: str, *, title: str = "", tip: str = "") -> _Widget:
+    """The widget with a name for programs, one for people who do not see it, and a tip."""
+    widget.setObjectName(name)
+    widget.setAccessibleName(title or name.replace("_", " "))
+    widget.setToolTip(tip)
+    return widget
+
+
+class Editor(QWidget):
+    """A parameter's value, as a recipe file has it; `edited` tells of what a person does, not of `show_value`."""
+
+    edited = Signal(object)
+
+    def __init__(self, name: str, parameter: Parameter) -> None:
+        super().__init__()
+        self.parameter = parameter
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(0, 0, 0, 0)
+        for widget in self._widgets():
+            self._row.addWidget(named(widget, f"{name}_field", tip=f"{parameter.help}: {parameter.describe()}"))
+        named(self, name)
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        raise NotImplementedError
+
+    def value(self) -> Json:
+        """What stands in it; not checked."""
+        raise NotImplementedError
+
+    def show_value(self, value: Json) -> None:
+        """Put a value into it, silently."""
+        if value != self.value():
+            blockers = [QSignalBlocker(child) for child in self.findChildren(QWidget)]
+            self._put(value)
+            del blockers
+
+    def _put(self, value: Json) -> None:
+        raise NotImplementedError
+
+    def _tell(self) -> None:
+        self.edited.emit(self.value())
+
+
+class ChoiceEditor(Editor):
+    """One of a few words."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        self._box = QComboBox()
+        self._box.addItems(cast(Choice, self.parameter).values)
+        self._box.currentTextChanged.connect(self._tell)
+        return (self._box,)
+
+    def value(self) -> Json:
+        """The word."""
+        return self._box.currentText()
+
+    def _put(self, value: Json) -> None:
+        self._box.setCurrentText(value)
+
+
+class NumberEditor(Editor):
+    """A number with bounds, whole or not."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        sort = cast("Whole | Real", self.parameter)
+        high = _MOST if sort.high is None else min(sort.high, _MOST)
+        self._box: QSpinBox | QDoubleSpinBox
+        if isinstance(sort, Whole):
+            self._box = QSpinBox()
+            self._box.setRange(sort.low, int(high))
+        else:
+            self._box = QDoubleSpinBox(decimals=3)
+            self._box.setRange(sort.low, high)
+            self._box.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
+        self._box.setSuffix(f" {sort.unit}" if sort.unit else "")
+        self._box.valueChanged.connect(self._tell)
+        return (self._box,)
+
+    def value(self) -> Json:
+        """The number."""
+        return self._box.value()
+
+    def _put(self, value: Json) -> None:
+        self._box.setValue(value)
+
+
+class PairEditor(Editor):
+    """Two whole numbers, along x and y."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        self._boxes = (QSpinBox(prefix="x "), QSpinBox(prefix="y "))
+        for box in self._boxes:
+            box.setRange(1, 10_000)
+            box.valueChanged.connect(self._tell)
+        return self._boxes
+
+    def value(self) -> Json:
+        """Both."""
+        return [box.value() for box in self._boxes]
+
+    def _put(self, value: Json) -> None:
+        for box, number in zip(self._boxes, value, strict=True):
+            box.setValue(number)
+
+
+class TextEditor(Editor):
+    """Anything else, in the words of the command line."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        self._line = QLineEdit()
+        self._line.editingFinished.connect(self._tell)
+        return (self._line,)
+
+    def value(self) -> Json:
+        """What the text stands for; nothing where there is none."""
+        text = self._line.text()
+        return self.parameter.parse(text) if text else None
+
+    def _put(self, value: Json) -> None:
+        words = value if isinstance(value, list) else [value]
+        self._line.setText("" if value is None else ",".join(map(str, words)))
+
+
+def editor(name: str, parameter: Parameter) -> Editor:
+    """The widget for a parameter."""
+    if isinstance(parameter, Choice):
+        return ChoiceEditor(name, parameter)
+    if isinstance(parameter, Pair):
+        return PairEditor(name, parameter)
+    small = isinstance(parameter, Real) or (isinstance(parameter, Whole) and (parameter.high or 0) <= _MOST)
+    return NumberEditor(name, parameter) if small else TextEditor(name, parameter)

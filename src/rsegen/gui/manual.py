@@ -1,0 +1,59 @@
+"""The brief manual inside the window; kinds and parameters speak for themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from html import escape
+
+from PySide6.QtWidgets import QDialog, QTextBrowser, QVBoxLayout, QWidget
+
+from rsegen.codec import summary
+from rsegen.gui.editors import named
+from rsegen.obstacles import KINDS
+from rsegen.params import parameters
+from rsegen.recipe import Recipe
+
+_HOW = """
+<h2>Random step environments</h2>
+<p>A map is a grid of blocks of whole heights, in chunks (pallets) with frames. Obstacles are imposed on it from the
+first of the list to the last; where they meet, the later one counts, or as its blend says.</p>
+<h3>Make one</h3>
+<ol>
+<li>Choose the size of a chunk, how many chunks the map has, and the height step.</li>
+<li>Choose a type of obstacle, its max height (5 gives the heights 0, 1, 2, 3 and 4 steps) and softness, and its ends
+with the sliders; press <b>+</b>. Or draw it on the plan with the mouse.</li>
+<li>Click a row of the list, or a handle on the plan, to change an obstacle; drag its ends; <b>-</b> removes the last,
+<b>C</b> all of them. Everything can be undone.</li>
+<li>A coordinate that is <i>random</i> is drawn for every map anew; <b>Re-roll</b> draws another seed.</li>
+<li><b>Start</b> writes the maps as worlds for Gazebo.</li>
+</ol>
+<p>In the view: left button turns, middle button (or shift) moves, wheel zooms; Ctrl+0 shows the whole map.</p>
+"""
+
+
+def text() -> str:
+    """The manual, as HTML."""
+    return "\n".join(
+        [_HOW, "<h3>Obstacles</h3><dl>", *_kinds(), "</dl><h3>Parameters of the map</h3><dl>", *_map(), "</dl>"]
+    )
+
+
+def show_manual(parent: QWidget) -> None:
+    """Open it beside the window."""
+    dialog = named(QDialog(parent), "manual")
+    dialog.setWindowTitle("rsegen: manual")
+    dialog.resize(640, 640)
+    page = QTextBrowser()
+    page.setHtml(text())
+    QVBoxLayout(dialog).addWidget(page)
+    dialog.show()
+
+
+def _kinds() -> Iterator[str]:
+    for kind, cls in KINDS.items():
+        yield f"<dt><b>{escape(kind)}</b></dt><dd>{escape(summary(cls))}</dd>"
+
+
+def _map() -> Iterator[str]:
+    for name, parameter in parameters(Recipe).items():
+        yield f"<dt><b>{escape(name)}</b></dt><dd>{escape(parameter.help)}: {escape(parameter.describe())}</dd>"

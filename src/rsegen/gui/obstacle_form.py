@@ -1,0 +1,167 @@
+"""The form of one obstacle: its kind and parameters, and four sliders for its ends, as in the paper's window."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QGridLayout, QLabel, QSlider, QVBoxLayout, QWidget
+
+from rsegen.codec import summary
+from rsegen.gui.editors import Editor, editor, named
+from rsegen.gui.session import Entry
+from rsegen.obstacles import KINDS, Grid
+from rsegen.params import Json, parameters
+from rsegen.recipe import Placement
+
+START = {"kind": "horizontal_barrier", "max_height": 5, "softness": 0}
+
+
+class Coordinate(QWidget):
+    """A slider with its number under the middle, which may be left to chance."""
+
+    edited = Signal()
+
+    def __init__(self, title: str) -> None:
+        super().__init__()
+        self.slider = named(QSlider(Qt.Orientation.Horizontal), title.lower().replace(" ", "_"), title=title)
+        self._number = QLabel("0", alignment=Qt.AlignmentFlag.AlignCenter)
+        self.chance = named(QCheckBox("random"), f"{self.slider.objectName()}_random", tip="drawn for every map anew")
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.addWidget(QLabel(title), 0, 0)
+        grid.addWidget(self.slider, 0, 1)
+        grid.addWidget(self.chance, 0, 2)
+        grid.addWidget(self._number, 1, 1)
+        self.slider.valueChanged.connect(self._moved)
+        self.chance.toggled.connect(self._moved)
+
+    def value(self) -> Json:
+        """The cell, or `random`."""
+        return "random" if self.chance.isChecked() else self.slider.value()
+
+    def show_value(self, value: Json, cells: int) -> None:
+        """Put it there silently; the slider goes as far as the map."""
+        blockers = [QSignalBlocker(self.slider), QSignalBlocker(self.chance)]
+        self.slider.setRange(0, cells - 1)
+        self.chance.setChecked(value == "random")
+        if value != "random":
+            self.slider.setValue(value)
+        del blockers
+        self._label()
+
+    def _moved(self) -> None:
+        self._label()
+        self.edited.emit()
+
+    def _label(self) -> None:
+        self.slider.setEnabled(not self.chance.isChecked())
+        self._number.setText(str(self.value()))
+
+
+class ObstacleForm(QWidget):
+    """One obstacle as an entry of a recipe file; `edited` tells of what a person does."""
+
+    edited = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.kind = named(QComboBox(), "kind", title="obstacle type")
+        self.kind.addItems(list(KINDS))
+        self.kind.currentTextChanged.connect(self._other_kind)
+        self.usual = named(QCheckBox(), "usual")
+        self.usual.toggled.connect(self._tell)
+        self.coordinates = [Coordinate(title) for title in ("X first", "Y first", "X last", "Y last")]
+        self._heights = named(QLabel(wordWrap=True), "heights")
+        self._editors: dict[str, Editor] = {}
+        self._fields = QFormLayout()
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        top = QFormLayout()
+        top.addRow("Obstacle type", self.kind)
+        column.addLayout(top)
+        column.addLayout(self._fields)
+        for widget in (self._heights, self.usual, *self.coordinates):
+            column.addWidget(widget)
+        for coordinate in self.coordinates:
+            coordinate.edited.connect(self._tell)
+        self._grid, self._unit = Grid(10, 10, 10), 10.0
+        self.show_entry(START, self._grid, self._unit)
+
+    def entry(self) -> dict[str, Json]:
+        """The obstacle as a recipe file has it."""
+        values = {name: each.value() for name, each in self._editors.items()}
+        found = {"kind": self.kind.currentText()} | {name: value for name, value in values.items() if value is not None}
+        if not self.usual.isChecked():
+            x1, y1, x2, y2 = (coordinate.value() for coordinate in self.coordinates)
+            found |= {"first": [x1, y1], "last": [x2, y2]}
+        return found
+
+    def show_entry(self, entry: Entry, grid: Grid, unit_cm: float) -> None:
+        """Put an obstacle into the form, silently."""
+        self._grid, self._unit = grid, unit_cm
+        blocker = QSignalBlocker(self.kind)
+        self.kind.setCurrentText(entry["kind"])
+        del blocker
+        self._make_fields()
+        for name, each in self._editors.items():
+            each.show_value(entry.get(name, _usual(entry["kind"], name)))
+        self._show_ends(entry)
+        self._describe()
+
+    def _show_ends(self, entry: Entry) -> None:
+        blocker = QSignalBlocker(self.usual)
+        self.usual.setChecked("first" not in entry and "last" not in entry)
+        del blocker
+        ends = [*_pair(entry.get("first"), (0, 0)), *_pair(entry.get("last"), self._grid.shape, back=1)]
+        for coordinate, value, cells in zip(self.coordinates, ends, self._grid.shape * 2, strict=True):
+            coordinate.show_value(value, cells)
+
+    def _make_fields(self) -> None:
+        """The fields of the kind that is chosen, where it was another."""
+        names = list(_names(self.kind.currentText()))
+        if names == list(self._editors):
+            return
+        while self._fields.rowCount():
+            self._fields.removeRow(0)
+        self._editors = {}
+        known = {**parameters(KINDS[self.kind.currentText()]), **parameters(Placement)}
+        for name in names:
+            self._editors[name] = each = editor(name, known[name])
+            each.edited.connect(self._tell)
+            self._fields.addRow({"max_height": "Max height"}.get(name, name.capitalize()), each)
+
+    def _other_kind(self) -> None:
+        self.show_entry(self.entry(), self._grid, self._unit)
+        self.edited.emit()
+
+    def _tell(self) -> None:
+        self._describe()
+        self.edited.emit()
+
+    def _describe(self) -> None:
+        for coordinate in self.coordinates:
+            coordinate.setVisible(not self.usual.isChecked())
+        cls = KINDS[self.kind.currentText()]
+        self.kind.setToolTip(summary(cls))
+        everywhere = "random" in cls.kind
+        self.usual.setText("on the whole map" if everywhere else "place left to chance")
+        top = self._editors["max_height"].value()
+        shown = [f"{level * self._unit:g}" for level in range(min(top, 12))] + ["..."] * (top > 12)
+        self._heights.setText(f"Heights: {', '.join(shown)} cm")
+
+
+def _names(kind: str) -> Iterator[str]:
+    yield from parameters(KINDS[kind])
+    yield "blend"
+
+
+def _usual(kind: str, name: str) -> Json:
+    fields = {**KINDS[kind].__dataclass_fields__, **Placement.__dataclass_fields__}
+    return fields[name].default
+
+
+def _pair(place: Json, otherwise: tuple[int, int], back: int = 0) -> list[Json]:
+    if place == "random":
+        return ["random", "random"]
+    return list(place) if place else [cells - back for cells in otherwise]

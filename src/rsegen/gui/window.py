@@ -1,0 +1,284 @@
+"""The window: forms on the left, the field on the right; every change goes through the session."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import QSettings, Qt, QTimer, Slot
+from PySide6.QtGui import QCloseEvent
+from PySide6.QtWidgets import (
+    QFileDialog,
+    QGroupBox,
+    QHBoxLayout,
+    QLabel,
+    QMainWindow,
+    QMessageBox,
+    QProgressBar,
+    QPushButton,
+    QScrollArea,
+    QSpinBox,
+    QSplitter,
+    QTabWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from rsegen.errors import RsegenError
+from rsegen.gui.editors import named
+from rsegen.gui.map_form import COMPLAINT, OFTEN, SELDOM, MapForm
+from rsegen.gui.menus import add_menus
+from rsegen.gui.numbers import in_numbers
+from rsegen.gui.obstacle_form import ObstacleForm
+from rsegen.gui.plan import Handle, PlanView
+from rsegen.gui.rows import Rows
+from rsegen.gui.running import Generation
+from rsegen.gui.session import Session
+from rsegen.gui.view import FieldView
+from rsegen.room import refuse_too_large
+from rsegen.scene import Scene, compose
+
+PAUSE = 25
+"""Milliseconds without a change after which the field is made anew."""
+
+
+class Window(QMainWindow):
+    """A session, seen."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__()
+        self.session = session
+        self.scene: Scene | None = None
+        self.generation: Generation | None = None
+        self.selected = -1
+        self._make_widgets()
+        self._lay_out()
+        self._connect()
+        add_menus(self)
+        self._remember()
+        self.take(session)
+
+    def take(self, session: Session) -> None:
+        """Another session, such as that of a file."""
+        self.session, self.selected = session, -1
+        session.changed = self.refresh
+        self.refresh()
+        self._look()
+        self.view.reset_camera()
+
+    def refresh(self) -> None:
+        """Show the draft; the field follows when nothing has changed for a moment."""
+        draft, problem = self.session.draft, self.session.problem
+        self.selected = min(self.selected, len(draft.rows) - 1)
+        for form in (self.often, self.seldom):
+            form.show_values(draft.values, problem)
+        self.rows.show_rows(draft.rows, self.selected, problem)
+        self._show_obstacle()
+        self.complaint.setText(str(problem) if problem else "")
+        self.complaint.setVisible(problem is not None)
+        self.start.setEnabled(problem is None)
+        self.index.setRange(self.session.recipe.indices[0], min(self.session.recipe.indices[-1], 2**31 - 1))
+        self.setWindowTitle(f"{self.session.path.name if self.session.path else 'untitled'}[*] - rsegen")
+        self.setWindowModified(self.session.unsaved)
+        self._pause.start()
+
+    def choose(self, row: int) -> None:
+        """Take a row into the form."""
+        self.selected = row
+        self.refresh()
+
+    def _make_widgets(self) -> None:
+        self.often, self.seldom, self.obstacle, self.rows = MapForm(OFTEN), MapForm(SELDOM), ObstacleForm(), Rows()
+        self.view, self.plan = FieldView(), PlanView()
+        self.index = named(QSpinBox(prefix="map "), "index", tip="which of the maps is shown")
+        self.add = named(QPushButton("+"), "add", title="add obstacle", tip="add this obstacle (Ctrl+Return)")
+        self.drop = named(QPushButton("-"), "drop", title="remove last obstacle", tip="remove the last obstacle")
+        self.clear = named(QPushButton("C"), "clear", title="clear all obstacles", tip="remove all obstacles")
+        self.start = named(QPushButton("Start"), "start", tip="write the maps (F5)")
+        self.cancel = named(QPushButton("Cancel"), "cancel")
+        self.bar = named(QProgressBar(), "progress")
+        self.complaint = named(QLabel(wordWrap=True), "complaint")
+        self.complaint.setStyleSheet(COMPLAINT)
+        self.numbers = named(QLabel(), "numbers")
+        self.cell = named(QLabel(), "cell")
+        self._pause = QTimer(self, singleShot=True, interval=PAUSE)
+        self.cancel.hide()
+        self.bar.hide()
+
+    def _lay_out(self) -> None:
+        left = QWidget()
+        column = QVBoxLayout(left)
+        tabs = QTabWidget()
+        tabs.addTab(self.often, "Map")
+        tabs.addTab(self.seldom, "More")
+        column.addWidget(tabs)
+        column.addWidget(_group("Obstacle", self.obstacle, _row(self.add, self.drop, self.clear)))
+        column.addWidget(_group("Obstacles, imposed from the first to the last", self.rows), stretch=1)
+        column.addWidget(self.complaint)
+        column.addLayout(_row(self.start, self.cancel, self.bar))
+        scroll = QScrollArea(widgetResizable=True)
+        scroll.setWidget(left)
+        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.right = QSplitter(Qt.Orientation.Vertical)
+        self.right.addWidget(self.view)
+        self.right.addWidget(self.plan)
+        self.halves = QSplitter()
+        for widget, stretch in ((scroll, 0), (self.right, 1)):
+            self.halves.addWidget(widget)
+            self.halves.setStretchFactor(self.halves.count() - 1, stretch)
+        self.setCentralWidget(self.halves)
+        self.statusBar().addWidget(self.index)
+        self.statusBar().addWidget(self.numbers)
+        self.statusBar().addPermanentWidget(self.cell)
+
+    def _connect(self) -> None:
+        for form in (self.often, self.seldom):
+            form.edited.connect(lambda name, value: self.session.set(name, value, gesture=name))
+            form.reroll.connect(lambda: self.session.reroll())
+        self.obstacle.edited.connect(self._obstacle_edited)
+        self.rows.chosen.connect(self.choose)
+        self.rows.switched.connect(lambda row, on: self.session.enable(row, enabled=on))
+        self.rows.edited.connect(lambda row, entry: self.session.change(row, entry))
+        self.add.clicked.connect(self.add_obstacle)
+        self.drop.clicked.connect(self._drop_last)
+        self.clear.clicked.connect(lambda: self.session.clear())
+        self.start.clicked.connect(self.generate)
+        self.cancel.clicked.connect(self._stop)
+        self.index.valueChanged.connect(self._pause.start)
+        self._pause.timeout.connect(self._look)
+        self.plan.chosen.connect(self.choose)
+        self.plan.moved.connect(self._end_moved)
+        self.plan.drawn.connect(self._drawn)
+        self.plan.hovered.connect(self.cell.setText)
+
+    @Slot()
+    def add_obstacle(self) -> None:
+        """The obstacle of the form, as a row of its own at the end."""
+        self.selected = len(self.session.draft.rows)
+        self.session.add(self.obstacle.entry())
+
+    def _drop_last(self) -> None:
+        if self.session.draft.rows:
+            self.session.remove(len(self.session.draft.rows) - 1)
+
+    def _stop(self) -> None:
+        if self.generation:
+            self.generation.requestInterruption()
+
+    def _obstacle_edited(self) -> None:
+        if self.selected >= 0:
+            self.session.change(self.selected, self.obstacle.entry(), gesture=("form", self.selected))
+
+    def _end_moved(self, row: int, end: str, x: int, y: int) -> None:
+        entry = {**self.session.draft.rows[row].entry, end: [x, y]}
+        self.selected = row
+        self.session.change(row, entry, gesture=("drag", row, end))
+
+    def _drawn(self, x1: int, y1: int, x2: int, y2: int) -> None:
+        self.selected = len(self.session.draft.rows)
+        self.session.add({**self.obstacle.entry(), "first": [x1, y1], "last": [x2, y2]})
+
+    def _show_obstacle(self) -> None:
+        recipe, rows = self.session.recipe, self.session.draft.rows
+        entry = rows[self.selected].entry if self.selected >= 0 else self.obstacle.entry()
+        self.obstacle.show_entry(entry, recipe.grid, recipe.unit_cm)
+
+    def _look(self) -> None:
+        """Make the field, and show it from both sides."""
+        try:
+            refuse_too_large(self.session.recipe)
+            self.scene = compose(self.session.recipe, self.index.value())
+        except RsegenError as error:
+            self.complaint.setText(str(error))
+            self.complaint.show()
+            return
+        self.view.show_scene(self.scene)
+        self.plan.show_scene(self.scene, self._handles(), self.selected if self.selected >= 0 else None)
+        self.numbers.setText(in_numbers(self.scene))
+
+    def _handles(self) -> list[Handle]:
+        return [
+            Handle(row=number, first=_cell(row.entry.get("first")), last=_cell(row.entry.get("last")))
+            for number, row in enumerate(self.session.draft.rows)
+            if row.enabled
+        ]
+
+    @Slot()
+    def generate(self) -> None:
+        """Write the maps into a folder that is asked for."""
+        folder = QFileDialog.getExistingDirectory(self, "Where to write the maps", str(Path.cwd()))
+        if folder:
+            self.generate_into(Path(folder))
+
+    def generate_into(self, folder: Path) -> None:
+        """Write the maps behind the window."""
+        taken = (folder / self.session.recipe.map_name(self.session.recipe.first_map)).exists()
+        question = "Maps of this name are there already. Replace them?"
+        if taken and QMessageBox.question(self, "rsegen", question) != QMessageBox.StandardButton.Yes:
+            return
+        self.generation = Generation(self.session.recipe, folder, force=taken)
+        self.bar.setRange(0, self.session.recipe.maps if self.session.recipe.maps > 1 else 0)
+        self.generation.progressed.connect(self.bar.setValue)
+        self.generation.succeeded.connect(lambda text: self._ended(text))
+        self.generation.failed.connect(lambda text: self._ended(text))
+        for widget, busy in ((self.start, False), (self.cancel, True), (self.bar, True)):
+            widget.setVisible(busy)
+        self.generation.start()
+
+    def _ended(self, text: str) -> None:
+        for widget, busy in ((self.start, True), (self.cancel, False), (self.bar, False)):
+            widget.setVisible(busy)
+        self.statusBar().showMessage(text.splitlines()[0], 10_000)
+        if "\n" in text:
+            QMessageBox.information(self, "rsegen", text)
+
+    def _remember(self) -> None:
+        settings = QSettings("rsegen", "rsegen")
+        self.resize(1280, 720)
+        if settings.contains("geometry"):
+            self.restoreGeometry(settings.value("geometry"))
+            self.halves.restoreState(settings.value("halves"))
+        else:
+            self.halves.setSizes([430, 850])
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Ask where something is not saved; wait for what is being written."""
+        question = "The recipe is not saved. Leave it?"
+        buttons = QMessageBox.StandardButton.Discard | QMessageBox.StandardButton.Cancel
+        if self.session.unsaved and (
+            QMessageBox.question(self, "rsegen", question, buttons) != QMessageBox.StandardButton.Discard
+        ):
+            event.ignore()
+            return
+        if self.generation and self.generation.isRunning():
+            self.generation.requestInterruption()
+            self.generation.wait()
+        settings = QSettings("rsegen", "rsegen")
+        settings.setValue("geometry", self.saveGeometry())
+        settings.setValue("halves", self.halves.saveState())
+        self.view.close()
+        super().closeEvent(event)
+
+
+def _cell(place: object) -> tuple[int, int] | None:
+    """A place where both coordinates are known."""
+    if isinstance(place, (list, tuple)) and all(isinstance(at, int) for at in place):
+        return place[0], place[1]
+    return None
+
+
+def _row(*widgets: QWidget) -> QHBoxLayout:
+    row = QHBoxLayout()
+    for widget in widgets:
+        row.addWidget(widget)
+    return row
+
+
+def _group(title: str, *contents: QWidget | QHBoxLayout) -> QGroupBox:
+    group = QGroupBox(title)
+    column = QVBoxLayout(group)
+    for content in contents:
+        if isinstance(content, QHBoxLayout):
+            column.addLayout(content)
+        else:
+            column.addWidget(content)
+    return group
