@@ -10,6 +10,7 @@ import pytest
 from rsegen import Placement, Random, Recipe, Scene, compose
 from rsegen.geometry import NORMALS, surface
 from rsegen.gui.axes import marks, numbered
+from rsegen.gui.coarse import coarse, coarse_window, coarseness
 from rsegen.gui.colours import GROUND, bright, cells, legend, palette
 from rsegen.gui.sight import SOUTH_EAST, VIEW_ANGLE, viewpoint
 from rsegen.gui.solid import block_edges, box_edges, solid
@@ -91,9 +92,9 @@ def test_axes_have_a_few_round_numbers(extent: float) -> None:
 
 def test_marks_lie_beside_the_map() -> None:
     found = marks(BOUNDS, 0.3)
-    assert {"x [m]", "y [m]", "-2", "0"} <= set(found.texts)
+    assert {"x = 2 m", "y = 1 m", "-2", "0"} <= set(found.texts)
     assert all(x > 2 or y < -1 for x, y, _ in found.places)
-    assert len(found.lines.pairs) == len(found.texts) - 2
+    assert len(found.lines.pairs) == len(found.texts) == len(found.places)
 
 
 @pytest.mark.parametrize("aspect", [0.5, 1.0, 2.5])
@@ -109,3 +110,24 @@ def test_the_whole_map_is_in_sight_and_fills_the_view(aspect: float, direction: 
     beside = np.abs(corners @ across) / depth / tangent / aspect
     above = np.abs(corners @ np.cross(back, across)) / depth / tangent
     assert max(beside.max(), above.max()) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("factor", [1, 2, 3, 5])
+def test_a_coarse_field_has_the_highest_of_the_cells_it_stands_for(factor: int) -> None:
+    field = scene().field
+    made = coarse(field, factor)
+    for i, j in np.ndindex(*made.shape):
+        part = field.heights[i * factor : (i + 1) * factor, j * factor : (j + 1) * factor]
+        assert made.heights[i, j] == part.max()
+    assert made.shape == (6 // factor, 6 // factor)
+    assert made.block_width == pytest.approx(factor * field.block_width)
+
+
+@pytest.mark.parametrize(("most", "factor"), [(6, 1), (5, 2), (3, 2), (2, 3), (1, 6)])
+def test_a_field_becomes_no_finer_than_asked_for(most: int, factor: int) -> None:
+    assert coarseness(scene().field, most) == factor
+
+
+def test_a_window_is_found_again_among_coarse_cells() -> None:
+    assert coarse_window(scene().field, (slice(1, 3), slice(2, 5)), 2) == (slice(0, 2), slice(1, 3))
+    assert coarse_window(scene().field, (slice(5, 6), slice(0, 6)), 4) == (slice(0, 1), slice(0, 1))

@@ -108,6 +108,14 @@ def test_the_background_is_the_palettes(found: Found, folder: Path) -> None:
     assert share(folder, "plain", dark) < 0.01
 
 
+def test_a_large_map_is_shown_coarser_but_whole(found: Found, folder: Path) -> None:
+    assert share(folder, "coarse", level_colour(4, 4)) > 0.01
+
+
+def test_the_mouse_turns_the_map_and_up_stays_up(found: Found) -> None:
+    assert found["turned"]
+
+
 def test_the_camera_stays_until_it_is_reset(found: Found) -> None:
     assert found["camera kept"]
     assert found["camera reset"]
@@ -125,4 +133,10 @@ def test_a_picture_that_cannot_be_written_is_refused_by_name(found: Found) -> No
 def test_without_a_display_the_view_says_why(tmp_path: Path) -> None:
     said = viewed(tmp_path, QT_QPA_PLATFORM="offscreen")
     assert "needs a display" in said["unavailable"]
+    assert (tmp_path / "plain.png").exists()
+
+
+def test_without_opengl_the_view_says_why(display: str, tmp_path: Path) -> None:
+    said = viewed(tmp_path, DISPLAY=display, QT_QPA_PLATFORM="xcb", QT_XCB_GL_INTEGRATION="none")
+    assert "needs OpenGL" in said["unavailable"]
     assert (tmp_path / "plain.png").exists()

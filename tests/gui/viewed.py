@@ -8,7 +8,9 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QColor, QPalette
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from rsegen import Placement, Random, Recipe, Scene, compose
@@ -41,9 +43,14 @@ def looked(app: QApplication, view: FieldView, folder: Path) -> dict[str, object
     view.save_picture(folder / "highlighted.png")
     view.show(compose(replace(RECIPE, boundary="none", obstacles=())))
     view.save_picture(folder / "flat.png")
+    view.show(compose(replace(LARGE, chunk_size=900)), WINDOW)
+    view.save_picture(folder / "coarse.png")
     seconds = [shown(app, view, compose(replace(LARGE, seed=seed))) for seed in range(6)]
     view.save_picture(folder / "large.png")
     camera = view._plotter.camera
+    before, focus = camera.position, camera.focal_point
+    dragged(view)
+    turned = camera.position != before and camera.focal_point == focus and tuple(camera.up) == (0.0, 0.0, 1.0)
     camera.position = (9.0, 9.0, 9.0)
     view.show(compose(replace(LARGE, seed=9)))
     kept = tuple(camera.position) == (9.0, 9.0, 9.0)
@@ -56,10 +63,21 @@ def looked(app: QApplication, view: FieldView, folder: Path) -> dict[str, object
     view.save_picture(folder / "dark.png")
     return {
         "seconds": sorted(seconds),
+        "turned": turned,
         "camera kept": kept,
         "camera reset": tuple(camera.position) != (9.0, 9.0, 9.0),
         "refused": refused(view, folder / "nowhere" / "x.png"),
     }
+
+
+def dragged(view: FieldView) -> None:
+    """The left button pressed on the view, and the mouse moved."""
+    plotter, left = view._plotter, Qt.MouseButton.LeftButton
+    QTest.mousePress(plotter, left, pos=QPoint(200, 200))
+    for x in (220, 240):
+        QTest.mouseMove(plotter, QPoint(x, 210))
+        QTest.qWait(20)
+    QTest.mouseRelease(plotter, left, pos=QPoint(240, 210))
 
 
 def shown(app: QApplication, view: FieldView, scene: Scene) -> float:

@@ -26,15 +26,14 @@ class Marks(NamedTuple):
 
 
 def marks(bounds: Bounds, apron: float) -> Marks:
-    """Marks across the apron, x on the south side and y on the east, and the axes' names."""
+    """Marks across the apron, x on the south side and y on the east."""
     west, east, south, north = bounds[:4]
-    near, far, beyond = (np.array([east, south]) + at * np.array([1, -1]) for at in (0, apron, 1.5 * apron))
+    near, far, beyond = (np.array([east, south]) + at * np.array([1, -1]) for at in (0, apron, 1.8 * apron))
     along_x, along_y = numbered(west, east), numbered(south, north)
     starts = [*((x, near[1]) for x in along_x), *((near[0], y) for y in along_y)]
     ends = [*((x, far[1]) for x in along_x), *((far[0], y) for y in along_y)]
-    named = [((west + east) / 2, beyond[1] - 1.7 * apron), (beyond[0] + 1.7 * apron, (south + north) / 2)]
-    places = [*((x, beyond[1]) for x in along_x), *((beyond[0], y) for y in along_y), *named]
-    texts = [*map(decimal, along_x), *map(decimal, along_y), "x [m]", "y [m]"]
+    places = [*((x, beyond[1]) for x in along_x), *((beyond[0] + 0.8 * apron, y) for y in along_y)]
+    texts = [*_texts("x", along_x), *_texts("y", along_y)]
     pairs = np.arange(2 * len(starts)).reshape(2, -1).T
     return Marks(_on_the_ground(places), texts, Lines(_on_the_ground([*starts, *ends]), pairs))
 
@@ -46,6 +45,11 @@ def numbered(low: float, high: float) -> list[float]:
     step = next((base * power for base in _BASES if base * power >= rough), 10 * power)
     first, last = (int(np.ceil(round(low / step, 6))), int(np.floor(round(high / step, 6))))
     return [round(number * step, 9) for number in range(first, last + 1)]
+
+
+def _texts(axis: str, along: list[float]) -> list[str]:
+    """Numbers, of which the last says what they are."""
+    return [*map(decimal, along[:-1]), f"{axis} = {decimal(along[-1])} m"]
 
 
 def _on_the_ground(places: list[tuple[float, float]]) -> Array:

@@ -92,7 +92,7 @@ class Stage:
         if not self._bounds:
             return
         aspect = max(self._plotter.width(), 1) / max(self._plotter.height(), 1)
-        margin = 2.7 * _apron(self._bounds)
+        margin = 2.6 * _apron(self._bounds)
         position, focus = viewpoint(self._bounds, direction, margin=margin, aspect=aspect)
         camera = self._plotter.camera
         camera.position, camera.focal_point, camera.up = position, focus, (0.0, 0.0, 1.0)
@@ -110,6 +110,7 @@ class Stage:
             name="metres",
             text_color=self._ink,
             font_size=12,
+            bold=False,
             shape=None,
             show_points=False,
             always_visible=True,

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QCloseEvent, QColor, QGuiApplication, QOffscreenSurface, QOpenGLContext
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from rsegen.errors import FileError
+from rsegen.gui.coarse import coarse, coarse_window, coarseness
 from rsegen.gui.colours import legend
 from rsegen.gui.legend import Legend
-from rsegen.gui.stage import Stage
+from rsegen.gui.stage import Plotter, Stage
 from rsegen.scene import Scene
 from rsegen.stepfield import Window
+
+SHOWN = 400
+"""Maps of more than about so many cells a side are shown coarser, by the highest of several cells."""
 
 _WITHOUT_GL = ("offscreen", "minimal", "linuxfb", "vnc")
 _OPENGL = (3, 2)
@@ -38,11 +43,11 @@ class FieldView(QWidget):
         super().__init__(parent)
         self.setAccessibleName("View of the map in three dimensions")
         self._stage: Stage | None = None
-        self._legend = Legend(self)
+        self._legend, self._note = Legend(self), QLabel(self)
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
         row.addWidget(_sorry(why) if (why := unavailable()) else self._plotter_widget(), stretch=1)
-        row.addWidget(self._legend)
+        row.addLayout(self._beside())
 
     def show(self, scene: Scene | None = None, highlighted: Window | None = None) -> None:
         """Show a scene with a window of its cells outlined, the camera where it was; without a scene, the widget."""
@@ -50,8 +55,12 @@ class FieldView(QWidget):
             super().show()
             return
         self._legend.show_rows(legend(scene))
+        factor = coarseness(scene.field, SHOWN)
+        self._note.setText(f"each column the highest\nof {factor} x {factor} cells")
+        self._note.setVisible(factor > 1)
         if self._stage:
-            self._stage.show(scene, highlighted)
+            window = coarse_window(scene.field, highlighted, factor) if highlighted else None
+            self._stage.show(replace(scene, field=coarse(scene.field, factor)), window)
             QWidget.update(self._plotter)
 
     def reset_camera(self) -> None:
@@ -83,11 +92,19 @@ class FieldView(QWidget):
             self._stage.follow_size()
         return super().eventFilter(watched, event)
 
-    def _plotter_widget(self) -> QWidget:
-        from pyvistaqt import QtInteractor
+    def _beside(self) -> QVBoxLayout:
+        """The legend, and below it a note on what is not shown."""
+        column = QVBoxLayout()
+        column.addWidget(self._legend, stretch=1)
+        self._note.setMargin(8)
+        column.addWidget(self._note)
+        self._note.setVisible(False)
+        return column
 
-        self._plotter = QtInteractor(self, auto_update=False, multi_samples=4)
+    def _plotter_widget(self) -> QWidget:
+        self._plotter = _plotter(self)
         self._plotter.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # its keys close it, and hide faces
+        self._plotter.enable_terrain_style(mouse_wheel_zooms=True, shift_pans=True)  # up stays up
         self._plotter.setAcceptDrops(False)  # it would show any file
         self._plotter.installEventFilter(self)
         self._stage = Stage(self._plotter)
@@ -117,6 +134,12 @@ def _opengl_missing() -> str:
     context.doneCurrent()
     needed, given = (".".join(map(str, version)) for version in (_OPENGL, found))
     return "" if found >= _OPENGL else f"The 3D view needs OpenGL {needed} or later; this display has {given}."
+
+
+def _plotter(parent: QWidget) -> Plotter:
+    from pyvistaqt import QtInteractor
+
+    return QtInteractor(parent, auto_update=False, multi_samples=4)
 
 
 def _floats(colour: QColor) -> tuple[float, float, float]:
