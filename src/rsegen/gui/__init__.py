@@ -1,1 +1,1 @@
-"""The window: a recipe made and looked at with the mouse. `session` knows no Qt; everything else here does."""
+"""The window: a recipe made and looked at with the mouse. `session` knows no Qt."""

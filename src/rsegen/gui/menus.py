@@ -12,7 +12,6 @@ from PySide6.QtGui import QAction, QGuiApplication, QKeySequence
 from PySide6.QtWidgets import QFileDialog, QMenu, QMessageBox
 
 from rsegen.errors import RsegenError
-from rsegen.gui.editors import named
 from rsegen.gui.manual import show_manual
 from rsegen.gui.session import Session
 from rsegen.gui.spelled import command_line, python_code
@@ -111,7 +110,7 @@ def _act(
     window: Window, menu: QMenu, text: str, run: Callable[[], object], keys: QKeySequence.StandardKey | str = ""
 ) -> None:
     action = QAction(text, window)
-    named(action, text.replace("&", "").rstrip("."))
+    action.setObjectName(text.replace("&", "").rstrip("."))
     action.setShortcut(QKeySequence(keys))
     action.triggered.connect(lambda: run())
     menu.addAction(action)

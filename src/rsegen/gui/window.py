@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 from PySide6.QtCore import QSettings, Qt, QTimer, Slot
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import (
@@ -25,17 +26,19 @@ from PySide6.QtWidgets import (
 
 from rsegen.errors import RsegenError
 from rsegen.gui.editors import named
+from rsegen.gui.handles import Handle
 from rsegen.gui.map_form import COMPLAINT, OFTEN, SELDOM, MapForm
 from rsegen.gui.menus import add_menus
 from rsegen.gui.numbers import in_numbers
 from rsegen.gui.obstacle_form import ObstacleForm
-from rsegen.gui.plan import Handle, PlanView
+from rsegen.gui.plan import PlanView
 from rsegen.gui.rows import Rows
 from rsegen.gui.running import Generation
 from rsegen.gui.session import Session
 from rsegen.gui.view import FieldView
 from rsegen.room import refuse_too_large
 from rsegen.scene import Scene, compose
+from rsegen.stepfield import Window as Window_
 
 PAUSE = 25
 """Milliseconds without a change after which the field is made anew."""
@@ -191,8 +194,8 @@ class Window(QMainWindow):
             self.complaint.setText(str(error))
             self.complaint.show()
             return
-        self.view.show_scene(self.scene)
-        self.plan.show_scene(self.scene, self._handles(), self.selected if self.selected >= 0 else None)
+        self.view.show(self.scene, self._highlighted())
+        self.plan.show(self.scene, self._handles(), self.selected if self.selected >= 0 else None)
         self.numbers.setText(in_numbers(self.scene))
 
     def _handles(self) -> list[Handle]:
@@ -201,6 +204,17 @@ class Window(QMainWindow):
             for number, row in enumerate(self.session.draft.rows)
             if row.enabled
         ]
+
+    def _highlighted(self) -> Window_ | None:
+        """The cells, frames counted, of the obstacle that is edited."""
+        handle = next((each for each in self._handles() if each.row == self.selected), None)
+        if self.scene is None or handle is None or handle.first is None or handle.last is None:
+            return None
+        x, y = (
+            np.flatnonzero(self.scene.field.inside(axis))[sorted((handle.first[axis], handle.last[axis]))].tolist()
+            for axis in (0, 1)
+        )
+        return slice(x[0], x[1] + 1), slice(y[0], y[1] + 1)
 
     @Slot()
     def generate(self) -> None:

@@ -1,0 +1,56 @@
+"""Marks along the sides of a map in space, with their metres: where they lie and what they say."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rsegen.export.numbers import decimal
+from rsegen.gui.solid import Lines
+from rsegen.stepfield import Array
+
+Bounds = tuple[float, float, float, float, float, float]
+"""Smallest and largest x, y and z, metres."""
+
+_MARKS = 6
+_BASES = (1, 2, 5)
+
+
+class Marks(NamedTuple):
+    """places: (n, 3), metres, of the texts; lines: the marks themselves."""
+
+    places: Array
+    texts: list[str]
+    lines: Lines
+
+
+def marks(bounds: Bounds, apron: float) -> Marks:
+    """Marks across the apron, x on the south side and y on the east."""
+    west, east, south, north = bounds[:4]
+    near, far, beyond = (np.array([east, south]) + at * np.array([1, -1]) for at in (0, apron, 1.8 * apron))
+    along_x, along_y = numbered(west, east), numbered(south, north)
+    starts = [*((x, near[1]) for x in along_x), *((near[0], y) for y in along_y)]
+    ends = [*((x, far[1]) for x in along_x), *((far[0], y) for y in along_y)]
+    places = [*((x, beyond[1]) for x in along_x), *((beyond[0] + 0.8 * apron, y) for y in along_y)]
+    texts = [*_texts("x", along_x), *_texts("y", along_y)]
+    pairs = np.arange(2 * len(starts)).reshape(2, -1).T
+    return Marks(_on_the_ground(places), texts, Lines(_on_the_ground([*starts, *ends]), pairs))
+
+
+def numbered(low: float, high: float) -> list[float]:
+    """The round numbers in a range, about six: multiples of 1, 2 or 5 times a power of ten."""
+    rough = (high - low) / _MARKS
+    power = 10.0 ** np.floor(np.log10(rough))
+    step = next((base * power for base in _BASES if base * power >= rough), 10 * power)
+    first, last = (int(np.ceil(round(low / step, 6))), int(np.floor(round(high / step, 6))))
+    return [round(number * step, 9) for number in range(first, last + 1)]
+
+
+def _texts(axis: str, along: list[float]) -> list[str]:
+    """Numbers, of which the last says what they are."""
+    return [*map(decimal, along[:-1]), f"{axis} = {decimal(along[-1])} m"]
+
+
+def _on_the_ground(places: list[tuple[float, float]]) -> Array:
+    return np.array([(x, y, 0.0) for x, y in places], dtype=np.float64).reshape(-1, 3)

@@ -1,0 +1,177 @@
+"""The window, with real clicks and keys."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TypeVar
+
+import pytest
+
+pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]'")
+
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractButton, QApplication, QLabel, QSlider, QSpinBox, QTableWidgetItem, QWidget
+
+from rsegen import build, load
+from rsegen.gui.session import Session
+from rsegen.gui.window import Window
+
+LEFT = Qt.MouseButton.LeftButton
+
+
+@pytest.fixture
+def window(app: QApplication) -> Iterator[Window]:
+    window = Window(Session.new())
+    window.resize(1280, 720)
+    window.show()
+    QTest.qWaitForWindowExposed(window)
+    yield window
+    window.take(Session.new())
+    window.close()
+
+
+Kind = TypeVar("Kind", bound=QWidget)
+
+
+def find(within: QWidget, kind: type[Kind], name: str) -> Kind:
+    (found,) = within.findChildren(kind, name)
+    return found
+
+
+def cell(window: Window, row: int, column: int) -> QTableWidgetItem:
+    found = window.rows.item(row, column)
+    assert found is not None
+    return found
+
+
+def click(window: Window, name: str) -> None:
+    QTest.mouseClick(find(window, QAbstractButton, name), LEFT)
+
+
+def kinds(window: Window) -> list[str]:
+    return [row.entry["kind"] for row in window.session.draft.rows]
+
+
+def choose(window: Window, kind: str) -> None:
+    window.obstacle.kind.setCurrentText(kind)
+
+
+def test_plus_adds_minus_takes_the_last_and_c_clears(window: Window) -> None:
+    click(window, "add")
+    choose(window, "peak")
+    window.rows.clearSelection()
+    click(window, "add")
+    assert window.rows.rowCount() == 2
+    click(window, "drop")
+    assert window.rows.rowCount() == 1
+    click(window, "add")
+    click(window, "clear")
+    assert window.rows.rowCount() == 0
+    assert kinds(window) == []
+
+
+def test_the_type_height_and_softness_of_the_form_are_those_of_the_row(window: Window) -> None:
+    choose(window, "random")
+    find(window.obstacle, QSpinBox, "max_height_field").setValue(4)
+    click(window, "add")
+    (row,) = window.session.draft.rows
+    assert (row.entry["kind"], row.entry["max_height"]) == ("random", 4)
+    assert [cell(window, 0, column).text() for column in (1, 2)] == ["random", "4"]
+    assert find(window.obstacle, QLabel, "heights").text() == "Heights: 0, 10, 20, 30 cm"
+
+
+def test_sliders_move_the_ends_of_the_chosen_obstacle(window: Window) -> None:
+    choose(window, "peak")
+    window.obstacle.usual.setChecked(False)
+    click(window, "add")
+    slider = find(window.obstacle, QSlider, "x_last")
+    assert slider.maximum() == 9
+    slider.setFocus()
+    before = slider.value()
+    QTest.keyClick(slider, Qt.Key.Key_Left)
+    assert window.session.draft.rows[0].entry["last"][0] == before - 1
+
+
+def test_sliders_reach_as_far_as_the_map(window: Window) -> None:
+    for box in window.often.findChildren(QSpinBox, "chunks_field"):
+        box.setValue(3)
+    assert find(window.obstacle, QSlider, "x_first").maximum() == 29
+
+
+def test_undo_and_redo_by_key(window: Window) -> None:
+    click(window, "add")
+    QTest.keyClick(window, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert kinds(window) == []
+    window.session.redo()
+    assert kinds(window) == ["horizontal_barrier"]
+
+
+def test_a_problem_stands_beside_its_row_and_nothing_can_be_started(window: Window) -> None:
+    choose(window, "peak")
+    window.obstacle.usual.setChecked(False)
+    click(window, "add")
+    window.session.set("chunk_size", 5)
+    assert window.complaint.text() == "obstacles[0].last[0]: 9 is outside 0..4"
+    assert cell(window, 0, 1).toolTip() == "9 is outside 0..4"
+    assert not window.start.isEnabled()
+    window.session.undo()
+    assert window.start.isEnabled()
+    assert window.complaint.isHidden()
+
+
+def test_the_field_follows_what_is_changed(window: Window) -> None:
+    choose(window, "random")
+    click(window, "add")
+    QTest.qWait(200)
+    assert window.scene is not None
+    assert window.scene.field == build(window.session.recipe)
+    assert "10 cm" in window.numbers.text() or "largest step" in window.numbers.text()
+
+
+def test_start_writes_the_maps_while_the_window_goes_on(window: Window, tmp_path: Path) -> None:
+    choose(window, "random")
+    click(window, "add")
+    window.session.set("maps", 3)
+    window.generate_into(tmp_path)
+    for _ in range(200):
+        QTest.qWait(50)
+        if window.generation is not None and window.generation.isFinished():
+            break
+    QTest.qWait(50)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["rse_0000", "rse_0001", "rse_0002"]
+    assert window.start.isVisible()
+
+
+def test_a_row_is_edited_in_place_and_switched_off(window: Window) -> None:
+    choose(window, "peak")
+    click(window, "add")
+    cell(window, 0, 3).setText("40")
+    assert window.session.draft.rows[0].entry["softness"] == 40
+    cell(window, 0, 0).setCheckState(Qt.CheckState.Unchecked)
+    assert not window.session.recipe.obstacles
+
+
+def test_a_recipe_is_saved_and_opened(window: Window, tmp_path: Path) -> None:
+    choose(window, "random")
+    click(window, "add")
+    recipe = window.session.recipe
+    window.session.save(tmp_path / "field.yaml")
+    assert load(tmp_path / "field.yaml") == recipe
+    window.take(Session.opened(tmp_path / "field.yaml"))
+    assert window.rows.rowCount() == 1
+    assert "field.yaml" in window.windowTitle()
+
+
+def test_every_widget_that_takes_input_has_a_name_for_those_who_do_not_see_it(window: Window) -> None:
+    nameless = [
+        widget.objectName()
+        for widget in window.findChildren(QWidget)
+        if widget.focusPolicy() & Qt.FocusPolicy.TabFocus
+        and not (widget.accessibleName() or getattr(widget, "text", str)())
+        and widget.objectName()
+        and not widget.objectName().startswith("qt_")
+    ]
+    assert not nameless
+    assert window.childAt(QPoint(5, 5)) is not None
