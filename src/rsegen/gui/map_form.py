@@ -41,7 +41,7 @@ class MapForm(QWidget):
         self._editors: dict[str, Editor] = {}
         self._complaints: dict[str, QLabel] = {}
         self._form = QFormLayout(self)
-        self._form.setContentsMargins(0, 0, 0, 0)
+        self._form.setVerticalSpacing(3)
         for name in names:
             self._add(name)
 

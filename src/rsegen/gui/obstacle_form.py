@@ -29,10 +29,11 @@ class Coordinate(QWidget):
         self.chance = named(QCheckBox("random"), f"{self.slider.objectName()}_random", tip="drawn for every map anew")
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
+        grid.setVerticalSpacing(0)
         grid.addWidget(QLabel(title), 0, 0)
-        grid.addWidget(self.slider, 0, 1)
-        grid.addWidget(self.chance, 0, 2)
-        grid.addWidget(self._number, 1, 1)
+        grid.addWidget(self.chance, 0, 1, alignment=Qt.AlignmentFlag.AlignRight)
+        grid.addWidget(self.slider, 1, 0, 1, 2)
+        grid.addWidget(self._number, 2, 0, 1, 2)
         self.slider.valueChanged.connect(self._moved)
         self.chance.toggled.connect(self._moved)
 
@@ -81,10 +82,13 @@ class ObstacleForm(QWidget):
         top.addRow("Obstacle type", self.kind)
         column.addLayout(top)
         column.addLayout(self._fields)
-        for widget in (self._heights, self.usual, *self.coordinates):
-            column.addWidget(widget)
-        for coordinate in self.coordinates:
+        column.addWidget(self._heights)
+        column.addWidget(self.usual)
+        ends = QGridLayout()
+        column.addLayout(ends)
+        for number, coordinate in enumerate(self.coordinates):
             coordinate.edited.connect(self._tell)
+            ends.addWidget(coordinate, number % 2, number // 2)
         self._grid, self._unit = Grid(10, 10, 10), 10.0
         self.show_entry(START, self._grid, self._unit)
 
