@@ -10,12 +10,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 ARGS ?= --numprocesses=auto
 
-.PHONY: worlds test check docs package gazebo lock bench bench-contact bench-isaaclab
+.PHONY: worlds test check docs package gazebo screen lock bench bench-contact bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
 
-test: $(VENV)/developer gazebo
+test: $(VENV)/developer gazebo screen
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest $(ARGS)
 
 check: $(VENV)/developer
@@ -53,6 +53,10 @@ bench-contact: $(VENV)/developer gazebo
 gazebo:
 	scripts/gazebo-classic || test $$? = 3
 	scripts/sdformat || test $$? = 3
+
+# A screen for the tests of the window.
+screen:
+	scripts/screen || test $$? = 3
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsegen.coarse import coarse
 from rsegen.codec import to_json
 from rsegen.errors import FileError
 from rsegen.export.numbers import decimal
@@ -84,15 +85,16 @@ def _view(axes: Axes, scene: Scene) -> None:
     """From the south-east, above."""
     from matplotlib.collections import PolyCollection
 
-    heights, frame, levels, factor = _coarse(scene)
-    shapes, colours = _polygons(heights, _colours(scene, frame, levels), factor * scene.field.block_width)
-    line = 0.35 if max(heights.shape) <= 60 else 0.0
+    factor = min(-(-max(scene.field.shape) // DRAWN), *scene.field.shape)
+    field = coarse(scene.field, factor)
+    shapes, colours = _polygons(field.heights, _colours(scene, field.frame, field.levels), field.block_width)
+    line = 0.35 if max(field.shape) <= 60 else 0.0
     axes.add_collection(PolyCollection(list(shapes), facecolors=colours, edgecolors=colours * 0.55, linewidths=line))
     axes.set_aspect("equal")
     axes.autoscale_view()
     axes.set_axis_off()
-    coarse = f" (each column the highest of {factor} x {factor} cells)" if factor > 1 else ""
-    axes.set_title(f"seen from the south-east{coarse}")
+    how = f" (each column the highest of {factor} x {factor} cells)" if factor > 1 else ""
+    axes.set_title(f"seen from the south-east{how}")
     _arrows(axes, scene)
 
 
@@ -163,22 +165,6 @@ def _colours(scene: Scene, frame: NDArray[np.bool_], levels: NDArray[np.int16]) 
     """(n_x, n_y, 3): the colour of each cell; level ground is light grey."""
     palette = np.array([scene.colour(level) for level in range(scene.recipe.top_level + 1)])
     return np.where((levels == 0)[..., None] & ~frame[..., None], 0.86, palette[np.where(frame, 0, levels)])
-
-
-def _coarse(scene: Scene) -> tuple[Array, NDArray[np.bool_], NDArray[np.int16], int]:
-    """Heights, frame, levels and how many cells a side went into one of theirs: the highest of them stands for all."""
-    field = scene.field
-    factor = -(-max(field.shape) // DRAWN)
-    if factor == 1:
-        return field.heights, field.frame, field.levels, 1
-    trimmed = tuple(cells - cells % factor for cells in field.shape)
-    order = field.heights[: trimmed[0], : trimmed[1]].reshape(
-        trimmed[0] // factor, factor, trimmed[1] // factor, factor
-    )
-    highest = order.transpose(0, 2, 1, 3).reshape(*order.shape[::2], -1).argmax(axis=-1)
-    i = np.arange(order.shape[0])[:, None] * factor + highest // factor
-    j = np.arange(order.shape[2])[None, :] * factor + highest % factor
-    return field.heights[i, j], field.frame[i, j], field.levels[i, j], factor
 
 
 def _metadata(scene: Scene, format: str) -> dict[str, Any] | None:  # noqa: A002  # matplotlib's word

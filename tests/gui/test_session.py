@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from rsegen import Recipe, build, load
 from rsegen.cli.commands import parser
 from rsegen.cli.flags import recipe_from
-from rsegen.gui.session import Session, drafted
+from rsegen.gui.session import Session, drafted, straightened
 from rsegen.gui.spelled import command_line, python_code
 from strategies import recipes
 
@@ -139,6 +139,29 @@ def test_the_window_is_told_of_every_change(session: Session) -> None:
     session.undo()
     session.redo()
     assert told == [1, 0, 1]
+
+
+BARRIER = {"kind": "horizontal_barrier", "max_height": 3}
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "end", "expected"),
+    [
+        ([1, 1], [8, 3], "last", ([1, 1], [8, 1])),
+        ([1, 1], [3, 8], "last", ([1, 1], [1, 8])),
+        ([1, 1], [8, 3], "first", ([1, 3], [8, 3])),
+        ([2, 1], [2, 7], "last", ([2, 1], [2, 7])),
+    ],
+)
+def test_a_barrier_that_cannot_lie_askew_is_straightened(
+    first: list[int], last: list[int], end: str, expected: tuple[list[int], list[int]]
+) -> None:
+    found = straightened({**BARRIER, "first": first, "last": last}, end)
+    assert (found["first"], found["last"]) == expected
+
+
+def test_what_may_lie_askew_is_left_as_it_is() -> None:
+    assert straightened(PEAK, "last") == PEAK
 
 
 @given(recipes())

@@ -164,6 +164,19 @@ def test_a_recipe_is_saved_and_opened(window: Window, tmp_path: Path) -> None:
     assert "field.yaml" in window.windowTitle()
 
 
+def test_an_obstacle_is_drawn_on_the_plan_and_its_end_dragged(window: Window) -> None:
+    QTest.qWait(200)
+    choose(window, "peak")
+    window.plan.drawn.emit(2, 2, 6, 6)
+    assert window.session.draft.rows[0].entry["first"] == [2, 2]
+    assert window.rows.selected == 0
+    window.plan.moved.emit(0, "last", 8, 8)
+    window.plan.moved.emit(0, "last", 9, 9)
+    assert window.session.draft.rows[0].entry["last"] == [9, 9]
+    window.session.undo()
+    assert window.session.draft.rows[0].entry["last"] == [6, 6]
+
+
 def test_every_widget_that_takes_input_has_a_name_for_those_who_do_not_see_it(window: Window) -> None:
     nameless = [
         widget.objectName()

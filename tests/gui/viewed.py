@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -45,7 +44,7 @@ def looked(app: QApplication, view: FieldView, folder: Path) -> dict[str, object
     view.save_picture(folder / "flat.png")
     view.show(compose(replace(LARGE, chunk_size=900)), WINDOW)
     view.save_picture(folder / "coarse.png")
-    seconds = [shown(app, view, compose(replace(LARGE, seed=seed))) for seed in range(6)]
+    view.show(compose(LARGE))
     view.save_picture(folder / "large.png")
     camera = view._plotter.camera
     before, focus = camera.position, camera.focal_point
@@ -62,7 +61,6 @@ def looked(app: QApplication, view: FieldView, folder: Path) -> dict[str, object
     view.show(compose(RECIPE))
     view.save_picture(folder / "dark.png")
     return {
-        "seconds": sorted(seconds),
         "turned": turned,
         "camera kept": kept,
         "camera reset": tuple(camera.position) != (9.0, 9.0, 9.0),
@@ -78,14 +76,6 @@ def dragged(view: FieldView) -> None:
         QTest.mouseMove(plotter, QPoint(x, 210))
         QTest.qWait(20)
     QTest.mouseRelease(plotter, left, pos=QPoint(240, 210))
-
-
-def shown(app: QApplication, view: FieldView, scene: Scene) -> float:
-    """Seconds until a scene is on the screen."""
-    before = time.perf_counter()
-    view.show(scene)
-    app.processEvents()
-    return time.perf_counter() - before
 
 
 def refused(view: FieldView, path: Path) -> str:

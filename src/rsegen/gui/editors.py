@@ -76,6 +76,13 @@ class ChoiceEditor(Editor):
         self._box.setCurrentText(value)
 
 
+class _PlainSpinBox(QDoubleSpinBox):
+    """Numbers without trailing zeros."""
+
+    def textFromValue(self, value: float) -> str:
+        return f"{value:.3f}".rstrip("0").rstrip(".")
+
+
 class NumberEditor(Editor):
     """A number with bounds, whole or not."""
 
@@ -87,7 +94,7 @@ class NumberEditor(Editor):
             self._box = QSpinBox()
             self._box.setRange(sort.low, int(high))
         else:
-            self._box = QDoubleSpinBox(decimals=3)
+            self._box = _PlainSpinBox(decimals=3)
             self._box.setRange(sort.low, high)
             self._box.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
         self._box.setSuffix(f" {sort.unit}" if sort.unit else "")

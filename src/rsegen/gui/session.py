@@ -13,7 +13,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from rsegen.chance import fresh_seed
-from rsegen.codec import decode, encode
+from rsegen.codec import decode, decode_placement, encode
 from rsegen.errors import ParameterError
 from rsegen.params import Json, parameters
 from rsegen.recipe import Recipe
@@ -188,6 +188,18 @@ class Session:
     def _free_key(self) -> str:
         taken = {row.entry.get("key") for row in self.draft.rows}
         return next(key for number in range(1, len(taken) + 2) if (key := f"obstacle-{number}") not in taken)
+
+
+def straightened(entry: Entry, end: str) -> Entry:
+    """The entry with one of its ends in line with the other, where the kind cannot lie askew; else as it is."""
+    other = "first" if end == "last" else "last"
+    try:
+        decode_placement(entry)
+    except ParameterError:
+        (x, y), (other_x, other_y) = entry[end], entry[other]
+        along_x = abs(x - other_x) >= abs(y - other_y)
+        return {**entry, end: [x, other_y] if along_x else [other_x, y]}
+    return entry
 
 
 def drafted(recipe: Recipe) -> Draft:

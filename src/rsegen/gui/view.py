@@ -10,7 +10,7 @@ from PySide6.QtGui import QCloseEvent, QColor, QGuiApplication, QOffscreenSurfac
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from rsegen.errors import FileError
-from rsegen.gui.coarse import coarse, coarse_window, coarseness
+from rsegen.coarse import coarse, coarse_window, coarseness
 from rsegen.gui.colours import legend
 from rsegen.gui.legend import Legend
 from rsegen.gui.stage import Plotter, Stage

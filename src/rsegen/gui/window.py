@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from PySide6.QtCore import QSettings, Qt, QTimer, Slot
-from PySide6.QtGui import QCloseEvent
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
     QFileDialog,
     QGroupBox,
@@ -28,13 +28,13 @@ from rsegen.errors import RsegenError
 from rsegen.gui.editors import named
 from rsegen.gui.handles import Handle
 from rsegen.gui.map_form import COMPLAINT, OFTEN, SELDOM, MapForm
-from rsegen.gui.menus import add_menus
+from rsegen.gui.menus import add_menus, open_file
 from rsegen.gui.numbers import in_numbers
 from rsegen.gui.obstacle_form import ObstacleForm
 from rsegen.gui.plan import PlanView
 from rsegen.gui.rows import Rows
 from rsegen.gui.running import Generation
-from rsegen.gui.session import Session
+from rsegen.gui.session import Session, straightened
 from rsegen.gui.view import FieldView
 from rsegen.room import refuse_too_large
 from rsegen.scene import Scene, compose
@@ -57,6 +57,7 @@ class Window(QMainWindow):
         self._lay_out()
         self._connect()
         add_menus(self)
+        self.setAcceptDrops(True)
         self._remember()
         self.take(session)
 
@@ -180,11 +181,12 @@ class Window(QMainWindow):
     def _end_moved(self, row: int, end: str, x: int, y: int) -> None:
         entry = {**self.session.draft.rows[row].entry, end: [x, y]}
         self.selected = row
-        self.session.change(row, entry, gesture=("drag", row, end))
+        other = "first" if end == "last" else "last"
+        self.session.change(row, straightened(entry, other), gesture=("drag", row, end))
 
     def _drawn(self, x1: int, y1: int, x2: int, y2: int) -> None:
         self.selected = len(self.session.draft.rows)
-        self.session.add({**self.obstacle.entry(), "first": [x1, y1], "last": [x2, y2]})
+        self.session.add(straightened({**self.obstacle.entry(), "first": [x1, y1], "last": [x2, y2]}, "last"))
 
     def _show_obstacle(self) -> None:
         recipe, rows = self.session.recipe, self.session.draft.rows
@@ -260,6 +262,16 @@ class Window(QMainWindow):
         else:
             self.halves.setSizes([430, 850])
 
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Recipes may be dropped."""
+        if _dropped(event):
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        """Open what is dropped."""
+        if path := _dropped(event):
+            open_file(self, path)
+
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask where something is not saved; wait for what is being written."""
         question = "The recipe is not saved. Leave it?"
@@ -277,6 +289,12 @@ class Window(QMainWindow):
         settings.setValue("halves", self.halves.saveState())
         self.view.close()
         super().closeEvent(event)
+
+
+def _dropped(event: QDropEvent) -> Path | None:
+    """The recipe file that is dragged, if it is one."""
+    paths = (Path(url.toLocalFile()) for url in event.mimeData().urls())
+    return next((path for path in paths if path.suffix.lower() in {".yaml", ".yml", ".json"}), None)
 
 
 def _cell(place: object) -> tuple[int, int] | None:
