@@ -27,6 +27,13 @@ _ONE_THREAD = {**_ENVIRONMENT, "OPENBLAS_NUM_THREADS": "1"}
 """numpy's other threads do nothing here, but they wait busily at first, and that would be counted."""
 
 
+_IN_MEMORY = Path("/dev/shm")  # noqa: S108  # a folder of our own is made in it
+_ROOM = 8_000_000_000
+
+SHELF = str(_IN_MEMORY) if _IN_MEMORY.is_dir() and psutil.disk_usage(str(_IN_MEMORY)).free > _ROOM else None
+"""Where files are written: in memory where that can be, for a disk's own cost varies more than anything measured."""
+
+
 class Failed(Exception):  # a way that failed is a row of the table
     """A child ended without a figure; says why."""
 
@@ -34,14 +41,14 @@ class Failed(Exception):  # a way that failed is a row of the table
 def written(way: Way, size: int, python: str) -> Run:
     """One grid to a file."""
     room = str(psutil.virtual_memory().available * 3 // 4)
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(dir=SHELF) as folder:
         path = str(Path(folder) / f"grid.{way.ending}")
         return _told([python, "-m", "benchmarks.child", room, way.module, way.function, str(size), path])
 
 
 def commanded(command: Command) -> Run:
     """One whole program, its start included; bytes are those of all files that it wrote."""
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(dir=SHELF) as folder:
         arguments = [folder if argument == FOLDER else argument for argument in command.arguments]
         started = perf_counter()
         child = subprocess.Popen(arguments, env=_ENVIRONMENT, stdout=subprocess.DEVNULL)

@@ -17,8 +17,9 @@ _HOW = """\
 in turn, and a figure is the median of its runs. CPU is user and system time; compare that and the ratios, for wall time
 depends on what else the machine does. A grid to a file: seconds without Python's start and imports, from the levels in
 memory to the closed file, each library with the one thread that it needs; peak memory is that of the whole child,
-libraries included. Blocks are 0.1 m wide and 1 to 5 units of 0.1 m high, at random, the same for every way; IsaacLab
-draws heights of its own. The surface that rsegen writes is open at the ground. A MB is a million bytes."""
+libraries included. Files are written in memory (/dev/shm) where that can be, for what a disk takes varies more than
+anything measured here. Blocks are 0.1 m wide and 1 to 5 units of 0.1 m high, at random, the same for every way, though
+IsaacLab draws heights of its own. The surface that rsegen writes is open at the ground. A MB is a million bytes."""
 
 
 def page(results: Results) -> str:
