@@ -1,4 +1,4 @@
-"""The picture of the window in the manual: `python -m docs.window [FILE]`, on a display; without one, below xvfb-run."""
+"""The picture of the window in the manual: `python -m docs.window [FILE]`, on a display (else below `xvfb-run -a`)."""
 
 from __future__ import annotations
 

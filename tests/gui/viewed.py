@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from rsegen import Placement, Random, Recipe, Scene, compose
+from rsegen import Placement, Random, Recipe, compose
 from rsegen.errors import FileError
 from rsegen.gui.view import FieldView, unavailable
 

@@ -9,8 +9,8 @@ from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QCloseEvent, QColor, QGuiApplication, QOffscreenSurface, QOpenGLContext
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
-from rsegen.errors import FileError
 from rsegen.coarse import coarse, coarse_window, coarseness
+from rsegen.errors import FileError
 from rsegen.gui.colours import legend
 from rsegen.gui.legend import Legend
 from rsegen.gui.stage import Plotter, Stage
