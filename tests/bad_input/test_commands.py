@@ -22,7 +22,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "nothing": ([], ["COMMAND"]),
     "a misspelt command": (["genrate"], ["'genrate'", "did you mean 'generate'?", "info, obstacles, preview, schema"]),
-    "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, info"]),
+    "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, info"]),
     "a misspelt flag": (["generate", "-o", "out", "--sed", "1"], ["'--sed'", "did you mean '--seed'?", "--chunk-size"]),
     "half a flag": (["generate", "-o", "out", "--chunk", "1"], ["'--chunk'", "did you mean '--chunks'?"]),
     "another command's flag": (["info", "recipe.yaml", "--force"], ["'--force'", "--json"]),
