@@ -5,28 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from PySide6.QtCore import QSettings, Qt, QTimer, Slot
+from PySide6.QtCore import QSettings, QTimer, Slot
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
     QFileDialog,
-    QGroupBox,
-    QHBoxLayout,
     QLabel,
     QMainWindow,
     QMessageBox,
     QProgressBar,
     QPushButton,
-    QScrollArea,
     QSpinBox,
-    QSplitter,
-    QTabWidget,
-    QVBoxLayout,
-    QWidget,
 )
 
 from rsegen.errors import RsegenError
 from rsegen.gui.editors import named
 from rsegen.gui.handles import Handle
+from rsegen.gui.layout import lay_out
 from rsegen.gui.map_form import COMPLAINT, OFTEN, SELDOM, MapForm
 from rsegen.gui.menus import add_menus, open_file
 from rsegen.gui.numbers import in_numbers
@@ -54,7 +48,7 @@ class Window(QMainWindow):
         self.generation: Generation | None = None
         self.selected = -1
         self._make_widgets()
-        self._lay_out()
+        self.halves = lay_out(self)
         self._connect()
         add_menus(self)
         self.setAcceptDrops(True)
@@ -107,38 +101,6 @@ class Window(QMainWindow):
         self._pause = QTimer(self, singleShot=True, interval=PAUSE)
         self.cancel.hide()
         self.bar.hide()
-
-    def _lay_out(self) -> None:
-        left = QWidget()
-        column = QVBoxLayout(left)
-        tabs = QTabWidget()
-        tabs.addTab(self.often, "Map")
-        tabs.addTab(self.seldom, "More")
-        column.addWidget(tabs)
-        column.addWidget(_group("Obstacle", self.obstacle, _row(self.add, self.drop, self.clear)))
-        column.addStretch(1)
-        column.addWidget(self.complaint)
-        column.addLayout(_row(self.start, self.cancel, self.bar))
-        scroll = QScrollArea(widgetResizable=True)
-        scroll.setWidget(left)
-        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        below = QSplitter()
-        below.addWidget(self.plan)
-        below.addWidget(_group("Obstacles, imposed from the first to the last", self.rows))
-        below.setStretchFactor(0, 1)
-        below.setSizes([480, 370])
-        self.right = QSplitter(Qt.Orientation.Vertical)
-        self.right.addWidget(self.view)
-        self.right.addWidget(below)
-        self.right.setSizes([380, 320])
-        self.halves = QSplitter()
-        for widget, stretch in ((scroll, 0), (self.right, 1)):
-            self.halves.addWidget(widget)
-            self.halves.setStretchFactor(self.halves.count() - 1, stretch)
-        self.setCentralWidget(self.halves)
-        self.statusBar().addWidget(self.index)
-        self.statusBar().addWidget(self.numbers)
-        self.statusBar().addPermanentWidget(self.cell)
 
     def _connect(self) -> None:
         for form in (self.often, self.seldom):
@@ -302,21 +264,3 @@ def _cell(place: object) -> tuple[int, int] | None:
     if isinstance(place, (list, tuple)) and all(isinstance(at, int) for at in place):
         return place[0], place[1]
     return None
-
-
-def _row(*widgets: QWidget) -> QHBoxLayout:
-    row = QHBoxLayout()
-    for widget in widgets:
-        row.addWidget(widget)
-    return row
-
-
-def _group(title: str, *contents: QWidget | QHBoxLayout) -> QGroupBox:
-    group = QGroupBox(title)
-    column = QVBoxLayout(group)
-    for content in contents:
-        if isinstance(content, QHBoxLayout):
-            column.addLayout(content)
-        else:
-            column.addWidget(content)
-    return group
