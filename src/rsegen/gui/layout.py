@@ -30,7 +30,7 @@ def lay_out(window: Window) -> QSplitter:
     below.addWidget(window.plan)
     below.addWidget(_group("Obstacles, imposed from the first to the last", window.rows))
     below.setStretchFactor(0, 1)
-    below.setSizes([480, 370])
+    below.setSizes([390, 460])
     right = QSplitter(Qt.Orientation.Vertical)
     right.addWidget(window.view)
     right.addWidget(below)
