@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from pathlib import Path
 
@@ -27,4 +28,6 @@ def run(arguments: argparse.Namespace) -> None:
         from rsegen.gui.application import run as run_window
     except ImportError as error:
         raise FileError(f"gui: the window cannot be opened ({error}); pip install 'rsegen[gui]'") from None
+    if sys.platform == "linux" and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))):
+        raise FileError("gui: there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)")
     sys.exit(run_window(Path(arguments.recipe) if arguments.recipe else None))
