@@ -161,9 +161,9 @@ def _made(order: _Order, already: frozenset[int], workers: int) -> Generator[Gen
         yield from map(order.made, indices)
         return
     batch = math.ceil(min(BATCH / order.seconds, left / workers / 4))
-    try:
-        with told(order.folder), parent_of(order.folder / "map"):
+    with told(order.folder), parent_of(order.folder / "map"):
+        try:
             yield from shared_out(order, indices, batch=batch, workers=workers)
-    except BaseException:
-        clear_away(order.folder, partial(is_map_of, order.recipe))  # what a worker left that was killed
-        raise
+        except BaseException:
+            clear_away(order.folder, partial(is_map_of, order.recipe))  # what a worker left that was killed
+            raise
