@@ -39,15 +39,18 @@ class Construction:
     quick: bool = True
 
 
+def _body(name: str, says: str, *, shapes: Shapes = fields.shipped, kd: int = 0, quick: bool = False) -> Construction:
+    """A field that is a kinematic body."""
+    return Construction(name=name, says=says, shapes=shapes, kd=kd, held="", link=BODY, lift=LIFT, quick=quick)
+
+
 ALL = (
     Construction(name="plane", says="the bare ground: the goal", shapes=lambda _: (), levels=False),
-    Construction(
+    _body(
         name="body-kd1000",
         says="the merged surface as a kinematic body, kd 1000: shipped as `simulator: classic`",
         kd=1000,
-        held="",
-        link=BODY,
-        lift=LIFT,
+        quick=True,
     ),
     Construction(name="mesh-kd1000", says="the merged surface, kd 1000: what is shipped", kd=1000),
     Construction(
@@ -57,18 +60,8 @@ ALL = (
     ),
     Construction(name="mesh", says="the shipped surface"),
     Construction(name="block-mesh", says="a mesh, 8 vertices and 6 faces a block", shapes=fields.block_mesh),
-    Construction(
-        name="body", says="the shipped surface as a kinematic body", held="", link=BODY, lift=LIFT, quick=False
-    ),
-    Construction(
-        name="body-kd100",
-        says="the shipped surface as a kinematic body, kd 100",
-        kd=100,
-        held="",
-        link=BODY,
-        lift=LIFT,
-        quick=False,
-    ),
+    _body(name="body", says="the shipped surface as a kinematic body"),
+    _body(name="body-kd100", says="the shipped surface as a kinematic body, kd 100", kd=100),
     Construction(
         name="body-fixed-kd1000",
         says="the shipped surface as a kinematic body fixed to the world, kd 1000",
@@ -78,25 +71,17 @@ ALL = (
         lift=LIFT,
         quick=False,
     ),
-    Construction(
+    _body(
         name="body-block-mesh-kd1000",
         says="the block mesh as a kinematic body, kd 1000",
         shapes=fields.block_mesh,
         kd=1000,
-        held="",
-        link=BODY,
-        lift=LIFT,
-        quick=False,
     ),
-    Construction(
+    _body(
         name="body-largest-kd1000",
         says="largest rectangles first, as a kinematic body, kd 1000",
         shapes=mesh(partitions.largest_first),
         kd=1000,
-        held="",
-        link=BODY,
-        lift=LIFT,
-        quick=False,
     ),
     Construction(name="mesh-kd100000", says="the shipped surface, kd 100000", kd=100000, quick=False),
     Construction(

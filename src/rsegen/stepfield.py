@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 Levels = NDArray[np.int16]
 Mask = NDArray[np.bool_]
 Array = NDArray[np.float64]
+Ints = NDArray[np.integer]
 
 Window = tuple[slice, slice]
 """Cells of a field, from start to stop along x and y, frames counted."""

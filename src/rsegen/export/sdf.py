@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from rsegen.export.numbers import decimal
@@ -57,11 +57,11 @@ def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
 
 
 class Shape(NamedTuple):
-    """A <geometry>, what it is called, where its middle is, metres, and its paint; each text as SDF has it."""
+    """A <geometry> as SDF has it, what it is called, where its middle is, metres, and its paint."""
 
     name: str
     geometry: str
-    centre: str = ""
+    centre: Sequence[float] = ()
     paint: str = ""
 
 
@@ -70,7 +70,7 @@ def mesh(name: str, uri: str) -> Shape:
     return Shape(name, f"<mesh><uri>{uri}</uri></mesh>")
 
 
-def box(name: str, size: Iterable[float], centre: str = "", paint: str = "") -> Shape:
+def box(name: str, size: Iterable[float], centre: Sequence[float] = (), paint: str = "") -> Shape:
     """A box along the axes, its size in metres."""
     return Shape(name, f"<box><size>{numbers(size)}</size></box>", centre, paint)
 
@@ -130,8 +130,8 @@ LIFT = 0.00001
 
 
 def _lifted(shape: Shape) -> Shape:
-    x, y, z = map(float, (shape.centre or "0 0 0").split())
-    return shape._replace(centre=numbers((x, y, z + LIFT)))
+    x, y, z = shape.centre or (0, 0, 0)
+    return shape._replace(centre=(x, y, z + LIFT))
 
 
 def _touched(shape: Shape, friction: float) -> str:
@@ -156,7 +156,7 @@ def _seen(shape: Shape) -> str:
 
 
 def _pose(shape: Shape) -> str:
-    return shape.centre and f"{_LINE}<pose>{shape.centre} 0 0 0</pose>"
+    return f"{_LINE}<pose>{numbers(shape.centre)} 0 0 0</pose>" if shape.centre else ""
 
 
 _LINE = "\n" + " " * 10

@@ -36,7 +36,7 @@ def touched(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterat
     found = boxes(field) if scene.recipe.collision == "boxes" else single_boxes(field)
     sizes, centres = found.high - found.low, (found.low + found.high) / 2
     for number, (size, centre) in enumerate(zip(sizes.tolist(), centres.tolist(), strict=True)):
-        yield sdf.box(f"collision_{number}", size, sdf.numbers(centre))
+        yield sdf.box(f"collision_{number}", size, centre)
 
 
 def collisions(scene: Scene, field: StepField) -> int:

@@ -5,10 +5,10 @@ The fewest rectangles come from the most chords of which no two meet (Ohtsuki 19
 Of chords that meet, those that meet fewest others go first, and short ones before long ones; that is the most, or
 nearly. Corners without a chord are cut the shorter way. Short seams leave large rectangles whole:
 
-       _    _              _    _                    _    _
-     _| |__| |_          _|_|__|_|_                _| |__| |_
-    |          |   -->  |          |   and not    | : :  : : |
-    |__________|        |__________|              |_:_:__:_:_|
+       _    _              _    _                  _    _
+     _| |__| |_          _|_|__|_|_              _| |__| |_
+    |          |   -->  |          |   and not  | : :  : : |
+    |__________|        |__________|            |_:_:__:_:_|
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Ints = NDArray[np.integer]
-Mask = NDArray[np.bool_]
+from rsegen.stepfield import Ints, Mask
 
 
 class _Runs(NamedTuple):
@@ -41,10 +40,14 @@ class _Runs(NamedTuple):
 
     def corners(self, *, last: bool) -> tuple[Ints, Ints]:
         """Of each run every corner in turn, with or without the last, and the number of the run that it belongs to."""
-        count = self.length + last
-        run = np.repeat(np.arange(len(count)), count)
-        along = np.arange(len(run)) - np.repeat(np.cumsum(count) - count, count)
+        run, along = spread(self.length + last)
         return self.start[run] + along * self.step, run
+
+
+def spread(counts: Ints) -> tuple[Ints, Ints]:
+    """So many entries for each count: whose each is, and its place among them. [2, 3] gives 0 0 1 1 1 and 0 1 0 1 2."""
+    whose = np.repeat(np.arange(len(counts)), counts)
+    return whose, np.arange(len(whose)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
 def walls(labels: Ints) -> Mask:
@@ -143,8 +146,6 @@ def _until(stop: Mask, runs: _Runs) -> _Runs:
     """Every run as far as the first corner where it must stop."""
     if not len(runs.start):
         return runs
-    at, run = runs.corners(last=True)
-    first = np.cumsum(runs.length + 1) - runs.length - 1
-    along = np.arange(len(at)) - first[run]
-    reached = np.where(stop[at], along, runs.length[run])
-    return runs._replace(length=np.minimum.reduceat(reached, first))
+    run, along = spread(runs.length + 1)
+    reached = np.where(stop[runs.start[run] + along * runs.step], along, runs.length[run])
+    return runs._replace(length=np.minimum.reduceat(reached, np.flatnonzero(along == 0)))

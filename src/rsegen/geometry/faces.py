@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.geometry.mesh import Mesh
-from rsegen.geometry.rectangles import Ints, Rectangles
-from rsegen.stepfield import Array
+from rsegen.geometry.rectangles import Rectangles
+from rsegen.stepfield import Array, Ints
 
 
 class Faces(NamedTuple):

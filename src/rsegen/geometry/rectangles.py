@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.geometry.chords import walls
-
-Ints = NDArray[np.integer]
+from rsegen.stepfield import Ints
 
 
 class Rectangles(NamedTuple):

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.geometry.faces import Lattice
-from rsegen.geometry.rectangles import Ints
-from rsegen.stepfield import NANOMETRE_DIGITS, Array, StepField, Window
+from rsegen.stepfield import NANOMETRE_DIGITS, Array, Ints, StepField, Window
 
 
 class Relief(NamedTuple):

@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rsegen.geometry.chords import spread
 from rsegen.geometry.faces import Faces
 from rsegen.geometry.mesh import NORMALS
-from rsegen.geometry.rectangles import Ints
-from rsegen.stepfield import Array, Mask
+from rsegen.stepfield import Array, Ints, Mask
 
 _FLAT = 1e-6
 """A triangle of less than this share of the smallest at first, twice its area, is a line."""
@@ -90,8 +90,8 @@ def _upright(moves: _Moves, fan: _Fan, faces: Faces, vertices: Array, least: flo
     around = np.bincount(fan.vertex, minlength=len(vertices))
     begin = np.cumsum(around) - around
     count = around[moves.vertex]
-    move = np.repeat(np.arange(len(count)), count)
-    corner = begin[moves.vertex[move]] + np.arange(len(move)) - np.repeat(np.cumsum(count) - count, count)
+    move, place = spread(count)
+    corner = begin[moves.vertex[move]] + place
     target, second, third = moves.target[move], fan.second[corner], fan.third[corner]
     stays = (second != target) & (third != target)
     moved = faces.rows(fan.triangle[corner[stays]])._replace(corners=np.stack([target, second, third], axis=1)[stays])

@@ -14,9 +14,9 @@ import numpy as np
 
 from rsegen.geometry.faces import Faces
 from rsegen.geometry.mesh import Mesh
-from rsegen.geometry.rectangles import Ints, Rectangles, merge, merge_hanging
+from rsegen.geometry.rectangles import Rectangles, merge, merge_hanging
 from rsegen.geometry.relief import Relief, relief
-from rsegen.stepfield import StepField, Window
+from rsegen.stepfield import Ints, StepField, Window
 
 
 def surface(field: StepField, window: Window | None = None) -> Mesh:

@@ -14,13 +14,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rsegen.geometry.chords import spread
 from rsegen.geometry.faces import Faces, Lattice, welded
 from rsegen.geometry.mesh import Mesh
-from rsegen.geometry.rectangles import Ints, merge
+from rsegen.geometry.rectangles import merge
 from rsegen.geometry.relief import Relief, relief
 from rsegen.geometry.sparing import without_needless
 from rsegen.geometry.surface import risers, tops
-from rsegen.stepfield import Mask, StepField
+from rsegen.stepfield import Ints, Mask, StepField
 
 
 class _Outlines(NamedTuple):
@@ -84,8 +85,7 @@ def _between(corners: Ints, lattice: Lattice) -> tuple[Ints, Ints]:
         begin[here], steps[here] = at + axis * len(known), until - at
         sorted_along.append(known[order])
     count = np.abs(steps)
-    side = np.repeat(np.arange(len(starts)), count)
-    offset = np.arange(len(side)) - np.repeat(np.cumsum(count) - count, count)
+    side, offset = spread(count)
     return np.concatenate(sorted_along)[begin[side] + offset * np.sign(steps)[side]], count
 
 
