@@ -19,6 +19,7 @@ from rsegen.errors import RsegenError, UserError
 from rsegen.obstacles import KINDS, Obstacle
 from rsegen.obstacles.diagonal import DiagonalBarrier
 from rsegen.obstacles.horizontal import HorizontalBarrier
+from rsegen.obstacles.matrix import Matrix
 from rsegen.obstacles.normal import NormalRandom
 from rsegen.obstacles.peak import Peak
 from rsegen.obstacles.random import Random
@@ -35,6 +36,7 @@ __all__ = [
     "Generated",
     "GeneratedMap",
     "HorizontalBarrier",
+    "Matrix",
     "NormalRandom",
     "Obstacle",
     "Peak",

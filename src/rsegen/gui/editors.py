@@ -142,8 +142,7 @@ class TextEditor(Editor):
         return self.parameter.parse(text) if text else None
 
     def _put(self, value: Json) -> None:
-        words = value if isinstance(value, list) else [value]
-        self._line.setText("" if value is None else ",".join(map(str, words)))
+        self._line.setText("" if value is None else self.parameter.spell(value))
 
 
 def editor(name: str, parameter: Parameter) -> Editor:

@@ -62,6 +62,9 @@ class Obstacle(ABC):
     def check(self, first: Place, last: Place) -> None:  # noqa: B027  # most kinds lie anywhere
         """Raise a ParameterError where this kind cannot lie between these two places."""
 
+    def check_room(self, grid: Grid, first: Place | None, last: Place | None) -> None:  # noqa: B027  # most kinds fit
+        """Raise a ParameterError where this kind is too large for its place in a map."""
+
     def usual_ends(self, grid: Grid) -> tuple[Place, Place]:
         """The places that stand in where a recipe gives none: left to chance."""
         return ANYWHERE, ANYWHERE
