@@ -16,6 +16,7 @@ rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
 from rsegen.build import build
 from rsegen.codec import schema
 from rsegen.errors import RsegenError, UserError
+from rsegen.importers import imported
 from rsegen.obstacles import KINDS, Obstacle
 from rsegen.obstacles.diagonal import DiagonalBarrier
 from rsegen.obstacles.horizontal import HorizontalBarrier
@@ -51,6 +52,7 @@ __all__ = [
     "build",
     "compose",
     "generate",
+    "imported",
     "load",
     "save",
     "schema",

@@ -144,6 +144,30 @@ class Choice:
 
 
 @dataclass(frozen=True)
+class Flag:
+    """Yes or no."""
+
+    help: str = ""
+
+    def check(self, where: str, value: object) -> bool:
+        if isinstance(value, bool):
+            return value
+        raise ParameterError(where, f"{shown(value)} is neither yes nor no")
+
+    def parse(self, text: str) -> object:
+        return {"yes": True, "no": False}.get(text, text)
+
+    def spell(self, value: Any) -> str:
+        return "yes" if value else "no"
+
+    def schema(self) -> dict[str, Json]:
+        return {"type": "boolean"}
+
+    def describe(self) -> str:
+        return "yes or no"
+
+
+@dataclass(frozen=True)
 class Text:
     """A text that a pattern matches whole, and that UTF-8 can write."""
 

@@ -22,7 +22,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "nothing": ([], ["COMMAND"]),
     "a misspelt command": (["genrate"], ["'genrate'", "did you mean 'generate'?", "info, obstacles, preview, schema"]),
-    "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, info"]),
+    "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, import, info"]),
     "a misspelt flag": (["generate", "-o", "out", "--sed", "1"], ["'--sed'", "did you mean '--seed'?", "--chunk-size"]),
     "half a flag": (["generate", "-o", "out", "--chunk", "1"], ["'--chunk'", "did you mean '--chunks'?"]),
     "another command's flag": (["info", "recipe.yaml", "--force"], ["'--force'", "--json"]),
@@ -91,7 +91,8 @@ def test_json_does_not_change_how_a_mistake_is_told(refused: Refused) -> None:
 @pytest.mark.parametrize("command", [command.__name__.rpartition(".")[2] for command in COMMANDS])
 def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, command: str) -> None:
     given = {"generate": ["-o", "out"], "preview": ["a.yaml", "-o", "p.png"], "info": ["a.yaml"]}
-    line = refused(command, *given.get(command, []), "--hlep")
+    given["import_"] = ["a.csv", *given["generate"]]
+    line = refused(command.rstrip("_"), *given.get(command, []), "--hlep")
     assert "unknown flag '--hlep'; did you mean '--help'?" in line
 
 
