@@ -5,8 +5,18 @@ from __future__ import annotations
 from typing import TypeVar, cast
 
 from PySide6.QtCore import QSignalBlocker, Signal
-from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QLineEdit, QSpinBox, QWidget
+from PySide6.QtWidgets import (
+    QComboBox,
+    QDoubleSpinBox,
+    QHBoxLayout,
+    QInputDialog,
+    QLineEdit,
+    QPushButton,
+    QSpinBox,
+    QWidget,
+)
 
+from rsegen.obstacles.matrix import Rows
 from rsegen.params import Choice, Json, Parameter, Real, Whole
 from rsegen.places import Pair
 
@@ -145,11 +155,40 @@ class TextEditor(Editor):
         self._line.setText("" if value is None else self.parameter.spell(value))
 
 
+class RowsEditor(Editor):
+    """The levels of a matrix, in a text of their own: they may be many."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        self._rows: list[str] = []
+        self._button = QPushButton()
+        self._button.clicked.connect(self._ask)
+        return (self._button,)
+
+    def value(self) -> Json:
+        """The rows."""
+        return self._rows
+
+    def _put(self, value: Json) -> None:
+        self._rows = list(value)
+        n_x = len(str(self._rows[0]).split()) if self._rows else 0
+        self._button.setText(f"{n_x} x {len(self._rows)} cells...")
+
+    def _ask(self) -> None:
+        text, done = QInputDialog.getMultiLineText(
+            self, "Levels", "The top row is the largest y; a dot leaves its cell as it is.", "\n".join(self._rows)
+        )
+        if done:
+            self._put([line.strip() for line in text.splitlines() if line.strip()])
+            self._tell()
+
+
 def editor(name: str, parameter: Parameter) -> Editor:
     """The widget for a parameter."""
     if isinstance(parameter, Choice):
         return ChoiceEditor(name, parameter)
     if isinstance(parameter, Pair):
         return PairEditor(name, parameter)
+    if isinstance(parameter, Rows):
+        return RowsEditor(name, parameter)
     small = isinstance(parameter, Real) or (isinstance(parameter, Whole) and (parameter.high or 0) <= _MOST)
     return NumberEditor(name, parameter) if small else TextEditor(name, parameter)

@@ -43,6 +43,7 @@ def add_menus(window: Window) -> None:
     _act(window, edit, "Re&move obstacle", partial(_with_row, window, _remove), QKeySequence.StandardKey.Delete)
     _act(window, edit, "Move obstacle u&p", partial(_with_row, window, partial(_shift, by=-1)), "Alt+Up")
     _act(window, edit, "Move obstacle d&own", partial(_with_row, window, partial(_shift, by=1)), "Alt+Down")
+    _act(window, edit, "&Paint cells", window.brushes.taken.toggle, "P")
     _act(window, edit, "Re-&roll the seed", lambda: window.session.reroll(), "Ctrl+R")
     view = window.menuBar().addMenu("&View")
     _act(window, view, "&Whole map", window.view.reset_camera, "Ctrl+0")

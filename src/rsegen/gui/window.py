@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from rsegen.errors import RsegenError
+from rsegen.gui.brushes import Brushes
 from rsegen.gui.editors import named
 from rsegen.gui.handles import Handle
 from rsegen.gui.layout import lay_out
@@ -25,11 +27,13 @@ from rsegen.gui.map_form import COMPLAINT, OFTEN, SELDOM, MapForm
 from rsegen.gui.menus import add_menus, open_file
 from rsegen.gui.numbers import in_numbers
 from rsegen.gui.obstacle_form import ObstacleForm
+from rsegen.gui.painting import BARE, paintable, painted
 from rsegen.gui.plan import PlanView
 from rsegen.gui.rows import Rows
 from rsegen.gui.running import Generation
 from rsegen.gui.session import Session, straightened
 from rsegen.gui.view import FieldView
+from rsegen.places import Cell
 from rsegen.room import refuse_too_large
 from rsegen.scene import Scene, compose
 from rsegen.stepfield import Window as Window_
@@ -86,7 +90,7 @@ class Window(QMainWindow):
 
     def _make_widgets(self) -> None:
         self.often, self.seldom, self.obstacle, self.rows = MapForm(OFTEN), MapForm(SELDOM), ObstacleForm(), Rows()
-        self.view, self.plan = FieldView(), PlanView()
+        self.view, self.plan, self.brushes = FieldView(), PlanView(), Brushes()
         self.index = named(QSpinBox(prefix="map "), "index", tip="which of the maps is shown")
         self.add = named(QPushButton("+"), "add", title="add obstacle", tip="add this obstacle (Ctrl+Return)")
         self.drop = named(QPushButton("-"), "drop", title="remove last obstacle", tip="remove the last obstacle")
@@ -121,6 +125,8 @@ class Window(QMainWindow):
         self.plan.moved.connect(self._end_moved)
         self.plan.drawn.connect(self._drawn)
         self.plan.hovered.connect(self.cell.setText)
+        self.plan.painted.connect(self._painted)
+        self.brushes.chosen.connect(self.plan.take_brush)
 
     @Slot()
     def add_obstacle(self) -> None:
@@ -150,10 +156,21 @@ class Window(QMainWindow):
         self.selected = len(self.session.draft.rows)
         self.session.add(straightened({**self.obstacle.entry(), "first": [x1, y1], "last": [x2, y2]}, "last"))
 
+    def _painted(self, cells: Sequence[Cell], level: int, stroke: int) -> None:
+        """Into the matrix that is chosen, else into a new one."""
+        rows, gesture = self.session.draft.rows, ("paint", stroke)
+        if self.selected >= 0 and paintable(rows[self.selected].entry):
+            entry = painted(rows[self.selected].entry, cells, level)
+            self.session.change(self.selected, entry, gesture=gesture)
+        elif level != BARE:
+            self.selected = len(rows)
+            self.session.add(painted(None, cells, level), gesture=gesture)
+
     def _show_obstacle(self) -> None:
         recipe, rows = self.session.recipe, self.session.draft.rows
         entry = rows[self.selected].entry if self.selected >= 0 else self.obstacle.entry()
         self.obstacle.show_entry(entry, recipe.grid, recipe.unit_cm)
+        self.brushes.show_unit(recipe.unit_cm)
 
     def _look(self) -> None:
         """Make the field, and show it from both sides."""

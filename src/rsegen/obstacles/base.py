@@ -47,6 +47,8 @@ class Obstacle(ABC):
     """One entry of a recipe's list, without its place."""
 
     kind: ClassVar[str]
+    unplaced: ClassVar[str] = "place left to chance"
+    """What it means that a recipe gives no place."""
 
     max_height: Annotated[
         int,
@@ -113,6 +115,7 @@ class Region(Obstacle):
     """A random kind: every cell of the rectangle first..last, by default of the whole map."""
 
     __slots__ = ()
+    unplaced: ClassVar[str] = "on the whole map"
 
     def usual_ends(self, grid: Grid) -> tuple[Place, Place]:
         """Two opposite corners of the map."""

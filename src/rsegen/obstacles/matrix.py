@@ -68,6 +68,7 @@ class Matrix(Obstacle):
     """Given levels, a cell each, or stretched over the rectangle first..last; softness scales it down."""
 
     kind: ClassVar[str] = "matrix"
+    unplaced: ClassVar[str] = "in its own size, from the corner 0, 0"
 
     rows: Annotated[
         tuple[str, ...], Rows(help="levels of its cells, the top row the largest y; a dot leaves a cell as it is")
