@@ -6,6 +6,7 @@ from typing import TypeVar, cast
 
 from PySide6.QtCore import QSignalBlocker, Signal
 from PySide6.QtWidgets import (
+    QCheckBox,
     QComboBox,
     QDoubleSpinBox,
     QHBoxLayout,
@@ -17,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from rsegen.obstacles.matrix import Rows
-from rsegen.params import Choice, Json, Parameter, Real, Whole
+from rsegen.params import Choice, Flag, Json, Parameter, Real, Whole
 from rsegen.places import Pair
 
 _MOST = 2**31 - 1
@@ -142,7 +143,7 @@ class TextEditor(Editor):
     """Anything else, in the words of the command line."""
 
     def _widgets(self) -> tuple[QWidget, ...]:
-        self._line = QLineEdit()
+        self._line = QLineEdit(placeholderText=self.parameter.describe())
         self._line.editingFinished.connect(self._tell)
         return (self._line,)
 
@@ -153,6 +154,22 @@ class TextEditor(Editor):
 
     def _put(self, value: Json) -> None:
         self._line.setText("" if value is None else self.parameter.spell(value))
+
+
+class FlagEditor(Editor):
+    """Yes or no."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        self._box = QCheckBox()
+        self._box.toggled.connect(self._tell)
+        return (self._box,)
+
+    def value(self) -> Json:
+        """Whether it is ticked."""
+        return self._box.isChecked()
+
+    def _put(self, value: Json) -> None:
+        self._box.setChecked(value)
 
 
 class RowsEditor(Editor):
@@ -188,6 +205,8 @@ def editor(name: str, parameter: Parameter) -> Editor:
         return ChoiceEditor(name, parameter)
     if isinstance(parameter, Pair):
         return PairEditor(name, parameter)
+    if isinstance(parameter, Flag):
+        return FlagEditor(name, parameter)
     if isinstance(parameter, Rows):
         return RowsEditor(name, parameter)
     small = isinstance(parameter, Real) or (isinstance(parameter, Whole) and (parameter.high or 0) <= _MOST)

@@ -24,6 +24,8 @@ first of the list to the last; where they meet, the later one counts, or as its 
 with the sliders; press <b>+</b>. Or draw it on the plan with the mouse.</li>
 <li>Click a row of the list, or a handle on the plan, to change an obstacle; drag its ends; <b>-</b> removes the last,
 <b>C</b> all of them. Everything can be undone.</li>
+<li><b>Paint cells</b> (P) gives single cells a level: with the mouse, or by typing digits on the plan; they become a
+matrix.</li>
 <li>A coordinate that is <i>random</i> is drawn for every map anew; <b>Re-roll</b> draws another seed.</li>
 <li><b>Start</b> writes the maps as worlds for Gazebo.</li>
 </ol>

@@ -75,6 +75,13 @@ class Session:
         """The recipe of a file."""
         return cls(draft=drafted(load(path)), path=path)
 
+    @classmethod
+    def imported(cls, recipe: Recipe) -> Session:
+        """A recipe that is in no file yet."""
+        session = cls(draft=drafted(recipe))
+        session._saved = None
+        return session
+
     # Global parameters.
 
     def set(self, name: str, value: Json, *, gesture: object = None) -> None:

@@ -24,7 +24,7 @@ from rsegen.gui.editors import named
 from rsegen.gui.handles import Handle
 from rsegen.gui.layout import lay_out
 from rsegen.gui.map_form import COMPLAINT, OFTEN, SELDOM, MapForm
-from rsegen.gui.menus import add_menus, open_file
+from rsegen.gui.menus import RECIPE_SUFFIXES, add_menus, take_dropped
 from rsegen.gui.numbers import in_numbers
 from rsegen.gui.obstacle_form import ObstacleForm
 from rsegen.gui.painting import BARE, paintable, painted
@@ -33,6 +33,7 @@ from rsegen.gui.rows import Rows
 from rsegen.gui.running import Generation
 from rsegen.gui.session import Session, straightened
 from rsegen.gui.view import FieldView
+from rsegen.importers import FORMATS
 from rsegen.places import Cell
 from rsegen.room import refuse_too_large
 from rsegen.scene import Scene, compose
@@ -242,14 +243,14 @@ class Window(QMainWindow):
             self.halves.setSizes([430, 850])
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Recipes may be dropped."""
+        """Recipes and heights may be dropped."""
         if _dropped(event):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
         """Open what is dropped."""
         if path := _dropped(event):
-            open_file(self, path)
+            take_dropped(self, path)
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask where something is not saved; wait for what is being written."""
@@ -271,9 +272,9 @@ class Window(QMainWindow):
 
 
 def _dropped(event: QDropEvent) -> Path | None:
-    """The recipe file that is dragged, if it is one."""
+    """The recipe or file of heights that is dragged, if it is one."""
     paths = (Path(url.toLocalFile()) for url in event.mimeData().urls())
-    return next((path for path in paths if path.suffix.lower() in {".yaml", ".yml", ".json"}), None)
+    return next((path for path in paths if path.suffix.lower() in {*RECIPE_SUFFIXES, *FORMATS}), None)
 
 
 def _cell(place: object) -> tuple[int, int] | None:

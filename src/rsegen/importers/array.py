@@ -24,7 +24,7 @@ class Saved(Format):
     name: ClassVar[str] = "array"
     suffixes: ClassVar[tuple[str, ...]] = (".npy",)
 
-    values: Annotated[str, Choice(("cm", "m", "levels"), help="what its numbers are")] = "cm"
+    values: Annotated[str, Choice(("cm", "m", "levels"), help="what its numbers are; default: cm")] = "cm"
     rounded: Annotated[bool, Flag(help="round heights that are no whole units, which are refused otherwise")] = False
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:

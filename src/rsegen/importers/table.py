@@ -28,15 +28,15 @@ class Table(Format):
     suffixes: ClassVar[tuple[str, ...]] = (".csv", ".tsv", ".txt")
 
     values: Annotated[
-        str | None, Choice(("cm", "m", "levels"), help="what its numbers are; default: as rsegen wrote them, else cm")
-    ] = None
+        str, Choice(("auto", "cm", "m", "levels"), help="what its numbers are; auto: as rsegen wrote them, else cm")
+    ] = "auto"
     rounded: Annotated[bool, Flag(help="round heights that are no whole units, which are refused otherwise")] = False
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Blank and bad cells are refused with their place."""
         text = _text(path)
         ours = _OURS.match(text)
-        values = self.values or ("levels" if ours else "cm")
+        values = ("levels" if ours else "cm") if self.values == "auto" else self.values
         unit = unit_cm or (float(ours[1]) if ours else _USUAL_UNIT)
         heights = _numbers(path, text) * centimetres(values, unit)
         return Heights(levels=whole_units(path, heights, unit, rounded=self.rounded), unit_cm=unit)
