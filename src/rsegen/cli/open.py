@@ -8,11 +8,10 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 
 from rsegen.cli.flags import Subparsers
-from rsegen.cli.worlds import is_recipe, world_of
+from rsegen.cli.worlds import World, world_of
 from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed
 from rsegen.params import Real
 from rsegen.simulators import SIMULATORS, Installation, Launch, Opening
@@ -46,22 +45,24 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Open it, and stay until it ends."""
     seconds = math.inf if arguments.seconds is None else SECONDS.check("--seconds", SECONDS.parse(arguments.seconds))
-    if arguments.print and is_recipe(arguments.target):
+    world = world_of(arguments.target, arguments.map)
+    here = fitting(world.made_for, arguments.simulator)
+    if arguments.print:
+        print(_line(here, world, arguments))
+        return
+    if not (arguments.headless or has_screen()):
+        raise NoSimulator("open: there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set); give --headless")
+    with _home(headless=arguments.headless) as home, world.on_disk() as file:
+        opening = Opening(world=file, shared=arguments.shared, home=home)
+        launch = _launch(here, opening, headless=arguments.headless)
+        print(f"{here}: {file}", flush=True)
+        _stay(here, launch, seconds, headless=arguments.headless)
+
+
+def _line(here: Installation, world: World, arguments: argparse.Namespace) -> str:
+    if not world.file:
         raise ParameterError("--print", f"{arguments.target} has no world yet; make one with rsegen generate")
-    with world_of(arguments.target, arguments.map) as world:
-        here = fitting(world.made_for, arguments.simulator)
-        opening = Opening(world=world.file, shared=arguments.shared)
-        if arguments.print:
-            print(_launch(here, opening, headless=arguments.headless).line)
-            return
-        with _home(headless=arguments.headless) as home:
-            launch = _launch(here, replace(opening, home=home), headless=arguments.headless)
-            if not (arguments.headless or has_screen()):
-                raise NoSimulator(
-                    "open: there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set); give --headless"
-                )
-            print(f"{here}: {world.file}", flush=True)
-            _stay(here, launch, seconds, headless=arguments.headless)
+    return _launch(here, Opening(world=world.file, shared=arguments.shared), headless=arguments.headless).line
 
 
 def _launch(here: Installation, opening: Opening, *, headless: bool) -> Launch:
@@ -97,4 +98,4 @@ def _stay(here: Installation, launch: Launch, seconds: float, *, headless: bool)
     if code or (headless and code is not None):
         raise SimulatorFailed(f"{here} ended by itself, with exit code {code}")
     if headless and complaints:
-        raise SimulatorFailed(f"{here} complained of the world, {len(complaints)} times; the first: {complaints[0]}")
+        raise SimulatorFailed(f"{here} complained of the world: {complaints[0]}")

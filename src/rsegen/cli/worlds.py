@@ -6,46 +6,43 @@ import os.path
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
 
-from rsegen.cli.targets import Found, found
+from rsegen.cli.targets import found
 from rsegen.errors import FileError
 from rsegen.pipeline import generate
+from rsegen.recipe import Recipe
 from rsegen.recipe_file import load
 
 
-class World(NamedTuple):
-    """A world file, and what its recipe says of simulators."""
+@dataclass(frozen=True, kw_only=True, slots=True)
+class World:
+    """A world file, or the recipe of the one map that it is to be made of; what it says of simulators."""
 
-    file: Path
+    file: Path | None = None
+    recipe: Recipe | None = None
     made_for: str
 
-
-def is_recipe(target: str) -> bool:
-    """Whether it names a recipe file, of which a world has to be made first."""
-    return not os.path.isdir(target) and Path(target).suffix not in (".world", ".sdf")
-
-
-@contextmanager
-def world_of(target: str, which: str | None) -> Iterator[World]:
-    """The world of a target; one that is made of a recipe goes when this ends."""
-    if is_recipe(target):
-        with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
-            yield _made(found(target, which), Path(folder))
-    elif os.path.isdir(target):
-        map_ = found(target, which)
-        yield World(_there(map_.file.with_name(f"{map_.recipe.map_name(map_.map)}.world")), map_.recipe.simulator)
-    else:
-        file = _there(Path(target))
-        recipe = file.with_name("recipe.json")
-        yield World(file, load(recipe).simulator if recipe.is_file() else "both")
+    @contextmanager
+    def on_disk(self) -> Iterator[Path]:
+        """Its file; one that is made of a recipe goes when this ends."""
+        if self.file:
+            yield self.file
+        if self.recipe:
+            with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
+                yield generate(self.recipe, folder).maps[0].world
 
 
-def _made(map_: Found, folder: Path) -> World:
-    recipe = replace(map_.recipe, first_map=map_.map, maps=1)
-    return World(generate(recipe, folder).maps[0].world, recipe.simulator)
+def world_of(target: str, which: str | None) -> World:
+    """The world of a target."""
+    if not os.path.isdir(target) and Path(target).suffix in (".world", ".sdf"):
+        beside = Path(target).with_name("recipe.json")
+        return World(file=_there(Path(target)), made_for=load(beside).simulator if beside.is_file() else "both")
+    file, recipe, index = found(target, which)
+    if os.path.isdir(target):
+        return World(file=_there(file.with_name(f"{recipe.map_name(index)}.world")), made_for=recipe.simulator)
+    return World(recipe=replace(recipe, first_map=index, maps=1), made_for=recipe.simulator)
 
 
 def _there(file: Path) -> Path:
