@@ -60,6 +60,11 @@ class Opening:
         """The world's."""
         return self.world.absolute().parent
 
+    @property
+    def home_variables(self) -> dict[str, str]:
+        """Where a program with a home of its own leaves what it leaves."""
+        return {"HOME": str(self.home), "TMPDIR": str(self.home)} if self.home else {}
+
     def model_path(self, variable: str) -> str:
         """The folder of models, before those that the user has in a variable."""
         own = str((self.models or self.folder.parent).absolute())

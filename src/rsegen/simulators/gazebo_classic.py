@@ -60,8 +60,7 @@ class GazeboClassic(Simulator):
 
     def headless(self, here: Installation, opening: Opening) -> Launch:
         """By `gzserver`, without a screen."""
-        home = {"HOME": str(opening.home)} if opening.home else {}
-        return _launch(here.commands["gzserver"], opening, {"DISPLAY": ""} | home)
+        return _launch(here.commands["gzserver"], opening, {"DISPLAY": ""} | opening.home_variables)
 
     def standing(self, here: Installation, opening: Opening, home: Path) -> Launch:
         """The same, paused, with a record in its home."""

@@ -72,11 +72,10 @@ def _launch(here: Installation, opening: Opening) -> Launch:
 
 def _environment(opening: Opening) -> dict[str, str]:
     """Every variable by both of its names; a partition of its own on this machine alone, unless it is to be shared."""
-    home = {"HOME": str(opening.home)} if opening.home else {}
     partition = f"rsegen-{secrets.token_hex(4)}"
     own = {"GZ_PARTITION": partition, "IGN_PARTITION": partition, "GZ_IP": "127.0.0.1", "IGN_IP": "127.0.0.1"}
     names = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
-    return {name: opening.model_path(name) for name in names} | ({} if opening.shared else own) | home
+    return {name: opening.model_path(name) for name in names} | ({} if opening.shared else own) | opening.home_variables
 
 
 def _versions(words: Sequence[str]) -> Iterator[str]:
