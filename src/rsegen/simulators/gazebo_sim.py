@@ -32,7 +32,7 @@ class GazeboSim(Simulator):
     unloaded: ClassVar[tuple[str, ...]] = (
         "Failed to find world [",
         "Unable to find or download file",
-        "Failed to load",
+        "Failed to load a world",
     )
 
     def found(self) -> Installation | None:
