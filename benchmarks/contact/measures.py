@@ -11,14 +11,8 @@ from pathlib import Path
 from rsegen.errors import SimulatorFailed
 from rsegen.simulators.server import Server
 
-Record = list[tuple[float, dict[str, list[float]]]]
-"""Second and poses (x, y, z, roll, pitch, yaw) of models, to three digits, which is all that Gazebo writes."""
-
 IDLE = 0.2
 """Processors in use, below which a server stands still."""
-
-_STATE = re.compile(r"<sim_time>(\d+) (\d+)</sim_time>(.*?)</state>", re.DOTALL)
-_MODEL = re.compile(r"<model name='([^']+)'>\s*<pose>([^<]+)</pose>")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -51,14 +45,3 @@ def usage(server: Server) -> Usage:
     if not resident:
         raise SimulatorFailed("the server is dead")
     return Usage(cpu=(int(stat[11]) + int(stat[12])) / os.sysconf("SC_CLK_TCK"), memory=int(resident[1]) / 1024)
-
-
-def record(text: str) -> Record:
-    """State by state, the models that are told."""
-    return [
-        (
-            int(seconds) + int(nanos) / 1e9,
-            {name: [float(number) for number in pose.split()] for name, pose in _MODEL.findall(models)},
-        )
-        for seconds, nanos, models in _STATE.findall(text)
-    ]

@@ -12,11 +12,12 @@ import numpy as np
 
 from benchmarks.contact.constructions import Construction
 from benchmarks.contact.courses import SECONDS, Drop, drops
-from benchmarks.contact.measures import Record, record, usage, when_idle
+from benchmarks.contact.measures import usage, when_idle
 from benchmarks.contact.worlds import field_of, robots_on, written
 from rsegen import StepField
 from rsegen.errors import SimulatorFailed
 from rsegen.simulators import Installation
+from rsegen.simulators.classic_record import Record, record, recording
 from rsegen.simulators.classic_world import Pose, attempted, begin, poses
 from rsegen.simulators.gazebo_classic import STATE
 from rsegen.simulators.server import serving
@@ -83,8 +84,7 @@ def tried(construction: Construction, seed: int, gazebo: Installation) -> Trial:
 def _run(construction: Construction, seed: int, world: Path, gazebo: Installation) -> Trial:
     field = field_of(construction, seed)
     began = time.monotonic()
-    options = ("--record_encoding", "txt", "--record_period", str(PERIOD))
-    with serving(gazebo, world, options=options, patience=PATIENCE) as server:
+    with serving(gazebo, world, options=recording(PERIOD), patience=PATIENCE) as server:
         loaded, load = usage(server), time.monotonic() - began
         begin(server, SECONDS * 1000)
         done = when_idle(server)

@@ -41,7 +41,7 @@ def picture(scene: Scene, format: str = "png") -> bytes:  # noqa: A002  # matplo
 
     figure = Figure(figsize=(14, 6.6), dpi=100, layout="constrained")
     left, right = figure.subplots(1, 2)
-    _plan(left, scene)
+    draw_plan(left, scene)
     _view(right, scene)
     _legend(figure, scene)
     figure.suptitle(_title(scene))
@@ -59,7 +59,7 @@ def picture_format(path: Path) -> str:
     return name
 
 
-def _plan(axes: Axes, scene: Scene) -> None:
+def draw_plan(axes: Axes, scene: Scene) -> None:
     """From above, north up, with heights in centimetres where there is room for them."""
     field = scene.field
     edges_x, edges_y = field.edges()

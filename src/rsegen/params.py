@@ -193,6 +193,31 @@ class Text:
         return self.meaning
 
 
+@dataclass(frozen=True)
+class Several:
+    """A list of values of one sort."""
+
+    sort: Parameter
+    help: str = ""
+
+    def check(self, where: str, value: object) -> tuple[Any, ...]:
+        if not isinstance(value, (list, tuple)) or not value:
+            raise ParameterError(where, f"{shown(value)} is not a list; give {self.describe()}")
+        return tuple(self.sort.check(f"{where}[{number}]", one) for number, one in enumerate(value))
+
+    def parse(self, text: str) -> object:
+        return [self.sort.parse(part) for part in text.split(",")]
+
+    def spell(self, value: Any) -> str:
+        return ",".join(map(self.sort.spell, value))
+
+    def schema(self) -> dict[str, Json]:
+        return {"type": "array", "items": self.sort.schema(), "minItems": 1}
+
+    def describe(self) -> str:
+        return f"a list of: {self.sort.describe()}"
+
+
 def parameters(owner: type) -> Mapping[str, Parameter]:
     """The parameters of a dataclass by name, in the order of its fields."""
     return _parameters(owner)

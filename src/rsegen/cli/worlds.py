@@ -18,7 +18,7 @@ from rsegen.recipe_file import load
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class World:
-    """A world file, or the recipe of the one map that it is to be made of; what it says of simulators."""
+    """A world file if there is one, the recipe of its one map if that is known, and what it says of simulators."""
 
     file: Path | None = None
     recipe: Recipe | None = None
@@ -29,7 +29,7 @@ class World:
         """Its file; one that is made of a recipe goes when this ends."""
         if self.file:
             yield self.file
-        if self.recipe:
+        elif self.recipe:
             with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
                 yield generate(self.recipe, folder).maps[0].world
 
@@ -38,10 +38,12 @@ def world_of(target: str, which: str | None) -> World:
     """The world of a target."""
     if not os.path.isdir(target) and Path(target).suffix in (".world", ".sdf"):
         beside = Path(target).with_name("recipe.json")
-        return World(file=_there(Path(target)), made_for=load(beside).simulator if beside.is_file() else "both")
+        recipe = load(beside) if beside.is_file() else None
+        return World(file=_there(Path(target)), recipe=recipe, made_for=recipe.simulator if recipe else "both")
     file, recipe, index = found(target, which)
     if os.path.isdir(target):
-        return World(file=_there(file.with_name(f"{recipe.map_name(index)}.world")), made_for=recipe.simulator)
+        world = _there(file.with_name(f"{recipe.map_name(index)}.world"))
+        return World(file=world, recipe=recipe, made_for=recipe.simulator)
     return World(recipe=replace(recipe, first_map=index, maps=1), made_for=recipe.simulator)
 
 

@@ -37,6 +37,12 @@ class Server:
         return self.launch.environment
 
     @property
+    def master(self) -> tuple[str, int]:
+        """The host and port that it is spoken to at, of Gazebo Classic."""
+        host, _, port = self.environment["GAZEBO_MASTER_URI"].removeprefix("http://").rpartition(":")
+        return host, int(port)
+
+    @property
     def log(self) -> str:
         """All that it has said."""
         return log_of(self.home).read_text(errors="replace")

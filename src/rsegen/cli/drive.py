@@ -1,0 +1,139 @@
+"""rsegen drive: a robot over a map, in a real simulator."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path, PurePosixPath
+
+from rsegen.chance import SEEDS, fresh_seed
+from rsegen.cli.flags import Subparsers
+from rsegen.cli.worlds import World, world_of
+from rsegen.codec import to_json
+from rsegen.driving.crew import ROUTES, beyond, crew
+from rsegen.driving.drive import Drive, Driver, driven
+from rsegen.driving.sketch import sketch
+from rsegen.driving.trip import Trip, measured
+from rsegen.errors import FileError
+from rsegen.params import Choice, Real, Whole
+from rsegen.robots import ROBOTS, robot
+from rsegen.room import refuse_too_large
+from rsegen.scene import Scene, compose
+from rsegen.simulators import Installation
+from rsegen.simulators.opening import fitting
+from rsegen.writer import write
+
+COUNT, SECONDS, SEED = Whole(1, 100), Real(0.1, 1e5, unit="s"), Whole(0, SEEDS - 1)
+ROUTE = Choice(ROUTES)
+
+
+def add(commands: Subparsers) -> None:
+    """The parser of this command."""
+    command = commands.add_parser(
+        "drive",
+        help="drive a robot over a map in Gazebo, and tell how far it got",
+        description="Drive robots over a map in a Gazebo server without a window, and tell how far each got. The same "
+        "seed and simulator give the same tracks.",
+        epilog="rsegen sim lists the simulators that are here. Kinds of robots: " + ", ".join(ROBOTS) + ".",
+    )
+    command.add_argument("target", metavar="WORLD-or-DIR-or-RECIPE", help="a world of rsegen, its folder, or a recipe")
+    command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
+    command.add_argument("--robot", default="burger", metavar="KIND", help="kind of robot (default: burger)")
+    command.add_argument(
+        "--robots", default="1", metavar="N", help=f"how many of them ({COUNT.describe()}, default: 1)"
+    )
+    command.add_argument(
+        "--route", default="straight", help=f"{ROUTE.describe()}: across the map, or about on top of it"
+    )
+    command.add_argument("--duration", default="30", metavar="S", help="simulated seconds (default: 30)")
+    command.add_argument("--seed", metavar="SEED", help="of places and routes; drawn and told where none is given")
+    command.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="write tracks, measures and a picture into it"
+    )
+    command.add_argument("--force", action="store_true", help="replace DIR")
+    command.add_argument("--json", action="store_true", help="print the measures for programs")
+    command.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Drive, and say what came of it."""
+    kind, seed = robot(arguments.robot, "--robot"), _seed(arguments.seed)
+    count = COUNT.check("--robots", COUNT.parse(arguments.robots))
+    seconds = SECONDS.check("--duration", SECONDS.parse(arguments.duration))
+    route = ROUTE.check("--route", arguments.route)
+    world = world_of(arguments.target, arguments.map)
+    here, scene = fitting(world.made_for, "classic"), _scene(world, arguments.target)
+    drivers = crew(scene.field, kind, route, count=count, seed=seed)
+    with world.on_disk() as file, _bar(seconds) as progress:
+        drive = driven(here, file, drivers, seconds, progress)
+    goal = beyond(scene.field, kind) if route == "straight" else None
+    trips = {name: measured(track, kind.drive.speed, goal) for name, track in drive.tracks.items()}
+    told = _summary(here, scene, route, seed, drivers, trips)
+    if arguments.output:
+        write(_files(scene, drive, told), arguments.output, force=arguments.force)
+    print(json.dumps(told, indent=2) if arguments.json else "\n".join(_report(told, trips)))
+
+
+def _seed(text: str | None) -> int:
+    return fresh_seed() if text is None else SEED.check("--seed", SEED.parse(text))
+
+
+def _scene(world: World, target: str) -> Scene:
+    if not world.recipe:
+        raise FileError(f"{target}: no recipe.json beside it, so nobody knows where its blocks are")
+    refuse_too_large(world.recipe)
+    return compose(world.recipe, world.recipe.first_map)
+
+
+def _summary(
+    here: Installation, scene: Scene, route: str, seed: int, drivers: Sequence[Driver], trips: Mapping[str, Trip]
+) -> dict[str, object]:
+    robots = [
+        {"name": driver.name, "kind": driver.robot.kind, "start": asdict(driver.start), **asdict(trips[driver.name])}
+        for driver in drivers
+    ]
+    return {"map": scene.name, "simulator": str(here), "route": route, "seed": seed, "robots": robots}
+
+
+def _files(scene: Scene, drive: Drive, told: Mapping[str, object]) -> dict[PurePosixPath, list[bytes]]:
+    tracks = {
+        PurePosixPath(f"{name}.csv"): [row.encode() for row in track.csv()] for name, track in drive.tracks.items()
+    }
+    return {
+        **tracks,
+        PurePosixPath("recipe.json"): [to_json(scene.alone).encode()],
+        PurePosixPath("drive.json"): [json.dumps(told, indent=2).encode() + b"\n"],
+        PurePosixPath("drive.png"): [sketch(scene, drive.tracks)],
+    }
+
+
+def _report(told: Mapping[str, object], trips: Mapping[str, Trip]) -> Iterator[str]:
+    yield f"{told['map']} in {told['simulator']}, {told['route']}, seed {told['seed']}:"
+    for name, trip in trips.items():
+        crossed = "" if told["route"] != "straight" else _crossed(trip)
+        tipped = f", tipped over {trip.tipped}x" if trip.tipped else ""
+        yield f"  {name}: {trip.distance:.2f} m in {trip.seconds:g} s{crossed}, stuck {trip.stuck:g} s{tipped}"
+
+
+def _crossed(trip: Trip) -> str:
+    return f", crossed the map after {trip.crossed:g} s" if trip.crossed is not None else ", did not cross the map"
+
+
+@contextmanager
+def _bar(seconds: float) -> Iterator[Callable[[float], None]]:
+    """A progress bar on a terminal."""
+    if not (sys.stderr and sys.stderr.isatty()):
+        yield lambda _: None
+        return
+    from tqdm import tqdm
+
+    with tqdm(total=seconds, unit="s", bar_format="{l_bar}{bar}| {n:.0f}/{total:.0f} simulated s [{elapsed}]") as bar:
+
+        def progress(done: float) -> None:
+            bar.update(done - bar.n)
+
+        yield progress

@@ -1,0 +1,62 @@
+"""Who drives where: robots of one kind, at safe places of a map, each on a route of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from rsegen.chance import generator
+from rsegen.driving.drive import Driver
+from rsegen.driving.routes import Route, Straight, Wandering
+from rsegen.driving.spots import GAP, beside, on_top
+from rsegen.errors import UnknownName
+from rsegen.robots import Robot
+from rsegen.stepfield import StepField
+
+ROUTES = (Straight.name, Wandering.name)
+
+
+def crew(field: StepField, robot: Robot, route: str, *, count: int, seed: int) -> Sequence[Driver]:
+    """So many robots of a kind: side by side before a straight crossing, else on top of the map, to wander about."""
+    if route not in ROUTES:
+        raise UnknownName.among("route", "route", route, ROUTES)
+    return _abreast(field, robot, count) if route == Straight.name else _scattered(field, robot, count, seed)
+
+
+def beyond(field: StepField, robot: Robot) -> float:
+    """The x of a robot's middle from which on the whole of it is east of the map, metres."""
+    return field.extent[0] / 2 + robot.size[0] / 2
+
+
+def _abreast(field: StepField, robot: Robot, count: int) -> list[Driver]:
+    lane = robot.size[1] + GAP
+    lines = [(number - (count - 1) / 2) * lane for number in range(count)]
+    return [
+        Driver(
+            name=_name(robot, number), robot=robot, start=beside(field, robot.size, y), route=partial(_along, robot, y)
+        )
+        for number, y in enumerate(lines)
+    ]
+
+
+def _along(robot: Robot, line: float) -> Route:
+    return Straight(speed=robot.drive.speed, turn=robot.drive.turn, line=line)
+
+
+def _scattered(field: StepField, robot: Robot, count: int, seed: int) -> list[Driver]:
+    places = on_top(field, [robot.size] * count, generator(seed, 0, "places"))
+    return [
+        Driver(name=_name(robot, number), robot=robot, start=place, route=partial(_about, field, robot, seed, number))
+        for number, place in enumerate(places)
+    ]
+
+
+def _about(field: StepField, robot: Robot, seed: int, number: int) -> Route:
+    reach = max(robot.size[:2])
+    half_x, half_y = (max(along / 2 - reach, 0.0) for along in field.extent)
+    rng = generator(seed, number, "route")
+    return Wandering(speed=robot.drive.speed, turn=robot.drive.turn, half=(half_x, half_y), rng=rng)
+
+
+def _name(robot: Robot, number: int) -> str:
+    return f"{robot.kind}_{number}"

@@ -1,0 +1,120 @@
+"""An experiment's outcomes as a page, as CSV, and as a picture."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
+from statistics import median
+
+from rsegen.experiment.paper import COMPUTER, FIGURES
+from rsegen.experiment.plan import Cell, Plan
+from rsegen.experiment.results import Results
+from rsegen.experiment.trial import Outcome
+
+
+def page(plan: Plan, results: Results, machine: Mapping[str, str]) -> str:
+    """Markdown: the machine, and a table for every row of the plan, the paper's figures beside ours."""
+    return (
+        "\n".join(
+            [*_head(plan, machine), *(line for number in range(len(plan.rows)) for line in _row(plan, number, results))]
+        )
+        + "\n"
+    )
+
+
+def csv(plan: Plan, results: Results) -> str:
+    """A line for every trial."""
+    names = [field.name for field in fields(Outcome)]
+    lines = [",".join(["robot", "robots", "size", "pace", *names])]
+    for cell, outcomes in results.items():
+        row = plan.rows[cell.row]
+        start = [row.robot, str(row.robots), str(cell.size), cell.pace]
+        lines += [",".join([*start, *(_plain(getattr(one, name)) for name in names)]) for one in outcomes]
+    return "\n".join(lines) + "\n"
+
+
+def plot(plan: Plan, results: Results) -> bytes:
+    """A PNG: speed and memory over the side of the map, a line for every row."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 4.5), dpi=100, layout="constrained")
+    for axes, (name, title) in zip(
+        figure.subplots(1, 2),
+        (("speed", "simulated seconds for a second of CPU"), ("memory", "memory of the simulator [MB]")),
+        strict=True,
+    ):
+        for number, row in enumerate(plan.rows):
+            points = [(size, middle(_of(results, number, size, _pace(plan)), name)) for size in row.sizes]
+            known = [(size, value) for size, value in points if value is not None]
+            axes.plot(*zip(*known, strict=True), "o-", label=row.label) if known else None
+        axes.set(xlabel="side of the map [blocks], 0: empty", title=title)
+        axes.set_ylim(bottom=0)
+        axes.grid(visible=True, alpha=0.3)
+    figure.axes[0].legend()
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png")
+    return stream.getvalue()
+
+
+def middle(outcomes: Sequence[Outcome], name: str) -> float | None:
+    """The median of a figure, where there is any."""
+    found = [value for value in (getattr(one, name) for one in outcomes) if value is not None]
+    return median(found) if found else None
+
+
+def _head(plan: Plan, machine: Mapping[str, str]) -> Iterator[str]:
+    yield f"# Experiment: {plan.name}\n"
+    yield f"Made by `rsegen experiment {plan.name}`: {plan.repeats} trials of each cell in mixed order, medians;"
+    yield f"robots wander for {plan.seconds:g} simulated seconds. No window, so no GPU load and no frames a second.\n"
+    yield "| machine | |\n|---|---|"
+    yield from (f"| {name} | {value} |" for name, value in machine.items())
+    yield f"\nThe paper's computer: {COMPUTER}; with a window.\n"
+
+
+def _row(plan: Plan, number: int, results: Results) -> Iterator[str]:
+    row = plan.rows[number]
+    yield f"## {row.label}, {row.max_height} levels\n"
+    printed = {} if row.recipe else FIGURES.get(row.robot, {})
+    yield "| blocks | RTF min, mean, max | CPU | memory | load | simulated s a CPU s | of the empty world's |" + (
+        " paper: RTF | CPU | memory |" if printed else ""
+    )
+    yield "|---|---|---|---|---|---|---|" + ("---|---|---|" if printed else "")
+    for size in row.sizes:
+        real, free = (_of(results, number, size, pace) for pace in ("real", "free"))
+        if real or free:
+            beside = printed.get(size, ("", "", ""))
+            yield (
+                "| "
+                + " | ".join([*_cells(size, real, free, _of(results, number, 0, "free")), *(beside if printed else ())])
+                + " |"
+            )
+    yield ""
+
+
+def _cells(size: int, real: Sequence[Outcome], free: Sequence[Outcome], empty: Sequence[Outcome]) -> list[str]:
+    speed, usual = middle(free, "speed"), middle(empty, "speed")
+    cpu = middle(real, "cpu")
+    return [
+        f"{size} x {size}" if size else "empty",
+        ", ".join(_plain(middle(real, name), 2) for name in ("rtf_min", "rtf", "rtf_max")) if real else "-",
+        f"{cpu * 100:.0f} % of a core" if cpu is not None else "-",
+        f"{_plain(middle([*real, *free], 'memory'), 0)} MB",
+        f"{_plain(middle([*real, *free], 'load'), 1)} s",
+        _plain(speed, 1),
+        f"{speed / usual:.2f}" if speed and usual else "-",
+    ]
+
+
+def _of(results: Results, row: int, size: int, pace: str) -> Sequence[Outcome]:
+    return results.get(Cell(row=row, size=size, pace=pace), [])
+
+
+def _pace(plan: Plan) -> str:
+    return "free" if "free" in plan.paces else plan.paces[0]
+
+
+def _plain(value: float | None, digits: int = 4) -> str:
+    if value is None:
+        return ""
+    return f"{value:.{digits}f}".rstrip("0").rstrip(".") if digits > 2 else f"{value:.{digits}f}"

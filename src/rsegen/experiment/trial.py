@@ -1,0 +1,157 @@
+"""One trial: a world, robots in it that wander, and what it costs the simulator."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import astuple, dataclass
+from pathlib import Path
+
+from rsegen.driving.arena import arena, step_of
+from rsegen.driving.crew import crew
+from rsegen.driving.drive import Driver, drive_in_steps
+from rsegen.driving.routes import Wandering
+from rsegen.errors import SimulatorFailed
+from rsegen.experiment.machine import Usage, usage
+from rsegen.experiment.plan import Cell, Plan
+from rsegen.export import sdf
+from rsegen.pipeline import generate
+from rsegen.recipe import Recipe
+from rsegen.robots import robot
+from rsegen.scene import compose
+from rsegen.simulators import Installation
+from rsegen.simulators.classic_live import classic_world
+from rsegen.simulators.classic_record import recording
+from rsegen.simulators.classic_world import attempted
+from rsegen.simulators.live import LiveWorld
+from rsegen.simulators.server import serving
+
+_NEVER = 1e6
+
+PATIENCE = 600.0
+"""Seconds for the largest world to load."""
+
+SETTLED = 2.0
+"""Simulated seconds before measuring begins: robots fall to the ground, and go."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Outcome:
+    """What a trial cost.
+
+    load: seconds until the world was there; memory: MB at the end; cpu: processors in use while robots drove
+    speed: simulated seconds for each second of CPU; rtf_min, rtf, rtf_max: real-time factors in real time, else None
+    """
+
+    load: float
+    memory: float
+    cpu: float | None
+    speed: float
+    rtf_min: float | None
+    rtf: float | None
+    rtf_max: float | None
+
+
+def tried(plan: Plan, cell: Cell, here: Installation) -> Outcome:
+    """A cell tried once; a server that is lost is tried again."""
+    row = plan.rows[cell.row]
+    recipe, kind = row.map_of(cell.size, plan.seed), robot(row.robot)
+    field = compose(recipe).field
+    drivers = crew(field, kind, Wandering.name, count=row.robots, seed=plan.seed)
+    with _world(recipe, empty=not cell.size) as world:
+        models = [driver.robot.model(driver.name, at=astuple(driver.start)) for driver in drivers]
+        text = arena(world, models, unthrottled=cell.pace == "free")
+        file = world.with_name("experiment.world")
+        file.write_text(text, "utf-8")
+        trial = _Trial(here=here, file=file, drivers=drivers, seconds=plan.seconds, step=step_of(text))
+        return attempted(trial.free if cell.pace == "free" else trial.real)
+
+
+@contextmanager
+def _world(recipe: Recipe, *, empty: bool) -> Iterator[Path]:
+    """The world file of a map, or one without a map."""
+    with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
+        if empty:
+            file = Path(folder, "empty.world")
+            file.write_bytes(b"".join(sdf.encoded(sdf.world(compose(recipe), ()))))
+            yield file
+        else:
+            yield generate(recipe, folder).maps[0].world
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Trial:
+    """A world in a file, and robots in it."""
+
+    here: Installation
+    file: Path
+    drivers: Sequence[Driver]
+    seconds: float
+    step: float
+
+    def free(self) -> Outcome:
+        """As fast as the processor can, a period at a time: what counts is seconds of CPU, and these have no pauses."""
+        began = time.monotonic()
+        with self._served() as (pid, live):
+            load = time.monotonic() - began
+            drive_in_steps(live, self.drivers, SETTLED, self.step)
+            before = usage(pid)
+            drive_in_steps(live, self.drivers, self.seconds, self.step)
+            after = usage(pid)
+        return _outcome(load, before, after, self.seconds, None)
+
+    def real(self) -> Outcome:
+        """In real time, with the factor of each second."""
+        began = time.monotonic()
+        with self._served() as (pid, live):
+            load = time.monotonic() - began
+            live.go()
+            self._go(live, SETTLED)
+            before, start = usage(pid), time.monotonic()
+            factors = self._go(live, self.seconds)
+            after, wall = usage(pid), time.monotonic() - start
+        return _outcome(load, before, after, self.seconds, (factors, wall))
+
+    @contextmanager
+    def _served(self) -> Iterator[tuple[int, LiveWorld]]:
+        with (
+            serving(self.here, self.file, patience=PATIENCE, options=recording(_NEVER)) as server,
+            classic_world(server.master) as live,
+        ):
+            yield server.pid, live
+
+    def _go(self, live: LiveWorld, seconds: float) -> list[float]:
+        """Have robots decide every second, as long as so many are simulated; gives the real-time factors."""
+        routes = {driver.name: driver.route() for driver in self.drivers}
+        start = last = live.clock()
+        factors, end = [], time.monotonic() + 20 * seconds
+        while last.simulated < start.simulated + seconds:
+            poses = live.poses()
+            for driver in self.drivers:
+                v, w = routes[driver.name].motion(poses[driver.name])
+                live.tell(driver.robot.command(driver.name, v, w))
+            time.sleep(1.0)
+            now = live.clock()
+            if time.monotonic() > end:
+                raise SimulatorFailed(f"{now.simulated:g} s simulated in {20 * seconds:g} s")
+            factors.append((now.simulated - last.simulated) / max(now.real - last.real, 1e-9))
+            last = now
+        return factors
+
+
+def _outcome(
+    load: float, before: Usage, after: Usage, seconds: float, real: tuple[list[float], float] | None
+) -> Outcome:
+    cpu = max(after.cpu - before.cpu, 0.01)
+    factors, wall = real if real else ([], 0.0)
+    return Outcome(
+        load=round(load, 3),
+        memory=round(after.memory, 1),
+        cpu=round(cpu / wall, 4) if real else None,
+        speed=round(seconds / cpu, 3),
+        rtf_min=round(min(factors), 3) if factors else None,
+        rtf=round(sum(factors) / len(factors), 3) if factors else None,
+        rtf_max=round(max(factors), 3) if factors else None,
+    )

@@ -1,0 +1,66 @@
+"""A world in a running simulator, whichever it is: time, places, words to a robot, models put in and taken out."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from rsegen.robots.commands import Command
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Clock:
+    """Seconds simulated, and seconds that passed meanwhile without pauses; steps done."""
+
+    simulated: float
+    real: float
+    steps: int
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Pose:
+    """Where a model stands, metres, and how it is turned about x, y and z, radians."""
+
+    x: float
+    y: float
+    z: float
+    roll: float = 0.0
+    pitch: float = 0.0
+    yaw: float = 0.0
+
+
+class LiveWorld(ABC):
+    """What can be done with a running world. SimulatorFailed where the simulator is gone, or does not answer."""
+
+    @abstractmethod
+    def tell(self, command: Command) -> None:
+        """Say something to a robot, which has heard it when this ends."""
+
+    @abstractmethod
+    def advance(self, steps: int) -> None:
+        """Simulate so many steps, as fast as the world's physics allows, in a world that stands still."""
+
+    @abstractmethod
+    def go(self) -> None:
+        """Let time run."""
+
+    @abstractmethod
+    def stand(self) -> None:
+        """Let time stand still."""
+
+    @abstractmethod
+    def clock(self) -> Clock:
+        """The time now."""
+
+    @abstractmethod
+    def poses(self) -> Mapping[str, Pose]:
+        """Where every model stands, by its name."""
+
+    @abstractmethod
+    def put(self, sdf: str, pose: Pose) -> None:
+        """Put the model of an SDF text into the world, and wait until it is there."""
+
+    @abstractmethod
+    def take(self, name: str) -> None:
+        """Take a model out of the world, and wait until it is gone."""
