@@ -57,16 +57,16 @@ def said(text: str) -> Message:
     whole: dict[str, Any] = {}
     inside = [whole]
     name = ""
-    for token in re.findall(r'"[^"]*"|[{}]|[^\s{}:]+', text):
-        if token == "}":
+    for word in re.findall(r'"[^"]*"|[{}]|[^\s{}:]+', text):
+        if word == "}":
             inside.pop()
-        elif token == "{":
+        elif word == "{":
             inside.append(inside[-1].setdefault(name, {}))
             name = ""
         elif name:
-            inside[-1][name], name = token.strip('"'), ""
+            inside[-1][name], name = word.strip('"'), ""
         else:
-            name = token
+            name = word
     return whole
 
 
