@@ -54,6 +54,22 @@ def add_menus(window: Window) -> None:
     _act(window, window.menuBar().addMenu("&Help"), "&Manual", partial(show_manual, window), "F1")
 
 
+def enable_actions(window: Window) -> None:
+    """Only what can be done can be chosen."""
+    session, row, last = window.session, window.selected, len(window.session.draft.rows) - 1
+    possible = {
+        "Undo": session.can_undo,
+        "Redo": session.can_redo,
+        "Duplicate obstacle": row >= 0,
+        "Remove obstacle": row >= 0,
+        "Move obstacle up": row > 0,
+        "Move obstacle down": 0 <= row < last,
+    }
+    for action in window.findChildren(QAction):
+        if action.objectName() in possible:
+            action.setEnabled(possible[action.objectName()])
+
+
 def replace_session(window: Window, make: Callable[[], Session]) -> None:
     """Another session, unless the present one is not saved and is to be kept."""
     question = "The recipe is not saved. Leave it?"
@@ -131,9 +147,7 @@ def _remove(window: Window, row: int) -> None:
 
 
 def _shift(window: Window, row: int, *, by: int) -> None:
-    if 0 <= row + by < len(window.session.draft.rows):
-        window.selected = row + by
-        window.session.move(row, row + by)
+    window.move_obstacle(row, row + by)
 
 
 def _copy(text: str) -> None:

@@ -22,7 +22,7 @@ from rsegen.gui.editors import named
 from rsegen.gui.handles import Handle
 from rsegen.gui.layout import lay_out
 from rsegen.gui.map_form import COMPLAINT, OFTEN, SELDOM, MapForm
-from rsegen.gui.menus import add_menus, open_file
+from rsegen.gui.menus import add_menus, enable_actions, open_file
 from rsegen.gui.numbers import in_numbers
 from rsegen.gui.obstacle_form import ObstacleForm
 from rsegen.gui.plan import PlanView
@@ -77,6 +77,9 @@ class Window(QMainWindow):
         self.index.setRange(self.session.recipe.indices[0], min(self.session.recipe.indices[-1], 2**31 - 1))
         self.setWindowTitle(f"{self.session.path.name if self.session.path else 'untitled'}[*] - rsegen")
         self.setWindowModified(self.session.unsaved)
+        for button in (self.drop, self.clear):
+            button.setEnabled(bool(draft.rows))
+        enable_actions(self)
         self._pause.start()
 
     def choose(self, row: int) -> None:
@@ -110,6 +113,7 @@ class Window(QMainWindow):
         self.rows.chosen.connect(self.choose)
         self.rows.switched.connect(lambda row, on: self.session.enable(row, enabled=on))
         self.rows.edited.connect(lambda row, entry: self.session.change(row, entry))
+        self.rows.shifted.connect(self.move_obstacle)
         self.add.clicked.connect(self.add_obstacle)
         self.drop.clicked.connect(self._drop_last)
         self.clear.clicked.connect(lambda: self.session.clear())
@@ -127,6 +131,11 @@ class Window(QMainWindow):
         """The obstacle of the form, as a row of its own at the end."""
         self.selected = len(self.session.draft.rows)
         self.session.add(self.obstacle.entry())
+
+    def move_obstacle(self, row: int, to: int) -> None:
+        """Put a row elsewhere in the list, and keep it chosen."""
+        self.selected = to
+        self.session.move(row, to)
 
     def _drop_last(self) -> None:
         if self.session.draft.rows:
