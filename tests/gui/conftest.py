@@ -16,8 +16,12 @@ if TYPE_CHECKING:
 
 
 @pytest.fixture(scope="session")
-def app() -> QApplication:
+def app(tmp_path_factory: pytest.TempPathFactory) -> QApplication:
+    """The application, which remembers nothing from one run of the tests to the next."""
+    from PySide6.QtCore import QSettings
     from PySide6.QtWidgets import QApplication
 
+    settings = str(tmp_path_factory.mktemp("settings"))
+    QSettings.setPath(QSettings.Format.NativeFormat, QSettings.Scope.UserScope, settings)
     found = QApplication.instance()
     return found if isinstance(found, QApplication) else QApplication([])

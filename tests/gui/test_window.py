@@ -130,20 +130,6 @@ def test_the_field_follows_what_is_changed(window: Window) -> None:
     assert "10 cm" in window.numbers.text() or "largest step" in window.numbers.text()
 
 
-def test_start_writes_the_maps_while_the_window_goes_on(window: Window, tmp_path: Path) -> None:
-    choose(window, "random")
-    click(window, "add")
-    window.session.set("maps", 3)
-    window.generate_into(tmp_path)
-    for _ in range(200):
-        QTest.qWait(50)
-        if window.generation is not None and window.generation.isFinished():
-            break
-    QTest.qWait(50)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["rse_0000", "rse_0001", "rse_0002"]
-    assert window.start.isVisible()
-
-
 def test_a_row_is_edited_in_place_and_switched_off(window: Window) -> None:
     choose(window, "peak")
     click(window, "add")

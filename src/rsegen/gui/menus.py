@@ -48,7 +48,8 @@ def add_menus(window: Window) -> None:
     _act(window, view, "&Whole map", window.view.reset_camera, "Ctrl+0")
     _act(window, view, "Save &picture...", partial(save_picture, window))
     run = window.menuBar().addMenu("&Run")
-    _act(window, run, "&Start: write the maps...", window.generate, "F5")
+    _act(window, run, "&Start: write the maps", window.generate, "F5")
+    _act(window, run, "Open the &folder", window.start_form.open_folder)
     _act(window, run, "Copy &command line", lambda: _copy(command_line(window.session.recipe, "worlds")))
     _act(window, run, "Copy &Python code", lambda: _copy(python_code(window.session.recipe, "worlds")))
     _act(window, window.menuBar().addMenu("&Help"), "&Manual", partial(show_manual, window), "F1")
@@ -64,6 +65,8 @@ def enable_actions(window: Window) -> None:
         "Remove obstacle": row >= 0,
         "Move obstacle up": row > 0,
         "Move obstacle down": 0 <= row < last,
+        "Start: write the maps": window.start.isEnabled() and not window.start_form.busy,
+        "Open the folder": window.start_form.written is not None,
     }
     for action in window.findChildren(QAction):
         if action.objectName() in possible:

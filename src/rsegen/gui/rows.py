@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QTab
 
 from rsegen.errors import ParameterError
 from rsegen.gui.editors import named
+from rsegen.gui.notice import ink
 from rsegen.gui.session import Row
 from rsegen.obstacles import KINDS
 from rsegen.params import Json, parameters
@@ -61,7 +62,11 @@ class Rows(QTableWidget):
         for number, row in enumerate(rows):
             wrong = problem.problem if problem and problem.where.startswith(f"obstacles[{number}]") else ""
             for column, key in enumerate(KEYS):
-                self.setItem(number, column, _item(number, row, key, wrong))
+                item = _item(number, row, key)
+                if wrong:
+                    item.setForeground(ink("wrong", self.palette()))
+                    item.setToolTip(wrong)
+                self.setItem(number, column, item)
         del blockers
         if selected < 0:
             self.clearSelection()
@@ -139,14 +144,11 @@ class Rows(QTableWidget):
         self.edited.emit(item.row(), entry)
 
 
-def _item(number: int, row: Row, key: str, wrong: str) -> QTableWidgetItem:
+def _item(number: int, row: Row, key: str) -> QTableWidgetItem:
     item = QTableWidgetItem(_text(row.entry.get(key)) if key else str(number + 1))
     if not key:
         item.setFlags(item.flags() & ~Qt.ItemFlag.ItemIsEditable | Qt.ItemFlag.ItemIsUserCheckable)
         item.setCheckState(Qt.CheckState.Checked if row.enabled else Qt.CheckState.Unchecked)
-    if wrong:
-        item.setForeground(Qt.GlobalColor.red)
-        item.setToolTip(wrong)
     return item
 
 

@@ -8,11 +8,9 @@ import numpy as np
 from PySide6.QtCore import QSettings, QTimer, Slot
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
-    QFileDialog,
     QLabel,
     QMainWindow,
     QMessageBox,
-    QProgressBar,
     QPushButton,
     QSpinBox,
 )
@@ -21,14 +19,15 @@ from rsegen.errors import RsegenError
 from rsegen.gui.editors import named
 from rsegen.gui.handles import Handle
 from rsegen.gui.layout import lay_out
-from rsegen.gui.map_form import COMPLAINT, OFTEN, SELDOM, MapForm
+from rsegen.gui.map_form import OFTEN, SELDOM, MapForm
 from rsegen.gui.menus import add_menus, enable_actions, open_file
+from rsegen.gui.notice import Notice
 from rsegen.gui.numbers import in_numbers
 from rsegen.gui.obstacle_form import ObstacleForm
 from rsegen.gui.plan import PlanView
 from rsegen.gui.rows import Rows
-from rsegen.gui.running import Generation
 from rsegen.gui.session import Session, straightened
+from rsegen.gui.start_form import StartForm
 from rsegen.gui.view import FieldView
 from rsegen.room import refuse_too_large
 from rsegen.scene import Scene, compose
@@ -45,7 +44,6 @@ class Window(QMainWindow):
         super().__init__()
         self.session = session
         self.scene: Scene | None = None
-        self.generation: Generation | None = None
         self.selected = -1
         self._make_widgets()
         self.halves = lay_out(self)
@@ -58,6 +56,7 @@ class Window(QMainWindow):
     def take(self, session: Session) -> None:
         """Another session, such as that of a file."""
         self.session, self.selected = session, -1
+        self.often.keep.setChecked(session.seed_kept)
         session.changed = self.refresh
         self.refresh()
         self._look()
@@ -71,8 +70,7 @@ class Window(QMainWindow):
             form.show_values(draft.values, problem)
         self.rows.show_rows(draft.rows, self.selected, problem)
         self._show_obstacle()
-        self.complaint.setText(str(problem) if problem else "")
-        self.complaint.setVisible(problem is not None)
+        self.complaint.say(str(problem) if problem else "")
         self.start.setEnabled(problem is None)
         self.index.setRange(self.session.recipe.indices[0], min(self.session.recipe.indices[-1], 2**31 - 1))
         self.setWindowTitle(f"{self.session.path.name if self.session.path else 'untitled'}[*] - rsegen")
@@ -94,21 +92,18 @@ class Window(QMainWindow):
         self.add = named(QPushButton("+"), "add", title="add obstacle", tip="add this obstacle (Ctrl+Return)")
         self.drop = named(QPushButton("-"), "drop", title="remove last obstacle", tip="remove the last obstacle")
         self.clear = named(QPushButton("C"), "clear", title="clear all obstacles", tip="remove all obstacles")
-        self.start = named(QPushButton("Start"), "start", tip="write the maps (F5)")
-        self.cancel = named(QPushButton("Cancel"), "cancel")
-        self.bar = named(QProgressBar(), "progress")
-        self.complaint = named(QLabel(wordWrap=True), "complaint")
-        self.complaint.setStyleSheet(COMPLAINT)
+        self.start_form = StartForm()
+        self.start = self.start_form.start
+        self.complaint = Notice("complaint")
         self.numbers = named(QLabel(), "numbers")
         self.cell = named(QLabel(), "cell")
         self._pause = QTimer(self, singleShot=True, interval=PAUSE)
-        self.cancel.hide()
-        self.bar.hide()
 
     def _connect(self) -> None:
         for form in (self.often, self.seldom):
             form.edited.connect(lambda name, value: self.session.set(name, value, gesture=name))
             form.reroll.connect(lambda: self.session.reroll())
+        self.often.keep.toggled.connect(self._keep_seed)
         self.obstacle.edited.connect(self._obstacle_edited)
         self.rows.chosen.connect(self.choose)
         self.rows.switched.connect(lambda row, on: self.session.enable(row, enabled=on))
@@ -118,7 +113,7 @@ class Window(QMainWindow):
         self.drop.clicked.connect(self._drop_last)
         self.clear.clicked.connect(lambda: self.session.clear())
         self.start.clicked.connect(self.generate)
-        self.cancel.clicked.connect(self._stop)
+        self.start_form.changed.connect(lambda: enable_actions(self))
         self.index.valueChanged.connect(self._pause.start)
         self._pause.timeout.connect(self._look)
         self.plan.chosen.connect(self.choose)
@@ -141,9 +136,8 @@ class Window(QMainWindow):
         if self.session.draft.rows:
             self.session.remove(len(self.session.draft.rows) - 1)
 
-    def _stop(self) -> None:
-        if self.generation:
-            self.generation.requestInterruption()
+    def _keep_seed(self, kept: bool) -> None:  # noqa: FBT001  # a signal's
+        self.session.seed_kept = kept
 
     def _obstacle_edited(self) -> None:
         if self.selected >= 0:
@@ -170,8 +164,7 @@ class Window(QMainWindow):
             refuse_too_large(self.session.recipe)
             self.scene = compose(self.session.recipe, self.index.value())
         except RsegenError as error:
-            self.complaint.setText(str(error))
-            self.complaint.show()
+            self.complaint.say(str(error))
             return
         self.view.show(self.scene, self._highlighted())
         self.plan.show(self.scene, self._handles(), self.selected if self.selected >= 0 else None)
@@ -197,32 +190,17 @@ class Window(QMainWindow):
 
     @Slot()
     def generate(self) -> None:
-        """Write the maps into a folder that is asked for."""
-        folder = QFileDialog.getExistingDirectory(self, "Where to write the maps", str(Path.cwd()))
-        if folder:
-            self.generate_into(Path(folder))
+        """Write the maps into the folder of the form; first draw another seed, unless this one is kept."""
+        ready = self.start.isEnabled() and not self.start_form.busy
+        if ready and self.start_form.is_free_for(self.session.recipe):
+            if not self.session.seed_kept:
+                self.session.reroll()
+            self.start_form.write(self.session.recipe)
 
     def generate_into(self, folder: Path) -> None:
-        """Write the maps behind the window."""
-        taken = (folder / self.session.recipe.map_name(self.session.recipe.first_map)).exists()
-        question = "Maps of this name are there already. Replace them?"
-        if taken and QMessageBox.question(self, "rsegen", question) != QMessageBox.StandardButton.Yes:
-            return
-        self.generation = Generation(self.session.recipe, folder, force=taken)
-        self.bar.setRange(0, self.session.recipe.maps if self.session.recipe.maps > 1 else 0)
-        self.generation.progressed.connect(self.bar.setValue)
-        self.generation.succeeded.connect(lambda text: self._ended(text))
-        self.generation.failed.connect(lambda text: self._ended(text))
-        for widget, busy in ((self.start, False), (self.cancel, True), (self.bar, True)):
-            widget.setVisible(busy)
-        self.generation.start()
-
-    def _ended(self, text: str) -> None:
-        for widget, busy in ((self.start, True), (self.cancel, False), (self.bar, False)):
-            widget.setVisible(busy)
-        self.statusBar().showMessage(text.splitlines()[0], 10_000)
-        if "\n" in text:
-            QMessageBox.information(self, "rsegen", text)
+        """Write the maps into another folder."""
+        self.start_form.folder = folder
+        self.generate()
 
     def _remember(self) -> None:
         settings = QSettings("rsegen", "rsegen")
@@ -252,9 +230,7 @@ class Window(QMainWindow):
         ):
             event.ignore()
             return
-        if self.generation and self.generation.isRunning():
-            self.generation.requestInterruption()
-            self.generation.wait()
+        self.start_form.end()
         settings = QSettings("rsegen", "rsegen")
         settings.setValue("geometry", self.saveGeometry())
         settings.setValue("halves", self.halves.saveState())
