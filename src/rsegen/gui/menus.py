@@ -12,6 +12,7 @@ from PySide6.QtGui import QAction, QGuiApplication, QKeySequence
 from PySide6.QtWidgets import QFileDialog, QMenu, QMessageBox
 
 from rsegen.errors import RsegenError
+from rsegen.gui.example_dialog import ExampleDialog
 from rsegen.gui.manual import show_manual
 from rsegen.gui.session import Session
 from rsegen.gui.spelled import command_line, python_code
@@ -28,6 +29,7 @@ def add_menus(window: Window) -> None:
     """File, Edit, View, Run and Help."""
     files = window.menuBar().addMenu("&File")
     _act(window, files, "&New", lambda: replace_session(window, Session.new), QKeySequence.StandardKey.New)
+    _act(window, files, "New from &example...", partial(choose_example, window), "Ctrl+Shift+N")
     _act(window, files, "&Open...", partial(choose_file, window), QKeySequence.StandardKey.Open)
     recent = files.addMenu("Open &recent")
     recent.aboutToShow.connect(partial(_fill_recent, window, recent))
@@ -84,6 +86,13 @@ def replace_session(window: Window, make: Callable[[], Session]) -> None:
         QMessageBox.warning(window, "rsegen", str(error))
 
 
+def choose_example(window: Window) -> None:
+    """Start from a copy of an example that is asked for."""
+    dialog = ExampleDialog(window)
+    dialog.chosen.connect(lambda path: replace_session(window, partial(Session.copied, path)))
+    dialog.open()
+
+
 def choose_file(window: Window) -> None:
     """Open a recipe that is asked for."""
     name, _ = QFileDialog.getOpenFileName(window, "Open a recipe", "", RECIPES)
@@ -112,7 +121,7 @@ def save(window: Window) -> None:
 
 def save_as(window: Window) -> None:
     """Write the recipe to a file that is asked for."""
-    name, _ = QFileDialog.getSaveFileName(window, "Save the recipe", "recipe.yaml", RECIPES)
+    name, _ = QFileDialog.getSaveFileName(window, "Save the recipe", f"{window.session.recipe.name}.yaml", RECIPES)
     if name:
         window.session.path = Path(name)
         save(window)

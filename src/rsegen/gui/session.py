@@ -76,6 +76,11 @@ class Session:
         """The recipe of a file."""
         return cls(draft=drafted(load(path)), path=path)
 
+    @classmethod
+    def copied(cls, path: Path) -> Session:
+        """The recipe of a file that stays as it is."""
+        return cls(draft=drafted(load(path)))
+
     # Global parameters.
 
     def set(self, name: str, value: Json, *, gesture: object = None) -> None:
