@@ -38,6 +38,7 @@ class ExampleDialog(QDialog):
         named(self, "example_dialog")
         self.setWindowTitle("New from example")
         self.resize(720, 460)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._list = _pictures()
         self._about = named(QLabel(wordWrap=True), "about")
         standard = QDialogButtonBox.StandardButton

@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSettings
-from PySide6.QtGui import QAction, QGuiApplication, QKeySequence
+from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QFileDialog, QMenu, QMessageBox
 
 from rsegen.errors import RsegenError
 from rsegen.gui.example_dialog import ExampleDialog
 from rsegen.gui.manual import show_manual
 from rsegen.gui.session import Session
-from rsegen.gui.spelled import command_line, python_code
+from rsegen.gui.spelled_dialog import SpelledDialog
 
 if TYPE_CHECKING:
     from rsegen.gui.window import Window
@@ -52,8 +52,7 @@ def add_menus(window: Window) -> None:
     run = window.menuBar().addMenu("&Run")
     _act(window, run, "&Start: write the maps", window.generate, "F5")
     _act(window, run, "Open the &folder", window.start_form.open_folder)
-    _act(window, run, "Copy &command line", lambda: _copy(command_line(window.session.recipe, "worlds")))
-    _act(window, run, "Copy &Python code", lambda: _copy(python_code(window.session.recipe, "worlds")))
+    _act(window, run, "Show &command line and Python code...", partial(show_spelled, window), "Ctrl+E")
     _act(window, window.menuBar().addMenu("&Help"), "&Manual", partial(show_manual, window), "F1")
 
 
@@ -91,6 +90,11 @@ def choose_example(window: Window) -> None:
     dialog = ExampleDialog(window)
     dialog.chosen.connect(lambda path: replace_session(window, partial(Session.copied, path)))
     dialog.open()
+
+
+def show_spelled(window: Window) -> None:
+    """The command and the program that make the same maps."""
+    SpelledDialog(window.session.recipe, str(window.start_form.folder), window).open()
 
 
 def choose_file(window: Window) -> None:
@@ -160,10 +164,6 @@ def _remove(window: Window, row: int) -> None:
 
 def _shift(window: Window, row: int, *, by: int) -> None:
     window.move_obstacle(row, row + by)
-
-
-def _copy(text: str) -> None:
-    QGuiApplication.clipboard().setText(text)
 
 
 def _recent() -> list[str]:
