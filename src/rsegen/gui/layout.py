@@ -34,7 +34,7 @@ def lay_out(window: Window) -> QSplitter:
     stack = QVBoxLayout(left)
     stack.setContentsMargins(0, 0, 0, 0)
     stack.addWidget(_Scrolled(forms), stretch=1)
-    for part in (window.complaint, window.start_form):
+    for part in (window.warning, window.complaint, window.start_form):
         stack.addWidget(part)
     below = QSplitter()
     below.addWidget(window.plan)
@@ -51,7 +51,8 @@ def lay_out(window: Window) -> QSplitter:
         halves.setStretchFactor(halves.count() - 1, stretch)
     window.setCentralWidget(halves)
     window.statusBar().addWidget(window.index)
-    window.statusBar().addWidget(window.numbers)
+    for number in (window.levels, window.numbers, window.costs):
+        window.statusBar().addWidget(number)
     window.statusBar().addPermanentWidget(window.cell)
     return halves
 

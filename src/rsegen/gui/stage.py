@@ -9,7 +9,7 @@ import numpy as np
 from rsegen.gui.axes import Bounds, marks
 from rsegen.gui.colours import GROUND
 from rsegen.gui.sight import SOUTH_EAST, VIEW_ANGLE, viewpoint
-from rsegen.gui.solid import Lines, Solid, block_edges, box_edges, solid
+from rsegen.gui.solid import Lines, Solid, block_edges, box_edges
 from rsegen.scene import Scene
 from rsegen.stepfield import Array, Window
 
@@ -42,10 +42,10 @@ class Stage:
         self._ink = (0.0, 0.0, 0.0)
         self._fitted: tuple[float, ...] | None = None
 
-    def show(self, scene: Scene, window: Window | None) -> None:
-        """The scene, with a box round a window of its cells; the camera stays, unless the map's extent is another."""
+    def show(self, scene: Scene, made: Solid, window: Window | None) -> None:
+        """The solid of a scene, a box round a window of its cells; the camera stays, unless the extent is another."""
         field = scene.field
-        _fill_faces(self._solid, solid(scene))
+        _fill_faces(self._solid, made)
         if edged := max(field.shape) <= EDGED:
             _fill_lines(self._edges, block_edges(field))
         self._edges_actor.SetVisibility(edged)

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QCloseEvent, QColor, QGuiApplication, QOffscreenSurface, QOpenGLContext
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
-from rsegen.coarse import coarse, coarse_window, coarseness
+from rsegen.coarse import coarse_window
 from rsegen.errors import FileError
-from rsegen.gui.colours import legend
 from rsegen.gui.legend import Legend
+from rsegen.gui.look import Look, look_of
 from rsegen.gui.stage import Plotter, Stage
 from rsegen.scene import Scene
 from rsegen.stepfield import Window
-
-SHOWN = 400
-"""Maps of more than about so many cells a side are shown coarser, by the highest of several cells."""
 
 _WITHOUT_GL = ("offscreen", "minimal", "linuxfb", "vnc")
 _OPENGL = (3, 2)
@@ -54,13 +50,16 @@ class FieldView(QWidget):
         if scene is None:
             super().show()
             return
-        self._legend.show_rows(legend(scene))
-        factor = coarseness(scene.field, SHOWN)
-        self._note.setText(f"each column the highest\nof {factor} x {factor} cells")
-        self._note.setVisible(factor > 1)
+        self.show_look(look_of(scene), highlighted)
+
+    def show_look(self, look: Look, highlighted: Window | None = None) -> None:
+        """Show what was made of a scene before."""
+        self._legend.show_rows(look.legend)
+        self._note.setText(f"each column the highest\nof {look.factor} x {look.factor} cells")
+        self._note.setVisible(look.factor > 1)
         if self._stage:
-            window = coarse_window(scene.field, highlighted, factor) if highlighted else None
-            self._stage.show(replace(scene, field=coarse(scene.field, factor)), window)
+            window = coarse_window(look.scene.field, highlighted, look.factor) if highlighted else None
+            self._stage.show(look.coarse, look.solid, window)
             QWidget.update(self._plotter)
 
     def reset_camera(self) -> None:

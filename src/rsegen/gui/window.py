@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,22 +16,23 @@ from PySide6.QtWidgets import (
     QSpinBox,
 )
 
-from rsegen.errors import RsegenError
 from rsegen.gui.editors import named
 from rsegen.gui.handles import Handle
 from rsegen.gui.layout import lay_out
+from rsegen.gui.level_bar import LevelBar
+from rsegen.gui.look import Look, is_quick, look_at
 from rsegen.gui.map_form import OFTEN, SELDOM, MapForm
 from rsegen.gui.menus import add_menus, enable_actions, open_file
+from rsegen.gui.newest import Newest
 from rsegen.gui.notice import Notice
-from rsegen.gui.numbers import in_numbers
+from rsegen.gui.numbers import Costs, costs
 from rsegen.gui.obstacle_form import ObstacleForm
 from rsegen.gui.plan import PlanView
 from rsegen.gui.rows import Rows
 from rsegen.gui.session import Session, straightened
 from rsegen.gui.start_form import StartForm
 from rsegen.gui.view import FieldView
-from rsegen.room import refuse_too_large
-from rsegen.scene import Scene, compose
+from rsegen.scene import Scene
 from rsegen.stepfield import Window as Window_
 
 PAUSE = 25
@@ -96,7 +98,9 @@ class Window(QMainWindow):
         self.start = self.start_form.start
         self.complaint = Notice("complaint")
         self.numbers = named(QLabel(), "numbers")
-        self.cell = named(QLabel(), "cell")
+        self.costs, self.cell, self.levels = named(QLabel(indent=12), "costs"), named(QLabel(), "cell"), LevelBar()
+        self.warning = Notice("warning", "warning")
+        self.looking, self.counting = Newest(self), Newest(self)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE)
 
     def _connect(self) -> None:
@@ -116,6 +120,8 @@ class Window(QMainWindow):
         self.start_form.changed.connect(lambda: enable_actions(self))
         self.index.valueChanged.connect(self._pause.start)
         self._pause.timeout.connect(self._look)
+        self.looking.came.connect(self._looked)
+        self.counting.came.connect(self._counted)
         self.plan.chosen.connect(self.choose)
         self.plan.moved.connect(self._end_moved)
         self.plan.drawn.connect(self._drawn)
@@ -159,16 +165,27 @@ class Window(QMainWindow):
         self.obstacle.show_entry(entry, recipe.grid, recipe.unit_cm)
 
     def _look(self) -> None:
-        """Make the field, and show it from both sides."""
-        try:
-            refuse_too_large(self.session.recipe)
-            self.scene = compose(self.session.recipe, self.index.value())
-        except RsegenError as error:
-            self.complaint.say(str(error))
+        """Make the field: a large one behind the window."""
+        recipe = self.session.recipe
+        self.looking.order(partial(look_at, recipe, self.index.value()), at_once=is_quick(recipe))
+
+    def _looked(self, look: object) -> None:
+        """Show it from both sides, and count what it costs when there is time."""
+        if not isinstance(look, Look):
+            self.complaint.say(str(look))
             return
-        self.view.show(self.scene, self._highlighted())
-        self.plan.show(self.scene, self._handles(), self.selected if self.selected >= 0 else None)
-        self.numbers.setText(in_numbers(self.scene))
+        self.scene = look.scene
+        self.view.show_look(look, self._highlighted())
+        self.plan.show(look.scene, self._handles(), self.selected if self.selected >= 0 else None)
+        self.numbers.setText(look.numbers)
+        self.levels.show_shares(look.shares)
+        self.costs.setText("")
+        self.counting.order(partial(costs, look.scene))
+
+    def _counted(self, found: object) -> None:
+        if isinstance(found, Costs):
+            self.costs.setText(found.text)
+            self.warning.say("\n".join(f"Warning: {text}" for text in found.warnings))
 
     def _handles(self) -> list[Handle]:
         return [
@@ -230,7 +247,8 @@ class Window(QMainWindow):
         ):
             event.ignore()
             return
-        self.start_form.end()
+        for work in (self.start_form, self.looking, self.counting):
+            work.end()
         settings = QSettings("rsegen", "rsegen")
         settings.setValue("geometry", self.saveGeometry())
         settings.setValue("halves", self.halves.saveState())
