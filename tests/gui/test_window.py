@@ -19,6 +19,8 @@ from rsegen.gui.session import Session
 from rsegen.gui.window import Window
 
 LEFT = Qt.MouseButton.LeftButton
+USUAL = {"usual", "ScrollLeftButton", "ScrollRightButton"}
+"""Buttons that speak for themselves, and Qt's own."""
 
 
 @pytest.fixture
@@ -174,3 +176,38 @@ def test_every_widget_that_takes_input_has_a_name_for_those_who_do_not_see_it(wi
     ]
     assert not nameless
     assert window.childAt(QPoint(5, 5)) is not None
+
+
+def test_an_end_beside_the_map_is_said_to_be_and_everything_else_goes_on(window: Window) -> None:
+    choose(window, "peak")
+    window.obstacle.usual.setChecked(False)
+    click(window, "add")
+    window.choose(0)
+    cell(window, 0, 5).setText("99, 99")
+    QTest.qWait(100)
+    assert window.complaint.text() == "obstacles[0].last[0]: 99 is outside 0..9"
+    cell(window, 0, 5).setText("8, 9")
+    QTest.qWait(100)
+    assert window.scene is not None
+    assert window.scene.field == build(window.session.recipe)
+    assert window.complaint.isHidden()
+
+
+def test_tab_goes_through_the_window_as_it_is_read(window: Window) -> None:
+    choose(window, "peak")
+    window.obstacle.usual.setChecked(False)
+    click(window, "add")
+    window.choose(0)
+    wanted = ["maps_field", "mesh_type_field", "seed_field", "keep_seed", "reroll", "kind", "max_height_field"]
+    wanted += ["softness_field", "usual", "x_first", "y_first", "x_last", "y_last", "add", "folder", "start"]
+    names, widget = [], window.nextInFocusChain()
+    while widget is not None and widget is not window:
+        if widget.focusPolicy() & Qt.FocusPolicy.TabFocus:
+            names.append(widget.objectName())
+        widget = widget.nextInFocusChain()
+    assert [name for name in names if name in wanted] == wanted
+
+
+def test_every_button_says_what_it_does(window: Window) -> None:
+    silent = [button.objectName() for button in window.findChildren(QAbstractButton) if not button.toolTip()]
+    assert [name for name in silent if name and not name.startswith("qt_") and name not in USUAL] == []

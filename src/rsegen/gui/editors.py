@@ -28,14 +28,19 @@ class Editor(QWidget):
     """A parameter's value, as a recipe file has it; `edited` tells of what a person does, not of `show_value`."""
 
     edited = Signal(object)
+    _parts: tuple[str, ...] = ("",)
+    """What is added to the name of each widget."""
 
     def __init__(self, name: str, parameter: Parameter) -> None:
         super().__init__()
         self.parameter = parameter
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(0, 0, 0, 0)
-        for widget in self._widgets():
-            self._row.addWidget(named(widget, f"{name}_field", tip=f"{parameter.help}: {parameter.describe()}"))
+        tip = f"{parameter.help}: {parameter.describe()}"
+        self.fields = self._widgets()
+        for widget, part in zip(self.fields, self._parts, strict=True):
+            title = f"{name.removesuffix('_cm').replace('_', ' ')}{part}"
+            self._row.addWidget(named(widget, f"{name}_field", title=title, tip=tip))
         named(self, name)
 
     def _widgets(self) -> tuple[QWidget, ...]:
@@ -111,6 +116,8 @@ class NumberEditor(Editor):
 
 class PairEditor(Editor):
     """Two whole numbers, along x and y."""
+
+    _parts = (" along x", " along y")
 
     def _widgets(self) -> tuple[QWidget, ...]:
         self._boxes = (QSpinBox(prefix="x "), QSpinBox(prefix="y "))

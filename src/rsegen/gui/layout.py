@@ -16,6 +16,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from rsegen.gui.editors import named
+
 if TYPE_CHECKING:
     from rsegen.gui.window import Window
 
@@ -24,7 +26,7 @@ def lay_out(window: Window) -> QSplitter:
     """Forms and Start on the left; view, plan and list on the right; numbers below. Gives the two halves."""
     forms = QWidget()
     column = QVBoxLayout(forms)
-    tabs = QTabWidget()
+    tabs = named(QTabWidget(), "tabs", title="parameters of the map")
     tabs.addTab(window.often, "Map")
     tabs.addTab(_Scrolled(window.seldom), "More")
     column.addWidget(tabs)
@@ -36,11 +38,13 @@ def lay_out(window: Window) -> QSplitter:
     stack.addWidget(_Scrolled(forms), stretch=1)
     for part in (window.warning, window.complaint, window.start_form):
         stack.addWidget(part)
+    for notice in (window.warning, window.complaint):
+        notice.setContentsMargins(10, 0, 10, 0)
     below = QSplitter()
     below.addWidget(window.plan)
     below.addWidget(_group("Obstacles, imposed from the first to the last", window.rows))
     below.setStretchFactor(0, 1)
-    below.setSizes([390, 460])
+    below.setSizes([330, 520])
     right = QSplitter(Qt.Orientation.Vertical)
     right.addWidget(window.view)
     right.addWidget(below)
@@ -65,6 +69,7 @@ class _Scrolled(QScrollArea):
         self.setWidget(content)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
 
     def sizeHint(self) -> QSize:
         """As wide as the content."""

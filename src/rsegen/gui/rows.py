@@ -20,6 +20,7 @@ from rsegen.params import Json, parameters
 from rsegen.recipe import Placement
 
 COLUMNS = ("ID", "Type", "Height", "Softness", "First", "Last")
+TIP = "drag a row to move it (Alt+Up, Alt+Down); Ctrl+D duplicates, Del removes; double click to edit"
 KEYS = ("", "kind", "max_height", "softness", "first", "last")
 """What of an entry each column shows."""
 
@@ -34,10 +35,11 @@ class Rows(QTableWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(0, len(COLUMNS), parent)
-        named(self, "rows", title="obstacles")
+        named(self, "rows", title="obstacles", tip=TIP)
         self.setHorizontalHeaderLabels(list(COLUMNS))
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        self.setWordWrap(False)
         self.verticalHeader().hide()
         self.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         self.horizontalHeader().setStretchLastSection(True)

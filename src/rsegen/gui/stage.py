@@ -66,6 +66,20 @@ class Stage:
         """Look at the whole map from the south-east, above."""
         self._look_from(SOUTH_EAST)
 
+    def turn(self, across: float, up: float) -> None:
+        """Go round the map by degrees, and higher, but neither over it nor under it."""
+        camera = self._plotter.camera
+        camera.Azimuth(across)
+        x, y, z = np.subtract(camera.position, camera.focal_point)
+        height = np.degrees(np.arctan2(z, np.hypot(x, y)))
+        camera.Elevation(float(np.clip(height + up, 2, 88) - height))
+        self._plotter.renderer.ResetCameraClippingRange()
+
+    def come_nearer(self, factor: float) -> None:
+        """Go towards the map, or away from it where the factor is less than one."""
+        self._plotter.camera.Dolly(factor)
+        self._plotter.renderer.ResetCameraClippingRange()
+
     def follow_size(self) -> None:
         """See the whole map in a view of another size, unless the camera was moved by hand."""
         if self._fitted and self._fitted == tuple(self._plotter.camera.position):

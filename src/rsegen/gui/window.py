@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 from PySide6.QtCore import QSettings, QTimer, Slot
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
@@ -17,7 +16,7 @@ from PySide6.QtWidgets import (
 )
 
 from rsegen.gui.editors import named
-from rsegen.gui.handles import Handle
+from rsegen.gui.handles import Handle, handles_of, spanned
 from rsegen.gui.layout import lay_out
 from rsegen.gui.level_bar import LevelBar
 from rsegen.gui.look import Look, is_quick, look_at
@@ -188,22 +187,12 @@ class Window(QMainWindow):
             self.warning.say("\n".join(f"Warning: {text}" for text in found.warnings))
 
     def _handles(self) -> list[Handle]:
-        return [
-            Handle(row=number, first=_cell(row.entry.get("first")), last=_cell(row.entry.get("last")))
-            for number, row in enumerate(self.session.draft.rows)
-            if row.enabled
-        ]
+        return handles_of(self.session.draft.rows, self.scene.field.blocks.shape) if self.scene else []
 
     def _highlighted(self) -> Window_ | None:
         """The cells, frames counted, of the obstacle that is edited."""
         handle = next((each for each in self._handles() if each.row == self.selected), None)
-        if self.scene is None or handle is None or handle.first is None or handle.last is None:
-            return None
-        x, y = (
-            np.flatnonzero(self.scene.field.inside(axis))[sorted((handle.first[axis], handle.last[axis]))].tolist()
-            for axis in (0, 1)
-        )
-        return slice(x[0], x[1] + 1), slice(y[0], y[1] + 1)
+        return spanned(handle, self.scene.field) if handle and self.scene else None
 
     @Slot()
     def generate(self) -> None:
@@ -260,10 +249,3 @@ def _dropped(event: QDropEvent) -> Path | None:
     """The recipe file that is dragged, if it is one."""
     paths = (Path(url.toLocalFile()) for url in event.mimeData().urls())
     return next((path for path in paths if path.suffix.lower() in {".yaml", ".yml", ".json"}), None)
-
-
-def _cell(place: object) -> tuple[int, int] | None:
-    """A place where both coordinates are known."""
-    if isinstance(place, (list, tuple)) and all(isinstance(at, int) for at in place):
-        return place[0], place[1]
-    return None
