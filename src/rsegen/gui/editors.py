@@ -151,6 +151,7 @@ class TextEditor(Editor):
     def _put(self, value: Json) -> None:
         words = value if isinstance(value, list) else [value]
         self._line.setText("" if value is None else ",".join(map(str, words)))
+        self._line.setCursorPosition(0)
 
 
 def editor(name: str, parameter: Parameter) -> Editor:
