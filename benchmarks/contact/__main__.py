@@ -6,26 +6,24 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from benchmarks.contact.constructions import ALL, Construction
 from benchmarks.contact.report import strayed, table, write
 from benchmarks.contact.trial import Trial, tried
-from sim.gazebo import Gazebo, Lost, installed
+from rsegen.errors import SimulatorFailed
+from rsegen.simulators import SIMULATORS, Installation
 
 RESULTS = Path(__file__).parents[1] / "results"
 NO_GAZEBO = 3
 """Exit code."""
-PATIENCE = 300.0
-"""Seconds for the slowest construction to load."""
 SEEDS = (1, 2)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0, or 3 where there is no Gazebo Classic."""
     options = _options(arguments)
-    gazebo = installed()
+    gazebo = SIMULATORS["classic"].found()
     if not gazebo:
         print("no Gazebo Classic 11 here: run scripts/gazebo-classic", file=sys.stderr)
         return NO_GAZEBO
@@ -33,7 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     trials, lost = _trials(
         chosen,
         _plan(chosen, SEEDS[:1] if options.quick else SEEDS),
-        replace(gazebo, patience=PATIENCE),
+        gazebo,
         options.results,
     )
     print(table(trials, chosen, lost))
@@ -47,7 +45,7 @@ def _plan(chosen: Sequence[Construction], seeds: Sequence[int]) -> list[tuple[Co
 
 
 def _trials(
-    chosen: Sequence[Construction], plan: Sequence[tuple[Construction, int]], gazebo: Gazebo, folder: Path
+    chosen: Sequence[Construction], plan: Sequence[tuple[Construction, int]], gazebo: Installation, folder: Path
 ) -> tuple[list[Trial], list[str]]:
     """All that were done, also where they are interrupted; results are written after each."""
     trials: list[Trial] = []
@@ -62,12 +60,12 @@ def _trials(
     return trials, lost
 
 
-def _report(each: Construction, seed: int, gazebo: Gazebo, trials: list[Trial], lost: list[str]) -> None:
+def _report(each: Construction, seed: int, gazebo: Installation, trials: list[Trial], lost: list[str]) -> None:
     """Try one and say so."""
     began = time.monotonic()
     try:
         trial = tried(each, seed, gazebo)
-    except Lost as error:
+    except SimulatorFailed as error:
         lost.append(f"Lost: {each.name} on field {seed}.")
         print(f"{each.name}, field {seed}: lost: {error}", file=sys.stderr)
         return

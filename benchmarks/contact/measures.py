@@ -8,7 +8,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from sim.gazebo import Lost, Server
+from rsegen.errors import SimulatorFailed
+from rsegen.simulators.server import Server
 
 Record = list[tuple[float, dict[str, list[float]]]]
 """Second and poses (x, y, z, roll, pitch, yaw) of models, to three digits, which is all that Gazebo writes."""
@@ -42,13 +43,13 @@ def when_idle(server: Server) -> Usage:
 def usage(server: Server) -> Usage:
     """From /proc, of which a server that is gone has no more to say."""
     try:
-        stat = Path(f"/proc/{server.process.pid}/stat").read_text().rpartition(")")[2].split()
-        status = Path(f"/proc/{server.process.pid}/status").read_text()
+        stat = Path(f"/proc/{server.pid}/stat").read_text().rpartition(")")[2].split()
+        status = Path(f"/proc/{server.pid}/status").read_text()
     except OSError as error:
-        raise Lost(str(error)) from error
+        raise SimulatorFailed(str(error)) from error
     resident = re.search(r"VmRSS:\s+(\d+)", status)
     if not resident:
-        raise Lost("the server is dead")
+        raise SimulatorFailed("the server is dead")
     return Usage(cpu=(int(stat[11]) + int(stat[12])) / os.sysconf("SC_CLK_TCK"), memory=int(resident[1]) / 1024)
 
 

@@ -15,12 +15,19 @@ from benchmarks.contact.courses import SECONDS, Drop, drops
 from benchmarks.contact.measures import Record, record, usage, when_idle
 from benchmarks.contact.worlds import field_of, robots_on, written
 from rsegen import StepField
+from rsegen.errors import SimulatorFailed
+from rsegen.simulators import Installation
+from rsegen.simulators.classic_world import Pose, attempted, begin, poses
+from rsegen.simulators.gazebo_classic import STATE
+from rsegen.simulators.server import serving
 from sim.bodies import SIZE
 from sim.burger import way
-from sim.gazebo import ATTEMPTS, Gazebo, Lost, Pose
 
 PERIOD = 0.05
 """Seconds between two poses of the record."""
+
+PATIENCE = 300.0
+"""Seconds for the slowest construction to load."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -66,39 +73,31 @@ class Trial:
     errors: list[str]
 
 
-def tried(construction: Construction, seed: int, gazebo: Gazebo) -> Trial:
+def tried(construction: Construction, seed: int, gazebo: Installation) -> Trial:
     """Drive and drop everything; a server that is lost is tried again."""
     with tempfile.TemporaryDirectory() as folder:
         world = written(construction, field_of(construction, seed), Path(folder))
-        return _attempt(construction, seed, world, gazebo, ATTEMPTS - 1)
+        return attempted(lambda: _run(construction, seed, world, gazebo))
 
 
-def _attempt(construction: Construction, seed: int, world: Path, gazebo: Gazebo, left: int) -> Trial:
-    try:
-        return _run(construction, seed, world, gazebo)
-    except Lost:
-        if not left:
-            raise
-    return _attempt(construction, seed, world, gazebo, left - 1)
-
-
-def _run(construction: Construction, seed: int, world: Path, gazebo: Gazebo) -> Trial:
+def _run(construction: Construction, seed: int, world: Path, gazebo: Installation) -> Trial:
     field = field_of(construction, seed)
     began = time.monotonic()
-    with gazebo.serving(world, None, "--record_encoding", "txt", "--record_period", str(PERIOD)) as server:
+    options = ("--record_encoding", "txt", "--record_period", str(PERIOD))
+    with serving(gazebo, world, options=options, patience=PATIENCE) as server:
         loaded, load = usage(server), time.monotonic() - began
-        server.begin(SECONDS * 1000)
+        begin(server, SECONDS * 1000)
         done = when_idle(server)
-        poses, errors = server.poses(), server.errors()
-        server.end()
-        told = record(server.state.read_text())
+        ended, errors = poses(server), server.errors
+        server.stop()
+        told = record((server.home / STATE).read_text())
     if max((at for at, _ in told), default=0) < SECONDS - PERIOD:
-        raise Lost("stopped early")
+        raise SimulatorFailed("stopped early")
     return Trial(
         construction=construction.name,
         seed=seed,
-        drives=list(_drives(field, poses, told)),
-        rests=[_rest(drop, poses, told) for drop in drops(field)] if construction.levels else [],
+        drives=list(_drives(field, ended, told)),
+        rests=[_rest(drop, ended, told) for drop in drops(field)] if construction.levels else [],
         cost=(done.cpu - loaded.cpu) / SECONDS,
         load=load,
         load_cpu=loaded.cpu,

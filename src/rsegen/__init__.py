@@ -16,9 +16,11 @@ rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
 from rsegen.build import build
 from rsegen.codec import schema
 from rsegen.errors import RsegenError, UserError
+from rsegen.importers import imported
 from rsegen.obstacles import KINDS, Obstacle
 from rsegen.obstacles.diagonal import DiagonalBarrier
 from rsegen.obstacles.horizontal import HorizontalBarrier
+from rsegen.obstacles.matrix import Matrix
 from rsegen.obstacles.normal import NormalRandom
 from rsegen.obstacles.peak import Peak
 from rsegen.obstacles.random import Random
@@ -35,6 +37,7 @@ __all__ = [
     "Generated",
     "GeneratedMap",
     "HorizontalBarrier",
+    "Matrix",
     "NormalRandom",
     "Obstacle",
     "Peak",
@@ -49,6 +52,7 @@ __all__ = [
     "build",
     "compose",
     "generate",
+    "imported",
     "load",
     "save",
     "schema",

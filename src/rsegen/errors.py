@@ -6,9 +6,11 @@ RsegenError
 │   │   └── UnknownName  a kind, key or flag that is not there; lists the known ones
 │   ├── FileError        a file or folder cannot be read, or is not what it should be
 │   ├── OutputError      the output folder is taken, or may not be written to
-│   └── TooLarge         it would need more room than there is, in memory or on the disk
+│   ├── TooLarge         it would need more room than there is, in memory or on the disk
+│   └── NoSimulator      no simulator that is installed here can do it
 ├── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
-└── WorkerLost           a worker was killed from outside; nothing half written is left; exit code 1
+├── WorkerLost           a worker was killed from outside; nothing half written is left; exit code 1
+└── SimulatorFailed      a simulator died, fell silent or did not load its world; exit code 1
 """
 
 from __future__ import annotations
@@ -45,12 +47,20 @@ class TooLarge(UserError):
     """It would need more room than there is, in memory or on the disk."""
 
 
+class NoSimulator(UserError):
+    """No simulator that is installed here can do it."""
+
+
 class WriteError(RsegenError):
     """The disk failed in the middle of writing."""
 
 
 class WorkerLost(RsegenError):
     """A worker was killed from outside, by the system for want of memory or by a person."""
+
+
+class SimulatorFailed(RsegenError):
+    """A simulator died, fell silent or did not load its world."""
 
 
 class ParameterError(UserError, ValueError):

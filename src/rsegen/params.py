@@ -3,7 +3,7 @@
     softness: Annotated[float, Real(0, 100, unit="%", help="run-out of the sides")] = 0.0
 
 From there come the check in Python, the flag and the form, and the JSON Schema. A parameter is anything with the
-four methods of `Parameter`; a value that it accepts is returned in its one canonical form.
+methods of `Parameter`; a value that it accepts is returned in its one canonical form.
 """
 
 from __future__ import annotations
@@ -33,6 +33,9 @@ class Parameter(Protocol):
 
     def parse(self, text: str) -> object:
         """What `text` on the command line stands for; not yet checked."""
+
+    def spell(self, value: Any) -> str:
+        """The text on the command line that stands for a value as a file has it."""
 
     def schema(self) -> dict[str, Json]:
         """The JSON Schema of it."""
@@ -72,6 +75,9 @@ class Real:
         except ValueError:
             return text
 
+    def spell(self, value: Any) -> str:
+        return str(value)
+
     def schema(self) -> dict[str, Json]:
         bounds = {"minimum": self.low, "maximum": self.high}
         return {"type": "number"} | {key: bound for key, bound in bounds.items() if math.isfinite(bound)}
@@ -101,6 +107,9 @@ class Whole:
     def parse(self, text: str) -> object:
         return integer(text)
 
+    def spell(self, value: Any) -> str:
+        return str(value)
+
     def schema(self) -> dict[str, Json]:
         high = {} if self.high is None else {"maximum": self.high}
         return {"type": "integer", "minimum": self.low} | high
@@ -124,11 +133,38 @@ class Choice:
     def parse(self, text: str) -> object:
         return text
 
+    def spell(self, value: Any) -> str:
+        return str(value)
+
     def schema(self) -> dict[str, Json]:
         return {"enum": list(self.values)}
 
     def describe(self) -> str:
         return ", ".join(self.values)
+
+
+@dataclass(frozen=True)
+class Flag:
+    """Yes or no."""
+
+    help: str = ""
+
+    def check(self, where: str, value: object) -> bool:
+        if isinstance(value, bool):
+            return value
+        raise ParameterError(where, f"{shown(value)} is neither yes nor no")
+
+    def parse(self, text: str) -> object:
+        return {"yes": True, "no": False}.get(text, text)
+
+    def spell(self, value: Any) -> str:
+        return "yes" if value else "no"
+
+    def schema(self) -> dict[str, Json]:
+        return {"type": "boolean"}
+
+    def describe(self) -> str:
+        return "yes or no"
 
 
 @dataclass(frozen=True)
@@ -146,6 +182,9 @@ class Text:
 
     def parse(self, text: str) -> object:
         return text
+
+    def spell(self, value: Any) -> str:
+        return str(value)
 
     def schema(self) -> dict[str, Json]:
         return {"type": "string", "pattern": f"^{self.pattern}$"}

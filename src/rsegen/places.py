@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from rsegen.errors import ParameterError, shown
 from rsegen.params import Json, integer, whole
@@ -44,6 +44,9 @@ class AtCell:
         parts = text.split(",")
         return text if len(parts) == 1 else [integer(part) for part in parts]
 
+    def spell(self, value: Any) -> str:
+        return ",".join(map(str, value)) if isinstance(value, list) else str(value)
+
     def schema(self) -> dict[str, Json]:
         coordinate = {"anyOf": [{"type": "integer", "minimum": 0}, {"const": "random"}]}
         pair = {"type": "array", "items": coordinate, "minItems": 2, "maxItems": 2}
@@ -74,6 +77,9 @@ class Pair:
         parts = text.replace("x", ",").split(",")
         numbers = [integer(part) for part in parts]
         return numbers[0] if len(numbers) == 1 else numbers
+
+    def spell(self, value: Any) -> str:
+        return "x".join(map(str, value)) if isinstance(value, list) else str(value)
 
     def schema(self) -> dict[str, Json]:
         number = {"type": "integer", "minimum": 1, "maximum": self.high}

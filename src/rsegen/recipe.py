@@ -155,6 +155,10 @@ class Recipe:
                 at = (getattr(placement, end) or (0, 0))[axis]
                 if at != "random" and at >= cells:
                     raise ParameterError(f"{where}.{end}[{axis}]", f"{shown(at)} is outside 0..{cells - 1}")
+        try:
+            placement.obstacle.check_room(self.grid, placement.first, placement.last)
+        except ParameterError as error:
+            raise error.inside(where) from None
 
 
 def _with_keys(placements: tuple[Placement, ...]) -> tuple[Placement, ...]:

@@ -20,12 +20,16 @@ MAX_MIB = {".json": 64, ".yaml": 4}
 def load(path: str | Path) -> Recipe:
     """The recipe in a YAML or JSON file; FileError where it cannot be read, ParameterError where a value is wrong."""
     path = Path(path)
-    text = _text(path)
-    content = _parse_json(text, path) if path.suffix.lower() == ".json" else _parse_yaml(text, path)
     try:
-        return decode(content)
+        return decode(content(path))
     except ParameterError as error:
         raise error.of(str(path)) from None
+
+
+def content(path: Path) -> object:
+    """What a YAML or JSON file says, in plain values; FileError where it cannot be read."""
+    text = _text(path)
+    return _parse_json(text, path) if path.suffix.lower() == ".json" else _parse_yaml(text, path)
 
 
 def save(recipe: Recipe, path: str | Path, *, force: bool = False) -> None:
@@ -39,15 +43,15 @@ def _text(path: Path) -> str:
     most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"])
     try:
         with path.open("rb") as file:
-            content = file.read(most * 2**20 + 1)
+            found = file.read(most * 2**20 + 1)
     except OSError as error:
         raise FileError(f"{path}: {error.strerror or error}") from None
     except ValueError as error:  # a name with a null character
         raise FileError(f"{shown(str(path))}: {error}") from None
-    if len(content) > most * 2**20:
+    if len(found) > most * 2**20:
         raise FileError(f"{path}: larger than {most} MiB, too large for a recipe (JSON: up to {MAX_MIB['.json']} MiB)")
     try:
-        return content.decode("utf-8-sig")
+        return found.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise FileError(f"{path}: not a text in UTF-8") from None
 

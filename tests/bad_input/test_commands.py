@@ -21,8 +21,11 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         ["maps: 999", "first_map 0", "9223372036854775807"],
     ),
     "nothing": ([], ["COMMAND"]),
-    "a misspelt command": (["genrate"], ["'genrate'", "did you mean 'generate'?", "info, obstacles, preview, schema"]),
-    "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, info"]),
+    "a misspelt command": (
+        ["genrate"],
+        ["'genrate'", "did you mean 'generate'?", "info, obstacles, open, preview, schema, sim"],
+    ),
+    "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, import, info"]),
     "a misspelt flag": (["generate", "-o", "out", "--sed", "1"], ["'--sed'", "did you mean '--seed'?", "--chunk-size"]),
     "half a flag": (["generate", "-o", "out", "--chunk", "1"], ["'--chunk'", "did you mean '--chunks'?"]),
     "another command's flag": (["info", "recipe.yaml", "--force"], ["'--force'", "--json"]),
@@ -48,6 +51,13 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a target that is not there": (["info", "no.yaml"], ["no.yaml: No such file"]),
     "a target without maps": (["info", "folder"], ["folder: no map in it"]),
     "a target of another sort": (["info", "file"], ["file: 'not a recipe' is not a recipe"]),
+    "a world that is not there": (["open", "no.world"], ["no.world: there is no such world"]),
+    "a world that is a recipe": (["open", "no.yaml"], ["no.yaml: No such file"]),
+    "a simulator of another name": (
+        ["open", "two.yaml", "--simulator", "clasic"],
+        ["--simulator", "'clasic'", "did you mean 'classic'?", "(known: classic, sim)"],
+    ),
+    "seconds in a word": (["open", "two.yaml", "--seconds", "few"], ["--seconds: 'few' is not a number"]),
     "an index beyond": (["info", "two.yaml", "--map", "2"], ["--map", "'2'", "two.yaml", "rse_0000..rse_0001"]),
     "an index below": (["info", "two.yaml", "--map=-1"], ["--map", "'-1'", "rse_0000..rse_0001"]),
     "an index that is a word": (["info", "two.yaml", "--map", "last"], ["--map", "'last'", "rse_0000..rse_0001"]),
@@ -90,8 +100,9 @@ def test_json_does_not_change_how_a_mistake_is_told(refused: Refused) -> None:
 
 @pytest.mark.parametrize("command", [command.__name__.rpartition(".")[2] for command in COMMANDS])
 def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, command: str) -> None:
-    given = {"generate": ["-o", "out"], "preview": ["a.yaml", "-o", "p.png"], "info": ["a.yaml"]}
-    line = refused(command, *given.get(command, []), "--hlep")
+    given = {"generate": ["-o", "out"], "preview": ["a.yaml", "-o", "p.png"], "info": ["a.yaml"], "open": ["a.yaml"]}
+    given["import_"] = ["a.csv", *given["generate"]]
+    line = refused(command.rstrip("_"), *given.get(command, []), "--hlep")
     assert "unknown flag '--hlep'; did you mean '--help'?" in line
 
 

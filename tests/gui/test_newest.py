@@ -32,6 +32,14 @@ def window(app: QApplication) -> Iterator[Window]:
     window.close()
 
 
+@pytest.fixture
+def newest(app: QApplication) -> Iterator[Newest]:
+    owner = QObject()
+    newest = Newest(owner)
+    yield newest
+    newest.end()
+
+
 def until(holds: Callable[[], bool], every: int = 25) -> None:
     for _ in range(1000):
         QTest.qWait(every)
@@ -46,11 +54,10 @@ def waited_for(event: Event, said: str, begun: list[str]) -> str:
     return said
 
 
-def test_of_many_orders_the_first_and_the_newest_are_begun_and_the_newest_counts(app: QApplication) -> None:
+def test_of_many_orders_the_first_and_the_newest_are_begun_and_the_newest_counts(newest: Newest) -> None:
     begun: list[str] = []
     came: list[object] = []
-    gate, owner = Event(), QObject()
-    newest = Newest(owner)
+    gate = Event()
     newest.came.connect(came.append)
     for said in "abcde":
         newest.order(partial(waited_for, gate, said, begun))
@@ -60,24 +67,21 @@ def test_of_many_orders_the_first_and_the_newest_are_begun_and_the_newest_counts
     assert begun == ["a", "e"]
 
 
-def test_what_is_done_at_once_is_not_overtaken_by_what_was_ordered_before(app: QApplication) -> None:
+def test_what_is_done_at_once_is_not_overtaken_by_what_was_ordered_before(newest: Newest) -> None:
     came: list[object] = []
-    gate, owner = Event(), QObject()
-    newest = Newest(owner)
+    gate = Event()
     newest.came.connect(came.append)
     newest.order(partial(waited_for, gate, "slow", []))
     newest.order(lambda: "quick", at_once=True)
     assert came == ["quick"]
     gate.set()
-    QTest.qWait(100)
+    until(lambda: newest._thread is None)
     assert came == ["quick"]
 
 
-def test_work_is_done_elsewhere_and_an_error_is_told_here(app: QApplication) -> None:
+def test_work_is_done_elsewhere_and_an_error_is_told_here(newest: Newest) -> None:
     threads: list[object] = []
     came: list[object] = []
-    owner = QObject()
-    newest = Newest(owner)
     newest.came.connect(came.append)
     newest.came.connect(lambda _: threads.append(current_thread()))
 

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import QApplication, QLineEdit, QVBoxLayout, QWidget
 
 from rsegen import Placement, Random, Recipe, Scene, compose
 from rsegen.gui.cells import fit
+from rsegen.gui.painting import BARE
 from rsegen.gui.plan import Handle, PlanView
 from rsegen.gui.sheet import room
 from rsegen.places import Cell
@@ -214,3 +215,47 @@ def test_without_a_scene_nothing_happens(app: QApplication) -> None:
 def test_the_plan_introduces_itself(plan: PlanView) -> None:
     assert plan.accessibleName() == "Plan of the map"
     assert "Arrow keys" in plan.accessibleDescription()
+
+
+def test_a_brush_paints_every_cell_it_comes_over_and_its_right_button_takes_paint_off(
+    plan: PlanView, scene: Scene
+) -> None:
+    painted, moved = QSignalSpy(plan.painted), QSignalSpy(plan.moved)
+    plan.take_brush(3)
+    drag(plan, scene, (1, 1), (4, 1), (4, 2))
+    assert said(painted) == [
+        [((1, 1),), 3, 1],
+        [((1, 1), (2, 1), (3, 1), (4, 1)), 3, 1],
+        [((4, 1), (4, 2)), 3, 1],
+    ]
+    QTest.mouseClick(plan, Qt.MouseButton.RightButton, pos=at(plan, scene, (6, 4)))
+    assert said(painted)[-1] == [((6, 4),), BARE, 2]
+    assert moved.count() == 0
+
+
+def test_levels_are_typed_into_cells_in_reading_order(plan: PlanView, scene: Scene) -> None:
+    painted = QSignalSpy(plan.painted)
+    plan.take_brush(7)
+    plan.setFocus()
+    QTest.mouseClick(plan, LEFT, pos=at(plan, scene, (8, 5)))
+    QTest.keyClick(plan, Qt.Key.Key_Up)
+    for key in (Qt.Key.Key_4, Qt.Key.Key_0, Qt.Key.Key_2, Qt.Key.Key_Space, Qt.Key.Key_Backspace):
+        QTest.keyClick(plan, key)
+    assert [(row[0], row[1]) for row in said(painted)[1:]] == [
+        (((8, 6),), 4),
+        (((9, 6),), 0),
+        (((0, 5),), 2),
+        (((1, 5),), 7),
+        (((1, 5),), BARE),
+    ]
+
+
+def test_frames_take_no_paint_and_a_brush_laid_down_paints_nothing(plan: PlanView, scene: Scene) -> None:
+    painted, drawn = QSignalSpy(plan.painted), QSignalSpy(plan.drawn)
+    plan.take_brush(3)
+    first, second = at(plan, scene, (4, 0)), at(plan, scene, (5, 0))
+    QTest.mouseClick(plan, LEFT, pos=QPoint((first.x() + second.x()) // 2, first.y()))
+    assert painted.count() == 0
+    plan.take_brush(None)
+    drag(plan, scene, (3, 8), (5, 8))
+    assert (painted.count(), drawn.count()) == (0, 1)

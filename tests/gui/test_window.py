@@ -6,16 +6,31 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
 
+import numpy as np
 import pytest
+from PIL import Image
 
 pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]'")
 
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QTimer, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractButton, QApplication, QLabel, QSlider, QSpinBox, QTableWidgetItem, QWidget
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QApplication,
+    QLabel,
+    QLineEdit,
+    QSlider,
+    QSpinBox,
+    QTableWidgetItem,
+    QWidget,
+)
 
 from rsegen import build, load
+from rsegen.gui.cells import fit
+from rsegen.gui.reading import Reading
 from rsegen.gui.session import Session
+from rsegen.gui.sheet import room
 from rsegen.gui.window import Window
 
 LEFT = Qt.MouseButton.LeftButton
@@ -163,6 +178,86 @@ def test_an_obstacle_is_drawn_on_the_plan_and_its_end_dragged(window: Window) ->
     assert window.session.draft.rows[0].entry["last"] == [9, 9]
     window.session.undo()
     assert window.session.draft.rows[0].entry["last"] == [6, 6]
+
+
+def pressed(window: Window, *blocks: tuple[int, int]) -> None:
+    """A stroke of the left button over the plan."""
+    assert window.scene
+    plan = window.plan
+    layout = fit(window.scene.field, room(plan.width(), plan.height()), plan.devicePixelRatio())
+    points = [QPoint(*map(round, layout.middle(block))) for block in blocks]
+    QTest.mousePress(plan, LEFT, pos=points[0])
+    for point in points[1:]:
+        QTest.mouseMove(plan, point)
+    QTest.mouseRelease(plan, LEFT, pos=points[-1])
+
+
+def test_painted_cells_are_a_matrix_of_which_each_stroke_is_undone_at_once(window: Window) -> None:
+    QTest.qWait(200)
+    QTest.keyClick(window, Qt.Key.Key_P)
+    find(window, QSpinBox, "paint_level").setValue(3)
+    assert find(window, QLabel, "paint_height").text() == "30 cm"
+    pressed(window, (2, 2), (2, 5))
+    QTest.keyClick(window.plan, Qt.Key.Key_1)
+    assert window.session.draft.rows[0].entry["rows"] == ["1", "3", "3", "3"]
+    assert (window.session.recipe.top_level, window.rows.selected) == (3, 0)
+    QTest.qWait(200)
+    assert build(window.session.recipe).blocks[2, 2:6].tolist() == [3, 3, 3, 1]
+    window.session.undo()
+    window.session.undo()
+    assert kinds(window) == []
+
+
+def test_levels_of_a_matrix_can_be_typed_as_text(window: Window, monkeypatch: pytest.MonkeyPatch) -> None:
+    choose(window, "matrix")
+    click(window, "add")
+    typed = staticmethod(lambda *_: ("0 1\n\n2 3 \n", True))
+    monkeypatch.setattr("rsegen.gui.editors.QInputDialog.getMultiLineText", typed)
+    click(window, "rows_field")
+    assert window.session.draft.rows[0].entry["rows"] == ["0 1", "2 3"]
+    assert find(window, QAbstractButton, "rows_field").text() == "2 x 2 cells..."
+    monkeypatch.setattr("rsegen.gui.editors.QInputDialog.getMultiLineText", staticmethod(lambda *_: ("0 1\n2", True)))
+    click(window, "rows_field")
+    assert "rows[1]: has 1 cells" in find(window, QLabel, "complaint").text()
+
+
+def dropped(window: Window, path: Path) -> None:
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(path))])
+    where = window.rect().center()
+    copy, none = Qt.DropAction.CopyAction, Qt.KeyboardModifier.NoModifier
+    window.dragEnterEvent(QDragEnterEvent(where, copy, data, LEFT, none))
+    window.dropEvent(QDropEvent(QPointF(where), copy, data, LEFT, none))
+
+
+def test_an_image_is_dropped_and_read_as_the_dialog_says(window: Window, tmp_path: Path) -> None:
+    Image.fromarray(np.array([[0, 255], [255, 0]], dtype=np.uint8)).save(tmp_path / "grey.png")
+    complaints = []
+
+    def answer() -> None:
+        reading = window.findChild(Reading, "reading")
+        assert reading
+        unit = find(reading, QLineEdit, "unit_cm_field")
+        QTest.keyClicks(unit, "-1")
+        QTest.keyClick(reading, Qt.Key.Key_Return)
+        complaints.append(find(reading, QLabel, "reading_complaint").text())
+        unit.clear()
+        QTest.keyClicks(unit, "5")
+        find(reading, QAbstractButton, "invert_field").click()
+        QTest.keyClick(reading, Qt.Key.Key_Return)
+
+    QTimer.singleShot(100, answer)
+    dropped(window, tmp_path / "grey.png")
+    assert complaints == ["unit_cm: -1.0 is outside 0.001..100000 cm"]
+    assert build(window.session.recipe).levels.tolist() == [[0, 4], [4, 0]]
+    assert window.session.recipe.unit_cm == 5
+    assert window.session.unsaved
+
+
+def test_a_recipe_is_dropped(window: Window, tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text("chunk_size: 7\n", "utf-8")
+    dropped(window, tmp_path / "a.yaml")
+    assert window.session.recipe.chunk_size == 7
 
 
 def test_every_widget_that_takes_input_has_a_name_for_those_who_do_not_see_it(window: Window) -> None:

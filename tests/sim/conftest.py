@@ -9,16 +9,17 @@ from typing import NoReturn
 
 import pytest
 
-from sim.gazebo import Gazebo, installed, printed
+from rsegen.simulators import SIMULATORS, Installation
+from rsegen.simulators.process import printed
 
 CHECKERS = (("ign", "sdf", "--check"), ("gz", "sdf", "--check"))
 """Commands of libsdformat 12 and later; Gazebo Classic's own `gz sdf` reads its old dialect and is not asked."""
 
 
 @pytest.fixture(scope="session")
-def gazebo() -> Gazebo:
+def gazebo() -> Installation:
     """The Gazebo Classic 11 of this machine."""
-    return installed() or missing("no Gazebo Classic 11: run scripts/gazebo-classic")
+    return SIMULATORS["classic"].found() or missing("no Gazebo Classic 11: run scripts/gazebo-classic")
 
 
 @pytest.fixture(scope="session")
@@ -26,9 +27,9 @@ def check_sdf(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Path], str]
     """What libsdformat says of a file."""
     empty = tmp_path_factory.mktemp("sdf") / "empty.sdf"
     empty.write_text('<sdf version="1.6"/>\n')
-    found = (checker for checker in CHECKERS if "Valid" in printed(*checker, str(empty)))
+    found = (checker for checker in CHECKERS if "Valid" in printed([*checker, empty]))
     checker = next(found, None) or missing("no libsdformat 12: run scripts/sdformat")
-    return lambda path: printed(*checker, str(path))
+    return lambda path: printed([*checker, path])
 
 
 def missing(why: str) -> NoReturn:

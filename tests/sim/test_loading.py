@@ -9,24 +9,25 @@ import numpy as np
 import pytest
 
 import rsegen
+from rsegen.simulators import Installation
+from rsegen.simulators.classic_world import Pose, simulated
 from sim.bodies import SIZE, body
-from sim.gazebo import Gazebo, Pose
 from sim.maps import examples, generated, kinds, map_name, variants
 
 Place = tuple[float, float, float]
 
 
 @pytest.mark.parametrize("recipe", [*examples(), *variants(), *kinds()], ids=map_name)
-def test_gazebo_loads_every_map(recipe: rsegen.Recipe, gazebo: Gazebo, tmp_path: Path) -> None:
+def test_gazebo_loads_every_map(recipe: rsegen.Recipe, gazebo: Installation, tmp_path: Path) -> None:
     made = generated(recipe, tmp_path)
 
-    run = gazebo.run(made.world, steps=100)
+    run = simulated(gazebo, made.world, steps=100)
 
     assert not run.errors
     assert places(run.poses) == expected_places(made.scene)
 
 
-def test_gazebo_finds_the_model_package_by_its_name(gazebo: Gazebo, tmp_path: Path) -> None:
+def test_gazebo_finds_the_model_package_by_its_name(gazebo: Installation, tmp_path: Path) -> None:
     recipe = next(recipe for recipe in variants() if recipe.mesh_type == "single")
     made = generated(recipe, tmp_path / "models")
     field = made.scene.field
@@ -37,18 +38,18 @@ def test_gazebo_finds_the_model_package_by_its_name(gazebo: Gazebo, tmp_path: Pa
     world = tmp_path / "other.world"
     world.write_text(f'<sdf version="1.6">\n  <world name="other">\n{included}{dropped}  </world>\n</sdf>\n')
 
-    run = gazebo.run(world, steps=500, models=made.folder.parent)
+    run = simulated(gazebo, world, steps=500, models=made.folder.parent)
 
     assert not run.errors
     assert run.poses["cube"].z == pytest.approx(field.heights.max() + SIZE / 2, abs=0.001)
 
 
-def test_a_missing_mesh_is_an_error_in_the_log(gazebo: Gazebo, tmp_path: Path) -> None:
+def test_a_missing_mesh_is_an_error_in_the_log(gazebo: Installation, tmp_path: Path) -> None:
     made = generated(next(iter(variants())), tmp_path)
     for mesh in made.folder.glob("meshes/*.obj"):
         mesh.unlink()
 
-    assert gazebo.run(made.world, steps=1).errors
+    assert simulated(gazebo, made.world, steps=1).errors
 
 
 def places(poses: Mapping[str, Pose]) -> dict[str, Place]:

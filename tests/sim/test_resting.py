@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import rsegen
+from rsegen.simulators import Installation
+from rsegen.simulators.classic_world import simulated
 from sim.bodies import SHAPES, SIZE, body, furnished
-from sim.gazebo import Gazebo
 from sim.maps import examples, generated, map_name, shaped, variants
 
 DROP = 0.01
@@ -22,13 +23,13 @@ Spot = tuple[str, str, float, float, float]
 
 
 @pytest.mark.parametrize("recipe", [*examples(), *variants(), *shaped()], ids=map_name)
-def test_bodies_rest_on_the_top_of_their_cell(recipe: rsegen.Recipe, gazebo: Gazebo, tmp_path: Path) -> None:
+def test_bodies_rest_on_the_top_of_their_cell(recipe: rsegen.Recipe, gazebo: Installation, tmp_path: Path) -> None:
     made = generated(recipe, tmp_path)
     field = made.scene.field
     targets = list(spots(field))
     world = furnished(made.world, [body(name, shape, (x, y, top + DROP)) for name, shape, x, y, top in targets])
 
-    run = gazebo.run(world, steps=1500)
+    run = simulated(gazebo, world, steps=1500)
 
     assert not run.errors
     inside = (field.block_width - SIZE) / 2

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from typing import Any, NoReturn
 
-from rsegen.cli import examples, generate, gui, info, obstacles, preview, schema
+from rsegen.cli import examples, generate, gui, import_, info, obstacles, open, preview, schema, sim
 from rsegen.errors import UnknownName, shown
 from rsegen.version import __version__
 
-COMMANDS = (generate, gui, preview, info, obstacles, examples, schema)
+COMMANDS = (generate, import_, gui, open, preview, info, obstacles, examples, schema, sim)
 
 
 class Parser(argparse.ArgumentParser):

@@ -32,12 +32,13 @@ def folder(text: str) -> Path:
     return Path(text)
 
 
-def add_recipe_flags(command: argparse.ArgumentParser) -> None:
-    """Every global parameter and `--obstacle`."""
-    group = command.add_argument_group("recipe", "each overrides what RECIPE says")
+def add_recipe_flags(command: argparse.ArgumentParser, over: str = "RECIPE") -> None:
+    """Every global parameter and `--obstacle`, over what a file of that name says."""
+    group = command.add_argument_group("recipe", f"each overrides what {over} says")
     defaults = Recipe(seed=0)
     for name, parameter in parameters(Recipe).items():
-        usual = "" if name in ("seed", "description") else f", {_plain(getattr(defaults, name))} by default"
+        told = over == "RECIPE" and name not in ("seed", "description")
+        usual = f", {_plain(getattr(defaults, name))} by default" if told else ""
         text = f"{parameter.help} ({parameter.describe()}{usual})".replace("%", "%%")
         group.add_argument(f"--{name.replace('_', '-')}", dest=name, metavar=_metavar(name), help=text)
     group.add_argument("--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=OBSTACLE_HELP)
@@ -45,12 +46,19 @@ def add_recipe_flags(command: argparse.ArgumentParser) -> None:
 
 def recipe_from(arguments: argparse.Namespace) -> Recipe:
     """The recipe of the file, if one is given, with the flags over it and their obstacles after its own."""
-    known = parameters(Recipe)
-    given = {name: getattr(arguments, name) for name in known if getattr(arguments, name) is not None}
-    values: dict[str, Any] = {name: known[name].parse(text) for name, text in given.items()}
-    start = Recipe() if arguments.recipe is None else load(_file(arguments.recipe))
+    return with_flags(Recipe() if arguments.recipe is None else load(_file(arguments.recipe)), arguments)
+
+
+def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
+    """A recipe with the flags over it and their obstacles after its own."""
     added = tuple(placement(text) for text in arguments.obstacle)
-    return replace(start, **values, obstacles=(*start.obstacles, *added))
+    return replace(start, **given(Recipe, arguments), obstacles=(*start.obstacles, *added))
+
+
+def given(owner: type, arguments: argparse.Namespace) -> dict[str, Any]:
+    """What the flags say of the parameters of a dataclass; not yet checked."""
+    texts = {name: getattr(arguments, name, None) for name in parameters(owner)}
+    return {name: parameters(owner)[name].parse(text) for name, text in texts.items() if text is not None}
 
 
 def placement(text: str) -> Placement:

@@ -28,6 +28,13 @@ def add(commands: Subparsers) -> None:
         epilog="rsegen obstacles lists the kinds of obstacles and their parameters.",
     )
     command.add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
+    add_output_flags(command)
+    add_recipe_flags(command)
+    command.set_defaults(run=run)
+
+
+def add_output_flags(command: argparse.ArgumentParser) -> None:
+    """Where to write, and how."""
     command.add_argument(
         "-o", "--output", type=folder, required=True, metavar="DIR", help="folder to write the maps into"
     )
@@ -44,13 +51,15 @@ def add(commands: Subparsers) -> None:
     command.add_argument(
         "--workers", metavar="N", help=f"{WORKERS.help} ({WORKERS.describe()}, as many as there are cores by default)"
     )
-    add_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Generate, and say what was made."""
-    recipe = recipe_from(arguments)
+    produce(recipe_from(arguments), arguments)
+
+
+def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
+    """Write the maps of a recipe, and say what was made."""
     with _told_how_to_go_on(recipe, arguments), _bar(recipe) as progress:
         made = generate(
             recipe,

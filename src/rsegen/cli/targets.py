@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import os.path
-from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
 
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.examples import or_example
@@ -21,27 +22,42 @@ def add_target_flags(command: argparse.ArgumentParser) -> None:
     command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
 
 
-def recipes(target: str) -> Iterator[Recipe]:
-    """The recipe of a file or of a map's folder, or of every map in a folder; FileError where there is none."""
+class Found(NamedTuple):
+    """One map of a recipe, and the file that the recipe is from."""
+
+    file: Path
+    recipe: Recipe
+    map: int
+
+
+def recipe_files(target: str) -> list[Path]:
+    """A recipe's file, or that of a map's folder, or of every map in a folder; FileError where there is none."""
     path = or_example(target)
     own = path / "recipe.json" if os.path.isdir(target) else path
     files = [own] if own == path or own.is_file() else sorted(path.glob("*/recipe.json"))
     if not files:
         raise FileError(f"{target}: no map in it, nor in its folders (a map's folder has a recipe.json)")
-    return map(load, files)
+    return files
+
+
+def found(target: str, which: str | None) -> Found:
+    """One map of `target`: the given one, or the first."""
+    names = []
+    for file in recipe_files(target):
+        recipe = load(file)
+        index = recipe.first_map if which is None else _index(recipe, which)
+        if index is not None:
+            return Found(file, recipe, index)
+        names += [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
+    known = f"give an index or name, {names[0]}..{names[-1]}"
+    raise ParameterError("--map", f"there is no map {shown(which)} in {target}; {known}")
 
 
 def chosen(target: str, which: str | None) -> Scene:
     """The scene of one map of `target`: the given one, or the first."""
-    names = []
-    for recipe in recipes(target):
-        index = recipe.first_map if which is None else _index(recipe, which)
-        if index is not None:
-            refuse_too_large(recipe)
-            return compose(recipe, index)
-        names += [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
-    known = f"give an index or name, {names[0]}..{names[-1]}"
-    raise ParameterError("--map", f"there is no map {shown(which)} in {target}; {known}")
+    _, recipe, index = found(target, which)
+    refuse_too_large(recipe)
+    return compose(recipe, index)
 
 
 def _index(recipe: Recipe, which: str) -> int | None:

@@ -5,9 +5,20 @@ from __future__ import annotations
 from typing import TypeVar, cast
 
 from PySide6.QtCore import QSignalBlocker, Signal
-from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QLineEdit, QSpinBox, QWidget
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QDoubleSpinBox,
+    QHBoxLayout,
+    QInputDialog,
+    QLineEdit,
+    QPushButton,
+    QSpinBox,
+    QWidget,
+)
 
-from rsegen.params import Choice, Json, Parameter, Real, Whole
+from rsegen.obstacles.matrix import Rows
+from rsegen.params import Choice, Flag, Json, Parameter, Real, Whole
 from rsegen.places import Pair
 
 _MOST = 2**31 - 1
@@ -139,7 +150,7 @@ class TextEditor(Editor):
     """Anything else, in the words of the command line."""
 
     def _widgets(self) -> tuple[QWidget, ...]:
-        self._line = QLineEdit()
+        self._line = QLineEdit(placeholderText=self.parameter.describe())
         self._line.editingFinished.connect(self._tell)
         return (self._line,)
 
@@ -149,9 +160,51 @@ class TextEditor(Editor):
         return self.parameter.parse(text) if text else None
 
     def _put(self, value: Json) -> None:
-        words = value if isinstance(value, list) else [value]
-        self._line.setText("" if value is None else ",".join(map(str, words)))
+        self._line.setText("" if value is None else self.parameter.spell(value))
         self._line.setCursorPosition(0)
+
+
+class FlagEditor(Editor):
+    """Yes or no."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        self._box = QCheckBox()
+        self._box.toggled.connect(self._tell)
+        return (self._box,)
+
+    def value(self) -> Json:
+        """Whether it is ticked."""
+        return self._box.isChecked()
+
+    def _put(self, value: Json) -> None:
+        self._box.setChecked(value)
+
+
+class RowsEditor(Editor):
+    """The levels of a matrix, in a text of their own: they may be many."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        self._rows: list[str] = []
+        self._button = QPushButton()
+        self._button.clicked.connect(self._ask)
+        return (self._button,)
+
+    def value(self) -> Json:
+        """The rows."""
+        return self._rows
+
+    def _put(self, value: Json) -> None:
+        self._rows = list(value)
+        n_x = len(str(self._rows[0]).split()) if self._rows else 0
+        self._button.setText(f"{n_x} x {len(self._rows)} cells...")
+
+    def _ask(self) -> None:
+        text, done = QInputDialog.getMultiLineText(
+            self, "Levels", "The top row is the largest y; a dot leaves its cell as it is.", "\n".join(self._rows)
+        )
+        if done:
+            self._put([line.strip() for line in text.splitlines() if line.strip()])
+            self._tell()
 
 
 def editor(name: str, parameter: Parameter) -> Editor:
@@ -160,5 +213,9 @@ def editor(name: str, parameter: Parameter) -> Editor:
         return ChoiceEditor(name, parameter)
     if isinstance(parameter, Pair):
         return PairEditor(name, parameter)
+    if isinstance(parameter, Flag):
+        return FlagEditor(name, parameter)
+    if isinstance(parameter, Rows):
+        return RowsEditor(name, parameter)
     small = isinstance(parameter, Real) or (isinstance(parameter, Whole) and (parameter.high or 0) <= _MOST)
     return NumberEditor(name, parameter) if small else TextEditor(name, parameter)

@@ -41,7 +41,7 @@ def lay_out(window: Window) -> QSplitter:
     for notice in (window.warning, window.complaint):
         notice.setContentsMargins(10, 0, 10, 0)
     below = QSplitter()
-    below.addWidget(window.plan)
+    below.addWidget(_column(window.brushes, window.plan))
     below.addWidget(_group("Obstacles, imposed from the first to the last", window.rows))
     below.setStretchFactor(0, 1)
     below.setSizes([330, 520])
@@ -82,6 +82,15 @@ def row_of(*widgets: QWidget) -> QHBoxLayout:
     for widget in widgets:
         row.addWidget(widget)
     return row
+
+
+def _column(*widgets: QWidget) -> QWidget:
+    column = QWidget()
+    box = QVBoxLayout(column)
+    box.setContentsMargins(0, 0, 0, 0)
+    for widget in widgets:
+        box.addWidget(widget, stretch=widget is widgets[-1])
+    return column
 
 
 def _group(title: str, *contents: QWidget | QHBoxLayout) -> QGroupBox:

@@ -25,6 +25,8 @@ first of the list to the last; where they meet, the later one counts, or as its 
 with the sliders; press <b>+</b>. Or draw it on the plan with the mouse.</li>
 <li>Click a row of the list, or a handle on the plan, to change an obstacle; drag its ends; <b>-</b> removes the last,
 <b>C</b> all of them. Drag a row of the list to move it in the order. Everything can be undone.</li>
+<li><b>Paint cells</b> (P) gives single cells a level: with the mouse, or by typing digits on the plan; they become a
+matrix.</li>
 <li>A coordinate that is <i>random</i> is drawn for every map anew; <b>Re-roll</b> draws another seed.
 While <b>Keep</b> is ticked, Start writes what is shown; without it every Start draws another seed first.</li>
 <li><b>Start</b> writes the maps as worlds for Gazebo, into the folder above it.</li>

@@ -14,13 +14,16 @@ from PySide6.QtWidgets import QFileDialog, QMenu, QMessageBox
 from rsegen.errors import RsegenError
 from rsegen.gui.example_dialog import ExampleDialog
 from rsegen.gui.manual import show_manual
+from rsegen.gui.reading import Reading
 from rsegen.gui.session import Session
 from rsegen.gui.spelled_dialog import SpelledDialog
+from rsegen.importers import FORMATS
 
 if TYPE_CHECKING:
     from rsegen.gui.window import Window
 
-RECIPES = "Recipes (*.yaml *.yml *.json)"
+RECIPE_SUFFIXES = (".yaml", ".yml", ".json")
+RECIPES = f"Recipes ({' '.join('*' + suffix for suffix in RECIPE_SUFFIXES)})"
 REMEMBERED = 8
 """So many recent files."""
 
@@ -33,6 +36,7 @@ def add_menus(window: Window) -> None:
     _act(window, files, "&Open...", partial(choose_file, window), QKeySequence.StandardKey.Open)
     recent = files.addMenu("Open &recent")
     recent.aboutToShow.connect(partial(_fill_recent, window, recent))
+    _act(window, files, "Read &heights...", partial(choose_heights, window), "Ctrl+I")
     _act(window, files, "&Save", partial(save, window), QKeySequence.StandardKey.Save)
     _act(window, files, "Save &as...", partial(save_as, window), QKeySequence.StandardKey.SaveAs)
     _act(window, files, "&Quit", window.close, QKeySequence.StandardKey.Quit)
@@ -45,6 +49,7 @@ def add_menus(window: Window) -> None:
     _act(window, edit, "Re&move obstacle", partial(_with_row, window, _remove), QKeySequence.StandardKey.Delete)
     _act(window, edit, "Move obstacle u&p", partial(_with_row, window, partial(_shift, by=-1)), "Alt+Up")
     _act(window, edit, "Move obstacle d&own", partial(_with_row, window, partial(_shift, by=1)), "Alt+Down")
+    _act(window, edit, "&Paint cells", window.brushes.taken.toggle, "P")
     _act(window, edit, "Re-&roll the seed", lambda: window.session.reroll(), "Ctrl+R")
     view = window.menuBar().addMenu("&View")
     _act(window, view, "&Whole map", window.view.reset_camera, "Ctrl+0")
@@ -109,6 +114,26 @@ def open_file(window: Window, path: Path) -> None:
     replace_session(window, partial(Session.opened, path))
     if window.session.path == path:
         _remember(path)
+
+
+def choose_heights(window: Window) -> None:
+    """Read heights from a file that is asked for."""
+    suffixes = " ".join(f"*{suffix}" for suffix in FORMATS)
+    name, _ = QFileDialog.getOpenFileName(window, "Read heights", "", f"Tables, arrays, images, maps ({suffixes})")
+    if name:
+        read_heights(window, Path(name))
+
+
+def read_heights(window: Window, path: Path) -> None:
+    """A new recipe from heights, read as the dialog says."""
+    reading = Reading(window, path)
+    if reading.exec() and reading.recipe:
+        replace_session(window, partial(Session.imported, reading.recipe))
+
+
+def take_dropped(window: Window, path: Path) -> None:
+    """Open a recipe, or read heights."""
+    (open_file if path.suffix.lower() in RECIPE_SUFFIXES else read_heights)(window, path)
 
 
 def save(window: Window) -> None:

@@ -12,6 +12,7 @@ from rsegen.gui import sheet
 from rsegen.gui.cells import Layout, fit
 from rsegen.gui.colours import centimetres
 from rsegen.gui.handles import ENDS, Grip, Handle, cell_of, grip_at, moved
+from rsegen.gui.painting import BARE, beside, stroke
 from rsegen.places import Cell
 from rsegen.scene import Scene
 
@@ -29,13 +30,15 @@ class PlanView(QWidget):
     """A scene from above, north up, with the ends of its obstacles.
 
     hovered: what is under the cursor, empty beside the map. chosen: the row of the obstacle whose handle was pressed.
-    moved: row, "first" or "last", x, y. drawn: x and y of the first end, x and y of the last. All in block cells.
+    moved: row, "first" or "last", x, y. drawn: x and y of the first end, x and y of the last. painted: cells, the level
+    they are to have (BARE: none), and the number of the stroke. All in block cells.
     """
 
     hovered = Signal(str)
     chosen = Signal(int)
     moved = Signal(int, str, int, int)
     drawn = Signal(int, int, int, int)
+    painted = Signal(object, int, int)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -49,6 +52,10 @@ class PlanView(QWidget):
         self._pressed: QPointF | None = None
         self._band: tuple[Cell, Cell] | None = None
         self._switched = False
+        self._brush: int | None = None
+        self._wet: int | None = None
+        self._cursor: Cell = (0, 0)
+        self._strokes = 0
         self._introduce()
 
     def show(self, scene: Scene | None = None, handles: Sequence[Handle] = (), selected: int | None = None) -> None:
@@ -64,6 +71,12 @@ class PlanView(QWidget):
         if self._held and not cell_of(handles, self._held):
             self._held = None
         self.update()
+
+    def take_brush(self, level: int | None) -> None:
+        """Paint cells of this level from now on; with None, draw and move obstacles again."""
+        self._let_go()
+        self._brush = level
+        self.setCursor(Qt.CursorShape.ArrowCursor if level is None else Qt.CursorShape.CrossCursor)
 
     def sizeHint(self) -> QSize:
         """Room for heights in a map of twenty cells a side."""
@@ -81,8 +94,9 @@ class PlanView(QWidget):
         painter = QPainter(self)
         painter.drawPixmap(0, 0, self._painted_ground(self._scene, layout))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        sheet.paint_handles(painter, layout, self._handles, self._selected)
-        if self.hasFocus() and (grip := self._at_hand()) and (cell := cell_of(self._handles, grip)):
+        if self._brush is None:
+            sheet.paint_handles(painter, layout, self._handles, self._selected)
+        if self.hasFocus() and (cell := self._at_keys(layout)):
             sheet.paint_touched(painter, layout, cell, self.palette().color(QPalette.ColorRole.Highlight))
         if self._band:
             sheet.paint_band(painter, layout, *self._band)
@@ -90,6 +104,9 @@ class PlanView(QWidget):
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take hold of a handle, or begin to draw."""
         layout = self._placed()
+        if layout and self._brush is not None:
+            self._dip(layout, event)
+            return
         if not layout or event.button() != Qt.MouseButton.LeftButton:
             return
         point = event.position().toTuple()
@@ -110,7 +127,9 @@ class PlanView(QWidget):
             return
         point = event.position().toTuple()
         self._say(layout.cell_at(point))
-        if self._held:
+        if self._wet is not None:
+            self._paint_to(layout.nearest_block(point), self._wet)
+        elif self._held:
             self._move(self._held, layout.nearest_block(point))
         elif self._pressed and self._far(event.position()):
             self._band = layout.nearest_block(self._pressed.toTuple()), layout.nearest_block(point)
@@ -118,11 +137,11 @@ class PlanView(QWidget):
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Let go; what was drawn becomes an obstacle."""
-        if event.button() != Qt.MouseButton.LeftButton:
+        if event.button() != Qt.MouseButton.LeftButton and self._wet is None:
             return
         band = self._band
         self._let_go()
-        if band:
+        if band and self._brush is None:
             self.drawn.emit(*band[0], *band[1])
 
     def leaveEvent(self, event: QEvent) -> None:
@@ -132,6 +151,8 @@ class PlanView(QWidget):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Arrows move the handle that was touched last by a cell; Escape gives up what is being drawn."""
+        if self._brush is not None and self._paint_by_key(event, self._brush):
+            return
         step, grip, layout = _STEPS.get(Qt.Key(event.key())), self._at_hand(), self._placed()
         cell = cell_of(self._handles, grip) if grip else None
         if event.key() == Qt.Key.Key_Escape and (self._band or self._held):
@@ -144,7 +165,7 @@ class PlanView(QWidget):
 
     def focusNextPrevChild(self, next: bool) -> bool:  # noqa: A002, FBT001  # Qt's word
         """Tab goes to the selected obstacle's other end; a second Tab in a row, and Shift+Tab, leave the plan."""
-        grip = self._at_hand()
+        grip = self._at_hand() if self._brush is None else None
         other = Grip(grip.row, ENDS[grip.end == "first"]) if grip else None
         if not next or self._switched or not other or not cell_of(self._handles, other):
             return super().focusNextPrevChild(next)
@@ -204,6 +225,43 @@ class PlanView(QWidget):
         ends = (Grip(self._selected, end) for end in ENDS)
         return next((grip for grip in ends if cell_of(self._handles, grip)), None)
 
+    def _at_keys(self, layout: Layout) -> Cell | None:
+        """The block cell that the keyboard works on."""
+        if self._brush is not None:
+            return layout.moved(self._cursor, (0, 0))
+        grip = self._at_hand()
+        return cell_of(self._handles, grip) if grip else None
+
+    def _dip(self, layout: Layout, event: QMouseEvent) -> None:
+        """Begin a stroke of paint, or with another button than the left one of taking it off."""
+        cell = layout.cell_at(event.position().toTuple())
+        if cell and (block := layout.block_of(cell)):
+            self._wet = self._brush if event.button() == Qt.MouseButton.LeftButton and self._brush is not None else BARE
+            self._cursor, self._strokes = block, self._strokes + 1
+            self._paint_to(block, self._wet)
+
+    def _paint_to(self, block: Cell, level: int) -> None:
+        """All cells from the last one on, so that a quick stroke has no gaps."""
+        cells = stroke(self._cursor, block)
+        self._cursor = block
+        self.painted.emit(cells, level, self._strokes)
+        self.update()
+
+    def _paint_by_key(self, event: QKeyEvent, level: int) -> bool:
+        """Arrows move, a digit is the level of the cell and goes on, Space paints, Backspace takes off."""
+        layout, key, typed = self._placed(), Qt.Key(event.key()), event.text()
+        levels = {" ": level, "\b": BARE} | {str(digit): digit for digit in range(10)}
+        if not layout or not (key in _STEPS or typed in levels):
+            return False
+        self._cursor = layout.moved(self._cursor, _STEPS.get(key, (0, 0)))
+        if key not in _STEPS:
+            self._strokes += 1
+            self._paint_to(self._cursor, levels[typed])
+            if typed.isdigit():
+                self._cursor = beside(self._cursor, (len(layout.blocks[0]), len(layout.blocks[1])))
+        self.update()
+        return True
+
     def _move(self, grip: Grip, cell: Cell) -> None:
         if cell != cell_of(self._handles, grip):
             self._handles = moved(self._handles, grip, cell)
@@ -216,7 +274,7 @@ class PlanView(QWidget):
         return self._band is not None or (point - start).manhattanLength() >= QApplication.startDragDistance()
 
     def _let_go(self) -> None:
-        self._held = self._pressed = self._band = None
+        self._held = self._pressed = self._band = self._wet = None
         self.update()
 
     def _say(self, cell: Cell | None) -> None:

@@ -81,6 +81,13 @@ class Session:
         """The recipe of a file that stays as it is."""
         return cls(draft=drafted(load(path)))
 
+    @classmethod
+    def imported(cls, recipe: Recipe) -> Session:
+        """A recipe that is in no file yet."""
+        session = cls(draft=drafted(recipe))
+        session._saved = None
+        return session
+
     # Global parameters.
 
     def set(self, name: str, value: Json, *, gesture: object = None) -> None:
@@ -93,11 +100,11 @@ class Session:
 
     # The list of obstacles.
 
-    def add(self, entry: Entry, at: int | None = None) -> int:
+    def add(self, entry: Entry, at: int | None = None, *, gesture: object = None) -> int:
         """Add an obstacle, at the end where nothing else is said; gives its row."""
         at = len(self.draft.rows) if at is None else at
         row = Row(entry=MappingProxyType({**entry, "key": self._free_key()}))
-        self._put_rows((*self.draft.rows[:at], row, *self.draft.rows[at:]))
+        self._put_rows((*self.draft.rows[:at], row, *self.draft.rows[at:]), gesture)
         return at
 
     def duplicate(self, row: int) -> int:
@@ -163,8 +170,8 @@ class Session:
         self.path, self._saved = path, self.draft
         self.changed()
 
-    def _put_rows(self, rows: tuple[Row, ...]) -> None:
-        self._put(replace(self.draft, rows=rows), None)
+    def _put_rows(self, rows: tuple[Row, ...], gesture: object = None) -> None:
+        self._put(replace(self.draft, rows=rows), gesture)
 
     def _change(self, number: int, row: Row, gesture: object) -> None:
         rows = (*self.draft.rows[:number], row, *self.draft.rows[number + 1 :])

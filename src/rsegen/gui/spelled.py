@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterator
 
 from rsegen.gui.session import Entry, drafted
 from rsegen.obstacles import KINDS
@@ -15,7 +15,7 @@ def command_line(recipe: Recipe, folder: str) -> str:
     """The command that generates the same."""
     words = ["rsegen", "generate", "-o", folder]
     for name, value in _stated(recipe).items():
-        words += [f"--{name.replace('_', '-')}", _word(value, "x")]
+        words += [f"--{name.replace('_', '-')}", parameters(Recipe)[name].spell(value)]
     for placement in recipe.obstacles:
         words += ["--obstacle", " ".join(_words(placement.entry()))]
     return shlex.join(words)
@@ -44,12 +44,10 @@ def _call(placement: Placement) -> str:
     return f"rsegen.Placement(obstacle=rsegen.{name}({inner}){outer})"
 
 
-def _words(entry: Entry) -> Sequence[str]:
-    return [str(entry["kind"]), *(f"{key}={_word(value, ',')}" for key, value in entry.items() if key != "kind")]
-
-
-def _word(value: Json, joint: str) -> str:
-    return joint.join(map(str, value)) if isinstance(value, list) else str(value)
+def _words(entry: Entry) -> Iterator[str]:
+    known = {**parameters(KINDS[entry["kind"]]), **parameters(Placement)}
+    yield entry["kind"]
+    yield from (f"{name}={known[name].spell(value)}" for name, value in entry.items() if name in known)
 
 
 def _tuple(value: Json) -> Json:

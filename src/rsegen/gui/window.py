@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -15,22 +16,26 @@ from PySide6.QtWidgets import (
     QSpinBox,
 )
 
+from rsegen.gui.brushes import Brushes
 from rsegen.gui.editors import named
 from rsegen.gui.handles import Handle, handles_of, spanned
 from rsegen.gui.layout import lay_out
 from rsegen.gui.level_bar import LevelBar
 from rsegen.gui.look import Look, is_quick, look_at
 from rsegen.gui.map_form import OFTEN, SELDOM, MapForm
-from rsegen.gui.menus import add_menus, enable_actions, open_file
+from rsegen.gui.menus import RECIPE_SUFFIXES, add_menus, enable_actions, take_dropped
 from rsegen.gui.newest import Newest
 from rsegen.gui.notice import Notice
 from rsegen.gui.numbers import Costs, costs
 from rsegen.gui.obstacle_form import ObstacleForm
+from rsegen.gui.painting import BARE, paintable, painted
 from rsegen.gui.plan import PlanView
 from rsegen.gui.rows import Rows
 from rsegen.gui.session import Session, straightened
 from rsegen.gui.start_form import StartForm
 from rsegen.gui.view import FieldView
+from rsegen.importers import FORMATS
+from rsegen.places import Cell
 from rsegen.scene import Scene
 from rsegen.stepfield import Window as Window_
 
@@ -88,7 +93,7 @@ class Window(QMainWindow):
 
     def _make_widgets(self) -> None:
         self.often, self.seldom, self.obstacle, self.rows = MapForm(OFTEN), MapForm(SELDOM), ObstacleForm(), Rows()
-        self.view, self.plan = FieldView(), PlanView()
+        self.view, self.plan, self.brushes = FieldView(), PlanView(), Brushes()
         self.index = named(QSpinBox(prefix="map "), "index", tip="which of the maps is shown")
         self.add = named(QPushButton("+"), "add", title="add obstacle", tip="add this obstacle (Ctrl+Return)")
         self.drop = named(QPushButton("-"), "drop", title="remove last obstacle", tip="remove the last obstacle")
@@ -125,6 +130,8 @@ class Window(QMainWindow):
         self.plan.moved.connect(self._end_moved)
         self.plan.drawn.connect(self._drawn)
         self.plan.hovered.connect(self.cell.setText)
+        self.plan.painted.connect(self._painted)
+        self.brushes.chosen.connect(self.plan.take_brush)
 
     @Slot()
     def add_obstacle(self) -> None:
@@ -158,10 +165,21 @@ class Window(QMainWindow):
         self.selected = len(self.session.draft.rows)
         self.session.add(straightened({**self.obstacle.entry(), "first": [x1, y1], "last": [x2, y2]}, "last"))
 
+    def _painted(self, cells: Sequence[Cell], level: int, stroke: int) -> None:
+        """Into the matrix that is chosen, else into a new one."""
+        rows, gesture = self.session.draft.rows, ("paint", stroke)
+        if self.selected >= 0 and paintable(rows[self.selected].entry):
+            entry = painted(rows[self.selected].entry, cells, level)
+            self.session.change(self.selected, entry, gesture=gesture)
+        elif level != BARE:
+            self.selected = len(rows)
+            self.session.add(painted(None, cells, level), gesture=gesture)
+
     def _show_obstacle(self) -> None:
         recipe, rows = self.session.recipe, self.session.draft.rows
         entry = rows[self.selected].entry if self.selected >= 0 else self.obstacle.entry()
         self.obstacle.show_entry(entry, recipe.grid, recipe.unit_cm)
+        self.brushes.show_unit(recipe.unit_cm)
 
     def _look(self) -> None:
         """Make the field: a large one behind the window."""
@@ -218,14 +236,14 @@ class Window(QMainWindow):
             self.halves.setSizes([430, 850])
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Recipes may be dropped."""
+        """Recipes and heights may be dropped."""
         if _dropped(event):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
         """Open what is dropped."""
         if path := _dropped(event):
-            open_file(self, path)
+            take_dropped(self, path)
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask where something is not saved; wait for what is being written."""
@@ -246,6 +264,6 @@ class Window(QMainWindow):
 
 
 def _dropped(event: QDropEvent) -> Path | None:
-    """The recipe file that is dragged, if it is one."""
+    """The recipe or file of heights that is dragged, if it is one."""
     paths = (Path(url.toLocalFile()) for url in event.mimeData().urls())
-    return next((path for path in paths if path.suffix.lower() in {".yaml", ".yml", ".json"}), None)
+    return next((path for path in paths if path.suffix.lower() in {*RECIPE_SUFFIXES, *FORMATS}), None)

@@ -9,7 +9,8 @@ import numpy as np
 
 from rsegen.chance import pick
 from rsegen.obstacles.base import Grid, Shaped, register
-from rsegen.places import Cell, Coordinate, Place
+from rsegen.obstacles.span import side
+from rsegen.places import Cell, Place
 from rsegen.stepfield import Array
 
 
@@ -47,23 +48,6 @@ class Peak(Shaped):
         given = [abs(a - b) for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
         span = given[0] if given else pick(rng, (grid.chunk_size + 1) // 2, grid.chunk_size) - 1
         (x1, x2), (y1, y2) = (
-            _side(a, b, min(span, cells - 1), cells, rng) for a, b, cells in zip(first, last, grid.shape, strict=True)
+            side(a, b, min(span, cells - 1), cells, rng) for a, b, cells in zip(first, last, grid.shape, strict=True)
         )
         return (x1, y1), (x2, y2)
-
-
-def _side(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:
-    """Both coordinates on one axis, `span` apart where one of them is left to chance."""
-    if first == "random" and last == "random":
-        low = pick(rng, 0, cells - 1 - span)
-        return low, low + span
-    if first == "random":
-        return _beside(last, span, cells), last  # type: ignore[arg-type,return-value]  # last is given
-    if last == "random":
-        return first, _beside(first, span, cells)
-    return first, last
-
-
-def _beside(at: int, span: int, cells: int) -> int:
-    """A coordinate `span` cells on, or back where the map ends; never off the map."""
-    return at + span if at + span < cells else max(at - span, 0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import accumulate
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -31,6 +31,9 @@ class Weights:
 
     def parse(self, text: str) -> object:
         return [Real().parse(part) for part in text.split(",")]
+
+    def spell(self, value: Any) -> str:
+        return ",".join(map(str, value))
 
     def schema(self) -> dict[str, Json]:
         return {"type": "array", "items": Real(0, 1e12).schema(), "minItems": 1}

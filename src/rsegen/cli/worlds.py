@@ -1,0 +1,51 @@
+"""The world that a target of the command line stands for: a file, that of a map's folder, or one made of a recipe."""
+
+from __future__ import annotations
+
+import os.path
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rsegen.cli.targets import found
+from rsegen.errors import FileError
+from rsegen.pipeline import generate
+from rsegen.recipe import Recipe
+from rsegen.recipe_file import load
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class World:
+    """A world file, or the recipe of the one map that it is to be made of; what it says of simulators."""
+
+    file: Path | None = None
+    recipe: Recipe | None = None
+    made_for: str
+
+    @contextmanager
+    def on_disk(self) -> Iterator[Path]:
+        """Its file; one that is made of a recipe goes when this ends."""
+        if self.file:
+            yield self.file
+        if self.recipe:
+            with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
+                yield generate(self.recipe, folder).maps[0].world
+
+
+def world_of(target: str, which: str | None) -> World:
+    """The world of a target."""
+    if not os.path.isdir(target) and Path(target).suffix in (".world", ".sdf"):
+        beside = Path(target).with_name("recipe.json")
+        return World(file=_there(Path(target)), made_for=load(beside).simulator if beside.is_file() else "both")
+    file, recipe, index = found(target, which)
+    if os.path.isdir(target):
+        return World(file=_there(file.with_name(f"{recipe.map_name(index)}.world")), made_for=recipe.simulator)
+    return World(recipe=replace(recipe, first_map=index, maps=1), made_for=recipe.simulator)
+
+
+def _there(file: Path) -> Path:
+    if not file.is_file():
+        raise FileError(f"{file}: there is no such world")
+    return file

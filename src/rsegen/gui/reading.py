@@ -1,0 +1,68 @@
+"""Asking how a file of heights is to be read: the options of its format, and the unit."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QLabel, QVBoxLayout, QWidget
+
+from rsegen.errors import RsegenError
+from rsegen.gui.editors import Editor, TextEditor, editor, named
+from rsegen.gui.notice import Notice
+from rsegen.importers import format_of, imported
+from rsegen.params import parameters
+from rsegen.recipe import Recipe
+
+
+class Reading(QDialog):
+    """A form of a format's options; `recipe` is there once it is accepted."""
+
+    def __init__(self, parent: QWidget, path: Path) -> None:
+        super().__init__(parent)
+        named(self, "reading")
+        self.setWindowTitle(f"Read heights from {path.name}")
+        self.recipe: Recipe | None = None
+        self._path, self._format = path, format_of(path)
+        self._form = QFormLayout()
+        self._editors = {name: self._field(name) for name in parameters(self._format)}
+        self._unit = self._add(TextEditor("unit_cm", parameters(Recipe)["unit_cm"]), "Unit in cm (else as in the file)")
+        self._complaint = Notice("reading_complaint")
+        self._lay_out()
+
+    def accept(self) -> None:
+        """Read it; what is wrong is said here."""
+        try:
+            options = {name: each.value() for name, each in self._editors.items()}
+            unit = self._unit.value()
+            checked = None if unit is None else self._unit.parameter.check("unit_cm", unit)
+            self.recipe = imported(self._path, self._format(**options), checked)
+        except RsegenError as error:
+            self._complaint.say(str(error))
+            return
+        super().accept()
+
+    def _field(self, name: str) -> Editor:
+        """An option; one that may be left out is a text that may be empty."""
+        option = parameters(self._format)[name]
+        default = next(field.default for field in fields(self._format) if field.name == name)
+        each = TextEditor(name, option) if default is None else editor(name, option)
+        each.show_value(default)
+        return self._add(each, name.replace("_", " ").capitalize())
+
+    def _add(self, each: Editor, title: str) -> Editor:
+        label = QLabel(title)
+        label.setBuddy(each)
+        self._form.addRow(label, each)
+        return each
+
+    def _lay_out(self) -> None:
+        said = QLabel((self._format.__doc__ or "").splitlines()[0], wordWrap=True)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        column = QVBoxLayout(self)
+        column.addWidget(said)
+        column.addLayout(self._form)
+        column.addWidget(self._complaint)
+        column.addWidget(buttons)

@@ -1,0 +1,102 @@
+"""Heights in a table of text: what a person types in, a spreadsheet exports, or rsegen wrote."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from rsegen.errors import FileError, shown
+from rsegen.importers.base import Format, Heights, refuse_too_many_cells, register, whole_units
+from rsegen.params import Choice, Flag
+from rsegen.stepfield import Array
+
+_USUAL_UNIT = 10.0
+_MOST_BYTES = 2**27
+_OURS = re.compile(r"# block levels in units of ([0-9.]{1,12}) cm")
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Table(Format):
+    """A row of numbers a line, the top row the largest y, apart by commas, semicolons, tabs or blanks; # comments."""
+
+    name: ClassVar[str] = "table"
+    suffixes: ClassVar[tuple[str, ...]] = (".csv", ".tsv", ".txt")
+
+    values: Annotated[
+        str, Choice(("auto", "cm", "m", "levels"), help="what its numbers are; auto: as rsegen wrote them, else cm")
+    ] = "auto"
+    rounded: Annotated[bool, Flag(help="round heights that are no whole units, which are refused otherwise")] = False
+
+    def read(self, path: Path, unit_cm: float | None) -> Heights:
+        """Blank and bad cells are refused with their place."""
+        text = _text(path)
+        ours = _OURS.match(text)
+        values = ("levels" if ours else "cm") if self.values == "auto" else self.values
+        unit = unit_cm or (float(ours[1]) if ours else _USUAL_UNIT)
+        heights = _numbers(path, text) * centimetres(values, unit)
+        return Heights(levels=whole_units(path, heights, unit, rounded=self.rounded), unit_cm=unit)
+
+
+def centimetres(values: str, unit_cm: float) -> float:
+    """How many are in one of what a file's numbers are."""
+    return {"cm": 1.0, "m": 100.0, "levels": unit_cm}[values]
+
+
+def _text(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            content = file.read(_MOST_BYTES + 1)
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from None
+    if len(content) > _MOST_BYTES:
+        raise FileError(f"{path}: larger than {_MOST_BYTES // 2**20} MiB, too large for a table of heights")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileError(f"{path}: not a text in UTF-8") from None
+
+
+def _numbers(path: Path, text: str) -> Array:
+    """The cells of all lines, shape (n_x, n_y)."""
+    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), 1)]
+    rows = [(number, _cells(line)) for number, line in lines if line and line[0] != "#"]
+    for number, cells in rows:
+        if len(cells) != len(rows[0][1]):
+            first = f"{len(rows[0][1])} in line {rows[0][0]}"
+            raise FileError(f"{path}: line {number}: {len(cells)} cells, and {first}")
+    refuse_too_many_cells(path, len(rows[0][1]) if rows else 0, len(rows))
+    try:
+        numbers = np.array([cells for _, cells in rows], dtype=np.float64)
+    except ValueError:
+        raise FileError(f"{path}: {_first_bad(rows)}") from None
+    return numbers[::-1].T
+
+
+def _cells(line: str) -> list[str]:
+    """A line's cells; where semicolons part them, a comma is a decimal point."""
+    if ";" in line:
+        return [cell.strip().replace(",", ".") for cell in line.split(";")]
+    joint = next((joint for joint in ",\t" if joint in line), None)
+    return [cell.strip() for cell in line.split(joint)]
+
+
+def _first_bad(rows: list[tuple[int, list[str]]]) -> str:
+    """The first cell that is no number, and how many others there are."""
+    bad = [(line, column, cell) for line, cells in rows for column, cell in enumerate(cells, 1) if not _number(cell)]
+    line, column, cell = bad[0]
+    amiss = f"{shown(cell)} is not a number" if cell else "is blank"
+    others = f" ({len(bad) - 1} more such cell{'s'[: len(bad) > 2]})" if len(bad) > 1 else ""
+    return f"line {line}, column {column}: {amiss}{others}"
+
+
+def _number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,163 @@
+"""What a simulator is: how it is found, how it is got where it is missing, and what has to be started to open a world.
+
+A simulator is one file of this folder with one class under `@register`. It starts nothing itself: it says a `Launch`,
+which can be printed, tested, or given to `process`.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import shutil
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import ClassVar, TypeVar
+
+_MARKS = ("[Err]", "[error]", "Error [", "Error Code")
+"""Of error lines: Gazebo's up to Harmonic, and from Ionic on; libsdformat's up to 9, and later."""
+
+_COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Launch:
+    """A command, the variables that it needs beside those that are there, and the folder that it runs in."""
+
+    command: tuple[str, ...]
+    environment: Mapping[str, str]
+    folder: Path
+
+    @property
+    def line(self) -> str:
+        """The same for a shell."""
+        variables = (f"{name}={shlex.quote(value)}" for name, value in self.environment.items())
+        return " ".join(["cd", shlex.quote(str(self.folder)), "&&", *variables, shlex.join(self.command)])
+
+    def with_options(self, *options: str) -> Launch:
+        """The same with more options, before the world."""
+        return replace(self, command=(*self.command[:-1], *options, self.command[-1]))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Opening:
+    """A world to be opened, and how.
+
+    models: the folder where model:// is looked for, by default the one above the world's; shared: at the address that
+    other programs of this user look at, instead of one of its own; home: a folder that stands for the user's home.
+    """
+
+    world: Path
+    models: Path | None = None
+    shared: bool = False
+    home: Path | None = None
+
+    @property
+    def folder(self) -> Path:
+        """The world's."""
+        return self.world.absolute().parent
+
+    @property
+    def home_variables(self) -> dict[str, str]:
+        """Where a program with a home of its own leaves what it leaves."""
+        return {"HOME": str(self.home), "TMPDIR": str(self.home)} if self.home else {}
+
+    def model_path(self, variable: str) -> str:
+        """The folder of models, before those that the user has in a variable."""
+        own = str((self.models or self.folder.parent).absolute())
+        return os.pathsep.join(filter(None, (own, os.environ.get(variable))))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Installation:
+    """A simulator that is there: its version, and its commands by their names."""
+
+    simulator: Simulator
+    version: str
+    commands: Mapping[str, Path]
+
+    def __str__(self) -> str:
+        return f"{self.simulator.title} {self.version}"
+
+
+class Simulator(ABC):
+    """A program that opens worlds.
+
+    name: as in a recipe's `simulator`; title: for people; generation: the newest is preferred; remedy: how to get it,
+    in lines; harmless: parts of error lines that say nothing against a world; unloaded: parts of lines that say that
+    the world is not there.
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    generation: ClassVar[int]
+    remedy: ClassVar[tuple[str, ...]]
+    harmless: ClassVar[tuple[str, ...]] = ()
+    unloaded: ClassVar[tuple[str, ...]] = ()
+
+    @abstractmethod
+    def found(self) -> Installation | None:
+        """What is installed of it here; None where nothing is, or something else of the same name."""
+
+    @abstractmethod
+    def windowed(self, here: Installation, opening: Opening) -> Launch | None:
+        """What opens a world with a window; None where the window is not installed."""
+
+    @abstractmethod
+    def headless(self, here: Installation, opening: Opening) -> Launch:
+        """What serves a world without a window."""
+
+    @abstractmethod
+    def standing(self, here: Installation, opening: Opening, home: Path) -> Launch:
+        """The same in a world that stands still until it is told to go on, by a server with such a home."""
+
+    @abstractmethod
+    def is_loaded(self, home: Path, log: str) -> bool:
+        """Whether a server that was started by `standing` has loaded its world, from the home and log that it has."""
+
+    def opens(self, made_for: str) -> bool:
+        """Whether it opens a map whose recipe says `simulator: made_for`."""
+        return made_for in ("both", self.name)
+
+    def complaints(self, log: str) -> list[str]:
+        """The error lines of a log, without the harmless ones."""
+        lines = _COLOUR_CODE.sub("", log).splitlines()
+        told = (line.strip() for line in lines if any(mark in line for mark in _MARKS))
+        return [line for line in told if not any(known in line for known in self.harmless)]
+
+    def has_not_loaded(self, log: str) -> bool:
+        """Whether a log says that the world is not there."""
+        plain = _COLOUR_CODE.sub("", log)
+        return any(words in plain for words in self.unloaded)
+
+
+def on_path(name: str, *elsewhere: Path) -> Path | None:
+    """Where a command is: on PATH, else in one of the given folders."""
+    places = (shutil.which(name), *(shutil.which(name, path=str(folder)) for folder in elsewhere))
+    return next((Path(place) for place in places if place), None)
+
+
+_REGISTRY: dict[str, Simulator] = {}
+_Kind = TypeVar("_Kind", bound=type[Simulator])
+
+
+def register(cls: _Kind) -> _Kind:
+    """Make a simulator known by its name; two of one name are a mistake in the program."""
+    if cls.name in _REGISTRY:
+        raise TypeError(f"two simulators are named {cls.name!r}: {_REGISTRY[cls.name]} and {cls}")
+    _REGISTRY[cls.name] = cls()
+    return cls
+
+
+def registered() -> Mapping[str, Simulator]:
+    """The simulators known so far, by name, the newest first."""
+    newest_first = sorted(_REGISTRY.items(), key=lambda item: -item[1].generation)
+    return MappingProxyType(dict(newest_first))
+
+
+def installations() -> Iterator[Installation]:
+    """Those that are installed here, the newest first; each is asked for its version when it is its turn."""
+    return (here for simulator in registered().values() if (here := simulator.found()))

@@ -1,0 +1,54 @@
+"""A program that ends a session of processes as soon as whoever started it is gone.
+
+python watch.py: its standard input names the session; where that closes, for whatever reason, the session is ended. A
+session and not a group of processes, because `gz sim` puts its server and its window into groups of their own. It is
+run by its path, so that it is there at once: it imports nothing of rsegen.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from contextlib import suppress
+
+PATIENCE = 5.0
+"""Seconds between asking and killing."""
+
+
+def main() -> None:
+    """Wait, then end the session."""
+    session = sys.stdin.readline()
+    sys.stdin.read()
+    if session:
+        end(int(session))
+
+
+def end(session: int) -> None:
+    """Ask every process of a session to end; kill what is still there later."""
+    for word in (signal.SIGINT, signal.SIGKILL):
+        for process in members(session):
+            with suppress(ProcessLookupError):
+                os.kill(process, word)
+        deadline = time.monotonic() + PATIENCE
+        while members(session):
+            if time.monotonic() > deadline:
+                break
+            time.sleep(0.02)
+
+
+def members(session: int) -> list[int]:
+    """The processes of a session that still run."""
+    import psutil
+
+    found = []
+    for process in psutil.process_iter():
+        with suppress(ProcessLookupError, PermissionError, psutil.Error):
+            if os.getsid(process.pid) == session and process.status() != psutil.STATUS_ZOMBIE:
+                found.append(process.pid)
+    return found
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Simulators: found, planned and run, with stand-ins on PATH."""

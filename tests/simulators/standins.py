@@ -1,0 +1,67 @@
+"""Programs that stand in for a simulator's: they tell a version, and write down how they were started."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+_SCRIPT = """\
+#!/bin/sh
+case "$*" in *--version*) printf '%b' '{told}'; exit 255 ;; esac
+{{ pwd; echo "$0"; for each; do echo "$each"; done; echo; env; }} >"$0.new"
+mv "$0.new" "$0.started"
+printf '%b' "$SAYS"
+exec sleep "${{STAYS:-0}}"
+"""
+
+CLASSIC = "Gazebo multi-robot simulator, version {}\\n"
+"""What Gazebo Classic's programs say to --version, before they exit with 255."""
+
+PROGRAMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
+    {
+        "classic": {name: CLASSIC.format("11.14.0") for name in ("gzserver", "gzclient", "gazebo", "gz")},
+        "sim": {"gz": "8.9.0\\n"},
+    }
+)
+"""For every simulator: its programs, and what each says when it is asked for its version."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Start:
+    """How a stand-in was started: folder, command and variables."""
+
+    folder: Path
+    command: tuple[str, ...]
+    variables: Mapping[str, str]
+
+
+def put(folder: Path, programs: Mapping[str, str]) -> None:
+    """Put stand-ins into a folder."""
+    folder.mkdir(exist_ok=True)
+    for name, told in programs.items():
+        (folder / name).write_text(_SCRIPT.format(told=told))
+        (folder / name).chmod(0o755)
+
+
+def start(program: Path) -> Start:
+    """How it was started the last time."""
+    command, _, variables = Path(f"{program}.started").read_text().partition("\n\n")
+    folder, *words = command.split("\n")
+    pairs = (line.split("=", 1) for line in variables.splitlines() if "=" in line)
+    return Start(folder=Path(folder), command=tuple(words), variables=dict(pairs))
+
+
+def path_with(folder: Path) -> str:
+    """A PATH on which nothing is but these stand-ins, and what their shell needs."""
+    return os.pathsep.join([str(folder), str(folder.parent / "tools")])
+
+
+def put_tools(folder: Path) -> None:
+    """What the stand-ins' shell needs, and no simulator."""
+    tools = folder.parent / "tools"
+    tools.mkdir(exist_ok=True)
+    for name in ("env", "mv", "sleep"):
+        (tools / name).symlink_to(next(path for path in (Path("/bin", name), Path("/usr/bin", name)) if path.exists()))
