@@ -30,6 +30,8 @@ def main(picture: Path) -> int:
     window.choose(EDITED)
     QTest.qWaitForWindowExposed(window)
     QTest.qWait(1000)
+    while not window.costs.text():
+        QTest.qWait(50)
     kept = window.screen().grabWindow(window.winId()).save(str(picture))
     window.close()
     application.quit()
