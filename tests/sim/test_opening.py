@@ -96,7 +96,7 @@ def test_a_mesh_that_is_missing_is_told_and_is_a_failure(gazebo: Installation, t
 def test_nothing_is_left_of_a_command_that_is_stopped(
     word: str, code: int, gazebo: Installation, tmp_path: Path, mark: str
 ) -> None:
-    process = opening(made(tmp_path, "course"))
+    process = opening(made(tmp_path, "course"), TMPDIR=str(tmp_path))
     server_of(process, mark)
     time.sleep(1)
     process.send_signal(signal.Signals[word])

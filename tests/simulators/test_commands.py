@@ -42,27 +42,23 @@ def test_sim_says_the_same_to_programs(programs: Path, capsys: Capture) -> None:
 
 
 @pytest.mark.parametrize(
-    ("flags", "program", "words"),
-    [
-        (["--headless"], "gz", ["sim", "-s", "-r"]),
-        (["--headless", "--simulator", "classic"], "gzserver", ["--verbose"]),
-    ],
+    ("name", "program", "words"), [("sim", "gz", ["sim", "-s", "-r"]), ("classic", "gzserver", ["--verbose"])]
 )
 def test_open_starts_a_server_until_the_seconds_are_over(
-    flags: Sequence[str], program: str, words: Sequence[str], programs: Path, world: Path, capsys: Capture
+    name: str, program: str, words: Sequence[str], programs: Path, world: Path, capsys: Capture
 ) -> None:
-    stand_ins = {**PROGRAMS["classic"], **PROGRAMS["sim"]}
-    put(programs, {name: f"{told}{stand_ins.get(name, '')}" for name, told in stand_ins.items()})
+    put(programs, PROGRAMS[name])
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STAYS", "60")
-        assert opened(world, *flags, "--seconds", "0.5") == 0
+        assert opened(world, "--simulator", name, "--headless", "--seconds", "1") == 0
     did = start(programs / program)
     assert did.command[1:-1] == tuple(words)
     assert did.folder / did.command[-1] == world
     assert Path(did.variables["HOME"]).name.startswith("rsegen-")
     assert not Path(did.variables["HOME"]).exists()
     out, err = capsys.readouterr()
-    assert out.endswith(f": {world}\n")
+    address = [f"{name}={did.variables[name]}" for name in SIMULATORS[name].address]
+    assert out.endswith(f": {world}, at {' '.join(address)}\n")
     assert err == ""
 
 
@@ -77,6 +73,17 @@ def test_open_opens_a_window_where_there_is_a_screen(
     assert "-s" not in did.command
     assert did.variables["DISPLAY"] == ":7"
     assert did.variables["HOME"] == str(programs.parent / "home")
+
+
+@pytest.mark.parametrize(("says", "code"), [("", 0), ("[Err] [a.cc:1] no display\\n", 1)])
+def test_a_closed_window_is_no_failure_but_one_that_never_opened_is(
+    says: str, code: int, programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(programs, PROGRAMS["classic"])
+    monkeypatch.setenv("DISPLAY", ":7")
+    monkeypatch.setenv("SAYS", says)
+    monkeypatch.setenv("STAYS", "no time at all")  # sleep exits with 1
+    assert opened(world) == code
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is always a screen")

@@ -70,6 +70,14 @@ def test_it_is_asked_before_it_is_killed(tmp_path: Path, mark: str) -> None:
     assert program.code == 0
 
 
+def test_it_is_killed_where_somebody_has_killed_its_watch(tmp_path: Path, mark: str) -> None:
+    with running(shell(STUBBORN, tmp_path), subprocess.DEVNULL) as program:
+        until_begun(tmp_path)
+        program.watch.kill()
+    assert program.code == -signal.SIGKILL
+    assert left_in_the_end(mark) == []
+
+
 def test_nothing_is_left_after_an_exception(tmp_path: Path, mark: str) -> None:
     def fail() -> None:
         with running(shell(POLITE, tmp_path), subprocess.DEVNULL):

@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> None:
     with _home(headless=arguments.headless) as home, world.on_disk() as file:
         opening = Opening(world=file, shared=arguments.shared, home=home)
         launch = _launch(here, opening, headless=arguments.headless)
-        print(f"{here}: {file}", flush=True)
+        print(f"{here}: {file}{_address(launch, here)}", flush=True)
         _stay(here, launch, seconds, headless=arguments.headless)
 
 
@@ -73,6 +73,12 @@ def _launch(here: Installation, opening: Opening, *, headless: bool) -> Launch:
     return launch
 
 
+def _address(launch: Launch, here: Installation) -> str:
+    """Where other programs reach it, if that is a place of its own."""
+    own = [f"{name}={launch.environment[name]}" for name in here.simulator.address if name in launch.environment]
+    return f", at {' '.join(own)}" if own else ""
+
+
 @contextmanager
 def _home(*, headless: bool) -> Iterator[Path | None]:
     """A home for a server alone, which so disturbs no other; a window has the user's, where its settings are."""
@@ -84,7 +90,10 @@ def _home(*, headless: bool) -> Iterator[Path | None]:
 
 
 def _stay(here: Installation, launch: Launch, seconds: float, *, headless: bool) -> None:
-    """Until it ends; to be stopped is the usual way to do so."""
+    """Until it ends; to be stopped is the usual way to do so.
+
+    A window that is closed is no failure, though Gazebo Classic may then exit with 255; nor are complaints of a window.
+    """
     complaints: list[str] = []
 
     def tell(complaint: str) -> None:
@@ -95,7 +104,7 @@ def _stay(here: Installation, launch: Launch, seconds: float, *, headless: bool)
         code = opened(here, launch, seconds=seconds, tell=tell)
     except KeyboardInterrupt:
         code = None
-    if code or (headless and code is not None):
+    if code is not None and (headless or (code and complaints)):
         raise SimulatorFailed(f"{here} ended by itself, with exit code {code}")
     if headless and complaints:
         raise SimulatorFailed(f"{here} complained of the world: {complaints[0]}")

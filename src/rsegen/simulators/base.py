@@ -87,14 +87,15 @@ class Simulator(ABC):
     """A program that opens worlds.
 
     name: as in a recipe's `simulator`; title: for people; generation: the newest is preferred; remedy: how to get it,
-    in lines; harmless: parts of error lines that say nothing against a world; unloaded: parts of lines that say that
-    the world is not there.
+    in lines; address: the variables by which programs find one server among others; harmless: parts of error lines that
+    say nothing against a world; unloaded: parts of lines that say that the world is not there.
     """
 
     name: ClassVar[str]
     title: ClassVar[str]
     generation: ClassVar[int]
     remedy: ClassVar[tuple[str, ...]]
+    address: ClassVar[tuple[str, ...]]
     harmless: ClassVar[tuple[str, ...]] = ()
     unloaded: ClassVar[tuple[str, ...]] = ()
 

@@ -28,10 +28,11 @@ class GazeboSim(Simulator):
         "Ubuntu: apt-get install gz-harmonic from packages.osrfoundation.org",
         "all systems: https://gazebosim.org/docs/latest/install",
     )
+    address: ClassVar[tuple[str, ...]] = ("GZ_PARTITION", "IGN_PARTITION")
     unloaded: ClassVar[tuple[str, ...]] = (
         "Failed to find world [",
         "Unable to find or download file",
-        "Failed to load",
+        "Failed to load a world",
     )
 
     def found(self) -> Installation | None:

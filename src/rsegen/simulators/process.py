@@ -12,6 +12,7 @@ which anything runs that the watch will not end.
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -43,8 +44,10 @@ class Running:
         """Have it end, with all that it has started: asked first, and killed after some seconds."""
         if self.watch.stdin:
             self.watch.stdin.close()
-        self.process.wait()
         self.watch.wait()
+        if self.process.poll() is None:  # somebody has killed the watch
+            os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.wait()
         if self.process.stdout:
             self.process.stdout.close()
 
