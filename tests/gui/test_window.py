@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
@@ -226,7 +227,10 @@ def dropped(window: Window, path: Path) -> None:
     data.setUrls([QUrl.fromLocalFile(str(path))])
     where = window.rect().center()
     copy, none = Qt.DropAction.CopyAction, Qt.KeyboardModifier.NoModifier
-    window.dragEnterEvent(QDragEnterEvent(where, copy, data, LEFT, none))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # from PySide6 6.12 on it is a QPointF
+        entering = QDragEnterEvent(where, copy, data, LEFT, none)
+    window.dragEnterEvent(entering)
     window.dropEvent(QDropEvent(QPointF(where), copy, data, LEFT, none))
 
 
