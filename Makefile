@@ -13,7 +13,7 @@ ARGS ?= --numprocesses=auto
 .PHONY: worlds test check docs package gazebo screen lock bench bench-contact bench-isaaclab
 
 worlds: $(VENV)/installed
-	for recipe in examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
+	for recipe in src/rsegen/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
 
 test: $(VENV)/developer gazebo screen
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest $(ARGS)
@@ -44,6 +44,7 @@ package: $(VENV)/developer
 	$(BIN)/python -m build --outdir dist . >/dev/null
 	$(PYTHON) -m venv $(VENV)/package
 	$(VENV)/package/bin/pip install --quiet dist/*.whl
+	$(VENV)/package/bin/rsegen generate peak -o $(VENV)/package/worlds
 	$(VENV)/package/bin/rsegen generate --seed 1 --obstacle 'random max_height=5' -o $(VENV)/package/worlds
 
 bench-contact: $(VENV)/developer gazebo

@@ -17,12 +17,12 @@ from benchmarks.report import filled, page, with_table
 from rsegen import KINDS, Placement, Recipe, Scene, compose, load, schema
 from rsegen.codec import encode, summary
 from rsegen.drawing import picture
+from rsegen.examples import EXAMPLES
 from rsegen.params import Parameter, parameters
 
 DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
 README = DOCS.parent / "README.md"
-EXAMPLES = sorted((DOCS.parent / "examples").glob("*.yaml"))
 
 
 def texts() -> dict[Path, str]:
@@ -43,7 +43,7 @@ def texts() -> dict[Path, str]:
 
 def pictures() -> dict[Path, Scene]:
     """What every generated picture shows, by its file: the first map of each example, and one of each kind alone."""
-    shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES}
+    shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES.values()}
     shown |= {DOCS / "pictures" / f"kind-{kind}.png": _alone(kind) for kind in KINDS}
     return {path: compose(recipe) for path, recipe in shown.items()}
 
@@ -122,10 +122,11 @@ def _parameters() -> Iterator[str]:
 
 
 def _examples() -> Iterator[str]:
-    yield "# Examples\n\nMade by `make docs` from `examples/`."
-    for path in EXAMPLES:
-        yield f"\n## {path.stem}\n\n{load(path).description}: `rsegen generate examples/{path.name} -o worlds`\n"
-        yield f"![{path.stem}](pictures/{path.stem}.png)"
+    yield "# Examples\n\nMade by `make docs` from `src/rsegen/examples/`; `rsegen examples` lists the same, and with"
+    yield "`-o DIR` copies them."
+    for name, path in EXAMPLES.items():
+        yield f"\n## {name}\n\n{load(path).description}: `rsegen generate {name} -o worlds`\n"
+        yield f"![{name}](pictures/{name}.png)"
 
 
 def _table(known: Mapping[str, Parameter]) -> Iterator[str]:

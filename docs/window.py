@@ -9,11 +9,12 @@ from PySide6.QtCore import QCoreApplication, QSettings
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
+from rsegen.examples import EXAMPLES
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
 
 DOCS = Path(__file__).parent
-EXAMPLE = DOCS.parent / "examples" / "mixed-course.yaml"
+EXAMPLE = "mixed-course"
 EDITED = 2
 """The row that is taken into the form."""
 
@@ -23,12 +24,14 @@ def main(picture: Path) -> int:
     application = QApplication([])
     QCoreApplication.setOrganizationName("rsegen-docs")
     QSettings.setDefaultFormat(QSettings.Format.IniFormat)
-    window = Window(Session.opened(EXAMPLE))
+    window = Window(Session.opened(EXAMPLES[EXAMPLE]))
     window.resize(1280, 720)
     window.show()
     window.choose(EDITED)
     QTest.qWaitForWindowExposed(window)
     QTest.qWait(1000)
+    while not window.costs.text():
+        QTest.qWait(50)
     kept = window.screen().grabWindow(window.winId()).save(str(picture))
     window.close()
     application.quit()

@@ -15,11 +15,11 @@ import yaml
 import rsegen
 from rsegen import KINDS, Recipe
 from rsegen.cli import COMMANDS, main
+from rsegen.examples import EXAMPLES
 from rsegen.params import parameters
 from rsegen.recipe import Placement
 
-EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.yaml"))
-COURSE = EXAMPLES[0].with_stem("mixed-course")
+COURSE = EXAMPLES["mixed-course"]
 SMALL = ["--obstacle", "random max_height=5", "--chunk-size", "4", "--seed", "7"]
 
 OVERRIDES: Mapping[str, tuple[str, object]] = {
@@ -203,7 +203,7 @@ def test_a_seed_that_was_drawn_is_shown_and_makes_the_same_map(
     assert contents(tmp_path / "c") == contents(tmp_path / "a")
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", EXAMPLES.values(), ids=lambda path: path.stem)
 def test_the_schema_accepts_every_example(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     jsonschema.validate(yaml.safe_load(path.read_text("utf-8")), json.loads(printed(capsys, "schema")))
 

@@ -14,9 +14,9 @@ from rsegen import KINDS
 from rsegen.cli import main
 from rsegen.codec import schema
 from rsegen.errors import RsegenError
+from rsegen.examples import EXAMPLES
 
 ROOT = Path(__file__).parents[1]
-EXAMPLES = sorted((ROOT / "examples").glob("*.yaml"))
 
 
 def test_public_names_are_all_there() -> None:
@@ -48,7 +48,7 @@ def test_python_m_runs_the_command() -> None:
     assert found.stdout == f"rsegen {rsegen.__version__}\n"
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", EXAMPLES.values(), ids=lambda path: path.stem)
 def test_an_example_is_named_after_its_file_described_and_seeded(path: Path) -> None:
     recipe = rsegen.load(path)
     assert recipe.name == path.stem
@@ -57,7 +57,7 @@ def test_an_example_is_named_after_its_file_described_and_seeded(path: Path) -> 
 
 
 def test_the_examples_use_every_kind() -> None:
-    used = {placement.obstacle.kind for path in EXAMPLES for placement in rsegen.load(path).obstacles}
+    used = {placement.obstacle.kind for path in EXAMPLES.values() for placement in rsegen.load(path).obstacles}
     assert used == set(KINDS)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import pytest
@@ -16,8 +17,21 @@ if TYPE_CHECKING:
 
 
 @pytest.fixture(scope="session")
-def app() -> QApplication:
+def app(tmp_path_factory: pytest.TempPathFactory) -> QApplication:
+    """The application, which remembers nothing from one run of the tests to the next."""
+    from PySide6.QtCore import QSettings
     from PySide6.QtWidgets import QApplication
 
+    settings = str(tmp_path_factory.mktemp("settings"))
+    QSettings.setPath(QSettings.Format.NativeFormat, QSettings.Scope.UserScope, settings)
     found = QApplication.instance()
     return found if isinstance(found, QApplication) else QApplication([])
+
+
+@pytest.fixture(autouse=True)
+def _nothing_is_raised_in_a_slot(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Qt only prints what is raised in what it calls."""
+    raised: list[object] = []
+    monkeypatch.setattr(sys, "excepthook", lambda _, error, __: raised.append(error))
+    yield
+    assert raised == []

@@ -116,6 +116,17 @@ def test_the_mouse_turns_the_map_and_up_stays_up(found: Found) -> None:
     assert found["turned"]
 
 
+def test_keys_turn_the_map_and_come_nearer_and_up_stays_up(found: Found) -> None:
+    keys = found["keys"]
+    round_, up, away = keys[""]
+    assert keys["left"] == pytest.approx([round_ + 10, up, away])
+    assert keys["up"] == pytest.approx([round_ + 10, up + 10, away])
+    assert keys["plus"] == pytest.approx([round_ + 10, up + 10, away / 1.2])
+    assert keys["minus"] == pytest.approx([round_ + 10, up + 10, away])
+    assert keys["down"] == pytest.approx(keys[""])
+    assert keys["top"] == [0, 0, 1]
+
+
 def test_the_camera_stays_until_it_is_reset(found: Found) -> None:
     assert found["camera kept"]
     assert found["camera reset"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
@@ -34,6 +35,8 @@ from rsegen.gui.sheet import room
 from rsegen.gui.window import Window
 
 LEFT = Qt.MouseButton.LeftButton
+USUAL = {"usual", "ScrollLeftButton", "ScrollRightButton"}
+"""Buttons that speak for themselves, and Qt's own."""
 
 
 @pytest.fixture
@@ -145,20 +148,6 @@ def test_the_field_follows_what_is_changed(window: Window) -> None:
     assert "10 cm" in window.numbers.text() or "largest step" in window.numbers.text()
 
 
-def test_start_writes_the_maps_while_the_window_goes_on(window: Window, tmp_path: Path) -> None:
-    choose(window, "random")
-    click(window, "add")
-    window.session.set("maps", 3)
-    window.generate_into(tmp_path)
-    for _ in range(200):
-        QTest.qWait(50)
-        if window.generation is not None and window.generation.isFinished():
-            break
-    QTest.qWait(50)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["rse_0000", "rse_0001", "rse_0002"]
-    assert window.start.isVisible()
-
-
 def test_a_row_is_edited_in_place_and_switched_off(window: Window) -> None:
     choose(window, "peak")
     click(window, "add")
@@ -236,10 +225,13 @@ def test_levels_of_a_matrix_can_be_typed_as_text(window: Window, monkeypatch: py
 def dropped(window: Window, path: Path) -> None:
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(path))])
-    where = QPointF(window.rect().center())
+    where = window.rect().center()
     copy, none = Qt.DropAction.CopyAction, Qt.KeyboardModifier.NoModifier
-    window.dragEnterEvent(QDragEnterEvent(where, copy, data, LEFT, none))
-    window.dropEvent(QDropEvent(where, copy, data, LEFT, none))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # from PySide6 6.12 on it is a QPointF
+        entering = QDragEnterEvent(where, copy, data, LEFT, none)
+    window.dragEnterEvent(entering)
+    window.dropEvent(QDropEvent(QPointF(where), copy, data, LEFT, none))
 
 
 def test_an_image_is_dropped_and_read_as_the_dialog_says(window: Window, tmp_path: Path) -> None:
@@ -283,3 +275,38 @@ def test_every_widget_that_takes_input_has_a_name_for_those_who_do_not_see_it(wi
     ]
     assert not nameless
     assert window.childAt(QPoint(5, 5)) is not None
+
+
+def test_an_end_beside_the_map_is_said_to_be_and_everything_else_goes_on(window: Window) -> None:
+    choose(window, "peak")
+    window.obstacle.usual.setChecked(False)
+    click(window, "add")
+    window.choose(0)
+    cell(window, 0, 5).setText("99, 99")
+    QTest.qWait(100)
+    assert window.complaint.text() == "obstacles[0].last[0]: 99 is outside 0..9"
+    cell(window, 0, 5).setText("8, 9")
+    QTest.qWait(100)
+    assert window.scene is not None
+    assert window.scene.field == build(window.session.recipe)
+    assert window.complaint.isHidden()
+
+
+def test_tab_goes_through_the_window_as_it_is_read(window: Window) -> None:
+    choose(window, "peak")
+    window.obstacle.usual.setChecked(False)
+    click(window, "add")
+    window.choose(0)
+    wanted = ["maps_field", "mesh_type_field", "seed_field", "keep_seed", "reroll", "kind", "max_height_field"]
+    wanted += ["softness_field", "usual", "x_first", "y_first", "x_last", "y_last", "add", "folder", "start"]
+    names, widget = [], window.nextInFocusChain()
+    while widget is not None and widget is not window:
+        if widget.focusPolicy() & Qt.FocusPolicy.TabFocus:
+            names.append(widget.objectName())
+        widget = widget.nextInFocusChain()
+    assert [name for name in names if name in wanted] == wanted
+
+
+def test_every_button_says_what_it_does(window: Window) -> None:
+    silent = [button.objectName() for button in window.findChildren(QAbstractButton) if not button.toolTip()]
+    assert [name for name in silent if name and not name.startswith("qt_") and name not in USUAL] == []

@@ -7,6 +7,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtTest import QTest
@@ -50,6 +51,7 @@ def looked(app: QApplication, view: FieldView, folder: Path) -> dict[str, object
     before, focus = camera.position, camera.focal_point
     dragged(view)
     turned = camera.position != before and camera.focal_point == focus and tuple(camera.up) == (0.0, 0.0, 1.0)
+    found_by_keys = keyed(view)
     camera.position = (9.0, 9.0, 9.0)
     view.show(compose(replace(LARGE, seed=9)))
     kept = tuple(camera.position) == (9.0, 9.0, 9.0)
@@ -62,6 +64,7 @@ def looked(app: QApplication, view: FieldView, folder: Path) -> dict[str, object
     view.save_picture(folder / "dark.png")
     return {
         "turned": turned,
+        "keys": found_by_keys,
         "camera kept": kept,
         "camera reset": tuple(camera.position) != (9.0, 9.0, 9.0),
         "refused": refused(view, folder / "nowhere" / "x.png"),
@@ -76,6 +79,25 @@ def dragged(view: FieldView) -> None:
         QTest.mouseMove(plotter, QPoint(x, 210))
         QTest.qWait(20)
     QTest.mouseRelease(plotter, left, pos=QPoint(240, 210))
+
+
+def keyed(view: FieldView) -> dict[str, list[float]]:
+    """Where the camera stands after each key: degrees round, degrees up, metres away."""
+    keys = {"": 0, "left": Qt.Key.Key_Left, "up": Qt.Key.Key_Up, "plus": Qt.Key.Key_Plus, "minus": Qt.Key.Key_Minus}
+    keys |= {"right": Qt.Key.Key_Right, "down": Qt.Key.Key_Down}
+    view.reset_camera()
+    found = {}
+    for name, key in keys.items():
+        if key:
+            QTest.keyClick(view, Qt.Key(key))
+        x, y, z = np.subtract(view._plotter.camera.position, view._plotter.camera.focal_point)
+        found[name] = [float(np.degrees(np.arctan2(y, x))), float(np.degrees(np.arctan2(z, np.hypot(x, y))))]
+        found[name].append(float(np.linalg.norm((x, y, z))))
+    for _ in range(20):
+        QTest.keyClick(view, Qt.Key.Key_Up)
+    found["top"] = [float(value) for value in view._plotter.camera.up]
+    QTest.keyClick(view, Qt.Key.Key_0)
+    return found
 
 
 def refused(view: FieldView, path: Path) -> str:

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import rsegen
+from rsegen.examples import EXAMPLES
 from rsegen.export import MESH_TYPES
 
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
 BOUNDARIES = ("none", "divided", "outer")
 
 
@@ -30,7 +30,7 @@ class Map:
 
 def examples() -> Iterator[rsegen.Recipe]:
     """A recipe for every map of every example."""
-    for recipe in map(rsegen.load, EXAMPLES):
+    for recipe in map(rsegen.load, EXAMPLES.values()):
         for index in recipe.indices:
             yield replace(recipe, first_map=index, maps=1)
 
@@ -71,7 +71,7 @@ def shape_name(shape: Shape) -> str:
 
 def shaped() -> Iterator[rsegen.Recipe]:
     """The first map of every example in every shape but the default one."""
-    for recipe, shape in product(map(rsegen.load, EXAMPLES), SHAPES[1:]):
+    for recipe, shape in product(map(rsegen.load, EXAMPLES.values()), SHAPES[1:]):
         yield replace(recipe, name=f"{recipe.name}-{shape_name(shape)}", maps=1, **shape)
 
 

@@ -13,13 +13,14 @@ import pytest
 
 import rsegen
 from leftovers import MARK, left, left_in_the_end
+from rsegen.examples import EXAMPLES
 from rsegen.simulators import Installation
 from rsegen.simulators.classic_world import attempted, poses, resume, step, steps_done
 from rsegen.simulators.server import Server, serving
 from runs import ended, started
-from sim.maps import EXAMPLES, generated
+from sim.maps import generated
 
-COURSE = next(path for path in EXAMPLES if path.stem == "mixed-course")
+COURSE = EXAMPLES["mixed-course"]
 
 
 @pytest.fixture

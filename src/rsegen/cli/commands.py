@@ -5,11 +5,24 @@ from __future__ import annotations
 import argparse
 from typing import Any, NoReturn
 
-from rsegen.cli import drive, experiment, generate, gui, import_, info, obstacles, open, preview, schema, sim
+from rsegen.cli import (
+    drive,
+    examples,
+    experiment,
+    generate,
+    gui,
+    import_,
+    info,
+    obstacles,
+    open,
+    preview,
+    schema,
+    sim,
+)
 from rsegen.errors import UnknownName, shown
 from rsegen.version import __version__
 
-COMMANDS = (generate, import_, gui, open, drive, experiment, preview, info, obstacles, schema, sim)
+COMMANDS = (generate, import_, gui, preview, info, open, drive, experiment, obstacles, examples, schema, sim)
 
 
 class Parser(argparse.ArgumentParser):

@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 
 from rsegen.codec import decode_placement
 from rsegen.errors import FileError, ParameterError, shown
+from rsegen.examples import or_example
 from rsegen.obstacles import kind
 from rsegen.params import parameters
 from rsegen.recipe import Placement, Recipe
@@ -19,6 +20,16 @@ from rsegen.recipe_file import load
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 OBSTACLE_HELP = "add an obstacle, as in 'peak max_height=5 softness=30 first=2,2 last=7,7'; may be repeated"
+
+
+RECIPE_HELP = "YAML or JSON file, the folder of a map, or the name of an example"
+
+
+def folder(text: str) -> Path:
+    """The folder that a flag names."""
+    if not text:
+        raise argparse.ArgumentTypeError("nothing is given; give a folder, as in -o worlds")
+    return Path(text)
 
 
 def add_recipe_flags(command: argparse.ArgumentParser, over: str = "RECIPE") -> None:
@@ -77,7 +88,7 @@ def _entry(text: str) -> dict[str, object]:
 
 def _file(text: str) -> Path:
     if not os.path.isdir(text):
-        return Path(text)
+        return or_example(text)
     path = Path(text) / "recipe.json"
     if not path.is_file():
         raise FileError(f"{text}: a folder without a recipe.json; give a recipe file or the folder of a map")

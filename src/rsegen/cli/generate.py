@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from rsegen.cli.flags import Subparsers, add_recipe_flags, recipe_from
+from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
 from rsegen.pipeline import WORKERS, Generated, GeneratedMap, generate
 from rsegen.recipe import Recipe
 from rsegen.resume import standing
@@ -27,7 +27,7 @@ def add(commands: Subparsers) -> None:
         description="Write the maps of a recipe as Gazebo worlds and models: DIR/NAME_0000, DIR/NAME_0001, ...",
         epilog="rsegen obstacles lists the kinds of obstacles and their parameters.",
     )
-    command.add_argument("recipe", nargs="?", metavar="RECIPE", help="YAML or JSON file, or the folder of a map")
+    command.add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
     add_output_flags(command)
     add_recipe_flags(command)
     command.set_defaults(run=run)
@@ -36,7 +36,7 @@ def add(commands: Subparsers) -> None:
 def add_output_flags(command: argparse.ArgumentParser) -> None:
     """Where to write, and how."""
     command.add_argument(
-        "-o", "--output", type=_folder, required=True, metavar="DIR", help="folder to write the maps into"
+        "-o", "--output", type=folder, required=True, metavar="DIR", help="folder to write the maps into"
     )
     there = command.add_mutually_exclusive_group()
     there.add_argument("--force", action="store_true", help="replace maps that are there already")
@@ -51,12 +51,6 @@ def add_output_flags(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--workers", metavar="N", help=f"{WORKERS.help} ({WORKERS.describe()}, as many as there are cores by default)"
     )
-
-
-def _folder(text: str) -> Path:
-    if not text:
-        raise argparse.ArgumentTypeError("nothing is given; give a folder, as in -o worlds")
-    return Path(text)
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from pathlib import Path
 
 from rsegen.cli.flags import Subparsers
 from rsegen.errors import FileError
+from rsegen.examples import or_example
 
 
 def add(commands: Subparsers) -> None:
@@ -18,7 +18,7 @@ def add(commands: Subparsers) -> None:
         help="open the window",
         description="Open the window: shape a field with the mouse and see it. Needs pip install 'rsegen[gui]'.",
     )
-    command.add_argument("recipe", nargs="?", metavar="RECIPE", help="YAML or JSON file to start with")
+    command.add_argument("recipe", nargs="?", metavar="RECIPE", help="YAML or JSON file, or the name of an example")
     command.set_defaults(run=run)
 
 
@@ -30,4 +30,4 @@ def run(arguments: argparse.Namespace) -> None:
         raise FileError(f"gui: the window cannot be opened ({error}); pip install 'rsegen[gui]'") from None
     if sys.platform == "linux" and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))):
         raise FileError("gui: there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)")
-    sys.exit(run_window(Path(arguments.recipe) if arguments.recipe else None))
+    sys.exit(run_window(or_example(arguments.recipe) if arguments.recipe else None))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rsegen.errors import FileError, ParameterError, shown
+from rsegen.examples import or_example
 from rsegen.recipe import Recipe
 from rsegen.recipe_file import load
 from rsegen.room import refuse_too_large
@@ -16,7 +17,7 @@ from rsegen.scene import Scene, compose
 
 def add_target_flags(command: argparse.ArgumentParser) -> None:
     """Where to look, and which map."""
-    where = "a recipe (YAML, JSON), the folder of a map, or a folder of maps"
+    where = "a recipe (YAML, JSON), the name of an example, the folder of a map, or a folder of maps"
     command.add_argument("target", metavar="RECIPE-or-DIR", help=where)
     command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
 
@@ -31,7 +32,7 @@ class Found(NamedTuple):
 
 def recipe_files(target: str) -> list[Path]:
     """A recipe's file, or that of a map's folder, or of every map in a folder; FileError where there is none."""
-    path = Path(target)
+    path = or_example(target)
     own = path / "recipe.json" if os.path.isdir(target) else path
     files = [own] if own == path or own.is_file() else sorted(path.glob("*/recipe.json"))
     if not files:

@@ -32,9 +32,9 @@ def rgb(scene: Scene, material: int) -> Rgb:
 
 def cells(scene: Scene) -> Bytes:
     """(n_x, n_y, 3): the colour of each cell; level ground is light grey."""
-    frame, levels = scene.field.frame, scene.field.levels
-    ground = (levels == 0) & ~frame
-    return np.where(ground[..., None], np.array(GROUND, dtype=np.uint8), palette(scene)[np.where(frame, 0, levels)])
+    known = palette(scene)
+    inks = np.vstack([np.array(GROUND, dtype=np.uint8), known[1:], known[:1]])
+    return inks[np.where(scene.field.frame, len(inks) - 1, scene.field.levels)]
 
 
 def bright(colours: Bytes) -> NDArray[np.bool_]:

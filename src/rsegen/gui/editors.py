@@ -39,14 +39,19 @@ class Editor(QWidget):
     """A parameter's value, as a recipe file has it; `edited` tells of what a person does, not of `show_value`."""
 
     edited = Signal(object)
+    _parts: tuple[str, ...] = ("",)
+    """What is added to the name of each widget."""
 
     def __init__(self, name: str, parameter: Parameter) -> None:
         super().__init__()
         self.parameter = parameter
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(0, 0, 0, 0)
-        for widget in self._widgets():
-            self._row.addWidget(named(widget, f"{name}_field", tip=f"{parameter.help}: {parameter.describe()}"))
+        tip = f"{parameter.help}: {parameter.describe()}"
+        self.fields = self._widgets()
+        for widget, part in zip(self.fields, self._parts, strict=True):
+            title = f"{name.removesuffix('_cm').replace('_', ' ')}{part}"
+            self._row.addWidget(named(widget, f"{name}_field", title=title, tip=tip))
         named(self, name)
 
     def _widgets(self) -> tuple[QWidget, ...]:
@@ -123,6 +128,8 @@ class NumberEditor(Editor):
 class PairEditor(Editor):
     """Two whole numbers, along x and y."""
 
+    _parts = (" along x", " along y")
+
     def _widgets(self) -> tuple[QWidget, ...]:
         self._boxes = (QSpinBox(prefix="x "), QSpinBox(prefix="y "))
         for box in self._boxes:
@@ -154,6 +161,7 @@ class TextEditor(Editor):
 
     def _put(self, value: Json) -> None:
         self._line.setText("" if value is None else self.parameter.spell(value))
+        self._line.setCursorPosition(0)
 
 
 class FlagEditor(Editor):

@@ -6,8 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
+import numpy as np
+
 from rsegen.gui.cells import Layout, Point
+from rsegen.gui.session import Row
+from rsegen.params import Json
 from rsegen.places import Cell
+from rsegen.stepfield import StepField, Window
 
 End = Literal["first", "last"]
 ENDS: tuple[End, End] = ("first", "last")
@@ -30,6 +35,25 @@ class Handle:
     def end(self, end: End) -> Cell | None:
         """One of its ends."""
         return self.first if end == "first" else self.last
+
+
+def handles_of(rows: Sequence[Row], shape: Cell) -> list[Handle]:
+    """The ends of the rows that are switched on; none for an end that is left to chance or not on a map so large."""
+    return [
+        Handle(row=number, first=_place(row.entry.get("first"), shape), last=_place(row.entry.get("last"), shape))
+        for number, row in enumerate(rows)
+        if row.enabled
+    ]
+
+
+def spanned(handle: Handle, field: StepField) -> Window | None:
+    """The field cells between the ends of an obstacle, frames counted; none where an end is missing."""
+    if handle.first is None or handle.last is None:
+        return None
+    x, y = (
+        np.flatnonzero(field.inside(axis))[sorted((handle.first[axis], handle.last[axis]))].tolist() for axis in (0, 1)
+    )
+    return slice(x[0], x[1] + 1), slice(y[0], y[1] + 1)
 
 
 class Grip(NamedTuple):
@@ -58,6 +82,12 @@ def cell_of(handles: Sequence[Handle], grip: Grip) -> Cell | None:
 def moved(handles: Sequence[Handle], grip: Grip, cell: Cell) -> tuple[Handle, ...]:
     """The handles with one end elsewhere."""
     return tuple(_with(handle, grip.end, cell) if handle.row == grip.row else handle for handle in handles)
+
+
+def _place(value: Json, shape: Cell) -> Cell | None:
+    known = isinstance(value, (list, tuple)) and len(value) == 2 and all(isinstance(at, int) for at in value)
+    x, y = value if known else (-1, -1)
+    return (x, y) if 0 <= x < shape[0] and 0 <= y < shape[1] else None
 
 
 def _with(handle: Handle, end: End, cell: Cell) -> Handle:

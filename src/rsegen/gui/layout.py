@@ -4,8 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QGroupBox, QHBoxLayout, QScrollArea, QSplitter, QTabWidget, QVBoxLayout, QWidget
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtWidgets import (
+    QFrame,
+    QGroupBox,
+    QHBoxLayout,
+    QScrollArea,
+    QSplitter,
+    QTabWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from rsegen.gui.editors import named
 
 if TYPE_CHECKING:
     from rsegen.gui.window import Window
@@ -13,40 +24,60 @@ if TYPE_CHECKING:
 
 def lay_out(window: Window) -> QSplitter:
     """Forms and Start on the left; view, plan and list on the right; numbers below. Gives the two halves."""
-    left = QWidget()
-    column = QVBoxLayout(left)
-    tabs = QTabWidget()
+    forms = QWidget()
+    column = QVBoxLayout(forms)
+    tabs = named(QTabWidget(), "tabs", title="parameters of the map")
     tabs.addTab(window.often, "Map")
-    tabs.addTab(window.seldom, "More")
+    tabs.addTab(_Scrolled(window.seldom), "More")
     column.addWidget(tabs)
-    column.addWidget(_group("Obstacle", window.obstacle, _row(window.add, window.drop, window.clear)))
+    column.addWidget(_group("Obstacle", window.obstacle, row_of(window.add, window.drop, window.clear)))
     column.addStretch(1)
-    column.addWidget(window.complaint)
-    column.addLayout(_row(window.start, window.cancel, window.bar))
-    scroll = QScrollArea(widgetResizable=True)
-    scroll.setWidget(left)
-    scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    left = QWidget()
+    stack = QVBoxLayout(left)
+    stack.setContentsMargins(0, 0, 0, 0)
+    stack.addWidget(_Scrolled(forms), stretch=1)
+    for part in (window.warning, window.complaint, window.start_form):
+        stack.addWidget(part)
+    for notice in (window.warning, window.complaint):
+        notice.setContentsMargins(10, 0, 10, 0)
     below = QSplitter()
     below.addWidget(_column(window.brushes, window.plan))
     below.addWidget(_group("Obstacles, imposed from the first to the last", window.rows))
     below.setStretchFactor(0, 1)
-    below.setSizes([390, 460])
+    below.setSizes([330, 520])
     right = QSplitter(Qt.Orientation.Vertical)
     right.addWidget(window.view)
     right.addWidget(below)
     right.setSizes([380, 320])
     halves = QSplitter()
-    for widget, stretch in ((scroll, 0), (right, 1)):
+    for widget, stretch in ((left, 0), (right, 1)):
         halves.addWidget(widget)
         halves.setStretchFactor(halves.count() - 1, stretch)
     window.setCentralWidget(halves)
     window.statusBar().addWidget(window.index)
-    window.statusBar().addWidget(window.numbers)
+    for number in (window.levels, window.numbers, window.costs):
+        window.statusBar().addWidget(number)
     window.statusBar().addPermanentWidget(window.cell)
     return halves
 
 
-def _row(*widgets: QWidget) -> QHBoxLayout:
+class _Scrolled(QScrollArea):
+    """The content in as much height as there is, which it does not ask for."""
+
+    def __init__(self, content: QWidget) -> None:
+        super().__init__(widgetResizable=True)
+        self.setWidget(content)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+
+    def sizeHint(self) -> QSize:
+        """As wide as the content."""
+        return QSize(super().sizeHint().width(), 0)
+
+
+def row_of(*widgets: QWidget) -> QHBoxLayout:
+    """Side by side."""
     row = QHBoxLayout()
     for widget in widgets:
         row.addWidget(widget)

@@ -18,18 +18,22 @@ _HOW = """
 <p>A map is a grid of blocks of whole heights, in chunks (pallets) with frames. Obstacles are imposed on it from the
 first of the list to the last; where they meet, the later one counts, or as its blend says.</p>
 <h3>Make one</h3>
+<p><b>File, New from example</b> shows recipes to start from. Or:</p>
 <ol>
 <li>Choose the size of a chunk, how many chunks the map has, and the height step.</li>
 <li>Choose a type of obstacle, its max height (5 gives the heights 0, 1, 2, 3 and 4 steps) and softness, and its ends
 with the sliders; press <b>+</b>. Or draw it on the plan with the mouse.</li>
 <li>Click a row of the list, or a handle on the plan, to change an obstacle; drag its ends; <b>-</b> removes the last,
-<b>C</b> all of them. Everything can be undone.</li>
+<b>C</b> all of them. Drag a row of the list to move it in the order. Everything can be undone.</li>
 <li><b>Paint cells</b> (P) gives single cells a level: with the mouse, or by typing digits on the plan; they become a
 matrix.</li>
-<li>A coordinate that is <i>random</i> is drawn for every map anew; <b>Re-roll</b> draws another seed.</li>
-<li><b>Start</b> writes the maps as worlds for Gazebo.</li>
+<li>A coordinate that is <i>random</i> is drawn for every map anew; <b>Re-roll</b> draws another seed.
+While <b>Keep</b> is ticked, Start writes what is shown; without it every Start draws another seed first.</li>
+<li><b>Start</b> writes the maps as worlds for Gazebo, into the folder above it.</li>
 </ol>
-<p>In the view: left button turns, middle button (or shift) moves, wheel zooms; Ctrl+0 shows the whole map.</p>
+<p>In the view: left button turns, middle button (or shift) moves, wheel zooms; so do the arrow keys, + and -;
+Ctrl+0 shows the whole map. At the foot: blocks of each level, size, largest step, and what the map costs.</p>
+<p><b>Run, Show command line and Python code</b> spells out what makes the same maps without the window.</p>
 """
 
 

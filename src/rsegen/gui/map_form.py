@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QFormLayout, QHBoxLayout, QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QCheckBox, QFormLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from rsegen.errors import ParameterError
 from rsegen.gui.editors import Editor, editor, named
+from rsegen.gui.notice import Notice
 from rsegen.gui.session import Entry
 from rsegen.params import parameters
 from rsegen.recipe import Recipe
@@ -18,7 +19,9 @@ OFTEN = ("maps", "chunk_size", "chunks", "unit_cm", "boundary", "mesh_type", "se
 
 SELDOM = tuple(name for name in parameters(Recipe) if name not in OFTEN)
 
-COMPLAINT = "color: #c0392b"
+KEEP = """Kept: Start writes the maps that are shown, with this seed.
+Not kept: every Start draws another seed first; it is shown, and can be undone.
+Re-roll draws another seed at once, either way."""
 
 TITLES = {
     "maps": "Number of maps",
@@ -39,7 +42,8 @@ class MapForm(QWidget):
     def __init__(self, names: Iterable[str]) -> None:
         super().__init__()
         self._editors: dict[str, Editor] = {}
-        self._complaints: dict[str, QLabel] = {}
+        self._complaints: dict[str, Notice] = {}
+        self.keep = named(QCheckBox("Keep"), "keep_seed", title="keep the seed at Start", tip=KEEP)
         self._form = QFormLayout(self)
         self._form.setVerticalSpacing(3)
         for name in names:
@@ -49,15 +53,12 @@ class MapForm(QWidget):
         """Put the values of a draft into the fields, and what is wrong under the one that it is about."""
         for name, each in self._editors.items():
             each.show_value(values[name])
-            wrong = problem.problem if problem and problem.where.partition("[")[0] == name else ""
-            self._complaints[name].setText(wrong)
-            self._complaints[name].setVisible(bool(wrong))
+            about = problem and problem.where.partition("[")[0] == name
+            self._complaints[name].say(problem.problem if problem and about else "")
 
     def _add(self, name: str) -> None:
-        each, complaint = editor(name, parameters(Recipe)[name]), named(QLabel(wordWrap=True), f"{name}_complaint")
-        complaint.setStyleSheet(COMPLAINT)
+        each, complaint = editor(name, parameters(Recipe)[name]), Notice(f"{name}_complaint")
         each.edited.connect(lambda value: self.edited.emit(name, value))
-        complaint.hide()
         self._editors[name], self._complaints[name] = each, complaint
         label = QLabel(TITLES.get(name, name.replace("_cm", "").replace("_", " ").capitalize()))
         label.setBuddy(each)
@@ -69,6 +70,6 @@ class MapForm(QWidget):
         dice.clicked.connect(self.reroll)
         box = QHBoxLayout(row)
         box.setContentsMargins(0, 0, 0, 0)
-        box.addWidget(each)
-        box.addWidget(dice)
+        for widget in (each, self.keep, dice):
+            box.addWidget(widget)
         return row

@@ -8,14 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSettings
-from PySide6.QtGui import QAction, QGuiApplication, QKeySequence
+from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QFileDialog, QMenu, QMessageBox
 
 from rsegen.errors import RsegenError
+from rsegen.gui.example_dialog import ExampleDialog
 from rsegen.gui.manual import show_manual
 from rsegen.gui.reading import Reading
 from rsegen.gui.session import Session
-from rsegen.gui.spelled import command_line, python_code
+from rsegen.gui.spelled_dialog import SpelledDialog
 from rsegen.importers import FORMATS
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def add_menus(window: Window) -> None:
     """File, Edit, View, Run and Help."""
     files = window.menuBar().addMenu("&File")
     _act(window, files, "&New", lambda: replace_session(window, Session.new), QKeySequence.StandardKey.New)
+    _act(window, files, "New from &example...", partial(choose_example, window), "Ctrl+Shift+N")
     _act(window, files, "&Open...", partial(choose_file, window), QKeySequence.StandardKey.Open)
     recent = files.addMenu("Open &recent")
     recent.aboutToShow.connect(partial(_fill_recent, window, recent))
@@ -53,10 +55,28 @@ def add_menus(window: Window) -> None:
     _act(window, view, "&Whole map", window.view.reset_camera, "Ctrl+0")
     _act(window, view, "Save &picture...", partial(save_picture, window))
     run = window.menuBar().addMenu("&Run")
-    _act(window, run, "&Start: write the maps...", window.generate, "F5")
-    _act(window, run, "Copy &command line", lambda: _copy(command_line(window.session.recipe, "worlds")))
-    _act(window, run, "Copy &Python code", lambda: _copy(python_code(window.session.recipe, "worlds")))
+    _act(window, run, "&Start: write the maps", window.generate, "F5")
+    _act(window, run, "Open the &folder", window.start_form.open_folder)
+    _act(window, run, "Show &command line and Python code...", partial(show_spelled, window), "Ctrl+E")
     _act(window, window.menuBar().addMenu("&Help"), "&Manual", partial(show_manual, window), "F1")
+
+
+def enable_actions(window: Window) -> None:
+    """Only what can be done can be chosen."""
+    session, row, last = window.session, window.selected, len(window.session.draft.rows) - 1
+    possible = {
+        "Undo": session.can_undo,
+        "Redo": session.can_redo,
+        "Duplicate obstacle": row >= 0,
+        "Remove obstacle": row >= 0,
+        "Move obstacle up": row > 0,
+        "Move obstacle down": 0 <= row < last,
+        "Start: write the maps": window.start.isEnabled() and not window.start_form.busy,
+        "Open the folder": window.start_form.written is not None,
+    }
+    for action in window.findChildren(QAction):
+        if action.objectName() in possible:
+            action.setEnabled(possible[action.objectName()])
 
 
 def replace_session(window: Window, make: Callable[[], Session]) -> None:
@@ -68,6 +88,18 @@ def replace_session(window: Window, make: Callable[[], Session]) -> None:
         window.take(make())
     except RsegenError as error:
         QMessageBox.warning(window, "rsegen", str(error))
+
+
+def choose_example(window: Window) -> None:
+    """Start from a copy of an example that is asked for."""
+    dialog = ExampleDialog(window)
+    dialog.chosen.connect(lambda path: replace_session(window, partial(Session.copied, path)))
+    dialog.open()
+
+
+def show_spelled(window: Window) -> None:
+    """The command and the program that make the same maps."""
+    SpelledDialog(window.session.recipe, str(window.start_form.folder), window).open()
 
 
 def choose_file(window: Window) -> None:
@@ -118,7 +150,7 @@ def save(window: Window) -> None:
 
 def save_as(window: Window) -> None:
     """Write the recipe to a file that is asked for."""
-    name, _ = QFileDialog.getSaveFileName(window, "Save the recipe", "recipe.yaml", RECIPES)
+    name, _ = QFileDialog.getSaveFileName(window, "Save the recipe", f"{window.session.recipe.name}.yaml", RECIPES)
     if name:
         window.session.path = Path(name)
         save(window)
@@ -156,13 +188,7 @@ def _remove(window: Window, row: int) -> None:
 
 
 def _shift(window: Window, row: int, *, by: int) -> None:
-    if 0 <= row + by < len(window.session.draft.rows):
-        window.selected = row + by
-        window.session.move(row, row + by)
-
-
-def _copy(text: str) -> None:
-    QGuiApplication.clipboard().setText(text)
+    window.move_obstacle(row, row + by)
 
 
 def _recent() -> list[str]:

@@ -1,22 +1,69 @@
-"""What a map is, in a line of numbers for the window."""
+"""What a map is and costs, in numbers for the window."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from rsegen.account import account, warnings
+from rsegen.gui.colours import GROUND, Rgb, centimetres, rgb
 from rsegen.scene import Scene
 from rsegen.stepfield import StepField
 
+COUNTED = 100_000
+"""The files of maps of up to so many cells are made to be counted."""
+
+
+class Share(NamedTuple):
+    """How many blocks have one height: its colour and its name."""
+
+    colour: Rgb
+    name: str
+    blocks: int
+
+
+class Costs(NamedTuple):
+    """What a map costs in a few words, and what to know of it before opening it."""
+
+    text: str
+    warnings: tuple[str, ...]
+
 
 def in_numbers(scene: Scene) -> str:
-    """Size in cells and metres, blocks of each level, the largest step between neighbours in cm."""
+    """Size in cells and metres, the largest step between neighbours in cm."""
     (n_x, n_y), (along_x, along_y) = scene.field.shape, scene.field.extent
-    levels = ", ".join(f"{level}: {count:,}" for level, count in list(scene.field.level_counts().items())[:8])
-    step = largest_step(scene.field) * 100
-    return f"{n_x} x {n_y} cells, {along_x:g} x {along_y:g} m   blocks by level  {levels}   largest step {step:g} cm"
+    step = centimetres(largest_step(scene.field))
+    return f"{n_x} x {n_y} cells, {along_x:g} x {along_y:g} m, largest step {step}"
+
+
+def shares(scene: Scene) -> list[Share]:
+    """The blocks of each level, from the lowest."""
+    return [
+        Share(rgb(scene, level) if level else GROUND, centimetres(level * scene.field.unit), count)
+        for level, count in scene.field.level_counts().items()
+    ]
+
+
+def costs(scene: Scene) -> Costs:
+    """Models, faces and bytes of the files, where the map is not too large to make them; warnings always.
+
+    That there is nothing to see goes without saying where there are no obstacles yet.
+    """
+    said = warnings(scene) if scene.recipe.obstacles else ()
+    n_x, n_y = scene.field.shape
+    if n_x * n_y > COUNTED:
+        return Costs("", said)
+    found = account(scene)
+    models = f"{found.models:,} model{'s'[: found.models != 1]}"
+    return Costs(f"{models}, {found.faces:,} faces, {_size(found.bytes)}", said)
 
 
 def largest_step(field: StepField) -> float:
     """The largest difference in height between neighbours, frames and the ground around included, metres."""
     around = np.pad(field.heights, 1)
     return round(max(float(np.abs(np.diff(around, axis=axis)).max()) for axis in (0, 1)), 9)
+
+
+def _size(size: int) -> str:
+    return f"{size / 1000:,.0f} kB" if size < 1e6 else f"{size / 1e6:,.1f} MB"

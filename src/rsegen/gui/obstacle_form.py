@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QGridLayout, QLabel, QSlider, QVBoxLayout, QWidget
@@ -134,6 +135,7 @@ class ObstacleForm(QWidget):
             self._editors[name] = each = editor(name, known[name])
             each.edited.connect(self._tell)
             self._fields.addRow({"max_height": "Max height"}.get(name, name.capitalize()), each)
+        _tab_through(self.kind, *(field for each in self._editors.values() for field in each.fields), self.usual)
 
     def _other_kind(self) -> None:
         self.show_entry(self.entry(), self._grid, self._unit)
@@ -152,6 +154,11 @@ class ObstacleForm(QWidget):
         top = self._editors["max_height"].value()
         shown = [f"{level * self._unit:g}" for level in range(min(top, 12))] + ["..."] * (top > 12)
         self._heights.setText(f"Heights: {', '.join(shown)} cm")
+
+
+def _tab_through(*widgets: QWidget) -> None:
+    for one, next_ in pairwise(widgets):
+        QWidget.setTabOrder(one, next_)
 
 
 def _names(kind: str) -> Iterator[str]:

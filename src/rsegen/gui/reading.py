@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QLabel, QV
 
 from rsegen.errors import RsegenError
 from rsegen.gui.editors import Editor, TextEditor, editor, named
-from rsegen.gui.map_form import COMPLAINT
+from rsegen.gui.notice import Notice
 from rsegen.importers import format_of, imported
 from rsegen.params import parameters
 from rsegen.recipe import Recipe
@@ -27,8 +27,7 @@ class Reading(QDialog):
         self._form = QFormLayout()
         self._editors = {name: self._field(name) for name in parameters(self._format)}
         self._unit = self._add(TextEditor("unit_cm", parameters(Recipe)["unit_cm"]), "Unit in cm (else as in the file)")
-        self._complaint = named(QLabel(wordWrap=True), "reading_complaint")
-        self._complaint.setStyleSheet(COMPLAINT)
+        self._complaint = Notice("reading_complaint")
         self._lay_out()
 
     def accept(self) -> None:
@@ -39,7 +38,7 @@ class Reading(QDialog):
             checked = None if unit is None else self._unit.parameter.check("unit_cm", unit)
             self.recipe = imported(self._path, self._format(**options), checked)
         except RsegenError as error:
-            self._complaint.setText(str(error))
+            self._complaint.say(str(error))
             return
         super().accept()
 

@@ -1,41 +1,52 @@
-"""The list of obstacles: ID, on or off, type, height, softness, (X, Y) first and last; cells can be edited in place."""
+"""The list of obstacles: ID, on or off, type, height, softness, (X, Y) first and last.
+
+Cells can be edited in place, rows dragged to another place.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTableWidgetItem, QWidget
+from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
+from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QTableWidget, QTableWidgetItem, QWidget
 
 from rsegen.errors import ParameterError
 from rsegen.gui.editors import named
+from rsegen.gui.notice import ink
 from rsegen.gui.session import Row
 from rsegen.obstacles import KINDS
 from rsegen.params import Json, parameters
 from rsegen.recipe import Placement
 
 COLUMNS = ("ID", "Type", "Height", "Softness", "First", "Last")
+TIP = "drag a row to move it (Alt+Up, Alt+Down); Ctrl+D duplicates, Del removes; double click to edit"
 KEYS = ("", "kind", "max_height", "softness", "first", "last")
 """What of an entry each column shows."""
 
 
 class Rows(QTableWidget):
-    """The rows of a draft; it tells which was chosen, switched on or off, or edited in place."""
+    """The rows of a draft; it tells which was chosen, switched on or off, edited in place, or dragged and whereto."""
 
     chosen = Signal(int)
     switched = Signal(int, bool)
     edited = Signal(int, object)
+    shifted = Signal(int, int)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(0, len(COLUMNS), parent)
-        named(self, "rows", title="obstacles")
+        named(self, "rows", title="obstacles", tip=TIP)
         self.setHorizontalHeaderLabels(list(COLUMNS))
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        self.setWordWrap(False)
         self.verticalHeader().hide()
         self.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         self.horizontalHeader().setStretchLastSection(True)
         self._rows: Sequence[Row] = ()
+        self._held: int | None = None
+        self._pressed = 0
+        self._gap: int | None = None
         self.itemChanged.connect(self._changed)
         self.itemSelectionChanged.connect(lambda: self.chosen.emit(self.selected))
 
@@ -53,12 +64,76 @@ class Rows(QTableWidget):
         for number, row in enumerate(rows):
             wrong = problem.problem if problem and problem.where.startswith(f"obstacles[{number}]") else ""
             for column, key in enumerate(KEYS):
-                self.setItem(number, column, _item(number, row, key, wrong))
+                item = _item(number, row, key)
+                if wrong:
+                    item.setForeground(ink("wrong", self.palette()))
+                    item.setToolTip(wrong)
+                self.setItem(number, column, item)
         del blockers
         if selected < 0:
             self.clearSelection()
         elif selected != self.selected:
             self.selectRow(selected)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Choose the row that is pressed, and take hold of it."""
+        row = self.rowAt(event.position().toPoint().y())
+        super().mousePressEvent(event)
+        if event.button() == Qt.MouseButton.LeftButton and row >= 0:
+            self._held, self._pressed = row, event.position().toPoint().y()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Show where the row that is held would come to lie."""
+        if self._held is None:
+            super().mouseMoveEvent(event)
+            return
+        y = event.position().toPoint().y()
+        if self._gap is not None or abs(y - self._pressed) >= QApplication.startDragDistance():
+            self.scrollTo(self.model().index(max(self._gap_at(y) - 1, 0), 0))
+            self._show_gap(self._gap_at(y))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Let the row go, where it is another place."""
+        held, gap = self._held, self._gap
+        self._let_go()
+        if held is None or gap is None:
+            super().mouseReleaseEvent(event)
+        elif gap not in {held, held + 1}:
+            self.shifted.emit(held, gap - (gap > held))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Escape gives up a drag."""
+        if event.key() == Qt.Key.Key_Escape and self._gap is not None:
+            self._let_go()
+        else:
+            super().keyPressEvent(event)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """The table, and a line where the row that is dragged would come to lie."""
+        super().paintEvent(event)
+        if self._gap is not None:
+            painter = QPainter(self.viewport())
+            painter.setPen(QPen(self.palette().color(QPalette.ColorRole.Highlight), 3))
+            y = max(self._top_of(self._gap), 1)
+            painter.drawLine(0, y, self.viewport().width(), y)
+
+    def _gap_at(self, y: int) -> int:
+        """Before which row a drop would be; as many as there are rows is after the last."""
+        middles = [self.rowViewportPosition(row) + self.rowHeight(row) / 2 for row in range(self.rowCount())]
+        return sum(middle < y for middle in middles)
+
+    def _top_of(self, gap: int) -> int:
+        last = self.rowCount() - 1
+        return self.rowViewportPosition(gap) if gap <= last else self.rowViewportPosition(last) + self.rowHeight(last)
+
+    def _show_gap(self, gap: int | None) -> None:
+        self._gap = gap
+        self.viewport().setCursor(Qt.CursorShape.ArrowCursor if gap is None else Qt.CursorShape.ClosedHandCursor)
+        self.viewport().update()
+
+    def _let_go(self) -> None:
+        self._held = None
+        self._show_gap(None)
 
     def _changed(self, item: QTableWidgetItem) -> None:
         row, key = self._rows[item.row()], KEYS[item.column()]
@@ -71,14 +146,11 @@ class Rows(QTableWidget):
         self.edited.emit(item.row(), entry)
 
 
-def _item(number: int, row: Row, key: str, wrong: str) -> QTableWidgetItem:
+def _item(number: int, row: Row, key: str) -> QTableWidgetItem:
     item = QTableWidgetItem(_text(row.entry.get(key)) if key else str(number + 1))
     if not key:
         item.setFlags(item.flags() & ~Qt.ItemFlag.ItemIsEditable | Qt.ItemFlag.ItemIsUserCheckable)
         item.setCheckState(Qt.CheckState.Checked if row.enabled else Qt.CheckState.Unchecked)
-    if wrong:
-        item.setForeground(Qt.GlobalColor.red)
-        item.setToolTip(wrong)
     return item
 
 

@@ -16,11 +16,13 @@ class Generation(QThread):
 
     progressed = Signal(int)
     succeeded = Signal(str)
+    cancelled = Signal(str)
     failed = Signal(str)
 
     def __init__(self, recipe: Recipe, folder: Path, *, force: bool) -> None:
         super().__init__()
-        self._recipe, self._folder, self._force = recipe, folder, force
+        self.folder = folder
+        self._recipe, self._force = recipe, force
         self._done = 0
 
     def run(self) -> None:
@@ -28,15 +30,13 @@ class Generation(QThread):
         try:
             self.succeeded.emit(self._generated())
         except _Cancelled:
-            self.failed.emit(f"cancelled: {self._done} of {self._recipe.maps} maps are in {self._folder}")
+            self.cancelled.emit(f"Cancelled: {self._done} of {self._recipe.maps} maps are in {self.folder}")
         except RsegenError as error:
             self.failed.emit(str(error))
 
     def _generated(self) -> str:
-        made = generate(self._recipe, self._folder, force=self._force, progress=self._progress)
-        warnings = dict.fromkeys(text for one in made.maps for text in one.warnings)
-        said = [f"{len(made.maps)} map{'s'[: len(made.maps) > 1]} in {self._folder}, seed {made.recipe.seed}"]
-        return "\n".join([*said, *(f"warning: {text}" for text in warnings)])
+        made = generate(self._recipe, self.folder, force=self._force, progress=self._progress)
+        return f"{len(made.maps)} map{'s'[: len(made.maps) > 1]} in {self.folder}, seed {made.recipe.seed}"
 
     def _progress(self, one: GeneratedMap) -> None:
         self._done += 1

@@ -49,10 +49,11 @@ class Draft:
 
 @dataclass(kw_only=True)
 class Session:
-    """A draft and its history; `changed` is called after every change."""
+    """A draft and its history; `changed` is called after every change; the seed is kept, or drawn at every Start."""
 
     draft: Draft
     path: Path | None = None
+    seed_kept: bool = True
     changed: Callable[[], None] = lambda: None
     problem: ParameterError | None = None
     recipe: Recipe = field(default_factory=lambda: Recipe(seed=0))
@@ -74,6 +75,11 @@ class Session:
     def opened(cls, path: Path) -> Session:
         """The recipe of a file."""
         return cls(draft=drafted(load(path)), path=path)
+
+    @classmethod
+    def copied(cls, path: Path) -> Session:
+        """The recipe of a file that stays as it is."""
+        return cls(draft=drafted(load(path)))
 
     @classmethod
     def imported(cls, recipe: Recipe) -> Session:

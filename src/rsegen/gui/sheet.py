@@ -36,15 +36,18 @@ def room(width: int, height: int) -> Box:
 
 def paint_ground(painter: QPainter, scene: Scene, layout: Layout) -> None:
     """Every cell in its colour, with its height in centimetres where there is room."""
-    colours = cells(scene)
-    upright = np.ascontiguousarray(colours.transpose(1, 0, 2)[::-1])
-    height, width = upright.shape[:2]
-    image = QImage(upright.tobytes(), width, height, 3 * width, QImage.Format.Format_RGB888)
-    painter.drawImage(QRectF(*layout.area), image)
+    painter.drawImage(QRectF(*layout.area), ground_image(scene))
     if layout.side >= _LINED:
         _paint_lines(painter, layout)
     if layout.side >= _WRITTEN:
-        _write_heights(painter, scene, layout, bright(colours))
+        _write_heights(painter, scene, layout, bright(cells(scene)))
+
+
+def ground_image(scene: Scene) -> QImage:
+    """A pixel for every cell, in its colour, north up."""
+    upright = np.ascontiguousarray(cells(scene).transpose(1, 0, 2)[::-1])
+    height, width = upright.shape[:2]
+    return QImage(upright.tobytes(), width, height, 3 * width, QImage.Format.Format_RGB888).copy()
 
 
 def paint_rulers(painter: QPainter, layout: Layout, ink: QColor) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from rsegen.gui.axes import Bounds, marks
 from rsegen.gui.colours import GROUND
 from rsegen.gui.sight import SOUTH_EAST, VIEW_ANGLE, viewpoint
-from rsegen.gui.solid import Lines, Solid, block_edges, box_edges, solid
+from rsegen.gui.solid import Lines, Solid, block_edges, box_edges
 from rsegen.scene import Scene
 from rsegen.stepfield import Array, Window
 
@@ -42,10 +42,10 @@ class Stage:
         self._ink = (0.0, 0.0, 0.0)
         self._fitted: tuple[float, ...] | None = None
 
-    def show(self, scene: Scene, window: Window | None) -> None:
-        """The scene, with a box round a window of its cells; the camera stays, unless the map's extent is another."""
+    def show(self, scene: Scene, made: Solid, window: Window | None) -> None:
+        """The solid of a scene, a box round a window of its cells; the camera stays, unless the extent is another."""
         field = scene.field
-        _fill_faces(self._solid, solid(scene))
+        _fill_faces(self._solid, made)
         if edged := max(field.shape) <= EDGED:
             _fill_lines(self._edges, block_edges(field))
         self._edges_actor.SetVisibility(edged)
@@ -65,6 +65,20 @@ class Stage:
     def reset_camera(self) -> None:
         """Look at the whole map from the south-east, above."""
         self._look_from(SOUTH_EAST)
+
+    def turn(self, across: float, up: float) -> None:
+        """Go round the map by degrees, and higher, but neither over it nor under it."""
+        camera = self._plotter.camera
+        camera.Azimuth(across)
+        x, y, z = np.subtract(camera.position, camera.focal_point)
+        height = np.degrees(np.arctan2(z, np.hypot(x, y)))
+        camera.Elevation(float(np.clip(height + up, 2, 88) - height))
+        self._plotter.renderer.ResetCameraClippingRange()
+
+    def come_nearer(self, factor: float) -> None:
+        """Go towards the map, or away from it where the factor is less than one."""
+        self._plotter.camera.Dolly(factor)
+        self._plotter.renderer.ResetCameraClippingRange()
 
     def follow_size(self) -> None:
         """See the whole map in a view of another size, unless the camera was moved by hand."""

@@ -2,26 +2,44 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QObject, Qt
-from PySide6.QtGui import QCloseEvent, QColor, QGuiApplication, QOffscreenSurface, QOpenGLContext
+from PySide6.QtGui import (
+    QCloseEvent,
+    QColor,
+    QFocusEvent,
+    QGuiApplication,
+    QKeyEvent,
+    QOffscreenSurface,
+    QOpenGLContext,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+    QPen,
+)
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
-from rsegen.coarse import coarse, coarse_window, coarseness
+from rsegen.coarse import coarse_window
 from rsegen.errors import FileError
-from rsegen.gui.colours import legend
 from rsegen.gui.legend import Legend
+from rsegen.gui.look import Look, look_of
 from rsegen.gui.stage import Plotter, Stage
 from rsegen.scene import Scene
 from rsegen.stepfield import Window
 
-SHOWN = 400
-"""Maps of more than about so many cells a side are shown coarser, by the highest of several cells."""
-
 _WITHOUT_GL = ("offscreen", "minimal", "linuxfb", "vnc")
 _OPENGL = (3, 2)
+_FRAME = 2
+_KEYS = "Arrow keys turn the map, + and - come nearer and go away, 0 shows the whole map."
+_TURNS: dict[int, tuple[float, float]] = {
+    Qt.Key.Key_Left: (10.0, 0.0),
+    Qt.Key.Key_Right: (-10.0, 0.0),
+    Qt.Key.Key_Up: (0.0, 10.0),
+    Qt.Key.Key_Down: (0.0, -10.0),
+}
+"""Degrees: the map goes the way of the arrow, as it does under the mouse."""
+_NEARER: dict[int, float] = {Qt.Key.Key_Plus: 1.2, Qt.Key.Key_Equal: 1.2, Qt.Key.Key_Minus: 1 / 1.2}
 
 
 def unavailable() -> str:
@@ -42,10 +60,14 @@ class FieldView(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setAccessibleName("View of the map in three dimensions")
+        self.setAccessibleDescription(_KEYS)
+        self.setToolTip(_KEYS)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self._stage: Stage | None = None
+        self._plotter: Plotter = None
         self._legend, self._note = Legend(self), QLabel(self)
         row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
+        row.setContentsMargins(_FRAME, _FRAME, _FRAME, _FRAME)
         row.addWidget(_sorry(why) if (why := unavailable()) else self._plotter_widget(), stretch=1)
         row.addLayout(self._beside())
 
@@ -54,13 +76,16 @@ class FieldView(QWidget):
         if scene is None:
             super().show()
             return
-        self._legend.show_rows(legend(scene))
-        factor = coarseness(scene.field, SHOWN)
-        self._note.setText(f"each column the highest\nof {factor} x {factor} cells")
-        self._note.setVisible(factor > 1)
+        self.show_look(look_of(scene), highlighted)
+
+    def show_look(self, look: Look, highlighted: Window | None = None) -> None:
+        """Show what was made of a scene before."""
+        self._legend.show_rows(look.legend)
+        self._note.setText(f"each column the highest\nof {look.factor} x {look.factor} cells")
+        self._note.setVisible(look.factor > 1)
         if self._stage:
-            window = coarse_window(scene.field, highlighted, factor) if highlighted else None
-            self._stage.show(replace(scene, field=coarse(scene.field, factor)), window)
+            window = coarse_window(look.scene.field, highlighted, look.factor) if highlighted else None
+            self._stage.show(look.coarse, look.solid, window)
             QWidget.update(self._plotter)
 
     def reset_camera(self) -> None:
@@ -73,6 +98,35 @@ class FieldView(QWidget):
         """Write the view and its legend as a picture, in the format of the path's ending, or raise a FileError."""
         if not self.grab().save(str(path)):
             raise FileError(f"{path}: cannot be written as a picture; give a name in a folder that is there, as x.png")
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Arrows turn, + and - come nearer and go away, 0 shows the whole map."""
+        key = event.key()
+        if not self._stage or key not in {*_TURNS, *_NEARER, Qt.Key.Key_0}:
+            super().keyPressEvent(event)
+        elif key == Qt.Key.Key_0:
+            self.reset_camera()
+        else:
+            self._stage.turn(*_TURNS.get(key, (0.0, 0.0)))
+            self._stage.come_nearer(_NEARER.get(key, 1.0))
+            QWidget.update(self._plotter)
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """Show that keys go here."""
+        super().focusInEvent(event)
+        self.update()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Show that keys go elsewhere."""
+        super().focusOutEvent(event)
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """A frame while keys go here."""
+        if self.hasFocus():
+            painter = QPainter(self)
+            painter.setPen(QPen(self.palette().color(QPalette.ColorRole.Highlight), 2 * _FRAME))
+            painter.drawRect(self.rect())
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Give back what the graphics card holds."""
@@ -87,9 +141,11 @@ class FieldView(QWidget):
             QWidget.update(self._plotter)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Keep the whole map in sight while the widget becomes larger or smaller."""
+        """Keep the whole map in sight while the widget becomes larger or smaller; a click brings the keys here."""
         if self._stage and event.type() == QEvent.Type.Resize:
             self._stage.follow_size()
+        if event.type() == QEvent.Type.MouseButtonPress:
+            self.setFocus()
         return super().eventFilter(watched, event)
 
     def _beside(self) -> QVBoxLayout:

@@ -3,40 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
-import numpy as np
 from PySide6.QtCore import QSettings, QTimer, Slot
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
-    QFileDialog,
     QLabel,
     QMainWindow,
     QMessageBox,
-    QProgressBar,
     QPushButton,
     QSpinBox,
 )
 
-from rsegen.errors import RsegenError
 from rsegen.gui.brushes import Brushes
 from rsegen.gui.editors import named
-from rsegen.gui.handles import Handle
+from rsegen.gui.handles import Handle, handles_of, spanned
 from rsegen.gui.layout import lay_out
-from rsegen.gui.map_form import COMPLAINT, OFTEN, SELDOM, MapForm
-from rsegen.gui.menus import RECIPE_SUFFIXES, add_menus, take_dropped
-from rsegen.gui.numbers import in_numbers
+from rsegen.gui.level_bar import LevelBar
+from rsegen.gui.look import Look, is_quick, look_at
+from rsegen.gui.map_form import OFTEN, SELDOM, MapForm
+from rsegen.gui.menus import RECIPE_SUFFIXES, add_menus, enable_actions, take_dropped
+from rsegen.gui.newest import Newest
+from rsegen.gui.notice import Notice
+from rsegen.gui.numbers import Costs, costs
 from rsegen.gui.obstacle_form import ObstacleForm
 from rsegen.gui.painting import BARE, paintable, painted
 from rsegen.gui.plan import PlanView
 from rsegen.gui.rows import Rows
-from rsegen.gui.running import Generation
 from rsegen.gui.session import Session, straightened
+from rsegen.gui.start_form import StartForm
 from rsegen.gui.view import FieldView
 from rsegen.importers import FORMATS
 from rsegen.places import Cell
-from rsegen.room import refuse_too_large
-from rsegen.scene import Scene, compose
+from rsegen.scene import Scene
 from rsegen.stepfield import Window as Window_
 
 PAUSE = 25
@@ -50,7 +50,6 @@ class Window(QMainWindow):
         super().__init__()
         self.session = session
         self.scene: Scene | None = None
-        self.generation: Generation | None = None
         self.selected = -1
         self._make_widgets()
         self.halves = lay_out(self)
@@ -63,6 +62,7 @@ class Window(QMainWindow):
     def take(self, session: Session) -> None:
         """Another session, such as that of a file."""
         self.session, self.selected = session, -1
+        self.often.keep.setChecked(session.seed_kept)
         session.changed = self.refresh
         self.refresh()
         self._look()
@@ -76,12 +76,14 @@ class Window(QMainWindow):
             form.show_values(draft.values, problem)
         self.rows.show_rows(draft.rows, self.selected, problem)
         self._show_obstacle()
-        self.complaint.setText(str(problem) if problem else "")
-        self.complaint.setVisible(problem is not None)
+        self.complaint.say(str(problem) if problem else "")
         self.start.setEnabled(problem is None)
         self.index.setRange(self.session.recipe.indices[0], min(self.session.recipe.indices[-1], 2**31 - 1))
         self.setWindowTitle(f"{self.session.path.name if self.session.path else 'untitled'}[*] - rsegen")
         self.setWindowModified(self.session.unsaved)
+        for button in (self.drop, self.clear):
+            button.setEnabled(bool(draft.rows))
+        enable_actions(self)
         self._pause.start()
 
     def choose(self, row: int) -> None:
@@ -96,32 +98,34 @@ class Window(QMainWindow):
         self.add = named(QPushButton("+"), "add", title="add obstacle", tip="add this obstacle (Ctrl+Return)")
         self.drop = named(QPushButton("-"), "drop", title="remove last obstacle", tip="remove the last obstacle")
         self.clear = named(QPushButton("C"), "clear", title="clear all obstacles", tip="remove all obstacles")
-        self.start = named(QPushButton("Start"), "start", tip="write the maps (F5)")
-        self.cancel = named(QPushButton("Cancel"), "cancel")
-        self.bar = named(QProgressBar(), "progress")
-        self.complaint = named(QLabel(wordWrap=True), "complaint")
-        self.complaint.setStyleSheet(COMPLAINT)
+        self.start_form = StartForm()
+        self.start = self.start_form.start
+        self.complaint = Notice("complaint")
         self.numbers = named(QLabel(), "numbers")
-        self.cell = named(QLabel(), "cell")
+        self.costs, self.cell, self.levels = named(QLabel(indent=12), "costs"), named(QLabel(), "cell"), LevelBar()
+        self.warning = Notice("warning", "warning")
+        self.looking, self.counting = Newest(self), Newest(self)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE)
-        self.cancel.hide()
-        self.bar.hide()
 
     def _connect(self) -> None:
         for form in (self.often, self.seldom):
             form.edited.connect(lambda name, value: self.session.set(name, value, gesture=name))
             form.reroll.connect(lambda: self.session.reroll())
+        self.often.keep.toggled.connect(self._keep_seed)
         self.obstacle.edited.connect(self._obstacle_edited)
         self.rows.chosen.connect(self.choose)
         self.rows.switched.connect(lambda row, on: self.session.enable(row, enabled=on))
         self.rows.edited.connect(lambda row, entry: self.session.change(row, entry))
+        self.rows.shifted.connect(self.move_obstacle)
         self.add.clicked.connect(self.add_obstacle)
         self.drop.clicked.connect(self._drop_last)
         self.clear.clicked.connect(lambda: self.session.clear())
         self.start.clicked.connect(self.generate)
-        self.cancel.clicked.connect(self._stop)
+        self.start_form.changed.connect(lambda: enable_actions(self))
         self.index.valueChanged.connect(self._pause.start)
         self._pause.timeout.connect(self._look)
+        self.looking.came.connect(self._looked)
+        self.counting.came.connect(self._counted)
         self.plan.chosen.connect(self.choose)
         self.plan.moved.connect(self._end_moved)
         self.plan.drawn.connect(self._drawn)
@@ -135,13 +139,17 @@ class Window(QMainWindow):
         self.selected = len(self.session.draft.rows)
         self.session.add(self.obstacle.entry())
 
+    def move_obstacle(self, row: int, to: int) -> None:
+        """Put a row elsewhere in the list, and keep it chosen."""
+        self.selected = to
+        self.session.move(row, to)
+
     def _drop_last(self) -> None:
         if self.session.draft.rows:
             self.session.remove(len(self.session.draft.rows) - 1)
 
-    def _stop(self) -> None:
-        if self.generation:
-            self.generation.requestInterruption()
+    def _keep_seed(self, kept: bool) -> None:  # noqa: FBT001  # a signal's
+        self.session.seed_kept = kept
 
     def _obstacle_edited(self) -> None:
         if self.selected >= 0:
@@ -174,64 +182,49 @@ class Window(QMainWindow):
         self.brushes.show_unit(recipe.unit_cm)
 
     def _look(self) -> None:
-        """Make the field, and show it from both sides."""
-        try:
-            refuse_too_large(self.session.recipe)
-            self.scene = compose(self.session.recipe, self.index.value())
-        except RsegenError as error:
-            self.complaint.setText(str(error))
-            self.complaint.show()
+        """Make the field: a large one behind the window."""
+        recipe = self.session.recipe
+        self.looking.order(partial(look_at, recipe, self.index.value()), at_once=is_quick(recipe))
+
+    def _looked(self, look: object) -> None:
+        """Show it from both sides, and count what it costs when there is time."""
+        if not isinstance(look, Look):
+            self.complaint.say(str(look))
             return
-        self.view.show(self.scene, self._highlighted())
-        self.plan.show(self.scene, self._handles(), self.selected if self.selected >= 0 else None)
-        self.numbers.setText(in_numbers(self.scene))
+        self.scene = look.scene
+        self.view.show_look(look, self._highlighted())
+        self.plan.show(look.scene, self._handles(), self.selected if self.selected >= 0 else None)
+        self.numbers.setText(look.numbers)
+        self.levels.show_shares(look.shares)
+        self.costs.setText("")
+        self.counting.order(partial(costs, look.scene))
+
+    def _counted(self, found: object) -> None:
+        if isinstance(found, Costs):
+            self.costs.setText(found.text)
+            self.warning.say("\n".join(f"Warning: {text}" for text in found.warnings))
 
     def _handles(self) -> list[Handle]:
-        return [
-            Handle(row=number, first=_cell(row.entry.get("first")), last=_cell(row.entry.get("last")))
-            for number, row in enumerate(self.session.draft.rows)
-            if row.enabled
-        ]
+        return handles_of(self.session.draft.rows, self.scene.field.blocks.shape) if self.scene else []
 
     def _highlighted(self) -> Window_ | None:
         """The cells, frames counted, of the obstacle that is edited."""
         handle = next((each for each in self._handles() if each.row == self.selected), None)
-        if self.scene is None or handle is None or handle.first is None or handle.last is None:
-            return None
-        x, y = (
-            np.flatnonzero(self.scene.field.inside(axis))[sorted((handle.first[axis], handle.last[axis]))].tolist()
-            for axis in (0, 1)
-        )
-        return slice(x[0], x[1] + 1), slice(y[0], y[1] + 1)
+        return spanned(handle, self.scene.field) if handle and self.scene else None
 
     @Slot()
     def generate(self) -> None:
-        """Write the maps into a folder that is asked for."""
-        folder = QFileDialog.getExistingDirectory(self, "Where to write the maps", str(Path.cwd()))
-        if folder:
-            self.generate_into(Path(folder))
+        """Write the maps into the folder of the form; first draw another seed, unless this one is kept."""
+        ready = self.start.isEnabled() and not self.start_form.busy
+        if ready and self.start_form.is_free_for(self.session.recipe):
+            if not self.session.seed_kept:
+                self.session.reroll()
+            self.start_form.write(self.session.recipe)
 
     def generate_into(self, folder: Path) -> None:
-        """Write the maps behind the window."""
-        taken = (folder / self.session.recipe.map_name(self.session.recipe.first_map)).exists()
-        question = "Maps of this name are there already. Replace them?"
-        if taken and QMessageBox.question(self, "rsegen", question) != QMessageBox.StandardButton.Yes:
-            return
-        self.generation = Generation(self.session.recipe, folder, force=taken)
-        self.bar.setRange(0, self.session.recipe.maps if self.session.recipe.maps > 1 else 0)
-        self.generation.progressed.connect(self.bar.setValue)
-        self.generation.succeeded.connect(lambda text: self._ended(text))
-        self.generation.failed.connect(lambda text: self._ended(text))
-        for widget, busy in ((self.start, False), (self.cancel, True), (self.bar, True)):
-            widget.setVisible(busy)
-        self.generation.start()
-
-    def _ended(self, text: str) -> None:
-        for widget, busy in ((self.start, True), (self.cancel, False), (self.bar, False)):
-            widget.setVisible(busy)
-        self.statusBar().showMessage(text.splitlines()[0], 10_000)
-        if "\n" in text:
-            QMessageBox.information(self, "rsegen", text)
+        """Write the maps into another folder."""
+        self.start_form.folder = folder
+        self.generate()
 
     def _remember(self) -> None:
         settings = QSettings("rsegen", "rsegen")
@@ -261,9 +254,8 @@ class Window(QMainWindow):
         ):
             event.ignore()
             return
-        if self.generation and self.generation.isRunning():
-            self.generation.requestInterruption()
-            self.generation.wait()
+        for work in (self.start_form, self.looking, self.counting):
+            work.end()
         settings = QSettings("rsegen", "rsegen")
         settings.setValue("geometry", self.saveGeometry())
         settings.setValue("halves", self.halves.saveState())
@@ -275,10 +267,3 @@ def _dropped(event: QDropEvent) -> Path | None:
     """The recipe or file of heights that is dragged, if it is one."""
     paths = (Path(url.toLocalFile()) for url in event.mimeData().urls())
     return next((path for path in paths if path.suffix.lower() in {*RECIPE_SUFFIXES, *FORMATS}), None)
-
-
-def _cell(place: object) -> tuple[int, int] | None:
-    """A place where both coordinates are known."""
-    if isinstance(place, (list, tuple)) and all(isinstance(at, int) for at in place):
-        return place[0], place[1]
-    return None

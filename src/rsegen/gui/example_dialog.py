@@ -1,0 +1,91 @@
+"""The examples as pictures, to start from one of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QIcon, QPainter, QPixmap
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QLabel,
+    QListView,
+    QListWidget,
+    QListWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from rsegen.examples import EXAMPLES
+from rsegen.gui.editors import named
+from rsegen.gui.sheet import ground_image
+from rsegen.recipe import Recipe
+from rsegen.recipe_file import load
+from rsegen.scene import compose
+
+SIDE = 150
+"""Of a picture, in pixels."""
+
+
+class ExampleDialog(QDialog):
+    """A picture and a name for each; `chosen` tells the file of the one that is opened."""
+
+    chosen = Signal(Path)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        named(self, "example_dialog")
+        self.setWindowTitle("New from example")
+        self.resize(720, 460)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self._list = _pictures()
+        self._about = named(QLabel(wordWrap=True), "about")
+        standard = QDialogButtonBox.StandardButton
+        buttons = QDialogButtonBox(standard.Open | standard.Cancel)
+        column = QVBoxLayout(self)
+        for widget in (self._list, self._about, buttons):
+            column.addWidget(widget)
+        self._list.currentItemChanged.connect(self._describe)
+        self._list.itemActivated.connect(self._choose)
+        buttons.accepted.connect(self._choose)
+        buttons.rejected.connect(self.reject)
+        self._fill()
+
+    def _fill(self) -> None:
+        for path in EXAMPLES.values():
+            recipe = load(path)
+            item = QListWidgetItem(QIcon(_thumbnail(recipe)), recipe.name, self._list)
+            item.setToolTip(recipe.description)
+            item.setData(Qt.ItemDataRole.UserRole, path)
+            item.setData(Qt.ItemDataRole.AccessibleDescriptionRole, recipe.description)
+        self._list.setCurrentRow(0)
+
+    def _describe(self, item: QListWidgetItem) -> None:
+        self._about.setText(item.toolTip())
+
+    def _choose(self) -> None:
+        self.accept()
+        self.chosen.emit(self._list.currentItem().data(Qt.ItemDataRole.UserRole))
+
+
+def _pictures() -> QListWidget:
+    """A list of pictures that lies like a board."""
+    found = named(QListWidget(), "examples", tip="double click or Enter opens a copy")
+    found.setViewMode(QListView.ViewMode.IconMode)
+    found.setResizeMode(QListView.ResizeMode.Adjust)
+    found.setMovement(QListView.Movement.Static)
+    found.setIconSize(QSize(SIDE, SIDE))
+    found.setGridSize(QSize(SIDE + 20, SIDE + 30))
+    return found
+
+
+def _thumbnail(recipe: Recipe) -> QPixmap:
+    """The first map from above, north up, in the middle of a square."""
+    plan = ground_image(compose(recipe, recipe.first_map)).scaled(SIDE, SIDE, Qt.AspectRatioMode.KeepAspectRatio)
+    square = QPixmap(SIDE, SIDE)
+    square.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(square)
+    painter.drawImage((SIDE - plan.width()) // 2, (SIDE - plan.height()) // 2, plan)
+    painter.end()
+    return square

@@ -1,0 +1,49 @@
+"""The same as a command and as a program, to be copied."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QFontDatabase, QGuiApplication
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLabel, QPlainTextEdit, QPushButton, QVBoxLayout, QWidget
+
+from rsegen.gui.editors import named
+from rsegen.gui.layout import row_of
+from rsegen.gui.spelled import command_line, python_code
+from rsegen.recipe import Recipe
+
+
+class SpelledDialog(QDialog):
+    """What makes the same maps as Start, without a window."""
+
+    def __init__(self, recipe: Recipe, folder: str, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        named(self, "spelled_dialog")
+        self.setWindowTitle("The same without the window")
+        self.resize(760, 560)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        column = QVBoxLayout(self)
+        for title, name, text, share in (
+            ("Command line", "command_line", command_line(recipe, folder), 2),
+            ("Python code", "python_code", python_code(recipe, folder), 5),
+        ):
+            page = _page(name, text)
+            copy = named(QPushButton("Copy"), f"copy_{name}", title=f"copy the {title}", tip="copy the whole text")
+            copy.setAutoDefault(False)
+            copy.clicked.connect(lambda _=False, text=text: QGuiApplication.clipboard().setText(text))
+            head = row_of(QLabel(title), copy)
+            head.insertStretch(1, 1)
+            column.addLayout(head)
+            column.addWidget(page, stretch=share)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        buttons.rejected.connect(self.reject)
+        column.addWidget(buttons)
+
+
+def _page(name: str, text: str) -> QPlainTextEdit:
+    """The text in letters of one width, to be read and not written."""
+    page = named(QPlainTextEdit(text), name)
+    page.setReadOnly(True)
+    page.setTabChangesFocus(True)
+    page.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
+    page.setMinimumHeight(5 * page.fontMetrics().lineSpacing())
+    return page
