@@ -57,6 +57,7 @@ def add_menus(window: Window) -> None:
     run = window.menuBar().addMenu("&Run")
     _act(window, run, "&Start: write the maps", window.generate, "F5")
     _act(window, run, "Open the &folder", window.start_form.open_folder)
+    window.gazebo.fill(run)
     _act(window, run, "Show &command line and Python code...", partial(show_spelled, window), "Ctrl+E")
     _act(window, window.menuBar().addMenu("&Help"), "&Manual", partial(show_manual, window), "F1")
 

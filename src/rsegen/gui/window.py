@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
 
 from rsegen.gui.brushes import Brushes
 from rsegen.gui.editors import named
+from rsegen.gui.gazebo import InGazebo
 from rsegen.gui.handles import Handle, handles_of, spanned
 from rsegen.gui.layout import lay_out
 from rsegen.gui.level_bar import LevelBar
@@ -84,6 +85,7 @@ class Window(QMainWindow):
         for button in (self.drop, self.clear):
             button.setEnabled(bool(draft.rows))
         enable_actions(self)
+        self.gazebo.show_recipe(self.session.recipe)
         self._pause.start()
 
     def choose(self, row: int) -> None:
@@ -104,7 +106,7 @@ class Window(QMainWindow):
         self.numbers = named(QLabel(), "numbers")
         self.costs, self.cell, self.levels = named(QLabel(indent=12), "costs"), named(QLabel(), "cell"), LevelBar()
         self.warning = Notice("warning", "warning")
-        self.looking, self.counting = Newest(self), Newest(self)
+        self.looking, self.counting, self.gazebo = Newest(self), Newest(self), InGazebo(self)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE)
 
     def _connect(self) -> None:
@@ -132,6 +134,8 @@ class Window(QMainWindow):
         self.plan.hovered.connect(self.cell.setText)
         self.plan.painted.connect(self._painted)
         self.brushes.chosen.connect(self.plan.take_brush)
+        self.gazebo.asked.connect(lambda name: self.gazebo.open(name, self.session.recipe, self.index.value()))
+        self.gazebo.told.connect(self.statusBar().showMessage)
 
     @Slot()
     def add_obstacle(self) -> None:
@@ -254,7 +258,7 @@ class Window(QMainWindow):
         ):
             event.ignore()
             return
-        for work in (self.start_form, self.looking, self.counting):
+        for work in (self.start_form, self.looking, self.counting, self.gazebo):
             work.end()
         settings = QSettings("rsegen", "rsegen")
         settings.setValue("geometry", self.saveGeometry())

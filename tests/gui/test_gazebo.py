@@ -1,0 +1,98 @@
+"""Open in Gazebo, with stand-ins for the simulators' programs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]'")
+
+from PySide6.QtGui import QAction
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+
+from rsegen import load
+from rsegen.gui.session import Session
+from rsegen.gui.window import Window
+from simulators.standins import PROGRAMS, path_with, put, put_tools, start
+
+
+@pytest.fixture
+def programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder on PATH that stand-ins can be put into."""
+    folder = tmp_path / "programs"
+    folder.mkdir()
+    put_tools(folder)
+    monkeypatch.setenv("PATH", path_with(folder))
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("SAYS", "")
+    return folder
+
+
+@contextmanager
+def opened(app: QApplication) -> Iterator[Window]:
+    window = Window(Session.new())
+    window.show()
+    QTest.qWaitForWindowExposed(window)
+    wait_until(lambda: "looking for it" not in action(window, "Gazebo Sim").text())
+    yield window
+    window.take(Session.new())
+    window.close()
+
+
+def action(window: Window, title: str) -> QAction:
+    (found,) = window.findChildren(QAction, f"Open in {title}")
+    return found
+
+
+def wait_until(done: object, seconds: float = 10) -> None:
+    end = time.monotonic() + seconds
+    while not done():  # type: ignore[operator]  # a function
+        assert time.monotonic() < end
+        QTest.qWait(20)
+
+
+def test_without_a_simulator_the_entries_say_so_and_how_to_get_one(app: QApplication, programs: Path) -> None:
+    with opened(app) as window:
+        for title in ("Gazebo Sim", "Gazebo Classic"):
+            assert action(window, title).text() == f"Open in {title} (not found on this machine)"
+            assert not action(window, title).isEnabled()
+        assert "apt-get install gz-harmonic" in action(window, "Gazebo Sim").toolTip()
+
+
+@pytest.mark.parametrize(
+    ("name", "title", "program"), [("sim", "Gazebo Sim", "gz"), ("classic", "Gazebo Classic", "gazebo")]
+)
+def test_the_map_that_is_shown_is_opened(
+    name: str, title: str, program: str, app: QApplication, programs: Path
+) -> None:
+    put(programs, PROGRAMS[name])
+    with opened(app) as window:
+        window.session.set("maps", 3)
+        window.index.setValue(2)
+        action(window, title).trigger()
+        wait_until((programs / f"{program}.started").exists)
+        began = start(programs / program)
+        world = began.folder / Path(began.command[-1]).name
+        assert world.name == "rse_0002.world"
+        assert world.is_file()
+        assert load(world.with_name("recipe.json")).seed == window.session.recipe.seed
+        wait_until(lambda: "Writing" not in window.statusBar().currentMessage())
+        assert "opens rse_0002" in window.statusBar().currentMessage()
+
+
+def test_a_map_for_classic_is_not_opened_in_sim(app: QApplication, programs: Path) -> None:
+    put(programs, PROGRAMS["sim"])
+    with opened(app) as window:
+        window.session.set("simulator", "classic")
+        assert action(window, "Gazebo Sim").text() == "Open in Gazebo Sim (the recipe says simulator classic)"
+
+
+def test_a_classic_without_its_window_is_not_offered(app: QApplication, programs: Path) -> None:
+    put(programs, {name: told for name, told in PROGRAMS["classic"].items() if name in ("gzserver", "gz")})
+    with opened(app) as window:
+        assert action(window, "Gazebo Classic").text() == "Open in Gazebo Classic (here without its window)"
