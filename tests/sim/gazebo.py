@@ -40,12 +40,14 @@ class Lost(Exception):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Pose:
-    """Where a model stands, metres, and how it is turned about z, radians."""
+    """Where a model stands, metres, and how it is turned, radians."""
 
     x: float
     y: float
     z: float
     yaw: float
+    pitch: float = 0.0
+    roll: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -130,6 +132,10 @@ class Server:
     def begin(self, steps: int) -> None:
         """Have it simulate so many steps, and do not wait for them."""
         self._gz("world", "--multi-step", str(steps))
+
+    def told(self, *arguments: str) -> None:
+        """Run a command of `gz`; one that sends a message returns when a subscriber has been sent it."""
+        self._gz(*arguments)
 
     def end(self) -> None:
         """Have it finish its record and go."""
@@ -245,4 +251,7 @@ def _end(process: subprocess.Popen[str]) -> None:
 def _pose(message: Message) -> Pose:
     x, y, z = message.parts["position"][0].numbers("x", "y", "z")
     a, b, c, w = message.parts["orientation"][0].numbers("x", "y", "z", "w")
-    return Pose(x=x, y=y, z=z, yaw=math.atan2(2 * (w * c + a * b), 1 - 2 * (b * b + c * c)))
+    yaw = math.atan2(2 * (w * c + a * b), 1 - 2 * (b * b + c * c))
+    pitch = math.asin(max(-1.0, min(1.0, 2 * (w * b - c * a))))
+    roll = math.atan2(2 * (w * a + b * c), 1 - 2 * (a * a + b * b))
+    return Pose(x=x, y=y, z=z, yaw=yaw, pitch=pitch, roll=roll)
