@@ -149,6 +149,12 @@ class Server:
             raise Lost(f"no models in: {told}")
         return {model.values["name"]: _pose(model.parts["pose"][0]) for model in models}
 
+    def links(self) -> dict[str, Pose]:
+        """Where every link stands in its model, by its full name."""
+        models = parse(self._told("topic", "--request", "entity_list")).parts["models"]
+        links = [link for model in models for link in model.parts["link"]]
+        return {link.values["name"]: _pose(link.parts["pose"][0]) for link in links}
+
     def errors(self) -> list[str]:
         """The error lines of the log so far, without the harmless ones."""
         return [line for line in self._lines() if "[Err]" in line and not any(known in line for known in HARMLESS)]

@@ -51,7 +51,10 @@ class Robot:
         """Its <model> for a simulator, with its lidar if so wanted; `at` is where its origin is put."""
         inside = (
             f"      <pose>{numbers(at)}</pose>\n",
-            *(link.sdf(sensors) for link, sensors in zip(self.links, self._sensors(simulator, lidar), strict=True)),
+            *(
+                link.sdf(sensors)
+                for link, sensors in zip(self.links, self._sensors(simulator, lidar=lidar), strict=True)
+            ),
             *(joint.sdf for joint in self.joints),
             self.drive.plugins(_known(simulator)),
             servo_plugins(self.servos, simulator),
@@ -84,7 +87,7 @@ class Robot:
             raise UnknownName.among("joint", "joint with a motor", joint, servos)
         return servos[joint].command(name, angle, _known(simulator))
 
-    def _sensors(self, simulator: str, lidar: bool) -> list[str]:
+    def _sensors(self, simulator: str, *, lidar: bool) -> list[str]:
         seeing = self.lidar.sdf(simulator) if self.lidar and lidar else ""
         return [seeing, *[""] * (len(self.links) - 1)]
 

@@ -67,9 +67,6 @@ class Wheels(Drive):
         return sides + sizes + _limits("linear", self.speed) + _limits("angular", self.turn)
 
 
-IN_PLACE = 2.0
-"""How much more a SimpleTrackedVehicle must be told to turn where it stands than in an arc, for the same turn rate."""
-
 _MOVING = 0.1  # m/s, below which SimpleTrackedVehicle takes a turn for one in place
 
 
@@ -80,6 +77,7 @@ class Tracks(Drive):
     left, right: links, the main track before its flippers
     mu, mu2: friction along and across a belt
     efficiency: how much of the tracks' difference in speed becomes a turn; the rest is skidding
+    in_place: how much more Classic's plug-in must be told to turn where it stands than in an arc, for the same turn rate
     """
 
     body: str
@@ -88,6 +86,7 @@ class Tracks(Drive):
     mu: float
     mu2: float
     efficiency: float
+    in_place: float = 1
 
     def plugins(self, simulator: str) -> str:
         """SimpleTrackedVehicle in Classic; TrackedVehicle, and a TrackController for every belt, in Gazebo Sim.
@@ -104,13 +103,13 @@ class Tracks(Drive):
 
     def classic_command(self, name: str, v: float, w: float) -> Command:
         """A Twist."""
-        gain = IN_PLACE if abs(v) < _MOVING else 1
+        gain = self.in_place if abs(v) < _MOVING else 1
         return published(f"~/{name}/cmd_vel_twist", "Twist", twist(v, w * gain), "classic")
 
     def _belts(self) -> str:
         sides = (("left", self.right), ("right", self.left))
         links = "".join(element(f"{s}_track", b[0]) + elements(f"{s}_flipper", b[1:]) for s, b in sides)
-        most = element("max_linear_speed", 2 * self.speed) + element("max_angular_speed", IN_PLACE * self.turn)
+        most = element("max_linear_speed", 2 * self.speed) + element("max_angular_speed", self.in_place * self.turn)
         friction = element("track_mu", self.mu) + element("track_mu2", self.mu2)
         return element("body", self.body) + links + self._steering() + most + friction
 

@@ -1,0 +1,106 @@
+"""Worlds in which robots drive beside each other, each in a lane of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rsegen.robots import Robot
+from sim.gazebo import ATTEMPTS, Gazebo, Lost, Pose
+
+LANE = 4.0
+"""Metres from lane to lane."""
+
+_SURFACE = "<surface><friction><ode><mu>1</mu><mu2>1</mu2></ode></friction></surface>"
+_GROUND = "<plane><normal>0 0 1</normal><size>100 100</size></plane>"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Course:
+    """Robots by their names, in lanes from y = 0 on, and a stair in front of each, as geometries with their places."""
+
+    robots: Mapping[str, Robot]
+    stair: Sequence[tuple[str, str]] = ()
+
+    def world(self) -> str:
+        """The world file."""
+        return f"""\
+<sdf version="1.6">
+  <world name="course">
+    <physics type="ode">
+      <max_step_size>0.001</max_step_size>
+      <real_time_update_rate>10000</real_time_update_rate>
+    </physics>
+{"".join(self._models())}  </world>
+</sdf>
+"""
+
+    def _models(self) -> Iterator[str]:
+        yield _fixed("ground", "0 0 0", _GROUND)
+        for lane, (name, robot) in enumerate(self.robots.items()):
+            yield robot.model(name, "classic", (0, lane * LANE, 0, 0, 0, 0))
+            for step, (place, geometry) in enumerate(self.stair):
+                yield _fixed(f"step_{lane}_{step}", place.format(y=lane * LANE), geometry)
+
+
+def stair(distance: float, rises: Sequence[float]) -> list[tuple[str, str]]:
+    """Steps of 0.6 m depth, the last of 5 m, as boxes from the ground up; the first at a distance, metres."""
+    steps, top = [], 0.0
+    for number, rise in enumerate(rises):
+        top += rise
+        depth = 5.0 if number == len(rises) - 1 else 0.6
+        middle = distance + 0.6 * number + depth / 2
+        steps.append((f"{middle} {{y}} {top / 2}", f"<box><size>{depth} 2 {top}</size></box>"))
+    return steps
+
+
+def driven(
+    gazebo: Gazebo,
+    folder: Path,
+    course: Course,
+    commands: Mapping[str, tuple[float, float]],
+    steps: Sequence[int],
+    *,
+    stop_after: int | None = None,
+) -> list[dict[str, Pose]]:
+    """Poses after each run of steps; the robots go at v and turn at w from the first, and stand after `stop_after`."""
+    world = folder / "course.world"
+    world.write_text(course.world())
+    for left in reversed(range(ATTEMPTS)):
+        try:
+            return _once(gazebo, world, course, commands, steps, stop_after)
+        except Lost:
+            if not left:
+                raise
+    raise AssertionError
+
+
+def _once(  # noqa: PLR0913, PLR0917  # what driven was given
+    gazebo: Gazebo,
+    world: Path,
+    course: Course,
+    commands: Mapping[str, tuple[float, float]],
+    steps: Sequence[int],
+    stop_after: int | None,
+) -> list[dict[str, Pose]]:
+    poses = []
+    with gazebo.serving(world) as server:
+        for run, count in enumerate(steps):
+            for name, (v, w) in commands.items() if run in (0, stop_after) else ():
+                speeds = (v, w) if run == 0 else (0.0, 0.0)
+                server.told(*course.robots[name].command(name, *speeds).shell[1:])
+            server.step(count)
+            poses.append(server.poses())
+    return poses
+
+
+def _fixed(name: str, place: str, geometry: str) -> str:
+    inside = f'<collision name="collision"><geometry>{geometry}</geometry>{_SURFACE}</collision>'
+    return f"""\
+    <model name="{name}">
+      <static>true</static>
+      <pose>{place} 0 0 0</pose>
+      <link name="link">{inside}</link>
+    </model>
+"""
