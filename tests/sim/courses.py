@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -67,16 +67,19 @@ def driven(
     """Poses after each run of steps; the robots go at v and turn at w from the first, and stand after `stop_after`."""
     world = folder / "course.world"
     world.write_text(course.world())
-    for left in reversed(range(ATTEMPTS)):
-        try:
-            return _once(gazebo, world, course, commands, steps, stop_after)
-        except Lost:
-            if not left:
-                raise
-    raise AssertionError
+    return _attempt(lambda: _once(gazebo, world, course, commands, steps, stop_after), ATTEMPTS - 1)
 
 
-def _once(  # noqa: PLR0913, PLR0917  # what driven was given
+def _attempt(run: Callable[[], list[dict[str, Pose]]], left: int) -> list[dict[str, Pose]]:
+    try:
+        return run()
+    except Lost:
+        if not left:
+            raise
+    return _attempt(run, left - 1)
+
+
+def _once(
     gazebo: Gazebo,
     world: Path,
     course: Course,

@@ -58,7 +58,6 @@ def test_wheels_stop_when_told(gazebo: Gazebo, tmp_path: Path) -> None:
         ("burger", [0.010], True),
         ("burger", [0.020], False),
         ("jackal", [0.050], True),
-        ("jackal", [0.070], True),
         ("jackal", [0.110], False),
         ("crawler", [0.100], True),
         ("crawler", [0.200], True),
@@ -66,7 +65,7 @@ def test_wheels_stop_when_told(gazebo: Gazebo, tmp_path: Path) -> None:
         ("crawler", [0.400], False),
     ],
 )
-def test_it_climbs_what_they_should_and_no_more(
+def test_it_climbs_what_it_should_and_no_more(
     kind: str, heights: Sequence[float], climbed: bool, gazebo: Gazebo, tmp_path: Path
 ) -> None:
     robot = ROBOTS[kind]
@@ -76,9 +75,9 @@ def test_it_climbs_what_they_should_and_no_more(
 
 
 def test_flippers_and_arm_go_where_they_are_told(gazebo: Gazebo, tmp_path: Path) -> None:
-    angles = {"left_flipper_pivot": 0.6, "right_flipper_pivot": -0.2, "shoulder_joint": 0.8}
+    angles = {"left_flipper_pivot": 0.6, "right_flipper_pivot": 0.9, "shoulder_joint": 0.8}
     world = tmp_path / "course.world"
-    world.write_text(Course(robots={"one": ROBOTS["crawler"].holding({"right_flipper_pivot": -0.2})}).world())
+    world.write_text(Course(robots={"one": ROBOTS["crawler"].holding({"right_flipper_pivot": 0.9})}).world())
     with gazebo.serving(world) as server:
         for joint in ("left_flipper_pivot", "shoulder_joint"):
             server.told(*ROBOTS["crawler"].servo_command("one", joint, angles[joint]).shell[1:])

@@ -35,10 +35,13 @@ JACKAL = register(
     Robot(
         kind="jackal",
         title="of the Jackal's class",
-        source="",
+        source=(
+            "chassis, wheels, masses, friction and top speeds: jackal_description, jackal_control (Clearpath);"
+            " ours: size over all from these, centre of mass in the middle, the motors' inertia"
+        ),
         size=(_BASE + 2 * _RADIUS, _SEPARATION + _WIDTH, 0.250),
         clearance=0.066,
-        climbs=0.07,
+        climbs=0.05,
         links=(
             Link(name="base", mass=16.523, solid=_CHASSIS, centre=(0, 0, 0.130, 0, 0, 0), parts=(_PART,)),
             *(_wheel(corner, x, y) for corner, (x, y) in _CORNERS.items()),

@@ -59,7 +59,7 @@ class Part:
     def sdf(self) -> str:
         """Its <collision> and <visual>."""
         what = f"<pose>{numbers(self.place)}</pose>{self.solid.geometry}"
-        seen = f'        <visual name="{self.name}">{what}{paint(self.colour)}</visual>\n'
+        seen = f'        <visual name="{self.name}_seen">{what}{paint(self.colour)}</visual>\n'
         if self.touch is None:
             return seen
         return f'        <collision name="{self.name}">{what}{self.touch.sdf}</collision>\n' + seen
