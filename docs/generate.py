@@ -19,9 +19,11 @@ from rsegen.codec import encode, summary
 from rsegen.drawing import picture
 from rsegen.examples import EXAMPLES
 from rsegen.params import Parameter, parameters
+from rsegen.robots import ROBOTS
 
 DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
+ROBOTS_PAGE = DOCS / "robots.md"
 README = DOCS.parent / "README.md"
 
 
@@ -38,6 +40,7 @@ def texts() -> dict[Path, str]:
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
         DOCS / "examples.md": "\n".join(_examples()) + "\n",
+        ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
     }
 
 
@@ -127,6 +130,23 @@ def _examples() -> Iterator[str]:
     for name, path in EXAMPLES.items():
         yield f"\n## {name}\n\n{load(path).description}: `rsegen generate {name} -o worlds`\n"
         yield f"![{name}](pictures/{name}.png)"
+
+
+def _robots() -> Iterator[str]:
+    yield (
+        "| robot | L x W x H m | kg | wheels or tracks m | top v, w | clearance m | climbs m | figures |\n"
+        + "|---" * 8
+        + "|"
+    )
+    for kind, robot in ROBOTS.items():
+        drive = robot.drive
+        size = " x ".join(f"{side:.3f}" for side in robot.size)
+        apart = f"radius {drive.radius}, {drive.separation} apart"
+        most = f"{drive.speed} m/s, {drive.turn} rad/s"
+        yield (
+            f"| `{kind}`, {robot.title} | {size} | {robot.mass:.1f} | {apart} | {most} | {robot.clearance} "
+            f"| {robot.climbs} | {robot.source} |"
+        )
 
 
 def _table(known: Mapping[str, Parameter]) -> Iterator[str]:

@@ -9,6 +9,7 @@ from importlib import import_module
 from rsegen.errors import UnknownName
 from rsegen.robots.base import Robot, registered
 from rsegen.robots.commands import SIMULATORS, Command
+from rsegen.robots.own import OwnRobot, from_file
 
 for _module in pkgutil.iter_modules(__path__):
     import_module(f"{__name__}.{_module.name}")
@@ -24,4 +25,4 @@ def robot(kind: str, where: str = "robot") -> Robot:
     return ROBOTS[kind]
 
 
-__all__ = ["ROBOTS", "SIMULATORS", "Command", "Robot", "robot"]
+__all__ = ["ROBOTS", "SIMULATORS", "Command", "OwnRobot", "Robot", "from_file", "robot"]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from rsegen.errors import ParameterError, UnknownName, shown
@@ -51,7 +51,10 @@ class Robot:
         """Its <model> for a simulator, with its lidar if so wanted; `at` is where its origin is put."""
         inside = (
             f"      <pose>{numbers(at)}</pose>\n",
-            *(link.sdf(sensors) for link, sensors in zip(self.links, self._sensors(simulator, lidar), strict=True)),
+            *(
+                link.sdf(sensors)
+                for link, sensors in zip(self.links, self._sensors(simulator, lidar=lidar), strict=True)
+            ),
             *(joint.sdf for joint in self.joints),
             self.drive.plugins(_known(simulator)),
             servo_plugins(self.servos, simulator),
@@ -62,6 +65,13 @@ class Robot:
     def file(self, name: str, simulator: str = "classic", *, lidar: bool = False) -> str:
         """The same as the text of an SDF file."""
         return HEAD + self.model(name, simulator, lidar=lidar) + TAIL
+
+    def holding(self, angles: Mapping[str, float]) -> Robot:
+        """The robot whose servos go to these angles, radians, as soon as the world runs."""
+        for joint in angles.keys() - {servo.joint for servo in self.servos}:
+            raise UnknownName.among("joint", "joint with a motor", joint, (servo.joint for servo in self.servos))
+        servos = (replace(servo, rest=angles.get(servo.joint, servo.rest)) for servo in self.servos)
+        return replace(self, servos=tuple(servos))
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
         """What the robot `name` is told to go forward at v, m/s, and to turn at w, rad/s, counterclockwise."""
@@ -77,7 +87,7 @@ class Robot:
             raise UnknownName.among("joint", "joint with a motor", joint, servos)
         return servos[joint].command(name, angle, _known(simulator))
 
-    def _sensors(self, simulator: str, lidar: bool) -> list[str]:
+    def _sensors(self, simulator: str, *, lidar: bool) -> list[str]:
         seeing = self.lidar.sdf(simulator) if self.lidar and lidar else ""
         return [seeing, *[""] * (len(self.links) - 1)]
 

@@ -12,15 +12,23 @@ SIMULATORS = ("classic", "sim", "fortress")
 
 
 class Command(NamedTuple):
-    """One message, as `gz topic` sends it.
-
-    Gazebo Classic:  gz topic -p TOPIC -m TEXT
-    Gazebo Sim:      gz topic -t TOPIC -m TYPE -p TEXT   (Fortress: ign topic)
-    """
+    """One message, and the shell command that sends it."""
 
     topic: str
     type: str
     text: str
+    shell: tuple[str, ...]
+
+
+def published(topic: str, message: str, text: str, simulator: str) -> Command:
+    """A message to a topic by the simulator's own tool; `message` is a type without its package."""
+    kind = typed(message, simulator)
+    if simulator == "classic":
+        return Command(topic, kind, text, ("gz", "topic", "-p", topic, "-m", text))
+    return Command(topic, kind, text, (_TOOLS[simulator], "topic", "-t", topic, "-m", kind, "-p", text))
+
+
+_TOOLS = {"sim": "gz", "fortress": "ign"}
 
 
 def pose(v: float, w: float) -> str:

@@ -6,15 +6,16 @@ from math import pi
 from typing import NamedTuple
 
 from rsegen.robots.base import Robot, register
-from rsegen.robots.belts import belt
+from rsegen.robots.belts import belt, road
 from rsegen.robots.drives import Tracks
 from rsegen.robots.links import FIRM, GREY, Joint, Link, Part, Touch
 from rsegen.robots.servos import Servo
 from rsegen.robots.solids import Box, Cylinder, Solid, Vector
 
-_RADIUS, _HALF, _WIDTH, _SEPARATION = 0.085, 0.22, 0.07, 0.36
-_REACH, _FLIPPER_RADIUS, _FLIPPER_WIDTH = 0.26, 0.05, 0.04
+_RADIUS, _HALF, _WIDTH, _SEPARATION = 0.085, 0.27, 0.07, 0.36
+_REACH, _FLIPPER_RADIUS, _FLIPPER_WIDTH = 0.30, 0.05, 0.04
 _MU, _MU2 = 1.0, 0.5
+_ROAD, _PROUD = 0.15, 0.002  # the wheels that the tracks stand on, and by how much lower they are than the others
 _HULL = Touch(mu=0.3, mu2=0.3, soft=FIRM)
 _SIDES = {"left": 1, "right": -1}
 _Y: Vector = (0, 1, 0)
@@ -42,7 +43,7 @@ _ARM = (
         (0, 0, 1),
         -pi,
         pi,
-        (-0.14, 0, 0.16),
+        (-0.06, 0, 0.16),
         Cylinder(radius=0.05, length=0.06),
         (0, 0, 0.035),
         0.8,
@@ -51,29 +52,30 @@ _ARM = (
         20,
     ),
     _Limb(
-        "shoulder", (0, -1, 0), 0, 2.6, (-0.14, 0, 0.25), Box(size=(0.30, 0.05, 0.04)), (0.15, 0, 0), 0.9, 800, 15, 40
+        "shoulder", (0, -1, 0), 0, 2.6, (-0.06, 0, 0.25), Box(size=(0.30, 0.05, 0.04)), (0.15, 0, 0), 0.9, 800, 15, 40
     ),
-    _Limb("elbow", _Y, 0, 2.9, (0.16, 0, 0.275), Box(size=(0.28, 0.04, 0.04)), (-0.14, 0, 0.02), 0.7, 300, 5, 20),
-    _Limb("wrist", _Y, -1.5, 1.5, (-0.12, 0, 0.295), Box(size=(0.08, 0.04, 0.04)), (-0.04, 0, 0), 0.3, 60, 0.5, 8),
-    _Limb("hand", (1, 0, 0), -pi, pi, (-0.20, 0, 0.295), Box(size=(0.10, 0.08, 0.05)), (-0.05, 0, 0), 0.3, 5, 0.03, 4),
+    _Limb("elbow", _Y, 0, 2.9, (0.24, 0, 0.275), Box(size=(0.28, 0.04, 0.04)), (-0.14, 0, 0.02), 0.7, 300, 5, 20),
+    _Limb("wrist", _Y, -1.5, 1.5, (-0.04, 0, 0.295), Box(size=(0.08, 0.04, 0.04)), (-0.04, 0, 0), 0.3, 60, 0.5, 8),
+    _Limb("hand", (1, 0, 0), -pi, pi, (-0.12, 0, 0.295), Box(size=(0.10, 0.08, 0.05)), (-0.05, 0, 0), 0.3, 5, 0.03, 4),
 )
 """Folded over the hull, where every joint is at 0."""
 
-_HULL_BOX = Box(size=(0.56, 0.26, 0.11))
+_HULL_BOX = Box(size=(0.66, 0.26, 0.11))
 _BASE = Link(
     name="base",
-    mass=8.0,
+    mass=11.0,
     solid=_HULL_BOX,
-    centre=(0.03, 0, 0.09, 0, 0, 0),
+    centre=(0.14, 0, 0.07, 0, 0, 0),
     parts=(Part(name="hull", solid=_HULL_BOX, place=(0, 0, 0.105, 0, 0, 0), touch=_HULL),),
 )
 
 
 def _track(side: str) -> Link:
-    belts = belt(-_HALF, _HALF, radius=_RADIUS, width=_WIDTH, mu=_MU, mu2=_MU2)
+    belts = belt(-_HALF, _HALF, radius=_RADIUS - _PROUD, width=_WIDTH, mu=_MU, mu2=_MU2)
+    roads = tuple(road(x, radius=_RADIUS, width=_WIDTH, mu=_MU, mu2=_MU2) for x in (-_ROAD, _ROAD))
     solid = Box(size=(2 * (_HALF + _RADIUS), _WIDTH, 2 * _RADIUS))
     at = (0, _SIDES[side] * _SEPARATION / 2, _RADIUS, 0, 0, 0)
-    return Link(name=f"{side}_track", mass=3.5, solid=solid, parts=belts, place=at)
+    return Link(name=f"{side}_track", mass=3.5, solid=solid, parts=belts + roads, place=at)
 
 
 def _flipper(side: str) -> Link:
@@ -131,8 +133,8 @@ CRAWLER = register(
     Robot(
         kind="crawler",
         title="in the class of the Servosila Engineer",
-        source="",
-        size=(0.22 + 0.305 + 0.31, 0.53, 0.335),
+        source="all figures ours: the geometry of the Servosila Engineer is not confirmed",
+        size=(0.975, 0.53, 0.320),
         clearance=0.050,
         climbs=0.20,
         links=(
@@ -152,7 +154,8 @@ CRAWLER = register(
             turn=1.5,
             mu=_MU,
             mu2=_MU2,
-            efficiency=0.5,
+            efficiency=0.82,
+            in_place=1.46,
         ),
         servos=(
             *(Servo(joint=f"{side}_flipper_pivot", stiffness=300, damping=6, effort=60) for side in _SIDES),

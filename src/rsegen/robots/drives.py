@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
-from rsegen.robots.commands import Command, pose, twist, typed
+from rsegen.robots.commands import Command, pose, published, twist
 from rsegen.robots.plugins import classic, element, elements, system
 
 
@@ -30,7 +30,7 @@ class Drive(ABC):
         """What the robot `name` is told to go at v and to turn at w, counterclockwise."""
         if simulator == "classic":
             return self.classic_command(name, v, w)
-        return Command(f"/model/{name}/cmd_vel", typed("Twist", simulator), twist(v, w))
+        return published(f"/model/{name}/cmd_vel", "Twist", twist(v, w), simulator)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -59,12 +59,15 @@ class Wheels(Drive):
 
     def classic_command(self, name: str, v: float, w: float) -> Command:
         """A Pose."""
-        return Command(f"~/{name}/vel_cmd", typed("Pose", "classic"), pose(v, w * self.slip / self.spread))
+        return published(f"~/{name}/vel_cmd", "Pose", pose(v, w * self.slip / self.spread), "classic")
 
     def _system(self) -> str:
         sides = elements("left_joint", self.left) + elements("right_joint", self.right)
         sizes = element("wheel_separation", self.separation * self.slip) + element("wheel_radius", self.radius)
         return sides + sizes + _limits("linear", self.speed) + _limits("angular", self.turn)
+
+
+_MOVING = 0.1  # m/s, below which SimpleTrackedVehicle takes a turn for one in place
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -74,6 +77,7 @@ class Tracks(Drive):
     left, right: links, the main track before its flippers
     mu, mu2: friction along and across a belt
     efficiency: how much of the tracks' difference in speed becomes a turn; the rest is skidding
+    in_place: how much more Classic's plug-in must be told to turn on the spot than in an arc, for the same turn rate
     """
 
     body: str
@@ -82,9 +86,13 @@ class Tracks(Drive):
     mu: float
     mu2: float
     efficiency: float
+    in_place: float = 1
 
     def plugins(self, simulator: str) -> str:
-        """SimpleTrackedVehicle in Classic; TrackedVehicle, and a TrackController for every belt, in Gazebo Sim."""
+        """SimpleTrackedVehicle in Classic; TrackedVehicle, and a TrackController for every belt, in Gazebo Sim.
+
+        Classic's calls left what is right.
+        """
         if simulator == "classic":
             return classic("SimpleTrackedVehicle", "drive", self._belts())
         speeds = element("min_velocity", -2 * self.speed) + element("max_velocity", 2 * self.speed)
@@ -95,12 +103,13 @@ class Tracks(Drive):
 
     def classic_command(self, name: str, v: float, w: float) -> Command:
         """A Twist."""
-        return Command(f"~/{name}/cmd_vel_twist", typed("Twist", "classic"), twist(v, w))
+        gain = self.in_place if abs(v) < _MOVING else 1
+        return published(f"~/{name}/cmd_vel_twist", "Twist", twist(v, w * gain), "classic")
 
     def _belts(self) -> str:
         sides = (("left", self.right), ("right", self.left))
         links = "".join(element(f"{s}_track", b[0]) + elements(f"{s}_flipper", b[1:]) for s, b in sides)
-        most = element("max_linear_speed", 2 * self.speed) + element("max_angular_speed", self.turn)
+        most = element("max_linear_speed", 2 * self.speed) + element("max_angular_speed", self.in_place * self.turn)
         friction = element("track_mu", self.mu) + element("track_mu2", self.mu2)
         return element("body", self.body) + links + self._steering() + most + friction
 

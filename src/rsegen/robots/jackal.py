@@ -20,7 +20,7 @@ _CORNERS = {
 
 
 def _wheel(corner: str, x: float, y: float) -> Link:
-    return wheel(f"{corner}_wheel", (x, y, _RADIUS), radius=_RADIUS, width=_WIDTH, mass=0.477, geared=0.02)
+    return wheel(f"{corner}_wheel", (x, y, _RADIUS), radius=_RADIUS, width=_WIDTH, mass=0.477, geared=0.02, mu=0.5)
 
 
 def _axle(corner: str, y: float) -> Joint:
@@ -35,7 +35,10 @@ JACKAL = register(
     Robot(
         kind="jackal",
         title="of the Jackal's class",
-        source="",
+        source=(
+            "chassis, wheels, masses, friction and top speeds: jackal_description, jackal_control (Clearpath);"
+            " ours: size over all from these, centre of mass in the middle, the motors' inertia"
+        ),
         size=(_BASE + 2 * _RADIUS, _SEPARATION + _WIDTH, 0.250),
         clearance=0.066,
         climbs=0.05,
@@ -51,7 +54,7 @@ JACKAL = register(
             radius=_RADIUS,
             speed=2.0,
             turn=4.0,
-            slip=1.15,
+            slip=1.05,
             spread=_SPREAD,
         ),
     )

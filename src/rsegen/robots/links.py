@@ -59,7 +59,7 @@ class Part:
     def sdf(self) -> str:
         """Its <collision> and <visual>."""
         what = f"<pose>{numbers(self.place)}</pose>{self.solid.geometry}"
-        seen = f'        <visual name="{self.name}">{what}{paint(self.colour)}</visual>\n'
+        seen = f'        <visual name="{self.name}_seen">{what}{paint(self.colour)}</visual>\n'
         if self.touch is None:
             return seen
         return f'        <collision name="{self.name}">{what}{self.touch.sdf}</collision>\n' + seen
@@ -82,7 +82,7 @@ class Link:
 
     @property
     def moments(self) -> Vector:
-        """Moments of inertia about x, y and z at its centre of mass; half of `geared` about x and y, or no body has them."""
+        """Moments of inertia about x, y and z at its centre of mass; with half of `geared` across, as a body must."""
         ixx, iyy, izz = self.solid.moments(self.mass)
         return ixx + self.geared / 2, iyy + self.geared / 2, izz + self.geared
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rsegen.export.sdf import numbers
-from rsegen.robots.commands import Command, typed
+from rsegen.robots.commands import Command, published
 from rsegen.robots.plugins import classic, element, system
 
 
@@ -21,11 +21,16 @@ class Servo:
     rest: float = 0
 
     def command(self, name: str, angle: float, simulator: str) -> Command:
-        """What its robot `name` is told to bring it to an angle, radians."""
+        """What its robot `name` is told to bring it to an angle, radians.
+
+        Classic 11 listens on a topic of Ignition Transport, which its own `gz joint` knows.
+        """
         if simulator != "classic":
-            return Command(topic(name, self.joint), typed("Double", simulator), f"data: {numbers([angle])}")
-        text = f'name: "{name}::{self.joint}" position {{ target: {numbers([angle])} }}'
-        return Command(f"~/{name}/joint_cmd", typed("JointCmd", simulator), text)
+            return published(topic(name, self.joint), "Double", f"data: {numbers([angle])}", simulator)
+        text = f'name: "{name}::{self.joint}" position {{ target {{ data: {numbers([angle])} }} }}'
+        gains = ("--pos-p", numbers([self.stiffness]), "--pos-d", numbers([self.damping]))
+        shell = ("gz", "joint", "-m", name, "-j", self.joint, "--pos-t", numbers([angle]), *gains)
+        return Command(f"/{name}/joint_cmd", "ignition.msgs.JointCmd", text, shell)
 
 
 def topic(name: str, joint: str) -> str:

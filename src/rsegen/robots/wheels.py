@@ -6,16 +6,18 @@ from rsegen.robots.links import ALONG_Y, DARK, FIRM, Link, Part, Touch
 from rsegen.robots.solids import Cylinder, Vector
 
 CROWN = 0.0005
-"""Metres by which a tyre's middle stands out: ODE would have a flat tyre stand on its outer edges, and turn too slowly."""
+"""Metres by which a tyre's middle stands out: in ODE a flat one stands on its outer edges, and turns too slowly."""
 
 _TREAD = 0.004
 _AXLE: Vector = (0, 0, 1)
 
 
-def wheel(name: str, centre: Vector, *, radius: float, width: float, mass: float, geared: float) -> Link:
-    """A wheel whose axle lies along y and is its own z; friction acts along and across it, whichever way it has turned."""
+def wheel(  # noqa: PLR0913  # a wheel's six figures, by name
+    name: str, centre: Vector, *, radius: float, width: float, mass: float, geared: float, mu: float = 1
+) -> Link:
+    """A wheel with its axle along y, which is its own z; friction acts along and across it however it has turned."""
     tyre, tread = Cylinder(radius=radius - CROWN, length=width), Cylinder(radius=radius, length=_TREAD)
-    touch = Touch(mu=1, mu2=1, along=_AXLE, soft=FIRM)
+    touch = Touch(mu=mu, mu2=mu, along=_AXLE, soft=FIRM)
     parts = (
         Part(name="tyre", solid=tyre, colour=DARK, touch=touch),
         Part(name="tread", solid=tread, colour=DARK, touch=touch),

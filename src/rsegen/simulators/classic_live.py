@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import count
-from typing import Any
+from typing import Any, cast
 
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.commands import Command
 from rsegen.simulators.classic_line import PATIENCE, Line, line
-from rsegen.simulators.classic_messages import decoded, said
+from rsegen.simulators.classic_messages import Message, decoded, said
 from rsegen.simulators.live import Clock, LiveWorld, Pose
 
 _SETTLE = 0.03
@@ -60,9 +60,12 @@ class ClassicWorld(LiveWorld):
 
     def poses(self) -> Mapping[str, Pose]:
         """Of all its models, asked for."""
-        answer = self._asked("entity_list", "")
-        models = decoded("Model_V", answer.get("serialized_data", b"")).get("models", [])
-        return {model["name"]: _pose(model["pose"]) for model in models}
+        return {model["name"]: _pose(model["pose"]) for model in self._models()}
+
+    def links(self) -> Mapping[str, Pose]:
+        """Where every link stands in its model, by its full name."""
+        links = (link for model in self._models() for link in model.get("link", []))
+        return {link["name"]: _pose(link["pose"]) for link in links}
 
     def put(self, sdf: str, pose: Pose) -> None:
         """Through the factory."""
@@ -74,6 +77,10 @@ class ClassicWorld(LiveWorld):
         """By a request."""
         self.line.say("request", "Request", {"id": next(self._numbers), "request": "entity_delete", "data": name})
         self._wait_for(name, there=False)
+
+    def _models(self) -> Sequence[Message]:
+        answer = self._asked("entity_list", "")
+        return cast(Sequence[Message], decoded("Model_V", answer.get("serialized_data", b"")).get("models", []))
 
     def _statistics(self, after: int) -> dict[str, Any]:
         """The first that tells of more steps than so many."""

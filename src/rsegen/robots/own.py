@@ -1,0 +1,103 @@
+"""A user's own robot: one SDF model from a file, which comes from strangers."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+from rsegen.errors import FileError, ParameterError, shown
+from rsegen.robots.commands import Command, pose, published, twist
+
+MAX_MIB = 4
+"""The largest file that is read: a second's work for the parser."""
+
+_CLASSIC = {"libDiffDrivePlugin": "vel_cmd", "libSkidSteerDrivePlugin": "vel_cmd"} | dict.fromkeys(
+    ("libSimpleTrackedVehiclePlugin", "libWheelTrackedVehiclePlugin"), "cmd_vel_twist"
+)
+_SYSTEM = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-(?:diff-drive|tracked-vehicle)-system(?:\.so)?")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class OwnRobot:
+    """A model as it was found: its name, its <model> as text, the simulator and the topic that it is driven by.
+
+    simulator and topic are None where no drive in it is a known one; it then stands in the world and is not commanded.
+    """
+
+    name: str
+    text: str
+    simulator: str | None = None
+    topic: str | None = None
+
+    def command(self, v: float, w: float) -> Command:
+        """What it is told to go forward at v, m/s, and to turn at w, rad/s."""
+        if self.topic is None or self.simulator is None:
+            raise ParameterError(self.name, "no drive that rsegen knows, so it cannot be commanded")
+        if self.topic.endswith("vel_cmd") and self.simulator == "classic":
+            return published(self.topic, "Pose", pose(v, w), "classic")
+        return published(self.topic, "Twist", twist(v, w), self.simulator)
+
+
+def from_file(path: str | Path) -> OwnRobot:
+    """The one model in an SDF file; FileError, in one line, where the file holds anything else."""
+    return parsed(_text(Path(path)), str(path))
+
+
+def parsed(text: str, where: str) -> OwnRobot:
+    """The one model in a text of SDF; a document type and entities are refused, as bombs are made of them."""
+    if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
+        raise FileError(f"{where}: has a document type or entities, which no SDF needs")
+    try:
+        root = ElementTree.fromstring(text)  # noqa: S314  # without a document type it can only be plain elements
+    except ElementTree.ParseError as error:
+        raise FileError(f"{where}: not XML ({error})") from None
+    model = _model(root, where)
+    simulator, topic = _drive(model)
+    return OwnRobot(name=model.get("name", ""), text=_outer(model), simulator=simulator, topic=topic)
+
+
+def _model(root: ElementTree.Element, where: str) -> ElementTree.Element:
+    found = root.findall("model")
+    if root.tag != "sdf" or len(found) != 1 or root.find("world") is not None:
+        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>")
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", found[0].get("name", "")):
+        raise FileError(f"{where}: the model's name {shown(found[0].get('name'))} is not letters, digits and _")
+    if found[0].find("link") is None and found[0].find("include") is None and found[0].find("model") is None:
+        raise FileError(f"{where}: the model has no <link>")
+    return found[0]
+
+
+def _drive(model: ElementTree.Element) -> tuple[str | None, str | None]:
+    """Simulator and topic of the first drive that is known."""
+    name = model.get("name", "")
+    for plugin in model.iter("plugin"):
+        file = plugin.get("filename", "")
+        if told := _CLASSIC.get(file.removesuffix(".so")):
+            return "classic", f"~/{plugin.findtext('robot_namespace', name).strip()}/{told}"
+        if _SYSTEM.fullmatch(file):
+            topic = plugin.findtext("topic", f"/model/{name}/cmd_vel").strip()
+            return "fortress" if "ignition" in file else "sim", topic
+    return None, None
+
+
+def _outer(model: ElementTree.Element) -> str:
+    model.tail = "\n"
+    return ElementTree.tostring(model, encoding="unicode")
+
+
+def _text(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            content = file.read(MAX_MIB * 2**20 + 1)
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from None
+    except ValueError as error:  # a name with a null character
+        raise FileError(f"{shown(str(path))}: {error}") from None
+    if len(content) > MAX_MIB * 2**20:
+        raise FileError(f"{path}: larger than {MAX_MIB} MiB, too large for a robot")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileError(f"{path}: not a text in UTF-8") from None
