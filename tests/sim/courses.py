@@ -12,7 +12,7 @@ from rsegen.simulators import Installation
 from rsegen.simulators.classic_live import ClassicWorld, classic_world
 from rsegen.simulators.classic_world import attempted
 from rsegen.simulators.live import Pose
-from rsegen.simulators.server import serving
+from rsegen.simulators.server import Server, serving
 
 LANE = 4.0
 """Metres from lane to lane."""
@@ -73,7 +73,7 @@ def driven(
 
     def once() -> list[Mapping[str, Pose]]:
         poses = []
-        with served(gazebo, course, folder) as live:
+        with served(gazebo, course, folder) as (_, live):
             for run, count in enumerate(steps):
                 for name, (v, w) in commands.items() if run in (0, stop_after) else ():
                     live.tell(course.robots[name].command(name, *((v, w) if run == 0 else (0.0, 0.0))))
@@ -85,12 +85,12 @@ def driven(
 
 
 @contextmanager
-def served(gazebo: Installation, course: Course, folder: Path) -> Iterator[ClassicWorld]:
-    """Its world, which stands still."""
+def served(gazebo: Installation, course: Course, folder: Path) -> Iterator[tuple[Server, ClassicWorld]]:
+    """A server, and its world, which stands still."""
     file = folder / "course.world"
     file.write_text(course.world())
     with serving(gazebo, file) as server, classic_world(server.master) as live:
-        yield live
+        yield server, live
 
 
 def _fixed(name: str, place: str, geometry: str) -> str:

@@ -78,9 +78,9 @@ def test_it_climbs_what_it_should_and_no_more(
 def test_flippers_and_arm_go_where_they_are_told(gazebo: Installation, tmp_path: Path) -> None:
     angles = {"left_flipper_pivot": 0.6, "right_flipper_pivot": 0.9, "shoulder_joint": 0.8}
     course = Course(robots={"one": ROBOTS["crawler"].holding({"right_flipper_pivot": 0.9})})
-    with served(gazebo, course, tmp_path) as live:
+    with served(gazebo, course, tmp_path) as (server, live):
         for joint in ("left_flipper_pivot", "shoulder_joint"):
-            live.tell(ROBOTS["crawler"].servo_command("one", joint, angles[joint]))
+            server.told(*ROBOTS["crawler"].servo_command("one", joint, angles[joint]).shell)
         live.advance(2000)
         links = live.links()
     turned = {
