@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 from rsegen.robots import Robot
 from sim.gazebo import ATTEMPTS, Gazebo, Lost, Pose
+
+Result = TypeVar("Result")
 
 LANE = 4.0
 """Metres from lane to lane."""
@@ -67,16 +70,17 @@ def driven(
     """Poses after each run of steps; the robots go at v and turn at w from the first, and stand after `stop_after`."""
     world = folder / "course.world"
     world.write_text(course.world())
-    return _attempt(lambda: _once(gazebo, world, course, commands, steps, stop_after), ATTEMPTS - 1)
+    return attempted(lambda: _once(gazebo, world, course, commands, steps, stop_after))
 
 
-def _attempt(run: Callable[[], list[dict[str, Pose]]], left: int) -> list[dict[str, Pose]]:
+def attempted(run: Callable[[], Result], left: int = ATTEMPTS - 1) -> Result:
+    """What a run gives, which is begun anew where its server is lost."""
     try:
         return run()
     except Lost:
         if not left:
             raise
-    return _attempt(run, left - 1)
+    return attempted(run, left - 1)
 
 
 def _once(

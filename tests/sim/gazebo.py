@@ -135,7 +135,8 @@ class Server:
 
     def told(self, *arguments: str) -> None:
         """Run a command of `gz`; one that sends a message returns when a subscriber has been sent it."""
-        self._gz(*arguments)
+        if "Unable" in (answer := self._gz(*arguments)):
+            raise Lost(answer)
 
     def end(self) -> None:
         """Have it finish its record and go."""
