@@ -27,7 +27,7 @@ def files_of(scene: Scene) -> dict[str, bytes]:
 
 
 def world_of(scene: Scene) -> ET.Element:
-    world = ET.fromstring(files_of(scene)[f"{scene.name}.world"]).find("world")  # noqa: S314  # our own file
+    world = ET.fromstring(files_of(scene)[f"{scene.name}.world"]).find("world")  # our own file
     assert world is not None
     return world
 

@@ -14,7 +14,7 @@ SIMULATOR = pytest.mark.parametrize("simulator", SIMULATORS)
 
 
 def parsed(robot: Robot, simulator: str = "classic") -> ElementTree.Element:
-    return ElementTree.fromstring(robot.model("one", simulator, lidar=True))  # noqa: S314  # our own
+    return ElementTree.fromstring(robot.model("one", simulator, lidar=True))  # our own
 
 
 def number(element: ElementTree.Element, path: str) -> float:

@@ -14,7 +14,7 @@ from rsegen.chance import SEEDS, fresh_seed
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.worlds import World, world_of
 from rsegen.codec import to_json
-from rsegen.driving.crew import ROUTES, beyond, crew
+from rsegen.driving.crew import ROUTES, beyond, crew, easy
 from rsegen.driving.drive import Drive, Driver, driven
 from rsegen.driving.sketch import sketch
 from rsegen.driving.trip import Trip, measured
@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> None:
     with world.on_disk() as file, _bar(seconds) as progress:
         drive = driven(here, file, drivers, seconds, progress)
     goal = beyond(scene.field, kind) if route == "straight" else None
-    trips = {name: measured(track, kind.drive.speed, goal) for name, track in drive.tracks.items()}
+    trips = {name: measured(track, easy(kind), goal) for name, track in drive.tracks.items()}
     told = _summary(here, scene, route, seed, drivers, trips)
     if arguments.output:
         write(_files(scene, drive, told), arguments.output, force=arguments.force)

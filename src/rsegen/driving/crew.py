@@ -13,6 +13,9 @@ from rsegen.errors import UnknownName
 from rsegen.robots import Robot
 from rsegen.stepfield import StepField
 
+EASY = 0.4
+"""Metres a second: a robot that could go faster takes its time on rough ground."""
+
 ROUTES = (Straight.name, Wandering.name)
 
 
@@ -31,16 +34,25 @@ def beyond(field: StepField, robot: Robot) -> float:
 def _abreast(field: StepField, robot: Robot, count: int) -> list[Driver]:
     lane = robot.size[1] + GAP
     lines = [(number - (count - 1) / 2) * lane for number in range(count)]
+    goal = beyond(field, robot) + GAP
     return [
         Driver(
-            name=_name(robot, number), robot=robot, start=beside(field, robot.size, y), route=partial(_along, robot, y)
+            name=_name(robot, number),
+            robot=robot,
+            start=beside(field, robot.size, line),
+            route=partial(_along, robot, line, goal),
         )
-        for number, y in enumerate(lines)
+        for number, line in enumerate(lines)
     ]
 
 
-def _along(robot: Robot, line: float) -> Route:
-    return Straight(speed=robot.drive.speed, turn=robot.drive.turn, line=line)
+def _along(robot: Robot, line: float, goal: float) -> Route:
+    return Straight(speed=easy(robot), turn=robot.drive.turn, line=line, goal=goal)
+
+
+def easy(robot: Robot) -> float:
+    """The speed that a robot goes at, m/s."""
+    return min(robot.drive.speed, EASY)
 
 
 def _scattered(field: StepField, robot: Robot, count: int, seed: int) -> list[Driver]:
@@ -55,7 +67,7 @@ def _about(field: StepField, robot: Robot, seed: int, number: int) -> Route:
     reach = max(robot.size[:2])
     half_x, half_y = (max(along / 2 - reach, 0.0) for along in field.extent)
     rng = generator(seed, number, "route")
-    return Wandering(speed=robot.drive.speed, turn=robot.drive.turn, half=(half_x, half_y), rng=rng)
+    return Wandering(speed=easy(robot), turn=robot.drive.turn, half=(half_x, half_y), rng=rng)
 
 
 def _name(robot: Robot, number: int) -> str:

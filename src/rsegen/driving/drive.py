@@ -92,7 +92,8 @@ def drive_in_steps(
     step: float,
     progress: Callable[[float], None] = lambda _: None,
 ) -> None:
-    """Ask for each robot's motion, tell it, go on for a period, and so on for so many simulated seconds.
+    """Ask for each robot's motion, tell it, go on for a period, and so on for so many simulated seconds, or until all
+    are done.
 
     step: the seconds of a step of the world's physics.
     """
@@ -100,6 +101,8 @@ def drive_in_steps(
     period = min(route.period for route in routes.values())
     for turn in range(ceil(seconds / period)):
         poses = live.poses()
+        if all(route.is_done(poses[name]) for name, route in routes.items()):
+            return
         for driver in drivers:
             v, w = routes[driver.name].motion(poses[driver.name])
             live.tell(driver.robot.command(driver.name, v, w))

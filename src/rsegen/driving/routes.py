@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from math import atan2, hypot, pi
+from math import atan2, hypot, pi, sin
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -18,6 +18,11 @@ class Motion(NamedTuple):
     v: float
     w: float
 
+
+STANDING = Motion(0.0, 0.0)
+
+_AHEAD = 0.5
+"""Metres."""
 
 _HARDLY = 0.2
 """Of the way that a robot should have come."""
@@ -33,23 +38,34 @@ class Route(ABC):
     def motion(self, at: Pose) -> Motion:
         """What to do for the next period."""
 
+    def is_done(self, at: Pose) -> bool:
+        """Whether there is nothing more to drive."""
+        return False
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Straight(Route):
-    """Eastward along a line, turning back to it where the ground turns the robot."""
+    """Eastward along the line y = line, back to it where the ground turns the robot, as far as x = goal; metres."""
 
     name: ClassVar[str] = "straight"
     period: ClassVar[float] = 0.5
 
     speed: float
     turn: float
-    line: float = 0.0
-    """y of the line, metres."""
+    line: float
+    goal: float
 
     def motion(self, at: Pose) -> Motion:
-        """Towards a point on the line, half a metre ahead."""
-        wanted = atan2(self.line - at.y, 0.5)
-        return Motion(self.speed, _clipped(_turned(wanted - at.yaw) / self.period / 2, self.turn))
+        """Along an arc to a point of the line ahead (pure pursuit, Coulter 1992)."""
+        if at.x >= self.goal:
+            return STANDING
+        ahead = max(_AHEAD, 3 * self.speed * self.period)
+        aside = atan2(self.line - at.y, ahead) - at.yaw
+        return Motion(self.speed, _clipped(2 * self.speed * sin(aside) / ahead, self.turn))
+
+    def is_done(self, at: Pose) -> bool:
+        """Once it is there."""
+        return at.x >= self.goal
 
 
 @dataclass(kw_only=True, slots=True)

@@ -9,6 +9,9 @@ from rsegen.drawing import draw_plan
 from rsegen.driving.trip import Track
 from rsegen.scene import Scene
 
+_MARGIN = 1.5
+"""Metres about the map that are drawn."""
+
 
 def sketch(scene: Scene, tracks: Mapping[str, Track]) -> bytes:
     """A PNG: each way begins at a ring and ends at a dot, or at a cross where the robot has tipped over."""
@@ -24,6 +27,8 @@ def sketch(scene: Scene, tracks: Mapping[str, Track]) -> bytes:
         axes.plot(x, y, color=colour, linewidth=2, label=name)
         axes.plot(x[:1], y[:1], "o", color=colour, markersize=10, markerfacecolor="white", markeredgewidth=2)
         axes.plot(x[-1:], y[-1:], "X" if track.has_tipped else "o", color=colour, markersize=9, markeredgecolor="white")
+    half_x, half_y = (along / 2 + _MARGIN for along in scene.field.extent)
+    axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y))
     axes.legend(loc="upper right")
     axes.set_title(f"{scene.name}: where they drove")
     stream = io.BytesIO()

@@ -77,6 +77,6 @@ def measured(track: Track, speed: float, beyond: float | None = None) -> Trip:
 
 def _stuck(t: Array, x: Array, y: Array, speed: float) -> float:
     """Seconds, in steps of one, in which it came on by less than SLOW of what it should have."""
-    marks = np.arange(t[0], t[-1], 1.0)
+    marks = np.arange(t[0], t[-1] + 1e-6, 1.0)
     on_x, on_y = (np.diff(np.interp(marks, t, along)) for along in (x, y))
     return float((np.hypot(on_x, on_y) < SLOW * speed).sum())

@@ -96,37 +96,36 @@ def _limb(limb: _Limb) -> Link:
     )
 
 
-def _joints() -> tuple[Joint, ...]:
-    bodies = ["base", *(limb.joint for limb in _ARM)]
-    return (
-        *(Joint(name=f"{side}_track_mount", parent="base", child=f"{side}_track") for side in _SIDES),
-        *(
-            Joint(
-                name=f"{side}_flipper_pivot",
-                parent="base",
-                child=f"{side}_flipper",
-                axis=(0, -1, 0),
-                lower=-1.2,
-                upper=2.8,
-                effort=60,
-                rate=1.0,
-            )
-            for side in _SIDES
-        ),
-        *(
-            Joint(
-                name=f"{limb.joint}_joint",
-                parent=parent,
-                child=limb.joint,
-                axis=limb.axis,
-                lower=limb.lower,
-                upper=limb.upper,
-                effort=limb.effort,
-                rate=1.0,
-            )
-            for parent, limb in zip(bodies, _ARM, strict=False)
-        ),
+def _pivot(side: str) -> Joint:
+    return Joint(
+        name=f"{side}_flipper_pivot",
+        parent="base",
+        child=f"{side}_flipper",
+        axis=(0, -1, 0),
+        lower=-1.2,
+        upper=2.8,
+        effort=60,
+        rate=1.0,
     )
+
+
+def _hinge(parent: str, limb: _Limb) -> Joint:
+    return Joint(
+        name=f"{limb.joint}_joint",
+        parent=parent,
+        child=limb.joint,
+        axis=limb.axis,
+        lower=limb.lower,
+        upper=limb.upper,
+        effort=limb.effort,
+        rate=1.0,
+    )
+
+
+def _joints() -> tuple[Joint, ...]:
+    mounts = (Joint(name=f"{side}_track_mount", parent="base", child=f"{side}_track") for side in _SIDES)
+    parents = ("base", *(limb.joint for limb in _ARM[:-1]))
+    return *mounts, *map(_pivot, _SIDES), *map(_hinge, parents, _ARM)
 
 
 CRAWLER = register(
