@@ -195,14 +195,16 @@ class Text:
 
 @dataclass(frozen=True)
 class Several:
-    """A list of values of one sort."""
+    """A list of values of one sort, of any length or of one."""
 
     sort: Parameter
+    length: int | None = None
     help: str = ""
 
     def check(self, where: str, value: object) -> tuple[Any, ...]:
-        if not isinstance(value, (list, tuple)) or not value:
-            raise ParameterError(where, f"{shown(value)} is not a list; give {self.describe()}")
+        fits = isinstance(value, (list, tuple)) and len(value) == (self.length or max(len(value), 1))
+        if not isinstance(value, (list, tuple)) or not fits:
+            raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
         return tuple(self.sort.check(f"{where}[{number}]", one) for number, one in enumerate(value))
 
     def parse(self, text: str) -> object:
@@ -212,10 +214,10 @@ class Several:
         return ",".join(map(self.sort.spell, value))
 
     def schema(self) -> dict[str, Json]:
-        return {"type": "array", "items": self.sort.schema(), "minItems": 1}
+        return {"type": "array", "items": self.sort.schema(), "minItems": self.length or 1}
 
     def describe(self) -> str:
-        return f"a list of: {self.sort.describe()}"
+        return f"a list of {self.length or 'some'} of {self.sort.describe()}"
 
 
 def parameters(owner: type) -> Mapping[str, Parameter]:

@@ -101,7 +101,7 @@ def test_json_does_not_change_how_a_mistake_is_told(refused: Refused) -> None:
 @pytest.mark.parametrize("command", [command.__name__.rpartition(".")[2] for command in COMMANDS])
 def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, command: str) -> None:
     given = {"generate": ["-o", "out"], "preview": ["a.yaml", "-o", "p.png"], "info": ["a.yaml"], "open": ["a.yaml"]}
-    given["import_"] = ["a.csv", *given["generate"]]
+    given |= {"import_": ["a.csv", "-o", "out"], "drive": ["a.yaml"], "experiment": ["quick", "-o", "out"]}
     line = refused(command.rstrip("_"), *given.get(command, []), "--hlep")
     assert "unknown flag '--hlep'; did you mean '--help'?" in line
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -22,16 +23,26 @@ def written(folder: Path, text: str) -> Path:
 @pytest.mark.parametrize("simulator", ["classic", "sim", "fortress"])
 def test_our_own_robots_are_found_again(tmp_path: Path, kind: str, simulator: str) -> None:
     found = from_file(written(tmp_path, ROBOTS[kind].file("mine", simulator)))
-    assert (found.name, found.simulator) == ("mine", simulator)
-    assert found.topic == ROBOTS[kind].command("mine", 0, 0, simulator).topic
-    assert found.command(0, 0).type == ROBOTS[kind].command("mine", 0, 0, simulator).type
+    assert (found.kind, found.its_simulator) == ("mine", simulator)
+    assert found.command("mine", 0, 0, simulator) == ROBOTS[kind].command("mine", 0, 0, simulator)
+    with pytest.raises(ParameterError, match=f"mine: its drive is for {simulator}, not for other"):
+        found.command("mine", 0, 0, "other")
 
 
 def test_a_robot_without_a_known_drive_is_read_and_not_commanded(tmp_path: Path) -> None:
     found = from_file(written(tmp_path, MODEL.format("")))
-    assert (found.name, found.simulator, found.topic) == ("mine", None, None)
+    assert (found.kind, found.its_simulator, found.topic) == ("mine", None, None)
     with pytest.raises(ParameterError, match="mine: no drive that rsegen knows"):
-        found.command(1, 0)
+        found.command("mine", 1, 0)
+
+
+def test_it_stands_under_the_name_and_at_the_place_that_it_is_given(tmp_path: Path) -> None:
+    for pose in ("", "<pose>9 9 9 0 0 0</pose>"):
+        model = ElementTree.fromstring(
+            from_file(written(tmp_path, MODEL.format(pose))).model("two", at=(1, 2, 3, 0, 0, 4))
+        )
+        assert model.get("name") == "two"
+        assert [place.text for place in model.findall("pose")] == ["1 2 3 0 0 4"]
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import json
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path, PurePosixPath
 
 from rsegen.chance import SEEDS, fresh_seed
@@ -18,9 +18,11 @@ from rsegen.driving.crew import ROUTES, beyond, crew, easy
 from rsegen.driving.drive import Drive, Driver, driven
 from rsegen.driving.sketch import sketch
 from rsegen.driving.trip import Trip, measured
-from rsegen.errors import FileError
-from rsegen.params import Choice, Real, Whole
+from rsegen.errors import FileError, ParameterError, shown
+from rsegen.params import Choice, Parameter, Real, Several, Whole
 from rsegen.robots import ROBOTS, robot
+from rsegen.robots.base import Driven
+from rsegen.robots.own import from_file
 from rsegen.room import refuse_too_large
 from rsegen.scene import Scene, compose
 from rsegen.simulators import Installation
@@ -29,6 +31,12 @@ from rsegen.writer import write
 
 COUNT, SECONDS, SEED = Whole(1, 100), Real(0.1, 1e5, unit="s"), Whole(0, SEEDS - 1)
 ROUTE = Choice(ROUTES)
+OWN: Mapping[str, Parameter] = {
+    "size": Several(Real(0.01, 100, unit="m"), 3),
+    "speed": Real(0.001, 100, unit="m/s"),
+    "turn": Real(0.001, 100, unit="rad/s"),
+}
+"""What a person says of the robot in a file."""
 
 
 def add(commands: Subparsers) -> None:
@@ -42,7 +50,12 @@ def add(commands: Subparsers) -> None:
     )
     command.add_argument("target", metavar="WORLD-or-DIR-or-RECIPE", help="a world of rsegen, its folder, or a recipe")
     command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
-    command.add_argument("--robot", default="burger", metavar="KIND", help="kind of robot (default: burger)")
+    command.add_argument(
+        "--robot", default="burger", metavar="KIND|SDF", help="kind of robot, or the file of a model (default: burger)"
+    )
+    command.add_argument("--size", metavar="L,W,H", help="of the robot in the file, metres (default: 0.5,0.5,0.5)")
+    command.add_argument("--speed", metavar="V", help="the most that it is told to go, m/s (default: 0.2)")
+    command.add_argument("--turn", metavar="W", help="the most that it is told to turn, rad/s (default: 0.5)")
     command.add_argument(
         "--robots", default="1", metavar="N", help=f"how many of them ({COUNT.describe()}, default: 1)"
     )
@@ -61,7 +74,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Drive, and say what came of it."""
-    kind, seed = robot(arguments.robot, "--robot"), _seed(arguments.seed)
+    kind, seed = _robot(arguments), _seed(arguments.seed)
     count = COUNT.check("--robots", COUNT.parse(arguments.robots))
     seconds = SECONDS.check("--duration", SECONDS.parse(arguments.duration))
     route = ROUTE.check("--route", arguments.route)
@@ -76,6 +89,17 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.output:
         write(_files(scene, drive, told), arguments.output, force=arguments.force)
     print(json.dumps(told, indent=2) if arguments.json else "\n".join(_report(told, trips)))
+
+
+def _robot(arguments: argparse.Namespace) -> Driven:
+    """One of ours, or that of a file; only of such a one does a person say what it is like."""
+    said = {name: getattr(arguments, name) for name in OWN if getattr(arguments, name) is not None}
+    if arguments.robot.endswith(".sdf"):
+        values = {name: OWN[name].check(f"--{name}", OWN[name].parse(text)) for name, text in said.items()}
+        return replace(from_file(arguments.robot), **values)
+    for name in said:
+        raise ParameterError(f"--{name}", f"is for the robot of a file; {shown(arguments.robot)} has its own")
+    return robot(arguments.robot, "--robot")
 
 
 def _seed(text: str | None) -> int:

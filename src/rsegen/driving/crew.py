@@ -8,9 +8,10 @@ from functools import partial
 from rsegen.chance import generator
 from rsegen.driving.drive import Driver
 from rsegen.driving.routes import Route, Straight, Wandering
-from rsegen.driving.spots import GAP, beside, on_top
+from rsegen.driving.spots import GAP, beside, has_room, on_top
 from rsegen.errors import UnknownName
-from rsegen.robots import Robot
+from rsegen.robots.base import Driven
+from rsegen.simulators.live import Pose
 from rsegen.stepfield import StepField
 
 EASY = 0.4
@@ -19,19 +20,19 @@ EASY = 0.4
 ROUTES = (Straight.name, Wandering.name)
 
 
-def crew(field: StepField, robot: Robot, route: str, *, count: int, seed: int) -> Sequence[Driver]:
+def crew(field: StepField, robot: Driven, route: str, *, count: int, seed: int) -> Sequence[Driver]:
     """So many robots of a kind: side by side before a straight crossing, else on top of the map, to wander about."""
     if route not in ROUTES:
         raise UnknownName.among("route", "route", route, ROUTES)
     return _abreast(field, robot, count) if route == Straight.name else _scattered(field, robot, count, seed)
 
 
-def beyond(field: StepField, robot: Robot) -> float:
+def beyond(field: StepField, robot: Driven) -> float:
     """The x of a robot's middle from which on the whole of it is east of the map, metres."""
     return field.extent[0] / 2 + robot.size[0] / 2
 
 
-def _abreast(field: StepField, robot: Robot, count: int) -> list[Driver]:
+def _abreast(field: StepField, robot: Driven, count: int) -> list[Driver]:
     lane = robot.size[1] + GAP
     lines = [(number - (count - 1) / 2) * lane for number in range(count)]
     goal = beyond(field, robot) + GAP
@@ -46,29 +47,36 @@ def _abreast(field: StepField, robot: Robot, count: int) -> list[Driver]:
     ]
 
 
-def _along(robot: Robot, line: float, goal: float) -> Route:
-    return Straight(speed=easy(robot), turn=robot.drive.turn, line=line, goal=goal)
+def _along(robot: Driven, line: float, goal: float) -> Route:
+    return Straight(speed=easy(robot), turn=robot.turn, line=line, goal=goal)
 
 
-def easy(robot: Robot) -> float:
+def easy(robot: Driven) -> float:
     """The speed that a robot goes at, m/s."""
-    return min(robot.drive.speed, EASY)
+    return min(robot.speed, EASY)
 
 
-def _scattered(field: StepField, robot: Robot, count: int, seed: int) -> list[Driver]:
-    places = on_top(field, [robot.size] * count, generator(seed, 0, "places"))
+def _scattered(field: StepField, robot: Driven, count: int, seed: int) -> list[Driver]:
+    places = _places(field, robot, count, seed)
     return [
         Driver(name=_name(robot, number), robot=robot, start=place, route=partial(_about, field, robot, seed, number))
         for number, place in enumerate(places)
     ]
 
 
-def _about(field: StepField, robot: Robot, seed: int, number: int) -> Route:
+def _places(field: StepField, robot: Driven, count: int, seed: int) -> list[Pose]:
+    """On top of the map where a robot has room there, else in a row beside it."""
+    if has_room(field, robot.size):
+        return on_top(field, [robot.size] * count, generator(seed, 0, "places"))
+    return [driver.start for driver in _abreast(field, robot, count)]
+
+
+def _about(field: StepField, robot: Driven, seed: int, number: int) -> Route:
     reach = max(robot.size[:2])
     half_x, half_y = (max(along / 2 - reach, 0.0) for along in field.extent)
     rng = generator(seed, number, "route")
-    return Wandering(speed=easy(robot), turn=robot.drive.turn, half=(half_x, half_y), rng=rng)
+    return Wandering(speed=easy(robot), turn=robot.turn, half=(half_x, half_y), rng=rng)
 
 
-def _name(robot: Robot, number: int) -> str:
+def _name(robot: Driven, number: int) -> str:
     return f"{robot.kind}_{number}"

@@ -14,7 +14,7 @@ from rsegen.driving.arena import arena, step_of
 from rsegen.driving.routes import Route
 from rsegen.driving.trip import Track
 from rsegen.errors import SimulatorFailed
-from rsegen.robots import Robot
+from rsegen.robots.base import Driven
 from rsegen.simulators import Installation
 from rsegen.simulators.classic_live import classic_world
 from rsegen.simulators.classic_record import Record, record, recording
@@ -32,7 +32,7 @@ class Driver:
     """A robot under a name, where it starts, and how it drives. Its route is made anew for every attempt."""
 
     name: str
-    robot: Robot
+    robot: Driven
     start: Pose
     route: Callable[[], Route]
 

@@ -23,6 +23,11 @@ def beside(field: StepField, size: tuple[float, float, float], aside: float = 0.
     return Pose(x=-field.extent[0] / 2 - GAP - size[0] / 2, y=aside, z=DROP)
 
 
+def has_room(field: StepField, size: tuple[float, float, float]) -> bool:
+    """Whether a robot of a length, width and height can turn about on the map."""
+    return min(field.shape) >= 2 * ceil(hypot(*size[:2]) / 2 / field.block_width) + 1
+
+
 def on_top(field: StepField, sizes: list[tuple[float, float, float]], rng: np.random.Generator) -> list[Pose]:
     """A place for each robot of a length, width and height, and a heading, all drawn.
 

@@ -27,7 +27,9 @@ class Notebook:
         """A new one; or go on with one of the same plan. FileError where it is of another."""
         if not self.path.exists():
             self._add({"plan": plan})
-        elif self._first() != json.loads(json.dumps({"plan": plan})):
+            return
+        self._mend()
+        if self._first() != json.loads(json.dumps({"plan": plan})):
             raise FileError(f"{self.path}: has the outcomes of another plan; give another folder, or --force")
 
     def add(self, cell: Cell, repeat: int, outcome: Outcome) -> None:
@@ -45,6 +47,13 @@ class Notebook:
         for cell, _, outcome in self.entries():
             found.setdefault(cell, []).append(outcome)
         return found
+
+    def _mend(self) -> None:
+        """Take away the line that broke off when a run was stopped."""
+        whole, _, broken = self.path.read_bytes().rpartition(b"\n")
+        if broken:
+            with self.path.open("r+b") as file:
+                file.truncate(len(whole) + 1 if whole else 0)
 
     def _first(self) -> object:
         lines = self._lines()

@@ -9,6 +9,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Protocol
 
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.export.sdf import HEAD, TAIL, numbers
@@ -19,6 +20,27 @@ from rsegen.robots.links import HERE, Joint, Link, Place
 from rsegen.robots.plugins import element, system
 from rsegen.robots.servos import Servo, servo_plugins
 from rsegen.robots.solids import Vector
+
+
+class Driven(Protocol):
+    """What can be driven over a map: one of ours, or a person's own.
+
+    size: length, width and height over all, metres; speed, turn: the most that it goes and turns, m/s and rad/s.
+    """
+
+    @property
+    def kind(self) -> str: ...  # noqa: D102  # the class says it
+    @property
+    def size(self) -> Vector: ...  # noqa: D102  # the class says it
+    @property
+    def speed(self) -> float: ...  # noqa: D102  # the class says it
+    @property
+    def turn(self) -> float: ...  # noqa: D102  # the class says it
+    def model(self, name: str, simulator: str = "classic", at: Place = HERE) -> str:
+        """Its <model>, with its origin put there."""
+
+    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
+        """What the robot of a name is told to go forward at v, m/s, and to turn at w, rad/s, counterclockwise."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -41,6 +63,16 @@ class Robot:
     drive: Drive
     servos: tuple[Servo, ...] = ()
     lidar: Lidar | None = None
+
+    @property
+    def speed(self) -> float:
+        """The most that it goes forward, m/s."""
+        return self.drive.speed
+
+    @property
+    def turn(self) -> float:
+        """The most that it turns, rad/s."""
+        return self.drive.turn
 
     @property
     def mass(self) -> float:

@@ -8,7 +8,10 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from rsegen.errors import FileError, ParameterError, shown
+from rsegen.export.sdf import numbers
 from rsegen.robots.commands import Command, pose, published, twist
+from rsegen.robots.links import HERE, Place
+from rsegen.robots.solids import Vector
 
 MAX_MIB = 4
 """The largest file that is read: a second's work for the parser."""
@@ -23,21 +26,39 @@ _SYSTEM = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-(?:diff-drive|track
 class OwnRobot:
     """A model as it was found: its name, its <model> as text, the simulator and the topic that it is driven by.
 
-    simulator and topic are None where no drive in it is a known one; it then stands in the world and is not commanded.
+    its_simulator and topic are None where no drive in it is a known one; it then stands in the world and is not
+    commanded. {name} in the topic stands for the name that it is given. size, speed and turn are what a person says.
     """
 
-    name: str
+    kind: str
     text: str
-    simulator: str | None = None
+    its_simulator: str | None = None
     topic: str | None = None
+    size: Vector = (0.5, 0.5, 0.5)
+    speed: float = 0.2
+    turn: float = 0.5
 
-    def command(self, v: float, w: float) -> Command:
-        """What it is told to go forward at v, m/s, and to turn at w, rad/s."""
-        if self.topic is None or self.simulator is None:
-            raise ParameterError(self.name, "no drive that rsegen knows, so it cannot be commanded")
-        if self.topic.endswith("vel_cmd") and self.simulator == "classic":
-            return published(self.topic, "Pose", pose(v, w), "classic")
-        return published(self.topic, "Twist", twist(v, w), self.simulator)
+    def model(self, name: str, simulator: str = "classic", at: Place = HERE) -> str:
+        """Its <model> under a name, with its origin put there."""
+        model = ElementTree.fromstring(self.text)  # noqa: S314  # was found to be plain elements
+        model.set("name", name)
+        place = model.find("pose")
+        place = ElementTree.Element("pose") if place is None else place
+        if place not in list(model):
+            model.insert(0, place)
+        place.text = numbers(at)
+        return _outer(model)
+
+    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
+        """What the robot of a name is told to go forward at v, m/s, and to turn at w, rad/s."""
+        if self.topic is None or self.its_simulator is None:
+            raise ParameterError(self.kind, "no drive that rsegen knows, so it cannot be commanded")
+        if self.its_simulator != simulator:
+            raise ParameterError(self.kind, f"its drive is for {self.its_simulator}, not for {simulator}")
+        topic = self.topic.replace("{name}", name)
+        if topic.endswith("vel_cmd") and simulator == "classic":
+            return published(topic, "Pose", pose(v, w), "classic")
+        return published(topic, "Twist", twist(v, w), simulator)
 
 
 def from_file(path: str | Path) -> OwnRobot:
@@ -55,7 +76,7 @@ def parsed(text: str, where: str) -> OwnRobot:
         raise FileError(f"{where}: not XML ({error})") from None
     model = _model(root, where)
     simulator, topic = _drive(model)
-    return OwnRobot(name=model.get("name", ""), text=_outer(model), simulator=simulator, topic=topic)
+    return OwnRobot(kind=model.get("name", ""), text=_outer(model), its_simulator=simulator, topic=topic)
 
 
 def _model(root: ElementTree.Element, where: str) -> ElementTree.Element:
@@ -71,13 +92,12 @@ def _model(root: ElementTree.Element, where: str) -> ElementTree.Element:
 
 def _drive(model: ElementTree.Element) -> tuple[str | None, str | None]:
     """Simulator and topic of the first drive that is known."""
-    name = model.get("name", "")
     for plugin in model.iter("plugin"):
         file = plugin.get("filename", "")
         if told := _CLASSIC.get(file.removesuffix(".so")):
-            return "classic", f"~/{plugin.findtext('robot_namespace', name).strip()}/{told}"
+            return "classic", f"~/{plugin.findtext('robot_namespace', '{name}').strip()}/{told}"
         if _SYSTEM.fullmatch(file):
-            topic = plugin.findtext("topic", f"/model/{name}/cmd_vel").strip()
+            topic = plugin.findtext("topic", "/model/{name}/cmd_vel").strip()
             return "fortress" if "ignition" in file else "sim", topic
     return None, None
 

@@ -1,0 +1,102 @@
+"""rsegen drive and rsegen experiment in a real Gazebo Classic."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from rsegen import Matrix, Placement, Recipe, generate
+from rsegen.cli import main
+from rsegen.robots import ROBOTS
+from rsegen.simulators import Installation
+
+HILL = Matrix.of(np.array([[1, 2, 2, 1]] * 12).T)
+"""Four cells deep from west to east, and as wide as the map: steps of one unit up and down."""
+
+
+def course(folder: Path, unit_cm: float) -> Path:
+    """A map that rises by two steps and falls again, twelve cells wide and four deep."""
+    recipe = Recipe(
+        chunk_size=4,
+        chunks=(1, 3),
+        boundary="none",
+        unit_cm=unit_cm,
+        seed=1,
+        obstacles=(Placement(obstacle=HILL),),
+    )
+    return generate(recipe, folder).maps[0].folder
+
+
+def told(capsys: pytest.CaptureFixture[str]) -> list[dict[str, float]]:
+    found: list[dict[str, float]] = json.loads(capsys.readouterr().out)["robots"]
+    return found
+
+
+@pytest.mark.parametrize(("unit_cm", "crosses"), [(1, True), (4, False)])
+def test_a_burger_crosses_steps_of_a_centimetre_and_no_higher_ones(
+    unit_cm: float, crosses: bool, gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["drive", str(course(tmp_path, unit_cm)), "--duration", "15", "--json", "-o", str(tmp_path / "out")]
+    assert main(words) == 0
+    (robot,) = told(capsys)
+    assert (robot["crossed"] is not None) == crosses
+    assert (robot["stuck"] > 5) != crosses
+    assert robot["tipped"] == 0
+    rows = np.loadtxt(tmp_path / "out" / "burger_0.csv", delimiter=",", skiprows=1)
+    assert rows[:, 3].max() == pytest.approx(2 * unit_cm / 100 if crosses else 0, abs=0.015)
+    with Image.open(tmp_path / "out" / "drive.png") as picture:
+        assert picture.size == (800, 800)
+
+
+def test_the_same_seed_gives_the_same_tracks_and_another_seed_others(
+    gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, seed in (("a", "5"), ("b", "5"), ("c", "6")):
+        words = ["drive", "turtlebot", "--route", "random", "--robots", "2", "--duration", "4", "--seed", seed]
+        assert main([*words, "-o", str(tmp_path / name)]) == 0
+    first, second, third = ((tmp_path / name / "burger_1.csv").read_bytes() for name in "abc")
+    assert first == second
+    assert first != third
+
+
+def test_a_robot_of_a_file_is_driven(gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "mine.sdf").write_text(ROBOTS["burger"].file("mine", "classic"))
+    words = ["drive", str(course(tmp_path, 1)), "--robot", str(tmp_path / "mine.sdf"), "--size", "0.14,0.18,0.19"]
+    assert main([*words, "--speed", "0.2", "--duration", "14", "--json"]) == 0
+    (robot,) = told(capsys)
+    assert robot["crossed"] is not None
+
+
+def test_an_experiment_goes_on_where_it_was_stopped(
+    gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = tmp_path / "tiny.yaml"
+    plan.write_text("seconds: 2\nrepeats: 1\nrows:\n  - {robot: burger, robots: 1, sizes: [0, 10]}\n")
+    words = ["experiment", str(plan), "-o", str(tmp_path / "out")]
+    assert main(words) == 0
+    table, errors = capsys.readouterr()
+    assert [line.split("|")[1].strip() for line in table.splitlines() if line.startswith(("| empty", "| 10"))] == [
+        "empty",
+        "10 x 10",
+    ]
+    assert errors.splitlines()[-1].startswith("4 of 4: row 1")
+    notebook = tmp_path / "out" / "results.jsonl"
+    lines = notebook.read_text().splitlines(keepends=True)
+    notebook.write_text("".join(lines[:-1]) + lines[-1][:20])
+    assert main(words) == 0
+    again = notebook.read_text().splitlines(keepends=True)
+    assert again[:-1] == lines[:-1]
+    outcome = json.loads(again[-1])["outcome"]
+    assert outcome["speed"] > 0
+    assert 50 < outcome["memory"] < 1000
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "results.jsonl",
+        "table.md",
+        "trials.csv",
+        "summary.json",
+        "plot.png",
+    }
