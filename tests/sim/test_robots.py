@@ -19,8 +19,6 @@ ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
 TILT = 0.02
 """Radians: more is not level."""
 
-FLIPPERS = ("left_flipper_pivot", "right_flipper_pivot")
-
 
 @ROBOT
 @pytest.mark.parametrize("simulator", SIMULATORS)
@@ -98,8 +96,7 @@ def test_flippers_and_arm_go_where_they_are_told(gazebo: Installation, tmp_path:
 
 def climbing(robot: Robot, heights: Sequence[float], gazebo: Installation, folder: Path) -> Pose:
     """Where it is after 1.2 m at an easy speed, with a stair 0.2 m before its front."""
-    raised = robot.holding(dict.fromkeys(FLIPPERS, 0.5) if robot.servos else {})
-    course = Course(robots={"one": raised}, stair=stair(0.2 + robot.size[0], heights))
+    course = Course(robots={"one": robot}, stair=stair(0.2 + robot.size[0], heights))
     v = min(robot.drive.speed, 0.3)
     return driven(gazebo, folder, course, {"one": (v, 0.0)}, (int(1000 * (1.2 + 2 * robot.size[0]) / v),))[-1]["one"]
 

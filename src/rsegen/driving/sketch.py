@@ -9,8 +9,8 @@ from rsegen.drawing import draw_plan
 from rsegen.driving.trip import Track
 from rsegen.scene import Scene
 
-_MARGIN = 1.5
-"""Metres about the map that are drawn."""
+_RIM, _MARGIN = 0.1, 1.5
+"""Metres about the map that are drawn at least, and at most."""
 
 
 def sketch(scene: Scene, tracks: Mapping[str, Track]) -> bytes:
@@ -27,10 +27,17 @@ def sketch(scene: Scene, tracks: Mapping[str, Track]) -> bytes:
         axes.plot(x, y, color=colour, linewidth=2, label=name)
         axes.plot(x[:1], y[:1], "o", color=colour, markersize=10, markerfacecolor="white", markeredgewidth=2)
         axes.plot(x[-1:], y[-1:], "X" if track.has_tipped else "o", color=colour, markersize=9, markeredgecolor="white")
-    half_x, half_y = (along / 2 + _MARGIN for along in scene.field.extent)
-    axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y))
+    axes.set(xlim=_limits(scene.field.extent[0], tracks, 1), ylim=_limits(scene.field.extent[1], tracks, 2))
     axes.legend(loc="upper right")
     axes.set_title(f"{scene.name}: where they drove")
     stream = io.BytesIO()
     figure.savefig(stream, format="png")
     return stream.getvalue()
+
+
+def _limits(extent: float, tracks: Mapping[str, Track], column: int) -> tuple[float, float]:
+    """From where to where is drawn along an axis: the map, and the ways about it as far as they matter."""
+    along = [track.rows[:, column] for track in tracks.values()]
+    half, far = extent / 2 + _RIM, extent / 2 + _MARGIN
+    low, high = min(each.min() for each in along) - _RIM, max(each.max() for each in along) + _RIM
+    return max(min(low, -half), -far), min(max(high, half), far)

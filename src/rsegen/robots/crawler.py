@@ -17,6 +17,7 @@ _REACH, _FLIPPER_RADIUS, _FLIPPER_WIDTH = 0.30, 0.05, 0.04
 _MU, _MU2 = 1.0, 0.5
 _ROAD, _PROUD = 0.15, 0.002  # the wheels that the tracks stand on, and by how much lower they are than the others
 _HULL = Touch(mu=0.3, mu2=0.3, soft=FIRM)
+_RAISED = 0.5  # radians: so it climbs best
 _SIDES = {"left": 1, "right": -1}
 _Y: Vector = (0, 1, 0)
 
@@ -157,7 +158,10 @@ CRAWLER = register(
             in_place=1.46,
         ),
         servos=(
-            *(Servo(joint=f"{side}_flipper_pivot", stiffness=300, damping=6, effort=60) for side in _SIDES),
+            *(
+                Servo(joint=f"{side}_flipper_pivot", stiffness=300, damping=6, effort=60, rest=_RAISED)
+                for side in _SIDES
+            ),
             *(
                 Servo(joint=f"{limb.joint}_joint", stiffness=limb.stiffness, damping=limb.damping, effort=limb.effort)
                 for limb in _ARM
