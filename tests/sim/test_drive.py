@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +17,7 @@ from rsegen import Matrix, Placement, Recipe, generate
 from rsegen.cli import main
 from rsegen.robots import ROBOTS
 from rsegen.simulators import Installation
+from sim.conftest import missing
 
 HILL = Matrix.of(np.array([[1, 2, 2, 1]] * 12).T)
 """Four cells deep from west to east, and as wide as the map: steps of one unit up and down."""
@@ -100,3 +105,37 @@ def test_an_experiment_goes_on_where_it_was_stopped(
         "summary.json",
         "plot.png",
     }
+
+
+def test_gazebo_s_own_camera_shows_the_map_in_its_colours(gazebo: Installation, tmp_path: Path) -> None:
+    screen = shutil.which("xvfb-run") or missing("no virtual screen: run scripts/screen")
+    words = [
+        "drive",
+        "diagonal-barrier",
+        "--robot",
+        "crawler",
+        "--duration",
+        "2",
+        "--picture",
+        "-o",
+        str(tmp_path / "out"),
+    ]
+    large = "-screen 0 1280x1024x24 +extension GLX"
+    variables = {**os.environ, "LIBGL_ALWAYS_SOFTWARE": "1"}
+    subprocess.run([screen, "-a", "-s", large, sys.executable, "-m", "rsegen", *words], check=True, env=variables)
+    with Image.open(tmp_path / "out" / "gazebo.jpg") as picture:
+        pixels = np.asarray(picture.convert("RGB")).astype(int)
+    red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
+    assert ((red > 150) & (green < 60) & (blue < 60)).mean() > 0.01
+    assert ((red > 150) & (green > 150) & (blue < 120)).mean() > 0.003
+
+
+def test_a_picture_is_refused_without_a_screen_or_a_folder(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert main(["drive", "peak", "--picture"]) == 2
+    assert "--picture: needs a folder" in capsys.readouterr().err
+    assert main(["drive", "peak", "--picture", "-o", "out"]) == 2
+    assert "there is none" in capsys.readouterr().err

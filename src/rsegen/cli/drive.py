@@ -18,7 +18,7 @@ from rsegen.driving.crew import ROUTES, beyond, crew, easy
 from rsegen.driving.drive import Drive, Driver, driven
 from rsegen.driving.sketch import sketch
 from rsegen.driving.trip import Trip, measured
-from rsegen.errors import FileError, ParameterError, shown
+from rsegen.errors import FileError, NoSimulator, ParameterError, shown
 from rsegen.params import Choice, Parameter, Real, Several, Whole
 from rsegen.robots import ROBOTS, robot
 from rsegen.robots.base import Driven
@@ -26,7 +26,7 @@ from rsegen.robots.own import from_file
 from rsegen.room import refuse_too_large
 from rsegen.scene import Scene, compose
 from rsegen.simulators import Installation
-from rsegen.simulators.opening import fitting
+from rsegen.simulators.opening import fitting, has_screen
 from rsegen.writer import write
 
 COUNT, SECONDS, SEED = Whole(1, 100), Real(0.1, 1e5, unit="s"), Whole(0, SEEDS - 1)
@@ -67,6 +67,11 @@ def add(commands: Subparsers) -> None:
     command.add_argument(
         "-o", "--output", type=Path, metavar="DIR", help="write tracks, measures and a picture into it"
     )
+    command.add_argument(
+        "--picture",
+        action="store_true",
+        help="add gazebo.jpg to DIR: what Gazebo's own camera saw last; needs a screen",
+    )
     command.add_argument("--force", action="store_true", help="replace DIR")
     command.add_argument("--json", action="store_true", help="print the measures for programs")
     command.set_defaults(run=run)
@@ -78,11 +83,13 @@ def run(arguments: argparse.Namespace) -> None:
     count = COUNT.check("--robots", COUNT.parse(arguments.robots))
     seconds = SECONDS.check("--duration", SECONDS.parse(arguments.duration))
     route = ROUTE.check("--route", arguments.route)
+    _check_picture(arguments)
     world = world_of(arguments.target, arguments.map)
     here, scene = fitting(world.made_for, "classic"), _scene(world, arguments.target)
     drivers = crew(scene.field, kind, route, count=count, seed=seed)
     with world.on_disk() as file, _bar(seconds) as progress:
-        drive = driven(here, file, drivers, seconds, progress)
+        watched = scene.field.extent if arguments.picture else None
+        drive = driven(here, file, drivers, seconds, progress, watched=watched)
     goal = beyond(scene.field, kind) if route == "straight" else None
     trips = {name: measured(track, easy(kind), goal) for name, track in drive.tracks.items()}
     told = _summary(here, scene, route, seed, drivers, trips)
@@ -100,6 +107,15 @@ def _robot(arguments: argparse.Namespace) -> Driven:
     for name in said:
         raise ParameterError(f"--{name}", f"is for the robot of a file; {shown(arguments.robot)} has its own")
     return robot(arguments.robot, "--robot")
+
+
+def _check_picture(arguments: argparse.Namespace) -> None:
+    if arguments.picture and not arguments.output:
+        raise ParameterError("--picture", "needs a folder to be written into; give -o DIR")
+    if arguments.picture and not has_screen():
+        raise NoSimulator(
+            "--picture: Gazebo draws on a screen, and there is none here; put xvfb-run -a before the command"
+        )
 
 
 def _seed(text: str | None) -> int:
@@ -132,7 +148,7 @@ def _files(scene: Scene, drive: Drive, told: Mapping[str, object]) -> dict[PureP
         PurePosixPath("recipe.json"): [to_json(scene.alone).encode()],
         PurePosixPath("drive.json"): [json.dumps(told, indent=2).encode() + b"\n"],
         PurePosixPath("drive.png"): [sketch(scene, drive.tracks)],
-    }
+    } | ({PurePosixPath("gazebo.jpg"): [drive.seen]} if drive.seen else {})
 
 
 def _report(told: Mapping[str, object], trips: Mapping[str, Trip]) -> Iterator[str]:

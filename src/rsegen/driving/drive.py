@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from math import ceil
 from pathlib import Path
 
 import numpy as np
 
 from rsegen.driving.arena import arena, step_of
+from rsegen.driving.camera import camera, last_frame
 from rsegen.driving.routes import Route
 from rsegen.driving.trip import Track
 from rsegen.errors import SimulatorFailed
@@ -39,10 +40,11 @@ class Driver:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Drive:
-    """The track of every robot by its name, and the error lines of the simulator."""
+    """The track of every robot by its name, the error lines of the simulator, and what its camera saw last."""
 
     tracks: Mapping[str, Track]
     errors: Sequence[str]
+    seen: bytes = b""
 
 
 def driven(
@@ -51,18 +53,23 @@ def driven(
     drivers: Sequence[Driver],
     seconds: float,
     progress: Callable[[float], None] = lambda _: None,
+    *,
+    watched: tuple[float, float] | None = None,
 ) -> Drive:
     """Drive all of them for so many simulated seconds; a server that is lost is tried again.
 
-    The same drivers, world and simulator give the same tracks; `progress` is told the seconds that are done.
+    The same drivers, world and simulator give the same tracks; `progress` is told the seconds that are done. `watched`
+    is the extent of what a camera looks at, metres; it needs a screen.
     """
-    models = [driver.robot.model(driver.name, at=astuple(driver.start)) for driver in drivers]
-    text = arena(world, models, unthrottled=True)
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
+        frames = Path(folder, "frames")
+        models = [driver.robot.model(driver.name, at=astuple(driver.start)) for driver in drivers]
+        text = arena(world, [*models, camera(watched, frames)] if watched else models, unthrottled=True)
         file = Path(folder, world.name)
         file.write_text(text, "utf-8")
         trial = _Trial(file=file, models=world.absolute().parent.parent, drivers=drivers, step=step_of(text))
-        return attempted(lambda: trial.run(here, seconds, progress))
+        drive = attempted(lambda: trial.run(here, seconds, progress, screen=watched is not None))
+        return replace(drive, seen=last_frame(frames)) if watched else drive
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -74,15 +81,17 @@ class _Trial:
     drivers: Sequence[Driver]
     step: float
 
-    def run(self, here: Installation, seconds: float, progress: Callable[[float], None]) -> Drive:
+    def run(self, here: Installation, seconds: float, progress: Callable[[float], None], *, screen: bool) -> Drive:
         """In a server of its own."""
-        with serving(here, self.file, models=self.models, options=recording(PERIOD)) as server:
+        with serving(here, self.file, models=self.models, options=recording(PERIOD), screen=screen) as server:
             with classic_world(server.master) as live:
                 drive_in_steps(live, self.drivers, seconds, self.step, progress)
+                end = live.clock().simulated
             errors = server.errors
             server.stop()
             states = record((server.home / STATE).read_text())
-        return Drive(tracks={driver.name: _track(driver.name, states) for driver in self.drivers}, errors=errors)
+        tracks = {driver.name: _track(driver.name, states, end) for driver in self.drivers}
+        return Drive(tracks=tracks, errors=errors)
 
 
 def drive_in_steps(
@@ -111,8 +120,9 @@ def drive_in_steps(
         progress(done)
 
 
-def _track(name: str, states: Record) -> Track:
+def _track(name: str, states: Record, end: float) -> Track:
+    """The rows of a robot; a record says nothing of a time in which nothing moved."""
     rows = [[second, *poses[name]] for second, poses in states if name in poses]
     if not rows:
         raise SimulatorFailed(f"the simulator kept no record of {name}")
-    return Track(rows=np.array(rows))
+    return Track(rows=np.array([*rows, [max(end, rows[-1][0]), *rows[-1][1:]]]))

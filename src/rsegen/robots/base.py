@@ -82,7 +82,7 @@ class Robot:
     def model(self, name: str, simulator: str = "classic", at: Place = HERE, *, lidar: bool = False) -> str:
         """Its <model> for a simulator, with its lidar if so wanted; `at` is where its origin is put."""
         inside = (
-            f"      <pose>{numbers(at)}</pose>\n",
+            f"      <pose>{numbers(at)}</pose>\n{_AWAKE}",
             *(
                 link.sdf(sensors)
                 for link, sensors in zip(self.links, self._sensors(simulator, lidar=lidar), strict=True)
@@ -128,6 +128,10 @@ class Robot:
         frame = element("robot_base_frame", self.links[0].name) + element("dimensions", 3)
         pose = element("publish_link_pose", "false") + element("publish_model_pose", "true")
         return system("OdometryPublisher", simulator, frame) + system("PosePublisher", simulator, pose)
+
+
+_AWAKE = "      <allow_auto_disable>false</allow_auto_disable>\n"
+"""Gazebo Classic would put a robot to sleep that pushes against a wall, and no command wakes its tracks."""
 
 
 def _known(simulator: str) -> str:

@@ -47,13 +47,15 @@ class Opening:
     """A world to be opened, and how.
 
     models: the folder where model:// is looked for, by default the one above the world's; shared: at the address that
-    other programs of this user look at, instead of one of its own; home: a folder that stands for the user's home.
+    other programs of this user look at, instead of one of its own; home: a folder that stands for the user's home;
+    screen: a server alone may draw too, as its cameras do.
     """
 
     world: Path
     models: Path | None = None
     shared: bool = False
     home: Path | None = None
+    screen: bool = False
 
     @property
     def folder(self) -> Path:

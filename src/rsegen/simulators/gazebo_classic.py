@@ -60,8 +60,9 @@ class GazeboClassic(Simulator):
         return _launch(here.commands["gazebo"], opening, {})
 
     def headless(self, here: Installation, opening: Opening) -> Launch:
-        """By `gzserver`, without a screen."""
-        return _launch(here.commands["gzserver"], opening, {"DISPLAY": ""} | opening.home_variables)
+        """By `gzserver`, without a screen if it needs none."""
+        blind = {} if opening.screen else {"DISPLAY": ""}
+        return _launch(here.commands["gzserver"], opening, blind | opening.home_variables)
 
     def standing(self, here: Installation, opening: Opening, home: Path) -> Launch:
         """The same, paused, with a record in its home."""

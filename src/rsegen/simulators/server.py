@@ -87,15 +87,17 @@ def serving(
     models: Path | None = None,
     options: tuple[str, ...] = (),
     patience: float = PATIENCE,
+    screen: bool = False,
 ) -> Iterator[Server]:
     """A server that has loaded a world, in which time stands still; it is gone with all its processes when this ends.
 
     It disturbs no other: its home, its address and its log are its own. `models` is the folder where model:// is looked
-    for, by default the one above the world's; `options` are the server's own, before the world.
+    for, by default the one above the world's; `options` are the server's own, before the world; with
+    `screen` it may draw.
     """
     with tempfile.TemporaryDirectory(prefix="rsegen-") as name:
         home = Path(name)
-        opening = Opening(world=world, models=models)
+        opening = Opening(world=world, models=models, screen=screen)
         launch = here.simulator.standing(here, opening, home).with_options(*options)
         with log_of(home).open("w") as log, running(launch, log) as process:
             server = Server(here=here, launch=launch, home=home, running=process)
