@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from rsegen.metrics.climber import NANOMETRES, cells_aside
@@ -55,7 +54,16 @@ def _heights(field: StepField) -> Heights:
 
 def _widened(heights: Heights, aside: int) -> Heights:
     """The highest of the (2 aside + 1)^2 cells round each; beyond the field there is the ground, which is no higher."""
-    for axis in (0, 1):
-        before = [(aside, aside) if axis == each else (0, 0) for each in (0, 1)]
-        heights = sliding_window_view(np.pad(heights, before), 2 * aside + 1, axis=axis).max(axis=-1)
+    for _axis in (0, 1):
+        heights = _highest(np.pad(heights, ((aside, aside), (0, 0))), 2 * aside + 1).T
+    return heights
+
+
+def _highest(heights: Heights, cells: int) -> Heights:
+    """Of so many rows from each row on the highest, for each column, by doubling what one row stands for."""
+    stands_for = 1
+    while stands_for < cells:
+        ahead = min(stands_for, cells - stands_for)
+        heights = np.maximum(heights[:-ahead], heights[ahead:])
+        stands_for += ahead
     return heights
