@@ -14,7 +14,8 @@ from pathlib import Path
 
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
-from rsegen import KINDS, Placement, Recipe, Scene, compose, load, schema
+from rsegen import KINDS, Climber, Placement, Recipe, Scene, compose, load, metrics, schema
+from rsegen.chart import chart
 from rsegen.codec import encode, summary
 from rsegen.drawing import picture
 from rsegen.params import Parameter, parameters
@@ -23,6 +24,7 @@ DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
 README = DOCS.parent / "README.md"
 EXAMPLES = sorted((DOCS.parent / "examples").glob("*.yaml"))
+WAYS = DOCS / "pictures" / "ways.png"
 
 
 def texts() -> dict[Path, str]:
@@ -42,9 +44,10 @@ def texts() -> dict[Path, str]:
 
 
 def pictures() -> dict[Path, Scene]:
-    """What every generated picture shows, by its file: the first map of each example, and one of each kind alone."""
+    """What every generated picture shows, by its file: the first map of each example, each kind alone, and ways."""
     shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES}
     shown |= {DOCS / "pictures" / f"kind-{kind}.png": _alone(kind) for kind in KINDS}
+    shown[WAYS] = load(DOCS.parent / "examples" / "mixed-course.yaml")
     return {path: compose(recipe) for path, recipe in shown.items()}
 
 
@@ -69,8 +72,13 @@ def main(arguments: list[str]) -> int:
         path.write_text(text, "utf-8", newline="\n")
     for path, scene in pictures().items():
         path.parent.mkdir(exist_ok=True)
-        path.write_bytes(picture(scene))
+        path.write_bytes(_ways(scene) if path == WAYS else picture(scene))
     return 0
+
+
+def _ways(scene: Scene) -> bytes:
+    reach = metrics(scene.field, Climber(climb_cm=10)).reach
+    return chart(scene, reach) if reach else b""
 
 
 def _alone(kind: str) -> Recipe:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rsegen.drawing import draw_plan
+from rsegen.drawing import draw_plan, saved
 from rsegen.export.numbers import decimal
 from rsegen.metrics import Climber, Crossing, Reach
 from rsegen.scene import Scene
@@ -20,11 +19,12 @@ _WAYS = {"west to east": "#ff2d95", "south to north": "#ff8c00"}
 
 
 def chart(scene: Scene, reach: Reach, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """The picture as the bytes of a file."""
-    from matplotlib import rc_context
+    """The picture as the bytes of a file, which carries the map's recipe."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(14, 7), dpi=100, layout="constrained")
+    along_x, along_y = scene.field.extent
+    height = float(np.clip(6 * along_y / along_x + 1, 3, 14))
+    figure = Figure(figsize=(14, height), dpi=100, layout="constrained")
     plan, heat = figure.subplots(1, 2, sharex=True, sharey=True)
     draw_plan(plan, scene)
     for (name, colour), crossing in zip(_WAYS.items(), (reach.west_east, reach.south_north), strict=True):
@@ -32,10 +32,7 @@ def chart(scene: Scene, reach: Reach, format: str = "png") -> bytes:  # noqa: A0
     figure.legend(loc="outside lower center", ncols=2, frameon=False)
     _draw_costs(heat, scene, reach)
     figure.suptitle(f"{scene.name}: {described(reach.climber)}")
-    stream = io.BytesIO()
-    with rc_context({"svg.hashsalt": "rsegen"}):
-        figure.savefig(stream, format=format, metadata={"Date": None} if format == "svg" else None)
-    return stream.getvalue()
+    return saved(figure, scene, format)
 
 
 def described(climber: Climber) -> str:
@@ -66,10 +63,9 @@ def _draw_costs(axes: Axes, scene: Scene, reach: Reach) -> None:
     axes.imshow(np.full((1, 1, 3), 0.86), extent=extent)
     if costs.count():
         image = axes.imshow(costs, origin="lower", extent=extent, interpolation="nearest", cmap="viridis")
-        axes.figure.colorbar(image, ax=axes, shrink=0.8, label="cost of the cheapest way there [m]; grey: out of reach")
-    axes.set(
-        aspect="equal", xlabel="x [m]", title=f"in reach from the west; outlined: largest region, {reach.cover:.0%}"
-    )
+        axes.figure.colorbar(image, ax=axes, shrink=0.8, label="cost of the way there [m]; grey: none")
+    outlined = f"outlined: {reach.cover:.0%} of the blocks in one region"
+    axes.set(aspect="equal", xlabel="x [m]", title=f"in reach from the west; {outlined}")
     _outline(axes, reach, edges_x, edges_y)
 
 
@@ -82,5 +78,5 @@ def _outline(axes: Axes, reach: Reach, edges_x: Array, edges_y: Array) -> None:
     upright = np.stack([np.stack([edges_x[i], edges_y[j + side]], axis=-1) for side in (0, 1)], axis=1)
     i, j = np.nonzero(region[1:-1, 1:] != region[1:-1, :-1])
     level = np.stack([np.stack([edges_x[i + side], edges_y[j]], axis=-1) for side in (0, 1)], axis=1)
-    width = float(np.clip(200 / max(reach.region.shape), 0.3, 2.5))
+    width = float(np.clip(200 / max(reach.region.shape), 0.1, 2.5))
     axes.add_collection(LineCollection(list(np.concatenate([upright, level])), colors="#ff2d95", linewidths=width))

@@ -48,6 +48,14 @@ def test_a_page_tells_of_the_pallet_in_centimetres(capsys: pytest.CaptureFixture
     assert max(map(len, page.splitlines())) <= 120
 
 
+def test_a_page_stays_short_whatever_steps_there_are(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "many.yaml"
+    path.write_text("unit_cm: 0.1\nseed: 1\nobstacles:\n  - {kind: random, max_height: 500}\n")
+    page = printed(capsys, path)
+    assert "sizes, which --json lists" in page
+    assert len(page.splitlines()) < 12
+
+
 def test_nist_s_names_are_said_of_analogues_only(capsys: pytest.CaptureFixture[str]) -> None:
     page = printed(capsys, PALLET, *TEN)
     for name in ("coverability", "crossability"):

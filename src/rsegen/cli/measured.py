@@ -31,6 +31,8 @@ def _table(measured: Iterable[Measured]) -> Iterator[str]:
 
 
 _WIDTH = 10
+_SIZES = 24
+"""A page lists so many sizes of steps, and no more."""
 
 
 def _cells(found: Metrics) -> dict[str, str]:
@@ -77,6 +79,9 @@ def _spread(found: Spread) -> Iterator[str]:
 def _steps(found: Steps) -> Iterator[str]:
     pairs = sum(found.counts.values())
     yield f"steps    mean {_cm(found.mean)} cm, rms {_cm(found.rms)} cm, highest {_cm(found.highest)} cm"
+    if len(found.counts) > _SIZES:
+        yield f"         of {len(found.counts):,} sizes, which --json lists"
+        return
     for size, count in found.counts.items():
         yield f"         {_cm(size * found.unit):>6} cm  {count:>9,}  {count / pairs:6.1%}"
 

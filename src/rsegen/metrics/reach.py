@@ -30,6 +30,10 @@ class Crossing:
     path: Ints
     costs: Array
 
+    def __post_init__(self) -> None:
+        for array in (self.path, self.costs):
+            array.setflags(write=False)
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Reach:
@@ -46,6 +50,9 @@ class Reach:
     west_east: Crossing
     south_north: Crossing
     region: Mask
+
+    def __post_init__(self) -> None:
+        self.region.setflags(write=False)
 
 
 def reach(field: StepField, climber: Climber) -> Reach:
