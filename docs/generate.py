@@ -14,7 +14,8 @@ from pathlib import Path
 
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
-from rsegen import KINDS, Placement, Recipe, Scene, compose, load, schema
+from rsegen import KINDS, Climber, Placement, Recipe, Scene, compose, load, metrics, schema
+from rsegen.chart import chart
 from rsegen.codec import encode, summary
 from rsegen.drawing import picture
 from rsegen.examples import EXAMPLES
@@ -25,6 +26,7 @@ DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
 ROBOTS_PAGE = DOCS / "robots.md"
 README = DOCS.parent / "README.md"
+WAYS = DOCS / "pictures" / "ways.png"
 
 
 def texts() -> dict[Path, str]:
@@ -45,9 +47,10 @@ def texts() -> dict[Path, str]:
 
 
 def pictures() -> dict[Path, Scene]:
-    """What every generated picture shows, by its file: the first map of each example, and one of each kind alone."""
+    """What every generated picture shows, by its file: the first map of each example, each kind alone, and ways."""
     shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES.values()}
     shown |= {DOCS / "pictures" / f"kind-{kind}.png": _alone(kind) for kind in KINDS}
+    shown[WAYS] = load(EXAMPLES["mixed-course"])
     return {path: compose(recipe) for path, recipe in shown.items()}
 
 
@@ -72,8 +75,13 @@ def main(arguments: list[str]) -> int:
         path.write_text(text, "utf-8", newline="\n")
     for path, scene in pictures().items():
         path.parent.mkdir(exist_ok=True)
-        path.write_bytes(picture(scene))
+        path.write_bytes(_ways(scene) if path == WAYS else picture(scene))
     return 0
+
+
+def _ways(scene: Scene) -> bytes:
+    reach = metrics(scene.field, Climber(climb_cm=10)).reach
+    return chart(scene, reach) if reach else b""
 
 
 def _alone(kind: str) -> Recipe:

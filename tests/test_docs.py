@@ -37,6 +37,12 @@ def test_the_readme_s_python_works(tmp_path: Path) -> None:
     assert (tmp_path / "worlds-from-python" / "rse_0000" / "rse_0000.world").is_file()
 
 
+def test_the_python_of_the_page_of_metrics_works() -> None:
+    (script,) = blocks(ROOT / "docs" / "metrics.md", "python")
+    found = subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, capture_output=True, text=True)
+    assert found.stdout.startswith("0.13017")
+
+
 def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None:
     (source,) = blocks(ROOT / "CONTRIBUTING.md", "python")
     shutil.copytree(ROOT / "src" / "rsegen", tmp_path / "rsegen")

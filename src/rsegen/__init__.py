@@ -17,6 +17,7 @@ from rsegen.build import build
 from rsegen.codec import schema
 from rsegen.errors import RsegenError, UserError
 from rsegen.importers import imported
+from rsegen.metrics import Climber, Metrics, metrics
 from rsegen.obstacles import KINDS, Obstacle
 from rsegen.obstacles.diagonal import DiagonalBarrier
 from rsegen.obstacles.horizontal import HorizontalBarrier
@@ -33,11 +34,13 @@ from rsegen.version import __version__
 
 __all__ = [
     "KINDS",
+    "Climber",
     "DiagonalBarrier",
     "Generated",
     "GeneratedMap",
     "HorizontalBarrier",
     "Matrix",
+    "Metrics",
     "NormalRandom",
     "Obstacle",
     "Peak",
@@ -54,6 +57,7 @@ __all__ = [
     "generate",
     "imported",
     "load",
+    "metrics",
     "save",
     "schema",
 ]

@@ -36,7 +36,6 @@ _LIT = {"top": 1.0, "x": 0.8, "y": 0.62}
 
 def picture(scene: Scene, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
     """The picture as the bytes of a file."""
-    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(14, 6.6), dpi=100, layout="constrained")
@@ -45,6 +44,13 @@ def picture(scene: Scene, format: str = "png") -> bytes:  # noqa: A002  # matplo
     _view(right, scene)
     _legend(figure, scene)
     figure.suptitle(_title(scene))
+    return saved(figure, scene, format)
+
+
+def saved(figure: Figure, scene: Scene, format: str) -> bytes:  # noqa: A002  # matplotlib's word
+    """A figure about a map as the bytes of a file, which carries the map's recipe."""
+    from matplotlib import rc_context
+
     stream = io.BytesIO()
     with rc_context({"svg.hashsalt": "rsegen"}):
         figure.savefig(stream, format=format, metadata=_metadata(scene, format))

@@ -23,7 +23,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "nothing": ([], ["COMMAND"]),
     "a misspelt command": (
         ["genrate"],
-        ["'genrate'", "did you mean 'generate'?", "info, obstacles, open, preview, schema, sim"],
+        ["'genrate'", "did you mean 'generate'?", "info, metrics, obstacles, open, preview, schema, sim"],
     ),
     "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, import, info"]),
     "a misspelt flag": (["generate", "-o", "out", "--sed", "1"], ["'--sed'", "did you mean '--seed'?", "--chunk-size"]),
@@ -79,6 +79,20 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "a picture in a file": (["preview", "two.yaml", "-o", "file/p.png"], ["file/p.png: cannot be written"]),
     "a picture of a map beyond": (["preview", "two.yaml", "-o", "p.png", "--map", "2"], ["--map", "rse_0001"]),
+    "metrics of a map beyond": (["metrics", "two.yaml", "--map", "2"], ["--map", "'2'", "rse_0000..rse_0001"]),
+    "metrics of no map": (["metrics", "folder"], ["folder: no map in it"]),
+    "metrics for a robot of another name": (["metrics", "two.yaml", "--robot", "burgr"], ["--robot", "'burger'"]),
+    "metrics for a width alone": (["metrics", "two.yaml", "--width-cm", "5"], ["--climb-cm: is missing", "--robot"]),
+    "metrics of a climb in a word": (["metrics", "two.yaml", "--climb-cm", "high"], ["climb_cm: 'high'", "100000 cm"]),
+    "metrics of a climb below": (["metrics", "two.yaml", "--climb-cm=-1"], ["climb_cm: -1.0 is outside 0..100000 cm"]),
+    "metrics of a climb of no number": (["metrics", "two.yaml", "--climb-cm", "nan"], ["climb_cm: nan"]),
+    "metrics in two forms": (["metrics", "two.yaml", "--json", "--csv"], ["--csv: not allowed with argument --json"]),
+    "metrics drawn without a robot": (["metrics", "two.yaml", "-o", "p.png"], ["-o/--output", "--climb-cm 10"]),
+    "metrics drawn on a text": (["metrics", "two.yaml", "-o", "p.txt"], ["p.txt: ", ".png, .svg, .pdf"]),
+    "metrics drawn on what is there": (
+        ["metrics", "two.yaml", "--robot", "burger", "-o", "old.png"],
+        ["old.png: is there already", "--force"],
+    ),
 }
 
 
@@ -102,6 +116,7 @@ def test_json_does_not_change_how_a_mistake_is_told(refused: Refused) -> None:
 def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, command: str) -> None:
     given = {"generate": ["-o", "out"], "preview": ["a.yaml", "-o", "p.png"], "info": ["a.yaml"], "open": ["a.yaml"]}
     given |= {"import_": ["a.csv", "-o", "out"], "drive": ["a.yaml"], "experiment": ["quick", "-o", "out"]}
+    given["metrics"] = ["a.yaml"]
     line = refused(command.rstrip("_"), *given.get(command, []), "--hlep")
     assert "unknown flag '--hlep'; did you mean '--help'?" in line
 
@@ -158,6 +173,6 @@ def test_more_than_there_is_memory_for(refused: Refused, flags: Sequence[str], w
     assert [word for word in words if word not in line] == []
 
 
-@pytest.mark.parametrize("command", [["info"], ["preview", "-o", "p.png"]], ids=["info", "preview"])
+@pytest.mark.parametrize("command", [["info"], ["metrics"], ["preview", "-o", "p.png"]], ids=" ".join)
 def test_looking_at_more_than_there_is_memory_for(refused: Refused, command: list[str]) -> None:
     assert "chunks: a map of" in refused(*command, recipe("chunks: 1000000\n"))

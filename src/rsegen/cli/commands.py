@@ -13,6 +13,7 @@ from rsegen.cli import (
     gui,
     import_,
     info,
+    metrics,
     obstacles,
     open,
     preview,
@@ -22,7 +23,7 @@ from rsegen.cli import (
 from rsegen.errors import UnknownName, shown
 from rsegen.version import __version__
 
-COMMANDS = (generate, import_, gui, preview, info, open, drive, experiment, obstacles, examples, schema, sim)
+COMMANDS = (generate, import_, gui, preview, info, metrics, open, drive, experiment, obstacles, examples, schema, sim)
 
 
 class Parser(argparse.ArgumentParser):

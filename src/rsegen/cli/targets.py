@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os.path
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,11 +16,11 @@ from rsegen.room import refuse_too_large
 from rsegen.scene import Scene, compose
 
 
-def add_target_flags(command: argparse.ArgumentParser) -> None:
+def add_target_flags(command: argparse.ArgumentParser, usual: str = "the first") -> None:
     """Where to look, and which map."""
     where = "a recipe (YAML, JSON), the name of an example, the folder of a map, or a folder of maps"
     command.add_argument("target", metavar="RECIPE-or-DIR", help=where)
-    command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
+    command.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {usual})")
 
 
 class Found(NamedTuple):
@@ -58,6 +59,15 @@ def chosen(target: str, which: str | None) -> Scene:
     _, recipe, index = found(target, which)
     refuse_too_large(recipe)
     return compose(recipe, index)
+
+
+def every(target: str, which: str | None, more: int = 0) -> Iterator[Scene]:
+    """The scenes of all maps of `target` one by one, or of the given one; each may need more bytes for each cell."""
+    maps = ((recipe, recipe.indices) for recipe in map(load, recipe_files(target)))
+    given = [] if which is None else [found(target, which)]
+    for recipe, indices in [(recipe, range(index, index + 1)) for _, recipe, index in given] or maps:
+        refuse_too_large(recipe, more)
+        yield from (compose(recipe, index) for index in indices)
 
 
 def _index(recipe: Recipe, which: str) -> int | None:

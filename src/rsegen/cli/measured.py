@@ -1,0 +1,116 @@
+"""Metrics in words: a page for one map, a line each for many; lengths in centimetres."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import chain
+from typing import TypeAlias
+
+from rsegen.chart import described
+from rsegen.export.numbers import decimal
+from rsegen.metrics import Crossing, Metrics, Reach, Scale, Spread, Steps
+from rsegen.scene import Scene
+
+Measured: TypeAlias = tuple[Scene, Metrics]
+
+
+def report(measured: Iterable[Measured]) -> Iterator[str]:
+    """The lines of a page for one map, of a table for more of them."""
+    maps = iter(measured)
+    first, second = next(maps), next(maps, None)
+    return _table(chain([first, second], maps)) if second else _page(*first)
+
+
+def _table(measured: Iterable[Measured]) -> Iterator[str]:
+    yield "lengths in cm; opens: minimax step; region, ways: of the robot (rsegen metrics --map INDEX says more)"
+    for number, (scene, found) in enumerate(measured):
+        cells = _cells(found)
+        if not number:
+            yield f"{'map':<24}" + "".join(f"{name:>{_WIDTH}}" for name in cells)
+        yield f"{scene.name:<24}" + "".join(f"{text:>{_WIDTH}}" for text in cells.values())
+
+
+_WIDTH = 10
+_SIZES = 24
+"""A page lists so many sizes of steps, and no more."""
+
+
+def _cells(found: Metrics) -> dict[str, str]:
+    """What a table has of one map, by the heads of its columns."""
+    cells = {
+        "mean": _cm(found.spread.mean),
+        "deviation": _cm(found.spread.deviation),
+        "step": _cm(found.steps.mean),
+        "highest": _cm(found.steps.highest),
+        "TRI": _cm(found.ruggedness.tri),
+        "surface": f"{found.ruggedness.surface_ratio:.2f}",
+        "opens w-e": _cm(found.opening.west_east),
+        "opens s-n": _cm(found.opening.south_north),
+    }
+    if found.reach is None:
+        return cells
+    ways = {"way w-e": found.reach.west_east, "way s-n": found.reach.south_north}
+    ratios = {name: f"{way.cost_ratio:.2f}" if way.crosses else "none" for name, way in ways.items()}
+    return {**cells, "region": f"{found.reach.cover:.0%}", **ratios}
+
+
+def _page(scene: Scene, found: Metrics) -> Iterator[str]:
+    blocks, width = sum(found.spread.level_counts.values()), decimal(scene.field.block_width * 100)
+    yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {width} x {width} cm; frames are no blocks"
+    yield from _spread(found.spread)
+    yield from _steps(found.steps)
+    yield _scale(found.scale)
+    rugged, opens = found.ruggedness, found.opening
+    yield f"local    TRI {_cm(rugged.tri)} cm (root mean), {_cm(rugged.riley)} cm (Riley), of {rugged.cells:,} blocks"
+    yield f"surface  {rugged.surface_ratio:.2f} times the plan"
+    wide = " for this width" if found.reach and found.reach.climber.width_cm else ""
+    ways = f"{_cm(opens.west_east)} cm west to east, {_cm(opens.south_north)} cm south to north"
+    yield f"opens    at a step of {ways}{wide}"
+    if found.reach:
+        yield from _reach(found.reach)
+
+
+def _spread(found: Spread) -> Iterator[str]:
+    of_mean = "" if found.variation is None else f" ({found.variation:.3f} of the mean)"
+    yield f"heights  {_cm(found.lowest)}..{_cm(found.highest)} cm, mean {_cm(found.mean)} cm"
+    yield f"         standard deviation {_cm(found.deviation)} cm{of_mean}, entropy {found.entropy:.2f} bits"
+
+
+def _steps(found: Steps) -> Iterator[str]:
+    pairs = sum(found.counts.values())
+    yield f"steps    mean {_cm(found.mean)} cm, rms {_cm(found.rms)} cm, highest {_cm(found.highest)} cm"
+    if len(found.counts) > _SIZES:
+        yield f"         of {len(found.counts):,} sizes, which --json lists"
+        return
+    for size, count in found.counts.items():
+        yield f"         {_cm(size * found.unit):>6} cm  {count:>9,}  {count / pairs:6.1%}"
+
+
+def _scale(found: Scale) -> str:
+    if found.hurst is None:
+        return "scale    no exponent: the map is too small, or flat"
+    weak = f"; weak, of {len(found.lags)} lags" if found.hurst_is_weak else ""
+    first, last = ((_cm(found.rms[at]), _cm(found.lags[at])) for at in (0, -1))
+    grows = f"rms difference {first[0]} cm at {first[1]} cm, {last[0]} cm at {last[1]} cm"
+    return f"scale    {grows} (Hurst exponent {round(found.hurst, 2) + 0:.2f}{weak})"
+
+
+def _reach(found: Reach) -> Iterator[str]:
+    yield f"{described(found.climber)}:"
+    if found.climbable is not None and found.droppable is not None:
+        yield f"steps    {found.climbable:.1%} it climbs, {found.droppable:.1%} it gets down"
+    yield f"region   {found.cover:.1%} of the blocks, from each to each (analogue of coverability)"
+    yield f"ways     west to east: {_way(found.west_east)} (analogue of crossability)"
+    yield f"         south to north: {_way(found.south_north)}"
+
+
+def _way(found: Crossing) -> str:
+    if found.length is None or found.cost is None:
+        return "none"
+    straight = f"{found.length:.2f} m, {found.length_ratio:.2f} x straight"
+    return f"{straight}; with rises {found.cost:.2f} m, {found.cost_ratio:.2f} x"
+
+
+def _cm(length: float | None) -> str:
+    """Metres as centimetres, to a tenth of a millimetre."""
+    return "-" if length is None else decimal(round(length * 100, 2))

@@ -1,0 +1,111 @@
+"""rsegen metrics: how rough maps are, and what a robot can do on them."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import sys
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from rsegen.chart import chart
+from rsegen.cli.flags import Subparsers, given
+from rsegen.cli.measured import Measured, report
+from rsegen.cli.targets import add_target_flags, every
+from rsegen.drawing import picture_format
+from rsegen.errors import ParameterError
+from rsegen.metrics import Climber, Metrics, metrics
+from rsegen.metrics.entry import entry, row
+from rsegen.params import parameters
+from rsegen.robots import ROBOTS, robot
+from rsegen.room import BYTES_A_CELL_OF_METRICS
+from rsegen.scene import Scene
+from rsegen.writer import refuse_taken_file, write_file
+
+_NO_ROBOT = "give a robot, as in --robot burger or --climb-cm 10"
+
+
+def add(commands: Subparsers) -> None:
+    """The parser of this command."""
+    command = commands.add_parser(
+        "metrics",
+        help="measure how rough maps are, and what a robot can do on them",
+        description="Measure how rough maps are: heights, steps, scale, ruggedness, and the step at which they open. "
+        "With a robot also how much of a map it can get about on, and its cheapest ways across.",
+        epilog="docs/metrics.md has every formula. Kinds of robots: " + ", ".join(ROBOTS) + ".",
+    )
+    add_target_flags(command, usual="all")
+    group = command.add_argument_group("robot", "the figures of a kind, each overridden by a flag")
+    group.add_argument("--robot", metavar="KIND", help="what a robot of rsegen climbs, and its width")
+    for name, parameter in parameters(Climber).items():
+        text = f"{parameter.help} ({parameter.describe()})"
+        group.add_argument(f"--{name.replace('_', '-')}", dest=name, metavar="CM", help=text)
+    form = command.add_mutually_exclusive_group()
+    form.add_argument("--json", action="store_true", help="print a list for programs, lengths in metres")
+    form.add_argument("--csv", action="store_true", help="print a table for programs, lengths in metres")
+    command.add_argument(
+        "-o", "--output", metavar="PICTURE", help="draw the robot's ways over the first map, and its reach"
+    )
+    command.add_argument("--force", action="store_true", help="replace a picture that is there already")
+    command.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Measure, draw and print."""
+    climber = _climber(arguments)
+    path = _picture(arguments, climber)
+    scenes = every(arguments.target, arguments.map, BYTES_A_CELL_OF_METRICS)
+    first = next(scenes)
+    found = metrics(first.field, climber)
+    if path and found.reach:
+        write_file([chart(first, found.reach, picture_format(path))], path, force=arguments.force)
+    _print(chain([(first, found)], ((scene, metrics(scene.field, climber)) for scene in scenes)), arguments)
+
+
+def _picture(arguments: argparse.Namespace, climber: Climber | None) -> Path | None:
+    """Where the picture goes, if one is wanted and can be."""
+    if arguments.output is None:
+        return None
+    path = Path(arguments.output)
+    picture_format(path)
+    refuse_taken_file(path, force=arguments.force)
+    if climber is None:
+        raise ParameterError("-o/--output", f"there is nothing to draw without a robot; {_NO_ROBOT}")
+    return path
+
+
+def _climber(arguments: argparse.Namespace) -> Climber | None:
+    """The robot that the flags describe."""
+    said = given(Climber, arguments)
+    if arguments.robot is not None:
+        kind = robot(arguments.robot, "--robot")
+        return replace(Climber.of(kind.climbs, kind.size[1]), **said)
+    if said and "climb_cm" not in said:
+        raise ParameterError("--climb-cm", f"is missing; {_NO_ROBOT}")
+    return Climber(**said) if said else None
+
+
+def _print(measured: Iterable[Measured], arguments: argparse.Namespace) -> None:
+    if arguments.json:
+        print(json.dumps([_entry(*one) for one in measured], indent=2))
+    elif arguments.csv:
+        _print_table(dict(row(_entry(*one))) for one in measured)
+    else:
+        for line in report(measured):
+            print(line)
+
+
+def _entry(scene: Scene, found: Metrics) -> dict[str, Any]:
+    whole: dict[str, Any] = {"map": scene.name, "seed": scene.recipe.seed, **entry(found)}
+    return {name: value for name, value in whole.items() if value is not None}
+
+
+def _print_table(rows: Iterator[dict[str, object]]) -> None:
+    first = next(rows)
+    writer = csv.DictWriter(sys.stdout, list(first), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(chain([first], rows))
