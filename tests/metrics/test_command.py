@@ -15,10 +15,11 @@ import rsegen
 from rsegen import Climber
 from rsegen.chart import chart
 from rsegen.cli import main
+from rsegen.examples import EXAMPLES
 from rsegen.metrics.reach import reach
 from rsegen.robots import ROBOTS
 
-PALLET = Path(__file__).parents[2] / "examples" / "red-diagonal-pallet.yaml"
+PALLET = EXAMPLES["red-diagonal-pallet"]
 TEN = ["--climb-cm", "10"]
 
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import rsegen
 from rsegen import Metrics, StepField
+from rsegen.examples import EXAMPLES
 
-PALLET = rsegen.build(rsegen.load(Path(__file__).parents[2] / "examples" / "red-diagonal-pallet.yaml"))
+PALLET = rsegen.build(rsegen.load(EXAMPLES["red-diagonal-pallet"]))
 HALVES = np.where(PALLET.levels == 0, 1, 2 * PALLET.levels).astype(np.int16)
 POSTS = replace(PALLET, levels=np.where(PALLET.frame, np.int16(0), HALVES), unit=PALLET.unit / 2)
 """As it stands in the arenas: its shortest posts are half a unit long."""

@@ -17,7 +17,7 @@ _REACH, _FLIPPER_RADIUS, _FLIPPER_WIDTH = 0.30, 0.05, 0.04
 _MU, _MU2 = 1.0, 0.5
 _ROAD, _PROUD = 0.15, 0.002  # the wheels that the tracks stand on, and by how much lower they are than the others
 _HULL = Touch(mu=0.3, mu2=0.3, soft=FIRM)
-_RAISED = 0.5  # radians: so it climbs best
+_RAISED = 0.25  # radians: low enough not to hang on what it has climbed
 _SIDES = {"left": 1, "right": -1}
 _Y: Vector = (0, 1, 0)
 
