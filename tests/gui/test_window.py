@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TypeVar
 
@@ -19,6 +20,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
     QApplication,
+    QComboBox,
     QLabel,
     QLineEdit,
     QSlider,
@@ -51,6 +53,15 @@ def window(app: QApplication) -> Iterator[Window]:
 
 
 Kind = TypeVar("Kind", bound=QWidget)
+
+
+def until(done: Callable[[], bool], seconds: float = 10) -> None:
+    """Wait, with short rests in which threads get their turn."""
+    end = time.monotonic() + seconds
+    while not done():
+        assert time.monotonic() < end
+        QTest.qWait(5)
+        time.sleep(0.01)
 
 
 def find(within: QWidget, kind: type[Kind], name: str) -> Kind:
@@ -262,6 +273,21 @@ def test_a_recipe_is_dropped(window: Window, tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("chunk_size: 7\n", "utf-8")
     dropped(window, tmp_path / "a.yaml")
     assert window.session.recipe.chunk_size == 7
+
+
+def test_a_chosen_robot_gets_across_what_it_climbs(window: Window) -> None:
+    wall = {"kind": "horizontal_barrier", "max_height": 5, "softness": 0, "first": [5, 0], "last": [5, 19]}
+    window.session.set("chunks", [2, 2])
+    window.session.add(wall)
+    crossing, robot = find(window, QLabel, "crossing"), find(window, QComboBox, "robot")
+    robot.setCurrentText("crawler")
+    until(lambda: crossing.text() == "crosses south to north")
+    window.session.add({**wall, "first": [0, 5], "last": [19, 5]})
+    until(lambda: crossing.text().startswith("does not cross; gets about on "))
+    window.session.clear()
+    until(lambda: crossing.text() == "crosses west to east and south to north")
+    robot.setCurrentText("no robot")
+    assert crossing.text() == ""
 
 
 def test_every_widget_that_takes_input_has_a_name_for_those_who_do_not_see_it(window: Window) -> None:

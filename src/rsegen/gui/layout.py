@@ -55,7 +55,7 @@ def lay_out(window: Window) -> QSplitter:
         halves.setStretchFactor(halves.count() - 1, stretch)
     window.setCentralWidget(halves)
     window.statusBar().addWidget(window.index)
-    for number in (window.levels, window.numbers, window.costs):
+    for number in (window.levels, window.numbers, window.costs, window.robot, window.crossing):
         window.statusBar().addWidget(number)
     window.statusBar().addPermanentWidget(window.cell)
     return halves

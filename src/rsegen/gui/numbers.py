@@ -8,6 +8,9 @@ import numpy as np
 
 from rsegen.account import account, warnings
 from rsegen.gui.colours import GROUND, Rgb, centimetres, rgb
+from rsegen.metrics import Climber
+from rsegen.metrics.reach import reach
+from rsegen.robots import ROBOTS
 from rsegen.scene import Scene
 from rsegen.stepfield import StepField
 
@@ -24,10 +27,11 @@ class Share(NamedTuple):
 
 
 class Costs(NamedTuple):
-    """What a map costs in a few words, and what to know of it before opening it."""
+    """What a map costs in a few words, what to know of it before opening it, and whether a robot gets across."""
 
     text: str
     warnings: tuple[str, ...]
+    crossing: str = ""
 
 
 def in_numbers(scene: Scene) -> str:
@@ -45,10 +49,11 @@ def shares(scene: Scene) -> list[Share]:
     ]
 
 
-def costs(scene: Scene) -> Costs:
+def costs(scene: Scene, robot: str = "") -> Costs:
     """Models, faces and bytes of the files, where the map is not too large to make them; warnings always.
 
-    That there is nothing to see goes without saying where there are no obstacles yet.
+    Of a robot of some kind, whether it gets across. That there is nothing to see goes without saying where there are no
+    obstacles yet.
     """
     said = warnings(scene) if scene.recipe.obstacles else ()
     n_x, n_y = scene.field.shape
@@ -56,7 +61,17 @@ def costs(scene: Scene) -> Costs:
         return Costs("", said)
     found = account(scene)
     models = f"{found.models:,} model{'s'[: found.models != 1]}"
-    return Costs(f"{models}, {found.faces:,} faces, {_size(found.bytes)}", said)
+    text = f"{models}, {found.faces:,} faces, {_size(found.bytes)}"
+    return Costs(text, said, crossing(scene.field, robot) if robot else "")
+
+
+def crossing(field: StepField, robot: str) -> str:
+    """Whether a robot of some kind gets across, by the step that it climbs and its width, and how far it gets about."""
+    kind = ROBOTS[robot]
+    found = reach(field, Climber.of(kind.climbs, kind.size[1]))
+    ways = {"west to east": found.west_east, "south to north": found.south_north}
+    across = [name for name, way in ways.items() if way.crosses]
+    return f"crosses {' and '.join(across)}" if across else f"does not cross; gets about on {found.cover:.0%} of it"
 
 
 def largest_step(field: StepField) -> float:

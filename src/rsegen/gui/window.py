@@ -9,6 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import QSettings, QTimer, Slot
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
+    QComboBox,
     QLabel,
     QMainWindow,
     QMessageBox,
@@ -37,6 +38,7 @@ from rsegen.gui.start_form import StartForm
 from rsegen.gui.view import FieldView
 from rsegen.importers import FORMATS
 from rsegen.places import Cell
+from rsegen.robots import ROBOTS
 from rsegen.scene import Scene
 from rsegen.stepfield import Window as Window_
 
@@ -105,6 +107,9 @@ class Window(QMainWindow):
         self.complaint = Notice("complaint")
         self.numbers = named(QLabel(), "numbers")
         self.costs, self.cell, self.levels = named(QLabel(indent=12), "costs"), named(QLabel(), "cell"), LevelBar()
+        self.robot = named(QComboBox(), "robot", tip="whether this robot gets across, by what it climbs and its width")
+        self.robot.addItems(["no robot", *ROBOTS])
+        self.crossing = named(QLabel(), "crossing")
         self.warning = Notice("warning", "warning")
         self.looking, self.counting, self.gazebo = Newest(self), Newest(self), InGazebo(self)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE)
@@ -128,6 +133,7 @@ class Window(QMainWindow):
         self._pause.timeout.connect(self._look)
         self.looking.came.connect(self._looked)
         self.counting.came.connect(self._counted)
+        self.robot.currentIndexChanged.connect(self._count)
         self.plan.chosen.connect(self.choose)
         self.plan.moved.connect(self._end_moved)
         self.plan.drawn.connect(self._drawn)
@@ -201,11 +207,19 @@ class Window(QMainWindow):
         self.numbers.setText(look.numbers)
         self.levels.show_shares(look.shares)
         self.costs.setText("")
-        self.counting.order(partial(costs, look.scene))
+        self._count()
+
+    def _count(self) -> None:
+        """What the map costs, and what the chosen robot makes of it."""
+        self.crossing.setText("")
+        if self.scene:
+            kind = self.robot.currentText() if self.robot.currentIndex() else ""
+            self.counting.order(partial(costs, self.scene, kind))
 
     def _counted(self, found: object) -> None:
         if isinstance(found, Costs):
             self.costs.setText(found.text)
+            self.crossing.setText(found.crossing)
             self.warning.say("\n".join(f"Warning: {text}" for text in found.warnings))
 
     def _handles(self) -> list[Handle]:
