@@ -5,12 +5,13 @@
 # make docs     makes the generated parts of the manual and its pictures anew
 # make bench    measures speed, memory and face counts beside other ways; BENCH=--quick for two minutes, not kept
 # make bench-contact   ranks collision constructions in a real Gazebo; QUICK=--quick in a few minutes
+# make bench-experiment   the paper's tables in a real Gazebo, half an hour
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 ARGS ?= --numprocesses=auto
 
-.PHONY: worlds test check docs package gazebo screen lock bench bench-contact bench-isaaclab
+.PHONY: worlds test check docs package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in src/rsegen/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
@@ -49,6 +50,12 @@ package: $(VENV)/developer
 
 bench-contact: $(VENV)/developer gazebo
 	PYTHONPATH=tests $(BIN)/python -m benchmarks.contact $(QUICK)
+
+# The paper's tables on this machine, which should have nothing else to do: half an hour.
+bench-experiment: $(VENV)/developer gazebo
+	$(BIN)/rsegen experiment paper -o $(VENV)/experiment
+	cp $(VENV)/experiment/summary.json benchmarks/results/experiment.json
+	$(BIN)/python -m docs.generate
 
 # A real simulator for the tests, set up where it is missing; where that cannot be, the tests that need it say so.
 gazebo:

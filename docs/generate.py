@@ -19,6 +19,8 @@ from rsegen.chart import chart
 from rsegen.codec import encode, summary
 from rsegen.drawing import picture
 from rsegen.examples import EXAMPLES
+from rsegen.experiment import report as experiments
+from rsegen.experiment.run import told
 from rsegen.params import Parameter, parameters
 from rsegen.robots import ROBOTS
 
@@ -26,6 +28,8 @@ DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
 ROBOTS_PAGE = DOCS / "robots.md"
 README = DOCS.parent / "README.md"
+EXPERIMENT = RESULTS / "experiment.json"
+PLOT = "\n![Speed and memory over the side of the map](pictures/experiment.png)\n"
 WAYS = DOCS / "pictures" / "ways.png"
 
 
@@ -42,6 +46,7 @@ def texts() -> dict[Path, str]:
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
         DOCS / "examples.md": "\n".join(_examples()) + "\n",
+        DOCS / "experiment.md": experiments.page(*told(EXPERIMENT)) + PLOT,
         ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
     }
 
@@ -76,6 +81,8 @@ def main(arguments: list[str]) -> int:
     for path, scene in pictures().items():
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(_ways(scene) if path == WAYS else picture(scene))
+    plan, results, _ = told(EXPERIMENT)
+    (DOCS / "pictures" / "experiment.png").write_bytes(experiments.plot(plan, results))
     return 0
 
 

@@ -8,10 +8,10 @@ from dataclasses import asdict
 from pathlib import Path
 
 from rsegen.experiment.machine import description
-from rsegen.experiment.plan import Cell, Plan
+from rsegen.experiment.plan import Cell, Plan, Row
 from rsegen.experiment.report import csv, page, plot
 from rsegen.experiment.results import Notebook, Results
-from rsegen.experiment.trial import tried
+from rsegen.experiment.trial import Outcome, tried
 from rsegen.simulators import Installation
 from rsegen.writer import write_file
 
@@ -37,6 +37,17 @@ def experiment(
     for name, content in _files(plan, results, machine).items():
         write_file([content], folder / name, force=True)
     return results
+
+
+def told(summary: Path) -> tuple[Plan, Results, dict[str, str]]:
+    """The plan, the outcomes and the machine of a summary.json that `experiment` wrote."""
+    said = json.loads(summary.read_text("utf-8"))
+    plan = Plan(**{**said["plan"], "rows": tuple(Row(**row) for row in said["plan"]["rows"])})
+    results = {
+        Cell(row=cell["row"], size=cell["size"], pace=cell["pace"]): [Outcome(**one) for one in cell["outcomes"]]
+        for cell in said["cells"]
+    }
+    return plan, results, said["machine"]
 
 
 def _files(plan: Plan, results: Results, machine: dict[str, str]) -> dict[str, bytes]:
