@@ -16,12 +16,8 @@ from rsegen.driving.trip import Track
 from rsegen.errors import SimulatorFailed
 from rsegen.robots import Robot
 from rsegen.simulators import Installation
-from rsegen.simulators.classic_live import classic_world
-from rsegen.simulators.classic_record import Record, record, recording
-from rsegen.simulators.classic_world import attempted
-from rsegen.simulators.gazebo_classic import STATE
-from rsegen.simulators.live import LiveWorld, Pose
-from rsegen.simulators.server import serving
+from rsegen.simulators.live import LiveWorld, Pose, Record
+from rsegen.simulators.server import attempted, serving
 
 PERIOD = 0.05
 """Seconds between two rows of a track."""
@@ -56,7 +52,7 @@ def driven(
 
     The same drivers, world and simulator give the same tracks; `progress` is told the seconds that are done.
     """
-    models = [driver.robot.model(driver.name, at=astuple(driver.start)) for driver in drivers]
+    models = [driver.robot.model(driver.name, here.dialect, astuple(driver.start)) for driver in drivers]
     text = arena(world, models, unthrottled=True)
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         file = Path(folder, world.name)
@@ -76,12 +72,13 @@ class _Trial:
 
     def run(self, here: Installation, seconds: float, progress: Callable[[float], None]) -> Drive:
         """In a server of its own."""
-        with serving(here, self.file, models=self.models, options=recording(PERIOD)) as server:
-            with classic_world(server.master) as live:
-                drive_in_steps(live, self.drivers, seconds, self.step, progress)
+        simulator, seen = here.simulator, Record()
+        with serving(here, self.file, models=self.models, options=simulator.recording(PERIOD)) as server:
+            with server.live() as live:
+                drive_in_steps(live, self.drivers, seconds, self.step, progress, seen)
             errors = server.errors
             server.stop()
-            states = record((server.home / STATE).read_text())
+            states = simulator.record(server.home) or seen
         return Drive(tracks={driver.name: _track(driver.name, states) for driver in self.drivers}, errors=errors)
 
 
@@ -91,18 +88,21 @@ def drive_in_steps(
     seconds: float,
     step: float,
     progress: Callable[[float], None] = lambda _: None,
+    seen: Record | None = None,
 ) -> None:
     """Ask for each robot's motion, tell it, go on for a period, and so on for so many simulated seconds.
 
-    step: the seconds of a step of the world's physics.
+    step: the seconds of a step of the world's physics; `seen` is given where they were at each period's beginning.
     """
     routes = {driver.name: driver.route() for driver in drivers}
     period = min(route.period for route in routes.values())
     for turn in range(ceil(seconds / period)):
         poses = live.poses()
+        if seen is not None:
+            seen.append((turn * period, {driver.name: list(astuple(poses[driver.name])) for driver in drivers}))
         for driver in drivers:
             v, w = routes[driver.name].motion(poses[driver.name])
-            live.tell(driver.robot.command(driver.name, v, w))
+            live.tell(driver.robot.command(driver.name, v, w, live.dialect))
         done = min((turn + 1) * period, seconds)
         live.advance(round((done - turn * period) / step))
         progress(done)

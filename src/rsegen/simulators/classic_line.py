@@ -47,7 +47,11 @@ class Line:
         self._port = self._own.getsockname()[1]
         self._behind(self._hear_master)
         self._behind(self._welcome)
-        self._wait("no world", lambda: bool(self._world))
+        try:
+            self._wait("no world", lambda: bool(self._world))
+        except SimulatorFailed:
+            self.close()
+            raise
 
     @property
     def world(self) -> str:
@@ -78,6 +82,10 @@ class Line:
         self._wait(f"nothing is heard on {full}", lambda: any(map(wanted, self._heard[full])), patience)
         with self._told:
             return [message for message in self._heard[full] if wanted(message)][-1]
+
+    def forget(self, topic: str) -> None:
+        """What was heard on a topic until now."""
+        self._note(self._heard[self._full(topic)].clear)
 
     def close(self) -> None:
         """Hang up."""
@@ -157,7 +165,7 @@ def line(address: tuple[str, int]) -> Iterator[Line]:
         opened = Line(address)
     except OSError as error:
         raise SimulatorFailed(
-            f"Gazebo Classic: nobody answers at {address[0]}:{address[1]} ({error.strerror})"
+            f"Gazebo Classic: nobody answers at {address[0]}:{address[1]} ({error.strerror or error})"
         ) from None
     try:
         yield opened
