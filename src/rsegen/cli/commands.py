@@ -5,11 +5,41 @@ from __future__ import annotations
 import argparse
 from typing import Any, NoReturn
 
-from rsegen.cli import drive, experiment, generate, gui, import_, info, obstacles, open, preview, schema, sim
+from rsegen.cli import (
+    drive,
+    experiment,
+    generate,
+    gui,
+    import_,
+    info,
+    obstacles,
+    open,
+    preview,
+    remove,
+    respawn,
+    schema,
+    sim,
+    spawn,
+)
 from rsegen.errors import UnknownName, shown
 from rsegen.version import __version__
 
-COMMANDS = (generate, import_, gui, open, drive, experiment, preview, info, obstacles, schema, sim)
+COMMANDS = (
+    generate,
+    import_,
+    gui,
+    open,
+    spawn,
+    respawn,
+    remove,
+    drive,
+    experiment,
+    preview,
+    info,
+    obstacles,
+    schema,
+    sim,
+)
 
 
 class Parser(argparse.ArgumentParser):

@@ -15,7 +15,7 @@ import threading
 import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from rsegen.errors import SimulatorFailed
@@ -23,6 +23,9 @@ from rsegen.simulators.classic_messages import Message, decoded, encoded
 
 PATIENCE = 20.0
 """Seconds for an answer."""
+
+FAREWELL = 2.0
+"""Seconds for those who speak to us to stop."""
 
 _KEPT = 64
 """So many messages of a topic are kept."""
@@ -39,6 +42,7 @@ class Line:
         self._heard: dict[str, deque[dict[str, Any]]] = defaultdict(lambda: deque(maxlen=_KEPT))
         self._types: dict[str, str] = {}
         self._listeners: dict[str, list[socket.socket]] = defaultdict(list)
+        self._speakers: dict[socket.socket, str] = {}
         self._sockets: list[socket.socket] = []
         self._world = ""
         self._master = self._joined(socket.create_connection(address, PATIENCE))
@@ -60,9 +64,9 @@ class Line:
 
     def hear(self, topic: str, type_name: str) -> None:
         """Listen to a topic from now on."""
-        self._types[self._full(topic)] = type_name
-        said = {"topic": self._full(topic), "host": self._host, "port": self._port, "msg_type": _full_type(type_name)}
-        self._tell_master("subscribe", "Subscribe", said)
+        full = self._full(topic)
+        self._types[full] = type_name
+        self._tell_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
 
     def say(self, topic: str, type_name: str, message: Message) -> None:
         """Send a message to all that hear a topic; the first time, once somebody does."""
@@ -88,12 +92,23 @@ class Line:
         self._note(self._heard[self._full(topic)].clear)
 
     def close(self) -> None:
-        """Hang up."""
+        """Hang up, once those who speak to us have done so.
+
+        A speaker that has two messages for somebody who is gone waits for ever, and says nothing more to anybody.
+        """
+        with suppress(SimulatorFailed):
+            for there, topic in list(self._speakers.items()):
+                host, port = there.getsockname()[:2]
+                self._tell_master("unsubscribe", "Subscribe", self._subscription(topic, host, port))
+            self._wait("", lambda: not self._speakers, FAREWELL)
         for each in (self._own, *self._sockets):
             each.close()
 
     def _full(self, topic: str) -> str:
         return topic if topic.startswith("/") else f"/gazebo/{self._world}/{topic.removeprefix('~/')}"
+
+    def _subscription(self, topic: str, host: str, port: int) -> Message:
+        return {"topic": topic, "host": host, "port": port, "msg_type": _full_type(self._types[topic])}
 
     def _tell_master(self, kind: str, type_name: str, message: Message) -> None:
         _send(self._master, _packet(kind, type_name, message))
@@ -116,11 +131,12 @@ class Line:
     def _listen(self, speaker: Mapping[str, Any]) -> None:
         topic = speaker["topic"]
         there = self._joined(socket.create_connection((speaker["host"], speaker["port"]), PATIENCE))
-        said = {"topic": topic, "host": self._host, "port": self._port, "msg_type": speaker["msg_type"]}
-        _send(there, _packet("sub", "Subscribe", said))
+        self._note(lambda: self._speakers.update({there: topic}))
+        _send(there, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
         for content in _received(there):
             message = decoded(self._types[topic], content)
             self._note(lambda: self._heard[topic].append(message))  # noqa: B023
+        self._note(lambda: self._speakers.pop(there))
 
     def _welcome(self) -> None:
         """Let those in who want to hear a topic of ours."""
