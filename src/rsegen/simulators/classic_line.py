@@ -14,7 +14,7 @@ import socket
 import threading
 import time
 from collections import defaultdict, deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Set
 from contextlib import contextmanager, suppress
 from typing import Any
 
@@ -26,6 +26,9 @@ PATIENCE = 20.0
 
 FAREWELL = 2.0
 """Seconds for those who speak to us to stop."""
+
+_CALM, _PAUSE = 0.4, 0.05
+"""Seconds until all that was asked is answered, and from a message to when surely no other is on its way."""
 
 _KEPT = 64
 """So many messages of a topic are kept."""
@@ -45,6 +48,7 @@ class Line:
         self._speakers: dict[socket.socket, str] = {}
         self._sockets: list[socket.socket] = []
         self._world = ""
+        self._last = 0.0
         self._master = self._joined(socket.create_connection(address, PATIENCE))
         self._host = self._master.getsockname()[0]
         self._own = socket.create_server((self._host, 0))
@@ -91,21 +95,43 @@ class Line:
         """What was heard on a topic until now."""
         self._note(self._heard[self._full(topic)].clear)
 
-    def close(self) -> None:
-        """Hang up, once those who speak to us have done so.
+    @contextmanager
+    def deaf(self, topic: str) -> Iterator[None]:
+        """As long as this lasts, a topic is not heard, and its speakers have that much less to do."""
+        full = self._full(topic)
+        self._leave({full})
+        yield
+        self._tell_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
+        self._wait(f"nobody speaks on {full}", lambda: full in self._speakers.values())
 
-        A speaker that has two messages for somebody who is gone waits for ever, and says nothing more to anybody.
+    def close(self) -> None:
+        """Hang up in a calm moment, once those who speak to us have done so.
+
+        A speaker of Gazebo 11 who is about to send a message to somebody who goes says nothing more to anybody.
         """
+        self._wait_for_calm()
         with suppress(SimulatorFailed):
-            for there, topic in list(self._speakers.items()):
-                host, port = there.getsockname()[:2]
-                self._tell_master("unsubscribe", "Subscribe", self._subscription(topic, host, port))
-            self._wait("", lambda: not self._speakers, FAREWELL)
+            self._leave(set(self._speakers.values()))
         for each in (self._own, *self._sockets):
             each.close()
 
     def _full(self, topic: str) -> str:
         return topic if topic.startswith("/") else f"/gazebo/{self._world}/{topic.removeprefix('~/')}"
+
+    def _leave(self, topics: Set[str]) -> None:
+        """A speaker knows a listener by the port that it comes from, and hangs up."""
+        for there, topic in list(self._speakers.items()):
+            if topic in topics:
+                host, port = there.getsockname()[:2]
+                self._tell_master("unsubscribe", "Subscribe", self._subscription(topic, host, port))
+        self._wait("a speaker goes on", lambda: not topics & set(self._speakers.values()), FAREWELL)
+
+    def _wait_for_calm(self) -> None:
+        began = time.monotonic()
+        while self._speakers and (now := time.monotonic()) < began + FAREWELL:
+            if now > began + _CALM and now > self._last + _PAUSE:
+                return
+            time.sleep(_PAUSE / 5)
 
     def _subscription(self, topic: str, host: str, port: int) -> Message:
         return {"topic": topic, "host": host, "port": port, "msg_type": _full_type(self._types[topic])}
@@ -136,6 +162,7 @@ class Line:
         for content in _received(there):
             message = decoded(self._types[topic], content)
             self._note(lambda: self._heard[topic].append(message))  # noqa: B023
+            self._last = time.monotonic()
         self._note(lambda: self._speakers.pop(there))
 
     def _welcome(self) -> None:
