@@ -24,6 +24,9 @@ _SETTLE = 0.03
 _FLOOD = 0.6
 """Seconds in which even a paused server has done what it was told, and said so."""
 
+_AWAY = 10_000.0
+"""Metres above the ground: out of sight."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ClassicWorld(LiveWorld):
@@ -75,24 +78,32 @@ class ClassicWorld(LiveWorld):
 
     def move(self, name: str, pose: Pose) -> None:
         """By its name and number."""
-        models = self._models()
-        if name not in models:
-            raise SimulatorFailed(f"Gazebo Classic: no {name} to be moved")
-        before = heard(models[name]["pose"])
-        self.line.say("model/modify", "Model", {"name": name, "id": models[name]["id"], "pose": told(pose)})
-        self._wait(f"{name} stays where it was", lambda: nearer(self.poses()[name], pose, before))
+        message = self._modified(name, pose)
+        before = heard(self._models(hidden=True)[name]["pose"])
+        self.line.say("model/modify", "Model", message)
+        self._wait(
+            f"{name} stays where it was", lambda: name in (at := self.poses()) and nearer(at[name], pose, before)
+        )
 
     def put(self, sdf: str, pose: Pose) -> None:
-        """Through the factory."""
+        """Through the factory; the one that was only out of sight comes back."""
         name = _model_name(sdf)
+        if name == self.line.world and name in self._models(hidden=True):
+            self.move(name, pose)
+            return
         self.line.say("factory", "Factory", {"sdf": sdf, "pose": told(pose)})
         self._wait(f"{name} does not appear", lambda: name in self.poses())
 
     def take(self, name: str) -> None:
         """By a request; that each of its parts is gone too is told in a flood of responses, which are not listened to.
 
-        Gazebo 11 now and then falls silent on a topic where it says much at once.
+        Gazebo 11 now and then falls silent on a topic where it says much at once. It would delete all there is for the
+        name of its world, so a model of that name is only put out of sight.
         """
+        if name == self.line.world:
+            self.line.say("model/modify", "Model", self._modified(name, Pose(x=0, y=0, z=_AWAY)))
+            self._wait(f"{name} is still there", lambda: name not in self._models())
+            return
         with self.line.deaf("response"):
             self.line.say("request", "Request", {"id": next(self._numbers), "request": "entity_delete", "data": name})
             time.sleep(_FLOOD)
@@ -110,11 +121,20 @@ class ClassicWorld(LiveWorld):
     def _asked(self, request: str, data: str) -> dict[str, Any]:
         number = next(self._numbers)
         self.line.say("request", "Request", {"id": number, "request": request, "data": data})
-        return self.line.heard("response", lambda told: told["id"] == number)
+        return self.line.heard("response", lambda told: told["id"] == number and "serialized_data" in told)
 
-    def _models(self) -> dict[str, dict[str, Any]]:
-        content = self._asked("entity_list", "").get("serialized_data", b"")
-        return {model["name"]: model for model in decoded("Model_V", content).get("models", [])}
+    def _modified(self, name: str, pose: Pose) -> dict[str, Any]:
+        """A model as it is to be."""
+        models = self._models(hidden=True)
+        if name not in models:
+            raise SimulatorFailed(f"Gazebo Classic: no {name} to be moved")
+        return {"name": name, "id": models[name]["id"], "pose": told(pose)}
+
+    def _models(self, *, hidden: bool = False) -> dict[str, dict[str, Any]]:
+        """All that are not out of sight, or these too."""
+        content = self._asked("entity_list", "")["serialized_data"]
+        models = decoded("Model_V", content).get("models", [])
+        return {model["name"]: model for model in models if hidden or model["pose"]["position"]["z"] < _AWAY}
 
     def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
         end = time.monotonic() + PATIENCE
