@@ -23,7 +23,11 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "nothing": ([], ["COMMAND"]),
     "a misspelt command": (
         ["genrate"],
-        ["'genrate'", "did you mean 'generate'?", "info, obstacles, open, preview, schema, sim"],
+        [
+            "'genrate'",
+            "did you mean 'generate'?",
+            "info, obstacles, open, preview, remove, respawn, schema, sim, spawn",
+        ],
     ),
     "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, import, info"]),
     "a misspelt flag": (["generate", "-o", "out", "--sed", "1"], ["'--sed'", "did you mean '--seed'?", "--chunk-size"]),
@@ -57,6 +61,11 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         ["open", "two.yaml", "--simulator", "clasic"],
         ["--simulator", "'clasic'", "did you mean 'classic'?", "(known: classic, sim)"],
     ),
+    "neither a map nor a robot": (["spawn", "burgr"], ["'burgr'", "did you mean 'burger'?"]),
+    "a place of one number": (["spawn", "burger", "--at", "1"], ["--at: '1' is not X,Y or X,Y,Z or X,Y,Z,YAW"]),
+    "a place in words": (["spawn", "burger", "--at", "1,here"], ["--at", "'here' is not a number"]),
+    "a map of a robot": (["spawn", "burger", "--map", "1"], ["--map: burger is a robot"]),
+    "a name with a slash": (["spawn", "burger", "--name", "../b"], ["--name: '../b'"]),
     "seconds in a word": (["open", "two.yaml", "--seconds", "few"], ["--seconds: 'few' is not a number"]),
     "an index beyond": (["info", "two.yaml", "--map", "2"], ["--map", "'2'", "two.yaml", "rse_0000..rse_0001"]),
     "an index below": (["info", "two.yaml", "--map=-1"], ["--map", "'-1'", "rse_0000..rse_0001"]),
@@ -101,6 +110,8 @@ def test_json_does_not_change_how_a_mistake_is_told(refused: Refused) -> None:
 @pytest.mark.parametrize("command", [command.__name__.rpartition(".")[2] for command in COMMANDS])
 def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, command: str) -> None:
     given = {"generate": ["-o", "out"], "preview": ["a.yaml", "-o", "p.png"], "info": ["a.yaml"], "open": ["a.yaml"]}
+    given |= {"drive": ["a.yaml"], "experiment": ["a.yaml", "-o", "out"]}
+    given |= {"spawn": ["burger"], "respawn": ["a.yaml"], "remove": ["burger"]}
     given["import_"] = ["a.csv", *given["generate"]]
     line = refused(command.rstrip("_"), *given.get(command, []), "--hlep")
     assert "unknown flag '--hlep'; did you mean '--help'?" in line

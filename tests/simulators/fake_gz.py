@@ -19,7 +19,12 @@ TYPES = {
     "set_pose": ("Pose", "Boolean"),
     "scene/info": ("Empty", "Scene"),
 }
-FIRST = {"steps": 0, "paused": True, "told": [], "models": {"ground_plane": {"id": 8, "static": True, "pose": {}}}}
+FIRST: dict[str, Any] = {
+    "steps": 0,
+    "paused": True,
+    "told": [],
+    "models": {"ground_plane": {"id": 8, "static": True, "pose": {}}},
+}
 
 
 def read(text: str) -> dict[str, Any]:

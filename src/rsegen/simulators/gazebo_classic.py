@@ -46,6 +46,9 @@ class GazeboClassic(Simulator):
         # What a server says whom a `gz` command has just left.
         "Header is empty",
         "Data was empty, try again",
+        # What a server that keeps a record says of every model that is put in while time runs.
+        "Unable to call parseURDF on robot model",
+        "parse as old deprecated model file failed",
     )
     unloaded: ClassVar[tuple[str, ...]] = ("Falling back on worlds/empty.world", "Unable to start server[bind")
 
