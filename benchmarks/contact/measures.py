@@ -1,18 +1,14 @@
-"""What a running server uses, and the record that it leaves."""
+"""What a running server uses."""
 
 from __future__ import annotations
 
 import os
 import re
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulators.server import Server
-
-IDLE = 0.2
-"""Processors in use, below which a server stands still."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -21,17 +17,6 @@ class Usage:
 
     cpu: float
     memory: float
-
-
-def when_idle(server: Server) -> Usage:
-    """What the server has used when it stands still again."""
-    calm, before = 0, usage(server)
-    while calm < 3:
-        time.sleep(0.4)
-        now = usage(server)
-        calm = calm + 1 if now.cpu - before.cpu < IDLE * 0.4 else 0
-        before = now
-    return before
 
 
 def usage(server: Server) -> Usage:

@@ -12,15 +12,15 @@ import numpy as np
 
 from benchmarks.contact.constructions import Construction
 from benchmarks.contact.courses import SECONDS, Drop, drops
-from benchmarks.contact.measures import usage, when_idle
+from benchmarks.contact.measures import usage
 from benchmarks.contact.worlds import field_of, robots_on, written
 from rsegen import StepField
 from rsegen.errors import SimulatorFailed
 from rsegen.simulators import Installation
-from rsegen.simulators.classic_record import Record, record, recording
-from rsegen.simulators.classic_world import Pose, attempted, begin, poses
+from rsegen.simulators.classic_record import record, recording
 from rsegen.simulators.gazebo_classic import STATE
-from rsegen.simulators.server import serving
+from rsegen.simulators.live import Pose, Record
+from rsegen.simulators.server import attempted, serving
 from sim.bodies import SIZE
 from sim.burger import way
 
@@ -86,9 +86,9 @@ def _run(construction: Construction, seed: int, world: Path, gazebo: Installatio
     began = time.monotonic()
     with serving(gazebo, world, options=recording(PERIOD), patience=PATIENCE) as server:
         loaded, load = usage(server), time.monotonic() - began
-        begin(server, SECONDS * 1000)
-        done = when_idle(server)
-        ended, errors = poses(server), server.errors
+        with server.live() as live:
+            live.advance(SECONDS * 1000)
+            done, ended, errors = usage(server), live.poses(), server.errors
         server.stop()
         told = record((server.home / STATE).read_text())
     if max((at for at, _ in told), default=0) < SECONDS - PERIOD:

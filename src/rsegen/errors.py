@@ -7,7 +7,8 @@ RsegenError
 │   ├── FileError        a file or folder cannot be read, or is not what it should be
 │   ├── OutputError      the output folder is taken, or may not be written to
 │   ├── TooLarge         it would need more room than there is, in memory or on the disk
-│   └── NoSimulator      no simulator that is installed here can do it
+│   ├── NoSimulator      no simulator that is installed here can do it
+│   └── NothingRuns      no simulation runs that could be changed
 ├── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
 ├── WorkerLost           a worker was killed from outside; nothing half written is left; exit code 1
 └── SimulatorFailed      a simulator died, fell silent or did not load its world; exit code 1
@@ -49,6 +50,10 @@ class TooLarge(UserError):
 
 class NoSimulator(UserError):
     """No simulator that is installed here can do it."""
+
+
+class NothingRuns(UserError):
+    """No simulation runs that could be changed."""
 
 
 class WriteError(RsegenError):

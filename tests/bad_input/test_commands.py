@@ -23,7 +23,11 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "nothing": ([], ["COMMAND"]),
     "a misspelt command": (
         ["genrate"],
-        ["'genrate'", "did you mean 'generate'?", "info, metrics, obstacles, open, preview, schema, sim"],
+        [
+            "'genrate'",
+            "did you mean 'generate'?",
+            "info, metrics, obstacles, open, preview, remove, respawn, schema, sim, spawn",
+        ],
     ),
     "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, import, info"]),
     "a misspelt flag": (["generate", "-o", "out", "--sed", "1"], ["'--sed'", "did you mean '--seed'?", "--chunk-size"]),
@@ -57,6 +61,11 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         ["open", "two.yaml", "--simulator", "clasic"],
         ["--simulator", "'clasic'", "did you mean 'classic'?", "(known: classic, sim)"],
     ),
+    "neither a map nor a robot": (["spawn", "burgr"], ["'burgr'", "did you mean 'burger'?"]),
+    "a place of one number": (["spawn", "burger", "--at", "1"], ["--at: '1' is not X,Y or X,Y,Z or X,Y,Z,YAW"]),
+    "a place in words": (["spawn", "burger", "--at", "1,here"], ["--at", "'here' is not a number"]),
+    "a map of a robot": (["spawn", "burger", "--map", "1"], ["--map: burger is a robot"]),
+    "a name with a slash": (["spawn", "burger", "--name", "../b"], ["--name: '../b'"]),
     "seconds in a word": (["open", "two.yaml", "--seconds", "few"], ["--seconds: 'few' is not a number"]),
     "an index beyond": (["info", "two.yaml", "--map", "2"], ["--map", "'2'", "two.yaml", "rse_0000..rse_0001"]),
     "an index below": (["info", "two.yaml", "--map=-1"], ["--map", "'-1'", "rse_0000..rse_0001"]),
@@ -117,6 +126,7 @@ def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, c
     given = {"generate": ["-o", "out"], "preview": ["a.yaml", "-o", "p.png"], "info": ["a.yaml"], "open": ["a.yaml"]}
     given |= {"import_": ["a.csv", "-o", "out"], "drive": ["a.yaml"], "experiment": ["quick", "-o", "out"]}
     given["metrics"] = ["a.yaml"]
+    given |= {"spawn": ["burger"], "respawn": ["a.yaml"], "remove": ["burger"]}
     line = refused(command.rstrip("_"), *given.get(command, []), "--hlep")
     assert "unknown flag '--hlep'; did you mean '--help'?" in line
 

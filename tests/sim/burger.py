@@ -13,7 +13,7 @@ from __future__ import annotations
 from math import cos, pi, sin
 from typing import NamedTuple
 
-from rsegen.simulators.classic_world import Pose
+from rsegen.simulators.live import Pose
 
 SPEED = 0.22
 """Metres a second: the most that the real one does."""

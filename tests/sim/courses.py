@@ -9,10 +9,8 @@ from pathlib import Path
 
 from rsegen.robots import Robot
 from rsegen.simulators import Installation
-from rsegen.simulators.classic_live import ClassicWorld, classic_world
-from rsegen.simulators.classic_world import attempted
-from rsegen.simulators.live import Pose
-from rsegen.simulators.server import Server, serving
+from rsegen.simulators.live import LiveWorld, Pose
+from rsegen.simulators.server import Server, attempted, serving
 
 LANE = 4.0
 """Metres from lane to lane."""
@@ -85,11 +83,11 @@ def driven(
 
 
 @contextmanager
-def served(gazebo: Installation, course: Course, folder: Path) -> Iterator[tuple[Server, ClassicWorld]]:
+def served(gazebo: Installation, course: Course, folder: Path) -> Iterator[tuple[Server, LiveWorld]]:
     """A server, and its world, which stands still."""
     file = folder / "course.world"
     file.write_text(course.world())
-    with serving(gazebo, file) as server, classic_world(server.master) as live:
+    with serving(gazebo, file) as server, server.live() as live:
         yield server, live
 
 

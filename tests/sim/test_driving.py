@@ -16,7 +16,7 @@ import pytest
 import rsegen
 from rsegen.export import export
 from rsegen.simulators import Installation
-from rsegen.simulators.classic_world import simulated
+from rsegen.simulators.simulated import simulated
 from rsegen.stepfield import Levels
 from rsegen.writer import write
 from sim.bodies import furnished

@@ -10,7 +10,8 @@ import pytest
 
 import rsegen
 from rsegen.simulators import Installation
-from rsegen.simulators.classic_world import Pose, simulated
+from rsegen.simulators.live import Pose
+from rsegen.simulators.simulated import simulated
 from sim.bodies import SIZE, body
 from sim.maps import examples, generated, kinds, map_name, variants
 

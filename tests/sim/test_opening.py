@@ -15,8 +15,8 @@ import rsegen
 from leftovers import MARK, left, left_in_the_end
 from rsegen.examples import EXAMPLES
 from rsegen.simulators import Installation
-from rsegen.simulators.classic_world import attempted, poses, resume, step, steps_done
-from rsegen.simulators.server import Server, serving
+from rsegen.simulators.live import LiveWorld
+from rsegen.simulators.server import attempted, serving
 from runs import ended, started
 from sim.maps import generated
 
@@ -109,16 +109,21 @@ def test_two_servers_side_by_side_do_not_disturb_each_other(gazebo: Installation
     worlds = [made(tmp_path, name) for name in ("one", "other")]
 
     def both() -> None:
-        with serving(gazebo, worlds[0]) as one, serving(gazebo, worlds[1]) as other:
+        with (
+            serving(gazebo, worlds[0]) as one,
+            serving(gazebo, worlds[1]) as other,
+            one.live() as in_one,
+            other.live() as in_other,
+        ):
             assert len({one.pid, other.pid}) == len({one.home, other.home}) == 2
-            step(one, 30)
-            assert [steps_done(each) for each in (one, other)] == [30, 0]
-            assert [names(each) for each in (one, other)] == [
+            in_one.advance(30)
+            assert [each.clock().steps for each in (in_one, in_other)] == [30, 0]
+            assert [names(each) for each in (in_one, in_other)] == [
                 {"ground_plane", "one_0000"},
                 {"ground_plane", "other_0000"},
             ]
             one.stop()
-            assert names(other) == {"ground_plane", "other_0000"}
+            assert names(in_other) == {"ground_plane", "other_0000"}
             assert one.errors == other.errors == []
 
     attempted(both)
@@ -127,12 +132,13 @@ def test_two_servers_side_by_side_do_not_disturb_each_other(gazebo: Installation
 
 def test_a_server_goes_on_when_it_is_told_to(gazebo: Installation, tmp_path: Path, mark: str) -> None:
     def resumed() -> int:
-        with serving(gazebo, made(tmp_path / str(time.monotonic_ns()), "course")) as server:
-            resume(server)
-            return steps_done(server)
+        with serving(gazebo, made(tmp_path / str(time.monotonic_ns()), "course")) as server, server.live() as live:
+            live.go()
+            time.sleep(0.5)
+            return live.clock().steps
 
     assert attempted(resumed) > 0
 
 
-def names(server: Server) -> set[str]:
-    return set(poses(server))
+def names(live: LiveWorld) -> set[str]:
+    return set(live.poses())

@@ -11,7 +11,7 @@ import pytest
 
 import rsegen
 from rsegen.simulators import Installation
-from rsegen.simulators.classic_world import simulated
+from rsegen.simulators.simulated import simulated
 from sim.bodies import SHAPES, SIZE, body, furnished
 from sim.maps import examples, generated, map_name, shaped, variants
 

@@ -10,8 +10,9 @@ import pytest
 
 from rsegen.robots import ROBOTS, SIMULATORS, Robot
 from rsegen.simulators import Installation
-from rsegen.simulators.classic_world import attempted
+from rsegen.simulators.classic_live import ClassicWorld
 from rsegen.simulators.live import Pose
+from rsegen.simulators.server import attempted
 from sim.courses import Course, driven, served, stair
 from sim.test_sdformat import said
 
@@ -83,6 +84,7 @@ def test_flippers_and_arm_go_where_they_are_told(gazebo: Installation, tmp_path:
             for joint in ("left_flipper_pivot", "shoulder_joint"):
                 server.told(*ROBOTS["crawler"].servo_command("one", joint, angles[joint]).shell)
             live.advance(2000)
+            assert isinstance(live, ClassicWorld)
             return live.links()
 
     links = attempted(moved)

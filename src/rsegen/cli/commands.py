@@ -17,13 +17,33 @@ from rsegen.cli import (
     obstacles,
     open,
     preview,
+    remove,
+    respawn,
     schema,
     sim,
+    spawn,
 )
 from rsegen.errors import UnknownName, shown
 from rsegen.version import __version__
 
-COMMANDS = (generate, import_, gui, preview, info, metrics, open, drive, experiment, obstacles, examples, schema, sim)
+COMMANDS = (
+    generate,
+    import_,
+    gui,
+    preview,
+    info,
+    metrics,
+    open,
+    spawn,
+    respawn,
+    remove,
+    drive,
+    experiment,
+    obstacles,
+    examples,
+    schema,
+    sim,
+)
 
 
 class Parser(argparse.ArgumentParser):

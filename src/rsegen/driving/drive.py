@@ -17,12 +17,8 @@ from rsegen.driving.trip import Track
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.base import Driven
 from rsegen.simulators import Installation
-from rsegen.simulators.classic_live import classic_world
-from rsegen.simulators.classic_record import Record, record, recording
-from rsegen.simulators.classic_world import attempted
-from rsegen.simulators.gazebo_classic import STATE
-from rsegen.simulators.live import LiveWorld, Pose
-from rsegen.simulators.server import serving
+from rsegen.simulators.live import LiveWorld, Pose, Record
+from rsegen.simulators.server import attempted, serving
 
 PERIOD = 0.05
 """Seconds between two rows of a track."""
@@ -63,7 +59,7 @@ def driven(
     """
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         frames = Path(folder, "frames")
-        models = [driver.robot.model(driver.name, at=astuple(driver.start)) for driver in drivers]
+        models = [driver.robot.model(driver.name, here.dialect, astuple(driver.start)) for driver in drivers]
         text = arena(world, [*models, camera(watched, frames)] if watched else models, unthrottled=True)
         file = Path(folder, world.name)
         file.write_text(text, "utf-8")
@@ -83,13 +79,15 @@ class _Trial:
 
     def run(self, here: Installation, seconds: float, progress: Callable[[float], None], *, screen: bool) -> Drive:
         """In a server of its own."""
-        with serving(here, self.file, models=self.models, options=recording(PERIOD), screen=screen) as server:
-            with classic_world(server.master) as live:
-                drive_in_steps(live, self.drivers, seconds, self.step, progress)
+        simulator, seen = here.simulator, Record()
+        options = simulator.recording(PERIOD)
+        with serving(here, self.file, models=self.models, options=options, screen=screen) as server:
+            with server.live() as live:
+                drive_in_steps(live, self.drivers, seconds, self.step, progress, seen)
                 end = live.clock().simulated
             errors = server.errors
             server.stop()
-            states = record((server.home / STATE).read_text())
+            states = simulator.record(server.home) or seen
         tracks = {driver.name: _track(driver.name, states, end) for driver in self.drivers}
         return Drive(tracks=tracks, errors=errors)
 
@@ -100,21 +98,24 @@ def drive_in_steps(
     seconds: float,
     step: float,
     progress: Callable[[float], None] = lambda _: None,
+    seen: Record | None = None,
 ) -> None:
     """Ask for each robot's motion, tell it, go on for a period, and so on for so many simulated seconds, or until all
     are done.
 
-    step: the seconds of a step of the world's physics.
+    step: the seconds of a step of the world's physics; `seen` is given where they were at each period's beginning.
     """
     routes = {driver.name: driver.route() for driver in drivers}
     period = min(route.period for route in routes.values())
     for turn in range(ceil(seconds / period)):
         poses = live.poses()
+        if seen is not None:
+            seen.append((turn * period, {driver.name: list(astuple(poses[driver.name])) for driver in drivers}))
         if all(route.is_done(poses[name]) for name, route in routes.items()):
             return
         for driver in drivers:
             v, w = routes[driver.name].motion(poses[driver.name])
-            live.tell(driver.robot.command(driver.name, v, w))
+            live.tell(driver.robot.command(driver.name, v, w, live.dialect))
         done = min((turn + 1) * period, seconds)
         live.advance(round((done - turn * period) / step))
         progress(done)

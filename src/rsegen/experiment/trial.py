@@ -22,11 +22,8 @@ from rsegen.recipe import Recipe
 from rsegen.robots import robot
 from rsegen.scene import compose
 from rsegen.simulators import Installation
-from rsegen.simulators.classic_live import classic_world
-from rsegen.simulators.classic_record import recording
-from rsegen.simulators.classic_world import attempted
 from rsegen.simulators.live import LiveWorld
-from rsegen.simulators.server import serving
+from rsegen.simulators.server import attempted, serving
 
 _NEVER = 1e6
 
@@ -61,7 +58,7 @@ def tried(plan: Plan, cell: Cell, here: Installation) -> Outcome:
     field = compose(recipe).field
     drivers = crew(field, kind, Wandering.name, count=row.robots, seed=plan.seed)
     with _world(recipe, empty=not cell.size) as world:
-        models = [driver.robot.model(driver.name, at=astuple(driver.start)) for driver in drivers]
+        models = [driver.robot.model(driver.name, here.dialect, astuple(driver.start)) for driver in drivers]
         text = arena(world, models, unthrottled=cell.pace == "free")
         file = world.with_name("experiment.world")
         file.write_text(text, "utf-8")
@@ -116,9 +113,10 @@ class _Trial:
 
     @contextmanager
     def _served(self) -> Iterator[tuple[int, LiveWorld]]:
+        options = self.here.simulator.recording(_NEVER)
         with (
-            serving(self.here, self.file, patience=PATIENCE, options=recording(_NEVER)) as server,
-            classic_world(server.master) as live,
+            serving(self.here, self.file, patience=PATIENCE, options=options) as server,
+            server.live() as live,
         ):
             yield server.pid, live
 
@@ -131,7 +129,7 @@ class _Trial:
             poses = live.poses()
             for driver in self.drivers:
                 v, w = routes[driver.name].motion(poses[driver.name])
-                live.tell(driver.robot.command(driver.name, v, w))
+                live.tell(driver.robot.command(driver.name, v, w, live.dialect))
             time.sleep(1.0)
             now = live.clock()
             if time.monotonic() > end:

@@ -12,10 +12,13 @@ import shlex
 import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import ClassVar, TypeVar
+
+from rsegen.simulators.live import LiveWorld, Record
 
 _MARKS = ("[Err]", "[error]", "Error [", "Error Code")
 """Of error lines: Gazebo's up to Harmonic, and from Ionic on; libsdformat's up to 9, and later."""
@@ -81,6 +84,11 @@ class Installation:
     version: str
     commands: Mapping[str, Path]
 
+    @property
+    def dialect(self) -> str:
+        """The name by which robots know it."""
+        return self.simulator.dialect(self)
+
     def __str__(self) -> str:
         return f"{self.simulator.title} {self.version}"
 
@@ -120,6 +128,22 @@ class Simulator(ABC):
     @abstractmethod
     def is_loaded(self, home: Path, log: str) -> bool:
         """Whether a server that was started by `standing` has loaded its world, from the home and log that it has."""
+
+    @abstractmethod
+    def dialect(self, here: Installation) -> str:
+        """The name by which robots know it, one of `rsegen.robots.SIMULATORS`."""
+
+    @abstractmethod
+    def live(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
+        """The world of the server that these variables lead to; SimulatorFailed where none answers."""
+
+    def recording(self, period: float) -> tuple[str, ...]:
+        """A server's options, with which it records poses every so many seconds; none where it cannot."""
+        return ()
+
+    def record(self, home: Path) -> Record | None:
+        """What a server with such a home has recorded until its end; None where it cannot."""
+        return None
 
     def opens(self, made_for: str) -> bool:
         """Whether it opens a map whose recipe says `simulator: made_for`."""

@@ -14,8 +14,8 @@ import socket
 import threading
 import time
 from collections import defaultdict, deque
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Set
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from rsegen.errors import SimulatorFailed
@@ -23,6 +23,12 @@ from rsegen.simulators.classic_messages import Message, decoded, encoded
 
 PATIENCE = 20.0
 """Seconds for an answer."""
+
+FAREWELL = 2.0
+"""Seconds for those who speak to us to stop."""
+
+_CALM, _PAUSE = 0.4, 0.05
+"""Seconds until all that was asked is answered, and from a message to when surely no other is on its way."""
 
 _KEPT = 64
 """So many messages of a topic are kept."""
@@ -39,15 +45,21 @@ class Line:
         self._heard: dict[str, deque[dict[str, Any]]] = defaultdict(lambda: deque(maxlen=_KEPT))
         self._types: dict[str, str] = {}
         self._listeners: dict[str, list[socket.socket]] = defaultdict(list)
+        self._speakers: dict[socket.socket, str] = {}
         self._sockets: list[socket.socket] = []
         self._world = ""
+        self._last = 0.0
         self._master = self._joined(socket.create_connection(address, PATIENCE))
         self._host = self._master.getsockname()[0]
         self._own = socket.create_server((self._host, 0))
         self._port = self._own.getsockname()[1]
         self._behind(self._hear_master)
         self._behind(self._welcome)
-        self._wait("no world", lambda: bool(self._world))
+        try:
+            self._wait("no world", lambda: bool(self._world))
+        except SimulatorFailed:
+            self.close()
+            raise
 
     @property
     def world(self) -> str:
@@ -56,9 +68,9 @@ class Line:
 
     def hear(self, topic: str, type_name: str) -> None:
         """Listen to a topic from now on."""
-        self._types[self._full(topic)] = type_name
-        said = {"topic": self._full(topic), "host": self._host, "port": self._port, "msg_type": _full_type(type_name)}
-        self._tell_master("subscribe", "Subscribe", said)
+        full = self._full(topic)
+        self._types[full] = type_name
+        self._tell_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
 
     def say(self, topic: str, type_name: str, message: Message) -> None:
         """Send a message to all that hear a topic; the first time, once somebody does."""
@@ -79,13 +91,50 @@ class Line:
         with self._told:
             return [message for message in self._heard[full] if wanted(message)][-1]
 
+    def forget(self, topic: str) -> None:
+        """What was heard on a topic until now."""
+        self._note(self._heard[self._full(topic)].clear)
+
+    @contextmanager
+    def deaf(self, topic: str) -> Iterator[None]:
+        """As long as this lasts, a topic is not heard, and its speakers have that much less to do."""
+        full = self._full(topic)
+        self._leave({full})
+        yield
+        self._tell_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
+        self._wait(f"nobody speaks on {full}", lambda: full in self._speakers.values())
+
     def close(self) -> None:
-        """Hang up."""
+        """Hang up in a calm moment, once those who speak to us have done so.
+
+        A speaker of Gazebo 11 who is about to send a message to somebody who goes says nothing more to anybody.
+        """
+        self._wait_for_calm()
+        with suppress(SimulatorFailed):
+            self._leave(set(self._speakers.values()))
         for each in (self._own, *self._sockets):
             each.close()
 
     def _full(self, topic: str) -> str:
         return topic if topic.startswith("/") else f"/gazebo/{self._world}/{topic.removeprefix('~/')}"
+
+    def _leave(self, topics: Set[str]) -> None:
+        """A speaker knows a listener by the port that it comes from, and hangs up."""
+        for there, topic in list(self._speakers.items()):
+            if topic in topics:
+                host, port = there.getsockname()[:2]
+                self._tell_master("unsubscribe", "Subscribe", self._subscription(topic, host, port))
+        self._wait("a speaker goes on", lambda: not topics & set(self._speakers.values()), FAREWELL)
+
+    def _wait_for_calm(self) -> None:
+        began = time.monotonic()
+        while self._speakers and (now := time.monotonic()) < began + FAREWELL:
+            if now > began + _CALM and now > self._last + _PAUSE:
+                return
+            time.sleep(_PAUSE / 5)
+
+    def _subscription(self, topic: str, host: str, port: int) -> Message:
+        return {"topic": topic, "host": host, "port": port, "msg_type": _full_type(self._types[topic])}
 
     def _tell_master(self, kind: str, type_name: str, message: Message) -> None:
         _send(self._master, _packet(kind, type_name, message))
@@ -108,11 +157,13 @@ class Line:
     def _listen(self, speaker: Mapping[str, Any]) -> None:
         topic = speaker["topic"]
         there = self._joined(socket.create_connection((speaker["host"], speaker["port"]), PATIENCE))
-        said = {"topic": topic, "host": self._host, "port": self._port, "msg_type": speaker["msg_type"]}
-        _send(there, _packet("sub", "Subscribe", said))
+        self._note(lambda: self._speakers.update({there: topic}))
+        _send(there, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
         for content in _received(there):
             message = decoded(self._types[topic], content)
             self._note(lambda: self._heard[topic].append(message))  # noqa: B023
+            self._last = time.monotonic()
+        self._note(lambda: self._speakers.pop(there))
 
     def _welcome(self) -> None:
         """Let those in who want to hear a topic of ours."""
@@ -157,7 +208,7 @@ def line(address: tuple[str, int]) -> Iterator[Line]:
         opened = Line(address)
     except OSError as error:
         raise SimulatorFailed(
-            f"Gazebo Classic: nobody answers at {address[0]}:{address[1]} ({error.strerror})"
+            f"Gazebo Classic: nobody answers at {address[0]}:{address[1]} ({error.strerror or error})"
         ) from None
     try:
         yield opened

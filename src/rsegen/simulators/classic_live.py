@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-import math
 import re
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Set
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import count
-from typing import Any, cast
+from secrets import randbelow
+from typing import Any
 
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.commands import Command
 from rsegen.simulators.classic_line import PATIENCE, Line, line
-from rsegen.simulators.classic_messages import Message, decoded, said
+from rsegen.simulators.classic_messages import decoded, said
 from rsegen.simulators.live import Clock, LiveWorld, Pose
+from rsegen.simulators.turning import heard, nearer, told
 
 _SETTLE = 0.03
 """Seconds in which a message between two programs on one machine arrives."""
+
+_FLOOD = 0.6
+"""Seconds in which even a paused server has done what it was told, and said so."""
+
+_AWAY = 10_000.0
+"""Metres above the ground: out of sight."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -26,7 +33,8 @@ class ClassicWorld(LiveWorld):
     """Through one line. A paused server answers, and tells the time, five times a second."""
 
     line: Line
-    _numbers: Iterator[int] = field(default_factory=lambda: count(1))
+    dialect: str = "classic"
+    _numbers: Iterator[int] = field(default_factory=lambda: count(randbelow(2**30)))
 
     def tell(self, command: Command) -> None:
         """A moment later it is heard."""
@@ -43,44 +51,73 @@ class ClassicWorld(LiveWorld):
             done = int(self._statistics(after=before)["iterations"])
 
     def go(self) -> None:
-        """Not paused."""
-        self.line.say("world_control", "WorldControl", {"pause": False})
+        """Not paused, once it says so."""
+        self._pause(pause=False)
 
     def stand(self) -> None:
         """Paused, once it says so."""
-        self.line.say("world_control", "WorldControl", {"pause": True})
-        self.line.heard("world_stats", lambda told: bool(told.get("paused")))
+        self._pause(pause=True)
 
     def clock(self) -> Clock:
         """As it was told last."""
-        told = self._statistics(after=-1)
+        now = self._statistics(after=-1)
         return Clock(
-            simulated=_seconds(told["sim_time"]), real=_seconds(told["real_time"]), steps=int(told["iterations"])
+            simulated=_seconds(now["sim_time"]),
+            real=_seconds(now["real_time"]),
+            steps=int(now["iterations"]),
+            stands=bool(now["paused"]),
         )
 
     def poses(self) -> Mapping[str, Pose]:
         """Of all its models, asked for."""
-        return {model["name"]: _pose(model["pose"]) for model in self._models()}
+        return {name: heard(model["pose"]) for name, model in self._models().items()}
 
     def links(self) -> Mapping[str, Pose]:
         """Where every link stands in its model, by its full name."""
-        links = (link for model in self._models() for link in model.get("link", []))
-        return {link["name"]: _pose(link["pose"]) for link in links}
+        links = (link for model in self._models().values() for link in model.get("link", []))
+        return {link["name"]: heard(link["pose"]) for link in links}
+
+    def movable(self) -> Set[str]:
+        """Each model says whether it is static."""
+        return frozenset(name for name, model in self._models().items() if not model.get("is_static"))
+
+    def move(self, name: str, pose: Pose) -> None:
+        """By its name and number."""
+        message = self._modified(name, pose)
+        before = heard(self._models(hidden=True)[name]["pose"])
+        self.line.say("model/modify", "Model", message)
+        self._wait(
+            f"{name} stays where it was", lambda: name in (at := self.poses()) and nearer(at[name], pose, before)
+        )
 
     def put(self, sdf: str, pose: Pose) -> None:
-        """Through the factory."""
+        """Through the factory; the one that was only out of sight comes back."""
         name = _model_name(sdf)
-        self.line.say("factory", "Factory", {"sdf": sdf, "pose": _message(pose)})
-        self._wait_for(name, there=True)
+        if name == self.line.world and name in self._models(hidden=True):
+            self.move(name, pose)
+            return
+        self.line.say("factory", "Factory", {"sdf": sdf, "pose": told(pose)})
+        self._wait(f"{name} does not appear", lambda: name in self.poses())
 
     def take(self, name: str) -> None:
-        """By a request."""
-        self.line.say("request", "Request", {"id": next(self._numbers), "request": "entity_delete", "data": name})
-        self._wait_for(name, there=False)
+        """By a request; that each of its parts is gone too is told in a flood of responses, which are not listened to.
 
-    def _models(self) -> Sequence[Message]:
-        answer = self._asked("entity_list", "")
-        return cast(Sequence[Message], decoded("Model_V", answer.get("serialized_data", b"")).get("models", []))
+        Gazebo 11 now and then falls silent on a topic where it says much at once. It would delete all there is for the
+        name of its world, so a model of that name is only put out of sight.
+        """
+        if name == self.line.world:
+            self.line.say("model/modify", "Model", self._modified(name, Pose(x=0, y=0, z=_AWAY)))
+            self._wait(f"{name} is still there", lambda: name not in self._models())
+            return
+        with self.line.deaf("response"):
+            self.line.say("request", "Request", {"id": next(self._numbers), "request": "entity_delete", "data": name})
+            time.sleep(_FLOOD)
+        self._wait(f"{name} is still there", lambda: name not in self.poses())
+
+    def _pause(self, *, pause: bool) -> None:
+        self.line.forget("world_stats")
+        self.line.say("world_control", "WorldControl", {"pause": pause})
+        self.line.heard("world_stats", lambda told: bool(told["paused"]) == pause)
 
     def _statistics(self, after: int) -> dict[str, Any]:
         """The first that tells of more steps than so many."""
@@ -89,13 +126,27 @@ class ClassicWorld(LiveWorld):
     def _asked(self, request: str, data: str) -> dict[str, Any]:
         number = next(self._numbers)
         self.line.say("request", "Request", {"id": number, "request": request, "data": data})
-        return self.line.heard("response", lambda told: told["id"] == number)
+        return self.line.heard("response", lambda told: told["id"] == number and "serialized_data" in told)
 
-    def _wait_for(self, name: str, *, there: bool) -> None:
+    def _modified(self, name: str, pose: Pose) -> dict[str, Any]:
+        """A model as it is to be."""
+        models = self._models(hidden=True)
+        if name not in models:
+            raise SimulatorFailed(f"Gazebo Classic: no {name} to be moved")
+        return {"name": name, "id": models[name]["id"], "pose": told(pose)}
+
+    def _models(self, *, hidden: bool = False) -> dict[str, dict[str, Any]]:
+        """All that are not out of sight, or these too."""
+        content = self._asked("entity_list", "")["serialized_data"]
+        models = decoded("Model_V", content).get("models", [])
+        return {model["name"]: model for model in models if hidden or model["pose"]["position"]["z"] < _AWAY}
+
+    def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
         end = time.monotonic() + PATIENCE
-        while (name in self.poses()) != there:
+        while not until():
             if time.monotonic() > end:
-                raise SimulatorFailed(f"Gazebo Classic: {name} is still {'not ' * there}there")
+                raise SimulatorFailed(f"Gazebo Classic: {otherwise}")
+            time.sleep(_FLOOD / 6)
 
 
 @contextmanager
@@ -114,30 +165,5 @@ def _model_name(sdf: str) -> str:
     return found[1]
 
 
-def _seconds(told: Mapping[str, int]) -> float:
-    return told["sec"] + told["nsec"] / 1e9
-
-
-def _message(pose: Pose) -> dict[str, Any]:
-    """Roll, pitch and yaw as a quaternion."""
-    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a / 2), math.sin(a / 2)) for a in (pose.roll, pose.pitch, pose.yaw))
-    turned = {
-        "w": cr * cp * cy + sr * sp * sy,
-        "x": sr * cp * cy - cr * sp * sy,
-        "y": cr * sp * cy + sr * cp * sy,
-        "z": cr * cp * sy - sr * sp * cy,
-    }
-    return {"position": {"x": pose.x, "y": pose.y, "z": pose.z}, "orientation": turned}
-
-
-def _pose(told: Mapping[str, Mapping[str, float]]) -> Pose:
-    at, q = told["position"], told["orientation"]
-    x, y, z, w = q["x"], q["y"], q["z"], q["w"]
-    return Pose(
-        x=at["x"],
-        y=at["y"],
-        z=at["z"],
-        roll=math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
-        pitch=math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x)))),
-        yaw=math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
-    )
+def _seconds(time_: Mapping[str, int]) -> float:
+    return time_["sec"] + time_["nsec"] / 1e9

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 
-Record = list[tuple[float, dict[str, list[float]]]]
-"""Second and poses (x, y, z, roll, pitch, yaw) of models, state by state."""
+from rsegen.simulators.live import Record
 
 _STATE = re.compile(r"<sim_time>(\d+) (\d+)</sim_time>(.*?)</state>", re.DOTALL)
 _MODEL = re.compile(r"<model name='([^']+)'>\s*<pose>([^<]+)</pose>")

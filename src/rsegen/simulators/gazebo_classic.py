@@ -5,16 +5,24 @@ from __future__ import annotations
 import re
 import socket
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import ClassVar
 
+from rsegen.errors import ParameterError, shown
 from rsegen.simulators.base import Installation, Launch, Opening, Simulator, on_path, register
+from rsegen.simulators.classic_live import classic_world
+from rsegen.simulators.classic_record import record, recording
+from rsegen.simulators.live import LiveWorld, Record
 from rsegen.simulators.process import printed
 
 SET_UP = Path(".cache", "rsegen", "gazebo-classic")
 """Where scripts/gazebo-classic sets it up, below the user's home."""
+
+MASTER = "http://localhost:11345"
+"""Where Gazebo Classic looks for its server."""
 
 STATE = Path("record", "state.log")
 """The record of a server, below its home."""
@@ -38,6 +46,9 @@ class GazeboClassic(Simulator):
         # What a server says whom a `gz` command has just left.
         "Header is empty",
         "Data was empty, try again",
+        # What a server that keeps a record says of every model that is put in while time runs.
+        "Unable to call parseURDF on robot model",
+        "parse as old deprecated model file failed",
     )
     unloaded: ClassVar[tuple[str, ...]] = ("Falling back on worlds/empty.world", "Unable to start server[bind")
 
@@ -72,6 +83,30 @@ class GazeboClassic(Simulator):
     def is_loaded(self, home: Path, log: str) -> bool:
         """A paused server begins its record when its world is complete."""
         return (home / STATE).exists()
+
+    def dialect(self, here: Installation) -> str:
+        """There is one."""
+        return "classic"
+
+    def live(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
+        """Through its own transport, so it may run on another machine, and need not be installed on this one."""
+        return classic_world(_address(environment.get("GAZEBO_MASTER_URI") or MASTER))
+
+    def recording(self, period: float) -> tuple[str, ...]:
+        """The record is a text."""
+        return recording(period)
+
+    def record(self, home: Path) -> Record | None:
+        """Complete when the server has ended."""
+        return record((home / STATE).read_text())
+
+
+def _address(master: str) -> tuple[str, int]:
+    """Host and port of a GAZEBO_MASTER_URI."""
+    found = re.fullmatch(r"(?:http://)?([^/:]+):(\d{1,5})/?", master)
+    if not found:
+        raise ParameterError("GAZEBO_MASTER_URI", f"{shown(master)} is not a host and a port, as in {MASTER}")
+    return found[1], int(found[2])
 
 
 def _launch(command: Path, opening: Opening, more: Mapping[str, str]) -> Launch:

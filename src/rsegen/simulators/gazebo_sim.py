@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import re
 import secrets
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import ClassVar
 
+from rsegen.errors import SimulatorFailed
 from rsegen.simulators.base import Installation, Launch, Opening, Simulator, on_path, register
+from rsegen.simulators.live import LiveWorld
 from rsegen.simulators.process import printed
+from rsegen.simulators.sim_live import sim_world
 
 COMMANDS = (("gz", "sim"), ("ign", "gazebo"))
 """Program and verb. Programs of these names without the verb are Gazebo Classic's, or libsdformat's alone."""
@@ -60,6 +64,18 @@ class GazeboSim(Simulator):
     def is_loaded(self, home: Path, log: str) -> bool:
         """It says so of each world, in a message of level 3."""
         return re.search(r"World \[[^]]*\] initialized with", log) is not None
+
+    def dialect(self, here: Installation) -> str:
+        """Up to Fortress, names begin with ignition."""
+        return "fortress" if "ign gazebo" in here.commands else "sim"
+
+    def live(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
+        """Through its commands, which have to be installed."""
+        here = self.found()
+        if not here:
+            raise SimulatorFailed(f"{self.title}: none is installed here")
+        ((_, program),) = here.commands.items()
+        return sim_world(program, self.dialect(here), environment)
 
 
 def _launch(here: Installation, opening: Opening) -> Launch:

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 
 from rsegen.robots.commands import Command
 
+Record = list[tuple[float, dict[str, list[float]]]]
+"""Second and poses (x, y, z, roll, pitch, yaw) of models, state by state."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Clock:
-    """Seconds simulated, and seconds that passed meanwhile without pauses; steps done."""
+    """Seconds simulated, and seconds that passed meanwhile without pauses; steps done; whether time stands still."""
 
     simulated: float
     real: float
     steps: int
+    stands: bool
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -31,7 +35,12 @@ class Pose:
 
 
 class LiveWorld(ABC):
-    """What can be done with a running world. SimulatorFailed where the simulator is gone, or does not answer."""
+    """What can be done with a running world. SimulatorFailed where the simulator is gone, or does not answer.
+
+    dialect: the name by which robots know the simulator, one of `rsegen.robots.SIMULATORS`.
+    """
+
+    dialect: str
 
     @abstractmethod
     def tell(self, command: Command) -> None:
@@ -56,6 +65,14 @@ class LiveWorld(ABC):
     @abstractmethod
     def poses(self) -> Mapping[str, Pose]:
         """Where every model stands, by its name."""
+
+    @abstractmethod
+    def movable(self) -> Set[str]:
+        """The names of the models that are not static."""
+
+    @abstractmethod
+    def move(self, name: str, pose: Pose) -> None:
+        """Put a model that is there somewhere else, and wait until it has left its place."""
 
     @abstractmethod
     def put(self, sdf: str, pose: Pose) -> None:

@@ -1,8 +1,10 @@
-"""Reading the text in which Gazebo's tools print protobuf messages."""
+"""Reading and writing the text in which Gazebo Sim's commands have protobuf messages."""
 
 from __future__ import annotations
 
+import json
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 
@@ -13,23 +15,30 @@ class Message:
     values: dict[str, str] = field(default_factory=dict)
     parts: defaultdict[str, list[Message]] = field(default_factory=lambda: defaultdict(list))
 
-    def numbers(self, *names: str) -> list[float]:
-        """Values as numbers; what is not stated is 0, as in protobuf."""
-        return [float(self.values.get(name, 0)) for name in names]
-
 
 def parse(text: str) -> Message:
-    """The message that a text says: lines `name: value`, `name {` and `}`."""
+    """The message that a text says: lines `name: value`, `name {` and `}`; other lines are not of it."""
     whole = Message()
     open_messages = [whole]
     for line in map(str.strip, text.splitlines()):
+        name, colon, value = line.partition(":")
         if line.endswith("{"):
             inner = Message()
             open_messages[-1].parts[line[:-1].strip()].append(inner)
             open_messages.append(inner)
-        elif line == "}":
+        elif line == "}" and len(open_messages) > 1:
             open_messages.pop()
-        elif line:
-            name, _, value = line.partition(": ")
-            open_messages[-1].values[name] = value.strip('"')
+        elif colon and name.isidentifier():
+            open_messages[-1].values[name] = value.strip().strip('"')
     return whole
+
+
+def spelled(message: Mapping[str, object]) -> str:
+    """The text of a message of texts, numbers, truths and messages."""
+    return " ".join(f"{name}{_value(value)}" for name, value in message.items())
+
+
+def _value(value: object) -> str:
+    if isinstance(value, Mapping):
+        return f" {{ {spelled(value)} }}"
+    return f": {json.dumps(value, ensure_ascii=False)}"

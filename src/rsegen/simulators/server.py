@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulators.base import Installation, Launch, Opening
+from rsegen.simulators.live import LiveWorld
 from rsegen.simulators.process import Running, answer, running
 
 PATIENCE = 20.0
 """Seconds for a world to load, and for a server to answer."""
+
+ATTEMPTS = 4
+"""Gazebo 11.1's server now and then dies or hangs."""
+
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -37,12 +44,6 @@ class Server:
         return self.launch.environment
 
     @property
-    def master(self) -> tuple[str, int]:
-        """The host and port that it is spoken to at, of Gazebo Classic."""
-        host, _, port = self.environment["GAZEBO_MASTER_URI"].removeprefix("http://").rpartition(":")
-        return host, int(port)
-
-    @property
     def log(self) -> str:
         """All that it has said."""
         return log_of(self.home).read_text(errors="replace")
@@ -51,6 +52,10 @@ class Server:
     def errors(self) -> list[str]:
         """The error lines of its log, without the harmless ones."""
         return self.here.simulator.complaints(self.log)
+
+    def live(self) -> AbstractContextManager[LiveWorld]:
+        """Its world, to be changed, for as long as it is asked."""
+        return self.here.simulator.live(self.environment)
 
     def wait_until_loaded(self, patience: float = PATIENCE) -> None:
         """Wait for its world; SimulatorFailed where the server dies, says that it has none, or takes too long."""
@@ -103,6 +108,16 @@ def serving(
             server = Server(here=here, launch=launch, home=home, running=process)
             server.wait_until_loaded(patience)
             yield server
+
+
+def attempted(once: Callable[[], Made], attempts: int = ATTEMPTS) -> Made:
+    """What `once` gives, tried again where it loses its server; what the last attempt raises is raised."""
+    try:
+        return once()
+    except SimulatorFailed:
+        if attempts == 1:
+            raise
+    return attempted(once, attempts - 1)
 
 
 def log_of(home: Path) -> Path:

@@ -1,0 +1,43 @@
+"""Where there is room for something new."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import chain, count, product
+from math import hypot
+from typing import NamedTuple
+
+GAP = 0.5
+"""Metres between something new and what is there."""
+
+
+class Rectangle(NamedTuple):
+    """Along the axes: its middle, and half of its length and width, metres."""
+
+    x: float
+    y: float
+    half_x: float = 0.0
+    half_y: float = 0.0
+
+    def is_clear_of(self, other: Rectangle) -> bool:
+        """Whether there is a gap between the two."""
+        return (
+            abs(self.x - other.x) > self.half_x + other.half_x + GAP - 1e-3
+            or abs(self.y - other.y) > self.half_y + other.half_y + GAP - 1e-3
+        )
+
+
+def free(half_x: float, half_y: float, taken: Sequence[Rectangle]) -> Rectangle:
+    """The first that is clear of all that are taken: on the origin, else on a grid around it, from the inside out."""
+    tried = (
+        Rectangle(round(i * (2 * half_x + GAP), 3), round(j * (2 * half_y + GAP), 3), half_x, half_y)
+        for i, j in chain.from_iterable(map(_ring, count()))
+    )
+    return next(place for place in tried if all(map(place.is_clear_of, taken)))
+
+
+def _ring(number: int) -> Iterator[tuple[int, int]]:
+    """The cells of a grid around the origin, the nearest first; east and north before west and south."""
+    line = range(-number, number + 1)
+    cells = (cell for cell in product(line, line) if max(map(abs, cell)) == number)
+    return iter(sorted(cells, key=lambda cell: (hypot(*cell), -cell[0], -cell[1])))

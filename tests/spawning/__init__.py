@@ -1,0 +1,1 @@
+"""Where there is room in a simulation, and how high a map is that stands there."""
