@@ -1,25 +1,15 @@
-"""Maps for a running simulation: models on disk, where the simulator reads their meshes as long as it runs."""
+"""What the commands share that change a running simulation: flags, and the maps of a target."""
 
 from __future__ import annotations
 
 import argparse
 import os.path
-import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rsegen.cli.targets import found, recipe_files
-from rsegen.errors import FileError, NoSimulator, OutputError, ParameterError, RsegenError
-from rsegen.pipeline import generate
-from rsegen.recipe import Recipe
 from rsegen.recipe_file import load
-from rsegen.room import refuse_too_large
-from rsegen.scene import compose
-from rsegen.simulators import SIMULATORS, Simulator
-from rsegen.simulators.live import Pose
-from rsegen.spawning.placed import Placed
-from rsegen.stepfield import StepField
+from rsegen.simulators import SIMULATORS
+from rsegen.spawning.maps import Map, alone, made
 
 
 def add_running_flags(command: argparse.ArgumentParser) -> None:
@@ -35,83 +25,14 @@ def add_output_flag(command: argparse.ArgumentParser) -> None:
     command.add_argument("-o", "--output", type=Path, default=Path("worlds"), metavar="DIR", help=text)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Map:
-    """The recipe of one map alone, and its folder; the folder need not be there yet."""
-
-    recipe: Recipe
-    folder: Path
-
-    @property
-    def name(self) -> str:
-        """What it is called."""
-        return self.folder.name
-
-    @property
-    def field(self) -> StepField:
-        """Its blocks."""
-        refuse_too_large(self.recipe)
-        return compose(self.recipe, self.recipe.first_map).field
-
-    def refuse_unfit(self, simulator: Simulator) -> None:
-        """An error where this cannot be one model of that simulator."""
-        if not simulator.opens(self.recipe.simulator):
-            raise NoSimulator(f"{simulator.title} runs, and this map's recipe says simulator: {self.recipe.simulator}")
-        if self.recipe.mesh_type != "single":
-            problem = f"{self.recipe.mesh_type} makes a map of many models; only single can be put into a simulation"
-            raise ParameterError("mesh_type", problem)
-
-    def model(self, name: str) -> str:
-        """Its model file under a name, with meshes by absolute paths; the map is made where it is not there yet."""
-        if not self.folder.is_dir():
-            generate(self.recipe, self.folder.parent)
-        file = self.folder / "model.sdf"
-        try:
-            text = file.read_text("utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise FileError(f"{file}: {getattr(error, 'strerror', None) or error}") from None
-        renamed = text.replace(f'<model name="{self.name}">', f'<model name="{name}">', 1)
-        return renamed.replace(f"model://{self.name}/", f"{self.folder.resolve()}/")
-
-
 def map_of(target: str, which: str | None, output: Path) -> Map:
     """The map of a target: the given one, or the first; one of a recipe is to be in the output folder."""
     file, recipe, index = found(target, which)
     return (
-        Map(recipe=_alone(recipe, index), folder=file.parent) if os.path.isdir(target) else made(recipe, index, output)
+        Map(recipe=alone(recipe, index), folder=file.parent) if os.path.isdir(target) else made(recipe, index, output)
     )
-
-
-def made(recipe: Recipe, index: int, output: Path) -> Map:
-    """A map of a recipe in a folder; an OutputError where another of its name is there."""
-    one = Map(recipe=_alone(recipe, index), folder=output / recipe.map_name(index))
-    if one.folder.exists() and _recipe_in(one.folder) != one.recipe:
-        advice = "give that folder to put it in as it is, or another -o, or the recipe a seed"
-        raise OutputError(f"{one.folder}: is there already and is another map; {advice}")
-    return one
 
 
 def maps_in(folder: str) -> list[Map]:
     """Every map in a folder, or the one whose folder it is."""
     return [Map(recipe=load(file), folder=file.parent) for file in recipe_files(folder)]
-
-
-def known(poses: Mapping[str, Pose], homes: Iterable[Path]) -> list[Placed]:
-    """Of the models of a simulation, the maps that lie in one of these folders under their names."""
-    named = ((name, home / name) for name in poses if re.fullmatch(r"[\w-]+_\d{4,}", name) for home in homes)
-    there = {name: recipe for name, folder in named if (recipe := _recipe_in(folder))}
-    return [
-        Placed(name=name, field=compose(recipe, recipe.first_map).field, at=poses[name])
-        for name, recipe in there.items()
-    ]
-
-
-def _recipe_in(folder: Path) -> Recipe | None:
-    try:
-        return load(folder / "recipe.json")
-    except RsegenError:
-        return None
-
-
-def _alone(recipe: Recipe, index: int) -> Recipe:
-    return replace(recipe, first_map=index, maps=1)

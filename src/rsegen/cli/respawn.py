@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 
 from rsegen.cli.flags import Subparsers
-from rsegen.cli.maps import Map, add_output_flag, add_running_flags, known, made, map_of, maps_in
+from rsegen.cli.maps import add_output_flag, add_running_flags, map_of, maps_in
 from rsegen.cli.targets import recipe_files
 from rsegen.errors import ParameterError, shown
 from rsegen.export.sdf import numbers
@@ -20,6 +20,7 @@ from rsegen.scene import compose
 from rsegen.simulators.joining import joined
 from rsegen.simulators.live import Pose
 from rsegen.spawning.change import put
+from rsegen.spawning.maps import Map, known, made
 from rsegen.spawning.placed import Placed
 from rsegen.stepfield import StepField
 

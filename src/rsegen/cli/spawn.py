@@ -10,9 +10,10 @@ from dataclasses import asdict, astuple
 from pathlib import Path
 
 from rsegen.cli.flags import Subparsers
-from rsegen.cli.maps import Map, add_output_flag, add_running_flags, known, map_of
+from rsegen.cli.maps import add_output_flag, add_running_flags, map_of
 from rsegen.driving.spots import DROP
 from rsegen.errors import ParameterError, UnknownName, shown
+from rsegen.examples import EXAMPLES
 from rsegen.export.sdf import numbers
 from rsegen.params import Real, parameters
 from rsegen.recipe import Recipe
@@ -21,6 +22,7 @@ from rsegen.simulators import Simulator
 from rsegen.simulators.joining import joined
 from rsegen.simulators.live import LiveWorld, Pose
 from rsegen.spawning.change import put, reach_of, taken
+from rsegen.spawning.maps import Map, known
 from rsegen.spawning.placed import Placed
 from rsegen.spawning.room import free
 
@@ -99,8 +101,9 @@ def _robot_or_map(arguments: argparse.Namespace) -> Robot | Map:
         if arguments.map is not None:
             raise ParameterError("--map", f"{target} is a robot, and has no maps")
         return ROBOTS[target]
-    if not os.path.exists(target) and not Path(target).suffix and os.sep not in target:
-        raise UnknownName.among("", "folder, recipe or robot", target, ROBOTS)
+    bare = not os.path.exists(target) and not Path(target).suffix and os.sep not in target
+    if bare and target not in EXAMPLES:
+        raise UnknownName.among("", "folder, recipe, example or robot", target, [*ROBOTS, *EXAMPLES])
     return map_of(target, arguments.map, arguments.output)
 
 

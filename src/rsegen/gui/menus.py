@@ -58,6 +58,7 @@ def add_menus(window: Window) -> None:
     _act(window, run, "&Start: write the maps", window.generate, "F5")
     _act(window, run, "Open the &folder", window.start_form.open_folder)
     window.gazebo.fill(run)
+    _act(window, run, "Send to the &running simulation", partial(send, window), "F6")
     _act(window, run, "Show &command line and Python code...", partial(show_spelled, window), "Ctrl+E")
     _act(window, window.menuBar().addMenu("&Help"), "&Manual", partial(show_manual, window), "F1")
 
@@ -101,6 +102,11 @@ def choose_example(window: Window) -> None:
 def show_spelled(window: Window) -> None:
     """The command and the program that make the same maps."""
     SpelledDialog(window.session.recipe, str(window.start_form.folder), window).open()
+
+
+def send(window: Window) -> None:
+    """The map that is shown, into the simulation that runs."""
+    window.sending.send(window.session.recipe, window.index.value())
 
 
 def choose_file(window: Window) -> None:

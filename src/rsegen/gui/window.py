@@ -33,6 +33,7 @@ from rsegen.gui.obstacle_form import ObstacleForm
 from rsegen.gui.painting import BARE, paintable, painted
 from rsegen.gui.plan import PlanView
 from rsegen.gui.rows import Rows
+from rsegen.gui.sending import Sending
 from rsegen.gui.session import Session, straightened
 from rsegen.gui.start_form import StartForm
 from rsegen.gui.view import FieldView
@@ -111,7 +112,8 @@ class Window(QMainWindow):
         self.robot.addItems(["no robot", *ROBOTS])
         self.crossing = named(QLabel(), "crossing")
         self.warning = Notice("warning", "warning")
-        self.looking, self.counting, self.gazebo = Newest(self), Newest(self), InGazebo(self)
+        self.looking, self.counting = Newest(self), Newest(self)
+        self.gazebo, self.sending = InGazebo(self), Sending(self)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE)
 
     def _connect(self) -> None:
@@ -141,7 +143,8 @@ class Window(QMainWindow):
         self.plan.painted.connect(self._painted)
         self.brushes.chosen.connect(self.plan.take_brush)
         self.gazebo.asked.connect(lambda name: self.gazebo.open(name, self.session.recipe, self.index.value()))
-        self.gazebo.told.connect(self.statusBar().showMessage)
+        for each in (self.gazebo, self.sending):
+            each.told.connect(self.statusBar().showMessage)
 
     @Slot()
     def add_obstacle(self) -> None:
@@ -272,7 +275,7 @@ class Window(QMainWindow):
         ):
             event.ignore()
             return
-        for work in (self.start_form, self.looking, self.counting, self.gazebo):
+        for work in (self.start_form, self.looking, self.counting, self.gazebo, self.sending):
             work.end()
         settings = QSettings("rsegen", "rsegen")
         settings.setValue("geometry", self.saveGeometry())

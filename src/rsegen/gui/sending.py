@@ -1,0 +1,68 @@
+"""Sending the map that is shown to the simulation that runs, in the place of the one that was sent before."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import replace
+from itertools import count
+from pathlib import Path
+
+from PySide6.QtCore import QObject, Signal
+
+from rsegen.gui.newest import Newest
+from rsegen.recipe import Recipe
+from rsegen.simulators.joining import joined
+from rsegen.simulators.live import Pose
+from rsegen.spawning.change import put, taken
+from rsegen.spawning.maps import alone, made
+from rsegen.spawning.placed import Placed
+from rsegen.spawning.room import free
+
+_ORIGIN = Pose(x=0, y=0, z=0)
+
+
+class Sending(QObject):
+    """`told` says what came of it. Each map has a folder and a name of its own: simulators keep meshes by path."""
+
+    told = Signal(str)
+
+    def __init__(self, parent: QObject) -> None:
+        super().__init__(parent)
+        self._folder = tempfile.TemporaryDirectory(prefix="rsegen-", ignore_cleanup_errors=True)
+        self._numbers = count(1)
+        self._before: Placed | None = None
+        self._work = Newest(self)
+        self._work.came.connect(self._came)
+
+    def send(self, recipe: Recipe, index: int) -> None:
+        """Send one map of a recipe, behind the window."""
+        number, before = next(self._numbers), self._before
+        self.told.emit(f"Sending {recipe.map_name(index)}...")
+        self._work.order(lambda: _sent(alone(recipe, index), Path(self._folder.name, str(number)), number, before))
+
+    def end(self) -> None:
+        """Forget what was written."""
+        self._work.end()
+        self._folder.cleanup()
+
+    def _came(self, came: object) -> None:
+        if isinstance(came, Placed):
+            self._before = came
+            self.told.emit(f"{came.name} is in the simulation")
+        else:
+            self.told.emit(str(came))
+
+
+def _sent(recipe: Recipe, folder: Path, number: int, before: Placed | None) -> Placed:
+    """The map as it stands there: where the one before stands, or else at the free place nearest to the origin."""
+    one = made(recipe, recipe.first_map, folder)
+    with joined(None) as (simulator, live):
+        one.refuse_unfit(simulator)
+        poses = live.poses()
+        old = replace(before, at=poses[before.name]) if before and before.name in poses else None
+        new = Placed(name=f"{one.name}-{number}", field=one.field, at=old.at if old else _ORIGIN)
+        if not old:
+            place = free(*new.rectangle[2:], taken(poses, []))
+            new = replace(new, at=Pose(x=place.x, y=place.y, z=0))
+        put(live, one.model(new.name), new, old)
+    return new
