@@ -9,9 +9,9 @@ from contextlib import contextmanager
 from dataclasses import astuple, dataclass
 from pathlib import Path
 
-from rsegen.driving.arena import arena, step_of
+from rsegen.driving.arena import arena
 from rsegen.driving.crew import crew
-from rsegen.driving.drive import Driver, drive_in_steps
+from rsegen.driving.drive import Driver
 from rsegen.driving.routes import Wandering
 from rsegen.errors import SimulatorFailed
 from rsegen.experiment.machine import Usage, usage
@@ -22,10 +22,14 @@ from rsegen.recipe import Recipe
 from rsegen.robots import robot
 from rsegen.scene import compose
 from rsegen.simulators import Installation
-from rsegen.simulators.live import LiveWorld
+from rsegen.simulators.live import Clock, LiveWorld
 from rsegen.simulators.server import attempted, serving
 
 _NEVER = 1e6
+"""Seconds from one state of the server's record to the next: none is kept."""
+
+RESTS = {"real": 1.0, "free": 0.2}
+"""Seconds between what robots are told: about a simulated second."""
 
 PATIENCE = 600.0
 """Seconds for the largest world to load."""
@@ -62,8 +66,8 @@ def tried(plan: Plan, cell: Cell, here: Installation) -> Outcome:
         text = arena(world, models, unthrottled=cell.pace == "free")
         file = world.with_name("experiment.world")
         file.write_text(text, "utf-8")
-        trial = _Trial(here=here, file=file, drivers=drivers, seconds=plan.seconds, step=step_of(text))
-        return attempted(trial.free if cell.pace == "free" else trial.real)
+        trial = _Trial(here=here, file=file, drivers=drivers, seconds=plan.seconds, pace=cell.pace)
+        return attempted(trial.run)
 
 
 @contextmanager
@@ -80,36 +84,24 @@ def _world(recipe: Recipe, *, empty: bool) -> Iterator[Path]:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Trial:
-    """A world in a file, and robots in it."""
+    """A world in a file, robots in it, and the pace that it is simulated at."""
 
     here: Installation
     file: Path
     drivers: Sequence[Driver]
     seconds: float
-    step: float
+    pace: str
 
-    def free(self) -> Outcome:
-        """As fast as the processor can, a period at a time: what counts is seconds of CPU, and these have no pauses."""
+    def run(self) -> Outcome:
+        """Robots wander, without a pause but before and after: then the clock and what was used are known exactly."""
         began = time.monotonic()
         with self._served() as (pid, live):
             load = time.monotonic() - began
-            drive_in_steps(live, self.drivers, SETTLED, self.step)
-            before = usage(pid)
-            drive_in_steps(live, self.drivers, self.seconds, self.step)
-            after = usage(pid)
-        return _outcome(load, before, after, self.seconds, None)
-
-    def real(self) -> Outcome:
-        """In real time, with the factor of each second."""
-        began = time.monotonic()
-        with self._served() as (pid, live):
-            load = time.monotonic() - began
-            live.go()
             self._go(live, SETTLED)
-            before, start = usage(pid), time.monotonic()
+            start, before = live.clock(), usage(pid)
             factors = self._go(live, self.seconds)
-            after, wall = usage(pid), time.monotonic() - start
-        return _outcome(load, before, after, self.seconds, (factors, wall))
+            end, after = live.clock(), usage(pid)
+        return _outcome(load, (before, after), (start, end), factors if self.pace == "real" else [])
 
     @contextmanager
     def _served(self) -> Iterator[tuple[int, LiveWorld]]:
@@ -121,34 +113,33 @@ class _Trial:
             yield server.pid, live
 
     def _go(self, live: LiveWorld, seconds: float) -> list[float]:
-        """Have robots decide every second, as long as so many are simulated; gives the real-time factors."""
+        """Have robots decide again and again, as long as so many are simulated; gives the real-time factors."""
         routes = {driver.name: driver.route() for driver in self.drivers}
         start = last = live.clock()
         factors, end = [], time.monotonic() + 20 * seconds
+        live.go()
         while last.simulated < start.simulated + seconds:
             poses = live.poses()
             for driver in self.drivers:
                 v, w = routes[driver.name].motion(poses[driver.name])
                 live.tell(driver.robot.command(driver.name, v, w, live.dialect))
-            time.sleep(1.0)
+            time.sleep(RESTS[self.pace])
             now = live.clock()
             if time.monotonic() > end:
                 raise SimulatorFailed(f"{now.simulated:g} s simulated in {20 * seconds:g} s")
             factors.append((now.simulated - last.simulated) / max(now.real - last.real, 1e-9))
             last = now
+        live.stand()
         return factors
 
 
-def _outcome(
-    load: float, before: Usage, after: Usage, seconds: float, real: tuple[list[float], float] | None
-) -> Outcome:
-    cpu = max(after.cpu - before.cpu, 0.01)
-    factors, wall = real if real else ([], 0.0)
+def _outcome(load: float, used: tuple[Usage, Usage], passed: tuple[Clock, Clock], factors: list[float]) -> Outcome:
+    cpu = max(used[1].cpu - used[0].cpu, 0.01)
     return Outcome(
         load=round(load, 3),
-        memory=round(after.memory, 1),
-        cpu=round(cpu / wall, 4) if real else None,
-        speed=round(seconds / cpu, 3),
+        memory=round(used[1].memory, 1),
+        cpu=round(cpu / (passed[1].real - passed[0].real), 4) if factors else None,
+        speed=round((passed[1].simulated - passed[0].simulated) / cpu, 3),
         rtf_min=round(min(factors), 3) if factors else None,
         rtf=round(sum(factors) / len(factors), 3) if factors else None,
         rtf_max=round(max(factors), 3) if factors else None,
