@@ -46,6 +46,7 @@ def test_a_map_is_sent_and_the_next_one_takes_its_place(
             monkeypatch.setenv(name, value)
         window = Window(Session.new())
         window.show()
+        QTest.qWaitForWindowExposed(window)
         message = window.statusBar().currentMessage
         window.session.add({"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]})
         for number in (1, 2):
@@ -66,6 +67,7 @@ def test_where_nothing_runs_the_window_says_so(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setenv("GAZEBO_MASTER_URI", "http://127.0.0.1:9")
     window = Window(Session.new())
     window.show()
+    QTest.qWaitForWindowExposed(window)
     QTest.keyClick(window, Qt.Key.Key_F6)
     until(lambda: "no simulation runs" in window.statusBar().currentMessage())
     window.take(Session.new())
