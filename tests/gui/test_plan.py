@@ -11,8 +11,8 @@ import pytest
 if os.environ.get("CI") != "true":
     pytest.importorskip("PySide6.QtWidgets", reason="windows need PySide6", exc_type=ImportError)
 
-from PySide6.QtCore import QPoint, Qt
-from PySide6.QtGui import QColor, QImage
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QColor, QImage, QMouseEvent
 from PySide6.QtTest import QSignalSpy, QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QVBoxLayout, QWidget
 
@@ -55,6 +55,14 @@ def drag(plan: PlanView, scene: Scene, *blocks: Cell) -> None:
     for point in points[1:]:
         QTest.mouseMove(plan, point)
     QTest.mouseRelease(plan, LEFT, pos=points[-1])
+
+
+def hover(plan: PlanView, point: QPoint) -> None:
+    """Straight to the widget: other windows of earlier tests may lie over it."""
+    none = Qt.MouseButton.NoButton
+    where, above = QPointF(point), QPointF(plan.mapToGlobal(point))
+    event = QMouseEvent(QEvent.Type.MouseMove, where, above, none, none, Qt.KeyboardModifier.NoModifier)
+    QApplication.sendEvent(plan, event)
 
 
 def said(spy: QSignalSpy) -> list[list[object]]:
@@ -163,12 +171,10 @@ def test_tab_goes_to_the_other_end_and_a_second_one_leaves(app: QApplication, sc
 def test_the_cell_under_the_cursor_is_told(plan: PlanView, scene: Scene) -> None:
     hovered = QSignalSpy(plan.hovered)
     level = int(scene.field.blocks[3, 2])
-    for block in ((8, 8), (3, 2)):  # the cursor may lie there already, from an earlier test
-        QTest.mouseMove(plan, at(plan, scene, block))
+    hover(plan, at(plan, scene, (3, 2)))
     assert [f"block 3, 2: level {level}, {level * 10} cm"] in said(hovered)
-    QTest.mouseMove(
-        plan, at(plan, scene, (0, 0)) - QPoint(at(plan, scene, (1, 0)).x() - at(plan, scene, (0, 0)).x(), 0)
-    )
+    first, second = at(plan, scene, (0, 0)), at(plan, scene, (1, 0))
+    hover(plan, first - QPoint(second.x() - first.x(), 0))
     assert ["frame: 10 cm"] in said(hovered)
     QTest.mouseMove(plan, QPoint(1, 1))
     assert said(hovered)[-1] == [""]
