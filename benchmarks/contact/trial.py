@@ -12,10 +12,10 @@ import numpy as np
 
 from benchmarks.contact.constructions import Construction
 from benchmarks.contact.courses import SECONDS, Drop, drops
-from benchmarks.contact.measures import usage
 from benchmarks.contact.worlds import field_of, robots_on, written
 from rsegen import StepField
 from rsegen.errors import SimulatorFailed
+from rsegen.experiment.machine import usage
 from rsegen.simulators import Installation
 from rsegen.simulators.classic_record import record, recording
 from rsegen.simulators.gazebo_classic import STATE
@@ -85,10 +85,10 @@ def _run(construction: Construction, seed: int, world: Path, gazebo: Installatio
     field = field_of(construction, seed)
     began = time.monotonic()
     with serving(gazebo, world, options=recording(PERIOD), patience=PATIENCE) as server:
-        loaded, load = usage(server), time.monotonic() - began
+        loaded, load = usage(server.pid), time.monotonic() - began
         with server.live() as live:
             live.advance(SECONDS * 1000)
-            done, ended, errors = usage(server), live.poses(), server.errors
+            done, ended, errors = usage(server.pid), live.poses(), server.errors
         server.stop()
         told = record((server.home / STATE).read_text())
     if max((at for at, _ in told), default=0) < SECONDS - PERIOD:

@@ -9,7 +9,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from rsegen.errors import ParameterError, UnknownName, shown
+from rsegen.errors import ParameterError, refuse_unknown, shown
 from rsegen.obstacles import KINDS, Obstacle, kind
 from rsegen.params import Json, Parameter, Text, Whole, parameters
 from rsegen.recipe import Placement, Recipe
@@ -29,9 +29,7 @@ def decode(content: object) -> Recipe:
     if not isinstance(content, Mapping):
         raise ParameterError("", f"{shown(content)} is not a recipe; give keys such as obstacles: and chunk_size:")
     known = [*parameters(Recipe), "obstacles", *_ENVELOPE]
-    for key in content:
-        if key not in known:
-            raise UnknownName.among("", "key", key, known)
+    refuse_unknown("key", content, known)
     for key in _ENVELOPE.keys() & content.keys():
         _ENVELOPE[key].check(key, content[key])
     values = {key: value for key, value in content.items() if key not in _ENVELOPE}
@@ -62,9 +60,7 @@ def decode_placement(entry: Mapping[str, Any]) -> Placement:
     cls = kind(entry["kind"])
     own, common = parameters(cls), parameters(Placement)
     given = {key: value for key, value in entry.items() if key != "kind"}
-    for key in given:
-        if key not in own and key not in common:
-            raise UnknownName.among("", f"parameter of {cls.kind}", key, [*own, *common])
+    refuse_unknown(f"parameter of {cls.kind}", given, [*own, *common])
     if "max_height" not in given:
         raise ParameterError("max_height", f"is missing; give {own['max_height'].describe()}")
     obstacle = cls(**{key: value for key, value in given.items() if key in own})

@@ -19,7 +19,7 @@ from __future__ import annotations
 import difflib
 import errno
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 REFUSED = frozenset(
     {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST}
@@ -99,6 +99,13 @@ class UnknownName(ParameterError):
         near = difflib.get_close_matches(name[:100], names, n=1) if isinstance(name, str) else []
         guess = f"; did you mean '{near[0]}'?" if near else ""
         return cls(where, f"unknown {what} {shown(name)}{guess} (known: {', '.join(names)})")
+
+
+def refuse_unknown(what: str, names: Iterable[str], known: Collection[str]) -> None:
+    """Raise an UnknownName for the first name that is not known."""
+    for name in names:
+        if name not in known:
+            raise UnknownName.among("", what, name, known)
 
 
 def shown(value: object) -> str:

@@ -129,6 +129,10 @@ class Recipe:
         """What map `index` is called, on disk and in the simulator."""
         return f"{self.name}_{index:04d}"
 
+    def alone(self, index: int) -> Recipe:
+        """The recipe of map `index` and no other."""
+        return replace(self, first_map=index, maps=1)
+
     def entry(self) -> dict[str, Json]:
         """The recipe as a file has it: every parameter in full."""
         plain = {name: _plain(getattr(self, name)) for name in parameters(Recipe)}

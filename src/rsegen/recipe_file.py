@@ -11,6 +11,7 @@ from rsegen.codec import decode, to_json, to_yaml
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.params import Json
 from rsegen.recipe import Recipe
+from rsegen.texts import text_of
 from rsegen.writer import write_file
 
 MAX_MIB = {".json": 64, ".yaml": 4}
@@ -28,7 +29,8 @@ def load(path: str | Path) -> Recipe:
 
 def content(path: Path) -> object:
     """What a YAML or JSON file says, in plain values; FileError where it cannot be read."""
-    text = _text(path)
+    most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"])
+    text = text_of(path, most, f"a recipe (JSON: up to {MAX_MIB['.json']} MiB)")
     return _parse_json(text, path) if path.suffix.lower() == ".json" else _parse_yaml(text, path)
 
 
@@ -37,23 +39,6 @@ def save(recipe: Recipe, path: str | Path, *, force: bool = False) -> None:
     path = Path(path)
     text = to_json(recipe) if path.suffix.lower() == ".json" else to_yaml(recipe)
     write_file([text.encode()], path, force=force)
-
-
-def _text(path: Path) -> str:
-    most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"])
-    try:
-        with path.open("rb") as file:
-            found = file.read(most * 2**20 + 1)
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
-    except ValueError as error:  # a name with a null character
-        raise FileError(f"{shown(str(path))}: {error}") from None
-    if len(found) > most * 2**20:
-        raise FileError(f"{path}: larger than {most} MiB, too large for a recipe (JSON: up to {MAX_MIB['.json']} MiB)")
-    try:
-        return found.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise FileError(f"{path}: not a text in UTF-8") from None
 
 
 def _parse_json(text: str, path: Path) -> object:

@@ -5,7 +5,7 @@ StepField --compose--> Scene
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from rsegen.build import build
 from rsegen.recipe import Recipe
@@ -41,7 +41,7 @@ class Scene:
     @property
     def alone(self) -> Recipe:
         """The recipe of this map and no other."""
-        return replace(self.recipe, first_map=self.index, maps=1)
+        return self.recipe.alone(self.index)
 
     def colour(self, material: int) -> Colour:
         """The colour of a material: 0 is the frame, any other the level."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,24 +12,19 @@ pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]
 
 from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QMenu
 
 from rsegen import load
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
-from simulators.standins import PROGRAMS, path_with, put, put_tools, start
+from simulators.standins import PROGRAMS, alone_on_path, put, start
+from waiting import until
 
 
 @pytest.fixture
 def programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder on PATH that stand-ins can be put into."""
-    folder = tmp_path / "programs"
-    folder.mkdir()
-    put_tools(folder)
-    monkeypatch.setenv("PATH", path_with(folder))
-    monkeypatch.setenv("HOME", str(tmp_path / "home"))
-    monkeypatch.setenv("SAYS", "")
-    return folder
+    return alone_on_path(tmp_path, monkeypatch)
 
 
 @contextmanager
@@ -38,7 +32,10 @@ def opened(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     window.show()
     QTest.qWaitForWindowExposed(window)
-    wait_until(lambda: "looking for it" not in action(window, "Gazebo Sim").text())
+    run = next(menu for menu in window.menuBar().findChildren(QMenu) if menu.title() == "&Run")
+    run.popup(window.pos())
+    until(lambda: "looking for it" not in action(window, "Gazebo Sim").text())
+    run.close()
     yield window
     window.take(Session.new())
     window.close()
@@ -47,13 +44,6 @@ def opened(app: QApplication) -> Iterator[Window]:
 def action(window: Window, title: str) -> QAction:
     (found,) = window.findChildren(QAction, f"Open in {title}")
     return found
-
-
-def wait_until(done: object, seconds: float = 10) -> None:
-    end = time.monotonic() + seconds
-    while not done():  # type: ignore[operator]  # a function
-        assert time.monotonic() < end
-        QTest.qWait(20)
 
 
 def test_without_a_simulator_the_entries_say_so_and_how_to_get_one(app: QApplication, programs: Path) -> None:
@@ -75,13 +65,13 @@ def test_the_map_that_is_shown_is_opened(
         window.session.set("maps", 3)
         window.index.setValue(2)
         action(window, title).trigger()
-        wait_until((programs / f"{program}.started").exists)
+        until((programs / f"{program}.started").exists)
         began = start(programs / program)
         world = began.folder / Path(began.command[-1]).name
         assert world.name == "rse_0002.world"
         assert world.is_file()
         assert load(world.with_name("recipe.json")).seed == window.session.recipe.seed
-        wait_until(lambda: "Writing" not in window.statusBar().currentMessage())
+        until(lambda: "Writing" not in window.statusBar().currentMessage())
         assert "opens rse_0002" in window.statusBar().currentMessage()
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from threading import Event, current_thread, main_thread
 
@@ -18,6 +18,7 @@ from rsegen import build
 from rsegen.gui.newest import Newest
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
+from waiting import until
 
 
 @pytest.fixture
@@ -38,14 +39,6 @@ def newest(app: QApplication) -> Iterator[Newest]:
     newest = Newest(owner)
     yield newest
     newest.end()
-
-
-def until(holds: Callable[[], bool], every: int = 25) -> None:
-    for _ in range(1000):
-        QTest.qWait(every)
-        if holds():
-            return
-    pytest.fail("it never came")
 
 
 def waited_for(event: Event, said: str, begun: list[str]) -> str:

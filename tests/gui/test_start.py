@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,6 +18,7 @@ from PySide6.QtWidgets import QAbstractButton, QApplication, QCheckBox, QLabel, 
 from rsegen import load
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
+from waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
 Said = QMessageBox.StandardButton
@@ -50,14 +51,6 @@ def typed(window: Window, text: str) -> None:
 def said(window: Window, name: str) -> str:
     (label,) = window.findChildren(QLabel, name)
     return label.text() if label.isVisible() else ""
-
-
-def until(holds: Callable[[], bool]) -> None:
-    for _ in range(400):
-        QTest.qWait(25)
-        if holds():
-            return
-    pytest.fail("it never came")
 
 
 def started(window: Window) -> None:

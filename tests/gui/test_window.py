@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
 
@@ -35,6 +34,7 @@ from rsegen.gui.reading import Reading
 from rsegen.gui.session import Session
 from rsegen.gui.sheet import room
 from rsegen.gui.window import Window
+from waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
 USUAL = {"usual", "ScrollLeftButton", "ScrollRightButton"}
@@ -53,15 +53,6 @@ def window(app: QApplication) -> Iterator[Window]:
 
 
 Kind = TypeVar("Kind", bound=QWidget)
-
-
-def until(done: Callable[[], bool], seconds: float = 10) -> None:
-    """Wait, with short rests in which threads get their turn."""
-    end = time.monotonic() + seconds
-    while not done():
-        assert time.monotonic() < end
-        QTest.qWait(5)
-        time.sleep(0.01)
 
 
 def find(within: QWidget, kind: type[Kind], name: str) -> Kind:

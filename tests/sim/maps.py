@@ -32,7 +32,7 @@ def examples() -> Iterator[rsegen.Recipe]:
     """A recipe for every map of every example."""
     for recipe in map(rsegen.load, EXAMPLES.values()):
         for index in recipe.indices:
-            yield replace(recipe, first_map=index, maps=1)
+            yield recipe.alone(index)
 
 
 def variants() -> Iterator[rsegen.Recipe]:

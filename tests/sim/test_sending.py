@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -24,14 +22,7 @@ from rsegen.gui.window import Window
 from rsegen.recipe import Recipe
 from rsegen.simulators import Installation
 from rsegen.simulators.server import serving
-
-
-def until(done: Callable[[], bool], seconds: float = 30) -> None:
-    end = time.monotonic() + seconds
-    while not done():
-        assert time.monotonic() < end
-        QTest.qWait(5)
-        time.sleep(0.02)
+from waiting import until
 
 
 def test_a_map_is_sent_and_the_next_one_takes_its_place(

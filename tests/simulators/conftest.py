@@ -7,18 +7,13 @@ from pathlib import Path
 import pytest
 
 from rsegen.cli import main
-from simulators.standins import path_with, put_tools
+from simulators.standins import alone_on_path
 
 
 @pytest.fixture
 def programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder on PATH that stand-ins can be put into; no screen, no home, no variable of a simulator."""
-    folder = tmp_path / "programs"
-    folder.mkdir()
-    put_tools(folder)
-    monkeypatch.setenv("PATH", path_with(folder))
-    monkeypatch.setenv("HOME", str(tmp_path / "home"))
-    monkeypatch.setenv("SAYS", "")
+    folder = alone_on_path(tmp_path, monkeypatch)
     for name in ("DISPLAY", "WAYLAND_DISPLAY", "GAZEBO_MASTER_URI", "GZ_PARTITION", "GZ_SIM_RESOURCE_PATH", "STAYS"):
         monkeypatch.delenv(name, raising=False)
     return folder

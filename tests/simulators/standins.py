@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
+import pytest
+
 _SCRIPT = """\
 #!/bin/sh
 case "$*" in *--version*) printf '%b' '{told}'; exit 255 ;; esac
@@ -52,6 +54,17 @@ def start(program: Path) -> Start:
     folder, *words = command.split("\n")
     pairs = (line.split("=", 1) for line in variables.splitlines() if "=" in line)
     return Start(folder=Path(folder), command=tuple(words), variables=dict(pairs))
+
+
+def alone_on_path(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of stand-ins, which with their tools are all that is on PATH; and another home."""
+    programs = folder / "programs"
+    programs.mkdir()
+    put_tools(programs)
+    monkeypatch.setenv("PATH", path_with(programs))
+    monkeypatch.setenv("HOME", str(folder / "home"))
+    monkeypatch.setenv("SAYS", "")
+    return programs
 
 
 def path_with(folder: Path) -> str:

@@ -40,8 +40,13 @@ def add_recipe_flags(command: argparse.ArgumentParser, over: str = "RECIPE") -> 
         told = over == "RECIPE" and name not in ("seed", "description")
         usual = f", {_plain(getattr(defaults, name))} by default" if told else ""
         text = f"{parameter.help} ({parameter.describe()}{usual})".replace("%", "%%")
-        group.add_argument(f"--{name.replace('_', '-')}", dest=name, metavar=_metavar(name), help=text)
+        group.add_argument(flag(name), dest=name, metavar=_metavar(name), help=text)
     group.add_argument("--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=OBSTACLE_HELP)
+
+
+def flag(name: str) -> str:
+    """The flag of a parameter."""
+    return f"--{name.replace('_', '-')}"
 
 
 def recipe_from(arguments: argparse.Namespace) -> Recipe:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
-from rsegen.cli.flags import Subparsers, add_recipe_flags, given, with_flags
+from rsegen.cli.flags import Subparsers, add_recipe_flags, flag, given, with_flags
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.errors import ParameterError
 from rsegen.importers import FORMATS, Format, format_of, imported
@@ -44,8 +44,8 @@ def _reading(cls: type[Format], arguments: argparse.Namespace) -> Format:
     """The format with the options that were given; one that it does not have is an error."""
     for name in _options():
         if name not in parameters(cls) and getattr(arguments, name) is not None:
-            flags = ", ".join(_flag(own) for own in parameters(cls))
-            raise ParameterError(_flag(name), f"is not for this file, which is read as {cls.name} (known: {flags})")
+            flags = ", ".join(flag(own) for own in parameters(cls))
+            raise ParameterError(flag(name), f"is not for this file, which is read as {cls.name} (known: {flags})")
     return cls(**given(cls, arguments))
 
 
@@ -55,16 +55,12 @@ def _add_reading_flags(command: argparse.ArgumentParser) -> None:
         kinds = dict.fromkeys(cls.name for cls in FORMATS.values() if name in parameters(cls))
         text = f"{', '.join(kinds)}: {option.help}".replace("%", "%%")
         if isinstance(option, Flag):
-            group.add_argument(_flag(name), dest=name, action="store_const", const="yes", help=text)
+            group.add_argument(flag(name), dest=name, action="store_const", const="yes", help=text)
         else:
             values = option.describe().replace("%", "%%")
-            group.add_argument(_flag(name), dest=name, metavar=name.upper(), help=f"{text} ({values})")
+            group.add_argument(flag(name), dest=name, metavar=name.upper(), help=f"{text} ({values})")
 
 
 def _options() -> Mapping[str, Parameter]:
     """The options of all formats by name."""
     return {name: option for cls in FORMATS.values() for name, option in parameters(cls).items()}
-
-
-def _flag(name: str) -> str:
-    return f"--{name.replace('_', '-')}"

@@ -9,7 +9,7 @@ from pathlib import Path
 from rsegen.cli.targets import found, recipe_files
 from rsegen.recipe_file import load
 from rsegen.simulators import SIMULATORS
-from rsegen.spawning.maps import Map, alone, made
+from rsegen.spawning.maps import Map, made
 
 
 def add_running_flags(command: argparse.ArgumentParser) -> None:
@@ -28,9 +28,7 @@ def add_output_flag(command: argparse.ArgumentParser) -> None:
 def map_of(target: str, which: str | None, output: Path) -> Map:
     """The map of a target: the given one, or the first; one of a recipe is to be in the output folder."""
     file, recipe, index = found(target, which)
-    return (
-        Map(recipe=alone(recipe, index), folder=file.parent) if os.path.isdir(target) else made(recipe, index, output)
-    )
+    return Map(recipe=recipe.alone(index), folder=file.parent) if os.path.isdir(target) else made(recipe, index, output)
 
 
 def maps_in(folder: str) -> list[Map]:

@@ -82,8 +82,7 @@ def _climber(arguments: argparse.Namespace) -> Climber | None:
     """The robot that the flags describe."""
     said = given(Climber, arguments)
     if arguments.robot is not None:
-        kind = robot(arguments.robot, "--robot")
-        return replace(Climber.of(kind.climbs, kind.size[1]), **said)
+        return replace(robot(arguments.robot, "--robot").climber, **said)
     if said and "climb_cm" not in said:
         raise ParameterError("--climb-cm", f"is missing; {_NO_ROBOT}")
     return Climber(**said) if said else None

@@ -6,7 +6,7 @@ import argparse
 import json
 import os.path
 from collections.abc import Mapping
-from dataclasses import asdict, astuple
+from dataclasses import asdict, astuple, replace
 from pathlib import Path
 
 from rsegen.cli.flags import Subparsers
@@ -21,7 +21,7 @@ from rsegen.robots import ROBOTS, Robot
 from rsegen.simulators import Simulator
 from rsegen.simulators.joining import joined
 from rsegen.simulators.live import LiveWorld, Pose
-from rsegen.spawning.change import put, reach_of, taken
+from rsegen.spawning.change import freed, put, reach_of, taken
 from rsegen.spawning.maps import Map, known
 from rsegen.spawning.placed import Placed
 from rsegen.spawning.room import free
@@ -76,12 +76,8 @@ def _put_map(
     live: LiveWorld, one: Map, name: str, poses: Mapping[str, Pose], maps: list[Placed], at: list[float] | None
 ) -> Done:
     new = Placed(name=name, field=one.field, at=Pose(x=0, y=0, z=0))
-    if at is None:
-        place = free(*new.rectangle[2:], taken(poses, maps))
-        pose = Pose(x=place.x, y=place.y, z=0)
-    else:
-        pose = _pose([*at, 0.0] if len(at) == 2 else at)
-    return name, pose, put(live, one.model(name), Placed(name=name, field=new.field, at=pose))
+    new = freed(new, poses, maps) if at is None else replace(new, at=_pose(at))
+    return name, new.at, put(live, one.model(name), new)
 
 
 def _put_robot(
@@ -121,7 +117,7 @@ def _numbers(text: str) -> list[float]:
 
 
 def _pose(at: list[float]) -> Pose:
-    return Pose(x=at[0], y=at[1], z=at[2], yaw=at[3] if len(at) > 3 else 0.0)
+    return Pose(x=at[0], y=at[1], z=at[2] if len(at) > 2 else 0.0, yaw=at[3] if len(at) > 3 else 0.0)
 
 
 def _summary(simulator: Simulator, done: Done) -> dict[str, object]:

@@ -6,7 +6,7 @@ import os.path
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from rsegen.cli.targets import found
@@ -44,7 +44,7 @@ def world_of(target: str, which: str | None) -> World:
     if os.path.isdir(target):
         world = _there(file.with_name(f"{recipe.map_name(index)}.world"))
         return World(file=world, recipe=recipe, made_for=recipe.simulator)
-    return World(recipe=replace(recipe, first_map=index, maps=1), made_for=recipe.simulator)
+    return World(recipe=recipe.alone(index), made_for=recipe.simulator)
 
 
 def _there(file: Path) -> Path:

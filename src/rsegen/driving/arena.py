@@ -8,7 +8,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from rsegen.errors import FileError
+from rsegen.texts import elements, text_of
 
+_MOST_MIB = 512
 _SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:")
 
 
@@ -17,7 +19,7 @@ def arena(world: Path, models: Iterable[str] = (), *, unthrottled: bool = False)
 
     unthrottled: simulated as fast as the machine can, else in real time. FileError where the file is no world.
     """
-    root = _parsed(world)
+    root = elements(text_of(world, _MOST_MIB, "a world"), str(world))
     element = root.find("world")
     if root.tag != "sdf" or element is None:
         raise FileError(f"{world}: no <world> in <sdf>")
@@ -34,19 +36,6 @@ def step_of(world: str) -> float:
     """The seconds that a step of a world's physics is, from its text."""
     found = ET.fromstring(world).find("world/physics/max_step_size")  # noqa: S314  # ours
     return float(found.text or 0) if found is not None else 0.001
-
-
-def _parsed(path: Path) -> ET.Element:
-    """A file without a document type: an entity could stand for a gigabyte."""
-    try:
-        text = path.read_text("utf-8")
-        if "<!DOCTYPE" in text or "<!ENTITY" in text:
-            raise FileError(f"{path}: has a document type, which a world has no use for")
-        return ET.fromstring(text)  # noqa: S314  # without entities nothing in it can grow
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
-    except (UnicodeDecodeError, ET.ParseError) as error:
-        raise FileError(f"{path}: not XML: {error}") from None
 
 
 def _absolute(uri: str, folder: Path) -> str:

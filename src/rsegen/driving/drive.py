@@ -113,12 +113,17 @@ def drive_in_steps(
             seen.append((turn * period, {driver.name: list(astuple(poses[driver.name])) for driver in drivers}))
         if all(route.is_done(poses[name]) for name, route in routes.items()):
             return
-        for driver in drivers:
-            v, w = routes[driver.name].motion(poses[driver.name])
-            live.tell(driver.robot.command(driver.name, v, w, live.dialect))
+        steer(live, drivers, routes, poses)
         done = min((turn + 1) * period, seconds)
         live.advance(round((done - turn * period) / step))
         progress(done)
+
+
+def steer(live: LiveWorld, drivers: Sequence[Driver], routes: Mapping[str, Route], poses: Mapping[str, Pose]) -> None:
+    """Tell every robot what its route asks for where it is."""
+    for driver in drivers:
+        v, w = routes[driver.name].motion(poses[driver.name])
+        live.tell(driver.robot.command(driver.name, v, w, live.dialect))
 
 
 def _track(name: str, states: Record, end: float) -> Track:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated
 
 from rsegen.codec import decode
-from rsegen.errors import FileError, ParameterError, UnknownName, shown
+from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown, shown
 from rsegen.params import Choice, Json, Real, Several, Text, Whole, parameters, settle
 from rsegen.recipe import Recipe
 from rsegen.recipe_file import content
@@ -132,7 +132,7 @@ def _plan(path: Path) -> Plan:
         raise FileError(f"{path}: not a plan of an experiment; it has name: and a list of rows:")
     try:
         known = [*parameters(Plan), "rows"]
-        _refuse_strange(said, known, "key")
+        refuse_unknown("key", said, known)
         rows = tuple(_row(number, row) for number, row in enumerate(said["rows"]))
         values = {"name": path.stem, **{key: value for key, value in said.items() if key != "rows"}}
         return Plan(rows=rows, **values)
@@ -145,13 +145,7 @@ def _row(number: int, said: object) -> Row:
     if not isinstance(said, Mapping):
         raise ParameterError(where, f"{shown(said)} is not a row, such as {{robot: burger, sizes: [0, 80]}}")
     try:
-        _refuse_strange(said, [*parameters(Row), "recipe"], "key of a row")
+        refuse_unknown("key of a row", said, [*parameters(Row), "recipe"])
         return Row(**said)
     except ParameterError as error:
         raise error.inside(where) from None
-
-
-def _refuse_strange(said: Mapping[str, object], known: list[str], what: str) -> None:
-    for key in said:
-        if key not in known:
-            raise UnknownName.among("", what, key, known)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rsegen.driving.arena import arena
 from rsegen.driving.crew import crew
-from rsegen.driving.drive import Driver
+from rsegen.driving.drive import Driver, steer
 from rsegen.driving.routes import Wandering
 from rsegen.errors import SimulatorFailed
 from rsegen.experiment.machine import Usage, usage
@@ -119,10 +119,7 @@ class _Trial:
         factors, end = [], time.monotonic() + 20 * seconds
         live.go()
         while last.simulated < start.simulated + seconds:
-            poses = live.poses()
-            for driver in self.drivers:
-                v, w = routes[driver.name].motion(poses[driver.name])
-                live.tell(driver.robot.command(driver.name, v, w, live.dialect))
+            steer(live, self.drivers, routes, live.poses())
             time.sleep(RESTS[self.pace])
             now = live.clock()
             if time.monotonic() > end:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import cast
@@ -41,11 +40,11 @@ class InGazebo(QObject):
         self._finding, self._writing = Newest(self), Newest(self)
         self._finding.came.connect(self._found)
         self._writing.came.connect(self._written)
-        self._finding.order(lambda: {name: simulator.found() for name, simulator in SIMULATORS.items()})
 
     def fill(self, menu: QMenu) -> None:
-        """Put the actions into a menu, which shows their tips."""
+        """Put the actions into a menu, which shows their tips; simulators are looked for when it is opened first."""
         menu.setToolTipsVisible(True)
+        menu.aboutToShow.connect(self._find)
         menu.addActions(list(self.actions.values()))
 
     def show_recipe(self, recipe: Recipe) -> None:
@@ -60,7 +59,7 @@ class InGazebo(QObject):
     def open(self, name: str, recipe: Recipe, index: int) -> None:
         """Write one map to a place for the time being, and open it."""
         here = self._here[name]
-        shown = replace(recipe, first_map=index, maps=1)
+        shown = recipe.alone(index)
         self.told.emit(f"Writing {shown.map_name(index)}...")
         self._writing.order(lambda: (here, _world(shown, Path(self._folder.name))))
 
@@ -80,6 +79,10 @@ class InGazebo(QObject):
         if self._recipe and not here.simulator.opens(self._recipe.simulator):
             return f"the recipe says simulator {self._recipe.simulator}"
         return "" if here.simulator.windowed(here, Opening(world=Path("any.world"))) else "here without its window"
+
+    def _find(self) -> None:
+        if not self._here:
+            self._finding.order(lambda: {name: simulator.found() for name, simulator in SIMULATORS.items()})
 
     def _found(self, here: object) -> None:
         if isinstance(here, Mapping):

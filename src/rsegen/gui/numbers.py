@@ -8,7 +8,6 @@ import numpy as np
 
 from rsegen.account import account, warnings
 from rsegen.gui.colours import GROUND, Rgb, centimetres, rgb
-from rsegen.metrics import Climber
 from rsegen.metrics.reach import reach
 from rsegen.robots import ROBOTS
 from rsegen.scene import Scene
@@ -67,8 +66,7 @@ def costs(scene: Scene, robot: str = "") -> Costs:
 
 def crossing(field: StepField, robot: str) -> str:
     """Whether a robot of some kind gets across, by the step that it climbs and its width, and how far it gets about."""
-    kind = ROBOTS[robot]
-    found = reach(field, Climber.of(kind.climbs, kind.size[1]))
+    found = reach(field, ROBOTS[robot].climber)
     ways = {"west to east": found.west_east, "south to north": found.south_north}
     across = [name for name, way in ways.items() if way.crosses]
     return f"crosses {' and '.join(across)}" if across else f"does not cross; gets about on {found.cover:.0%} of it"

@@ -13,10 +13,9 @@ from rsegen.gui.newest import Newest
 from rsegen.recipe import Recipe
 from rsegen.simulators.joining import joined
 from rsegen.simulators.live import Pose
-from rsegen.spawning.change import put, taken
-from rsegen.spawning.maps import alone, made
+from rsegen.spawning.change import freed, put
+from rsegen.spawning.maps import made
 from rsegen.spawning.placed import Placed
-from rsegen.spawning.room import free
 
 _ORIGIN = Pose(x=0, y=0, z=0)
 
@@ -38,7 +37,7 @@ class Sending(QObject):
         """Send one map of a recipe, behind the window."""
         number, before = next(self._numbers), self._before
         self.told.emit(f"Sending {recipe.map_name(index)}...")
-        self._work.order(lambda: _sent(alone(recipe, index), Path(self._folder.name, str(number)), number, before))
+        self._work.order(lambda: _sent(recipe.alone(index), Path(self._folder.name, str(number)), number, before))
 
     def end(self) -> None:
         """Forget what was written."""
@@ -61,8 +60,6 @@ def _sent(recipe: Recipe, folder: Path, number: int, before: Placed | None) -> P
         poses = live.poses()
         old = replace(before, at=poses[before.name]) if before and before.name in poses else None
         new = Placed(name=f"{one.name}-{number}", field=one.field, at=old.at if old else _ORIGIN)
-        if not old:
-            place = free(*new.rectangle[2:], taken(poses, []))
-            new = replace(new, at=Pose(x=place.x, y=place.y, z=0))
+        new = new if old else freed(new, poses, [])
         put(live, one.model(new.name), new, old)
     return new

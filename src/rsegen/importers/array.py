@@ -9,11 +9,9 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import FileError
-from rsegen.importers.base import Format, Heights, refuse_too_many_cells, register, whole_units
+from rsegen.importers.base import USUAL_UNIT_CM, Format, Heights, refuse_too_many_cells, register, whole_units
 from rsegen.importers.table import centimetres
 from rsegen.params import Choice, Flag
-
-_USUAL_UNIT = 10.0
 
 
 @register
@@ -38,6 +36,6 @@ class Saved(Format):
         if not isinstance(found, np.ndarray) or found.ndim != 2 or found.dtype.kind not in "biuf":
             raise FileError(f"{path}: {found.ndim} axes of {found.dtype}; give an array of numbers with two axes")
         refuse_too_many_cells(path, *found.shape)
-        unit = unit_cm or _USUAL_UNIT
+        unit = unit_cm or USUAL_UNIT_CM
         heights = np.asarray(found, dtype=np.float64) * centimetres(self.values, unit)
         return Heights(levels=whole_units(path, heights, unit, rounded=self.rounded), unit_cm=unit)

@@ -22,6 +22,9 @@ from rsegen.stepfield import Array, Ints
 MOST_CELLS = 2**24
 """Of a file that is read: 4096 x 4096."""
 
+USUAL_UNIT_CM = 10.0
+"""Of heights where neither the file nor a person says another."""
+
 _HIGHEST = 32766
 
 

@@ -12,15 +12,13 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import FileError
-from rsegen.importers.base import Format, Heights, refuse_too_many_cells, register
+from rsegen.importers.base import USUAL_UNIT_CM, Format, Heights, refuse_too_many_cells, register
 from rsegen.params import Flag, Real, Whole
 from rsegen.places import Cell, Pair
 from rsegen.stepfield import Array, Ints
 
 if TYPE_CHECKING:
     from PIL.Image import Image
-
-_USUAL_UNIT = 10.0
 
 
 @register
@@ -43,7 +41,7 @@ class Picture(Format):
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Its size is looked at before it is decoded."""
         grey = brightness(path, self.size)
-        return Heights(levels=self._levels(1 - grey if self.invert else grey), unit_cm=unit_cm or _USUAL_UNIT)
+        return Heights(levels=self._levels(1 - grey if self.invert else grey), unit_cm=unit_cm or USUAL_UNIT_CM)
 
     def _levels(self, grey: Array) -> Ints:
         top = self.max_height - 1

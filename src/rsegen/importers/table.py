@@ -10,12 +10,12 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import FileError, shown
-from rsegen.importers.base import Format, Heights, refuse_too_many_cells, register, whole_units
+from rsegen.importers.base import USUAL_UNIT_CM, Format, Heights, refuse_too_many_cells, register, whole_units
 from rsegen.params import Choice, Flag
 from rsegen.stepfield import Array
+from rsegen.texts import text_of
 
-_USUAL_UNIT = 10.0
-_MOST_BYTES = 2**27
+_MOST_MIB = 128
 _OURS = re.compile(r"# block levels in units of ([0-9.]{1,12}) cm")
 
 
@@ -34,10 +34,10 @@ class Table(Format):
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Blank and bad cells are refused with their place."""
-        text = _text(path)
+        text = text_of(path, _MOST_MIB, "a table of heights")
         ours = _OURS.match(text)
         values = ("levels" if ours else "cm") if self.values == "auto" else self.values
-        unit = unit_cm or (float(ours[1]) if ours else _USUAL_UNIT)
+        unit = unit_cm or (float(ours[1]) if ours else USUAL_UNIT_CM)
         heights = _numbers(path, text) * centimetres(values, unit)
         return Heights(levels=whole_units(path, heights, unit, rounded=self.rounded), unit_cm=unit)
 
@@ -45,20 +45,6 @@ class Table(Format):
 def centimetres(values: str, unit_cm: float) -> float:
     """How many are in one of what a file's numbers are."""
     return {"cm": 1.0, "m": 100.0, "levels": unit_cm}[values]
-
-
-def _text(path: Path) -> str:
-    try:
-        with path.open("rb") as file:
-            content = file.read(_MOST_BYTES + 1)
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
-    if len(content) > _MOST_BYTES:
-        raise FileError(f"{path}: larger than {_MOST_BYTES // 2**20} MiB, too large for a table of heights")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise FileError(f"{path}: not a text in UTF-8") from None
 
 
 def _numbers(path: Path, text: str) -> Array:

@@ -13,6 +13,7 @@ from typing import Protocol
 
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.export.sdf import HEAD, TAIL, numbers
+from rsegen.metrics import Climber
 from rsegen.robots.commands import SIMULATORS, Command
 from rsegen.robots.drives import Drive
 from rsegen.robots.lidar import Lidar
@@ -73,6 +74,11 @@ class Robot:
     def turn(self) -> float:
         """The most that it turns, rad/s."""
         return self.drive.turn
+
+    @property
+    def climber(self) -> Climber:
+        """The robot as the metrics see it."""
+        return Climber.of(self.climbs, self.size[1])
 
     @property
     def mass(self) -> float:

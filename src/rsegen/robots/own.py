@@ -12,6 +12,7 @@ from rsegen.export.sdf import numbers
 from rsegen.robots.commands import Command, pose, published, twist
 from rsegen.robots.links import HERE, Place
 from rsegen.robots.solids import Vector
+from rsegen.texts import elements, text_of
 
 MAX_MIB = 4
 """The largest file that is read: a second's work for the parser."""
@@ -63,18 +64,12 @@ class OwnRobot:
 
 def from_file(path: str | Path) -> OwnRobot:
     """The one model in an SDF file; FileError, in one line, where the file holds anything else."""
-    return parsed(_text(Path(path)), str(path))
+    return parsed(text_of(Path(path), MAX_MIB, "a robot"), str(path))
 
 
 def parsed(text: str, where: str) -> OwnRobot:
     """The one model in a text of SDF; a document type and entities are refused, as bombs are made of them."""
-    if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
-        raise FileError(f"{where}: has a document type or entities, which no SDF needs")
-    try:
-        root = ElementTree.fromstring(text)  # noqa: S314  # without a document type it can only be plain elements
-    except ElementTree.ParseError as error:
-        raise FileError(f"{where}: not XML ({error})") from None
-    model = _model(root, where)
+    model = _model(elements(text, where), where)
     simulator, topic = _drive(model)
     return OwnRobot(kind=model.get("name", ""), text=_outer(model), its_simulator=simulator, topic=topic)
 
@@ -105,19 +100,3 @@ def _drive(model: ElementTree.Element) -> tuple[str | None, str | None]:
 def _outer(model: ElementTree.Element) -> str:
     model.tail = "\n"
     return ElementTree.tostring(model, encoding="unicode")
-
-
-def _text(path: Path) -> str:
-    try:
-        with path.open("rb") as file:
-            content = file.read(MAX_MIB * 2**20 + 1)
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
-    except ValueError as error:  # a name with a null character
-        raise FileError(f"{shown(str(path))}: {error}") from None
-    if len(content) > MAX_MIB * 2**20:
-        raise FileError(f"{path}: larger than {MAX_MIB} MiB, too large for a robot")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise FileError(f"{path}: not a text in UTF-8") from None

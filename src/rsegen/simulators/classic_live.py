@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Set
 from contextlib import contextmanager
@@ -15,7 +14,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.robots.commands import Command
 from rsegen.simulators.classic_line import PATIENCE, Line, line
 from rsegen.simulators.classic_messages import decoded, said
-from rsegen.simulators.live import Clock, LiveWorld, Pose
+from rsegen.simulators.live import Clock, LiveWorld, Pose, name_in
 from rsegen.simulators.turning import heard, nearer, told
 
 _SETTLE = 0.03
@@ -92,7 +91,7 @@ class ClassicWorld(LiveWorld):
 
     def put(self, sdf: str, pose: Pose) -> None:
         """Through the factory; the one that was only out of sight comes back."""
-        name = _model_name(sdf)
+        name = name_in(sdf)
         if name == self.line.world and name in self._models(hidden=True):
             self.move(name, pose)
             return
@@ -156,13 +155,6 @@ def classic_world(address: tuple[str, int]) -> Iterator[ClassicWorld]:
         opened.hear("world_stats", "WorldStatistics")
         opened.hear("response", "Response")
         yield ClassicWorld(line=opened)
-
-
-def _model_name(sdf: str) -> str:
-    found = re.search(r"<model\s+name=['\"]([^'\"]+)['\"]", sdf)
-    if not found:
-        raise SimulatorFailed("there is no model in what is to be put into the world")
-    return found[1]
 
 
 def _seconds(time_: Mapping[str, int]) -> float:

@@ -21,10 +21,7 @@ TYPES: Mapping[str, Mapping[str, tuple[int, _Kind]]] = {
     "Vector3d": {"x": (1, float), "y": (2, float), "z": (3, float)},
     "Quaternion": {"x": (2, float), "y": (3, float), "z": (4, float), "w": (5, float)},
     "Pose": {"name": (1, str), "id": (2, int), "position": (3, "Vector3d"), "orientation": (4, "Quaternion")},
-    "PosesStamped": {"time": (1, "Time"), "pose": (2, "Pose[]")},
     "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
-    "PID": {"target": (1, float), "p_gain": (2, float), "i_gain": (3, float), "d_gain": (4, float)},
-    "JointCmd": {"name": (1, str), "axis": (2, int), "position": (4, "PID"), "velocity": (5, "PID")},
     "GzString": {"data": (1, str)},
     "GzString_V": {"data": (1, "text[]")},
     "Link": {"name": (2, str), "pose": (9, "Pose")},
@@ -49,7 +46,6 @@ TYPES: Mapping[str, Mapping[str, tuple[int, _Kind]]] = {
     },
     "Packet": {"stamp": (1, "Time"), "type": (2, str), "serialized_data": (3, bytes)},
     "Publish": {"topic": (1, str), "msg_type": (2, str), "host": (3, str), "port": (4, int)},
-    "Publishers": {"publisher": (1, "Publish[]")},
     "Subscribe": {"topic": (1, str), "host": (2, str), "port": (3, int), "msg_type": (4, str), "latching": (5, bool)},
 }
 

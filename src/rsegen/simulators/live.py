@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Set
 from dataclasses import dataclass
 
+from rsegen.errors import SimulatorFailed
 from rsegen.robots.commands import Command
 
 Record = list[tuple[float, dict[str, list[float]]]]
@@ -81,3 +83,11 @@ class LiveWorld(ABC):
     @abstractmethod
     def take(self, name: str) -> None:
         """Take a model out of the world, and wait until it is gone."""
+
+
+def name_in(sdf: str) -> str:
+    """The name of the model of an SDF text."""
+    found = re.search(r"<model\s+name=['\"]([^'\"]+)['\"]", sdf)
+    if not found:
+        raise SimulatorFailed("there is no model in what is to be put into the world")
+    return found[1]

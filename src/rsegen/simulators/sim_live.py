@@ -18,7 +18,7 @@ from pathlib import Path
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.commands import Command, typed
 from rsegen.simulators.base import Launch
-from rsegen.simulators.live import Clock, LiveWorld, Pose
+from rsegen.simulators.live import Clock, LiveWorld, Pose, name_in
 from rsegen.simulators.messages import Message, parse, spelled
 from rsegen.simulators.process import answer
 from rsegen.simulators.turning import heard, nearer, told
@@ -91,11 +91,9 @@ class SimWorld(LiveWorld):
 
     def put(self, sdf: str, pose: Pose) -> None:
         """Its name is the text's own."""
-        name = re.search(r"<model\s+name=['\"]([^'\"]+)['\"]", sdf)
-        if not name:
-            raise SimulatorFailed("there is no model in what is to be put into the world")
+        name = name_in(sdf)
         self._order("create", "EntityFactory", {"sdf": sdf, "pose": told(pose)})
-        self._wait(f"{name[1]} does not appear", lambda: name[1] in dict(self._models()))
+        self._wait(f"{name} does not appear", lambda: name in dict(self._models()))
 
     def take(self, name: str) -> None:
         """As a model."""

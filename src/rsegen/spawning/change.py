@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from math import hypot
 
 from rsegen.driving.spots import DROP
 from rsegen.robots import ROBOTS
 from rsegen.simulators.live import LiveWorld, Pose
 from rsegen.spawning.placed import Placed
-from rsegen.spawning.room import Rectangle
+from rsegen.spawning.room import Rectangle, free
 
 GROUND = "ground_plane"
 """What Gazebo's worlds call the ground, on which everything may stand."""
@@ -23,6 +24,12 @@ def taken(poses: Mapping[str, Pose], maps: Sequence[Placed]) -> list[Rectangle]:
     """Where something stands; of what is not one of these maps, only its origin is known."""
     known = {each.name: each.rectangle for each in maps}
     return [known.get(name) or Rectangle(at.x, at.y) for name, at in poses.items() if name != GROUND]
+
+
+def freed(new: Placed, poses: Mapping[str, Pose], maps: Sequence[Placed]) -> Placed:
+    """A map at the free place that is nearest to the origin."""
+    place = free(*new.rectangle[2:], taken(poses, maps))
+    return replace(new, at=Pose(x=place.x, y=place.y, z=0))
 
 
 def put(live: LiveWorld, sdf: str, new: Placed, old: Placed | None = None) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from rsegen.errors import FileError, NoSimulator, OutputError, ParameterError, RsegenError
@@ -60,7 +60,7 @@ class Map:
 
 def made(recipe: Recipe, index: int, output: Path) -> Map:
     """A map of a recipe in a folder; an OutputError where another of its name is there."""
-    one = Map(recipe=alone(recipe, index), folder=output / recipe.map_name(index))
+    one = Map(recipe=recipe.alone(index), folder=output / recipe.map_name(index))
     if one.folder.exists() and _recipe_in(one.folder) != one.recipe:
         advice = "give that folder to put it in as it is, or another -o, or the recipe a seed"
         raise OutputError(f"{one.folder}: is there already and is another map; {advice}")
@@ -82,8 +82,3 @@ def _recipe_in(folder: Path) -> Recipe | None:
         return load(folder / "recipe.json")
     except RsegenError:
         return None
-
-
-def alone(recipe: Recipe, index: int) -> Recipe:
-    """The recipe of one map of a recipe."""
-    return replace(recipe, first_map=index, maps=1)

@@ -1,0 +1,36 @@
+"""Texts from strangers: read up to a size, and as XML without what could grow in it."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+from rsegen.errors import FileError, shown
+
+
+def text_of(path: Path, mib: int, too_large: str) -> str:
+    """The text of a file of up to so many MiB; FileError where it cannot be read, is larger, or is not UTF-8."""
+    try:
+        with path.open("rb") as file:
+            content = file.read(mib * 2**20 + 1)
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from None
+    except ValueError as error:  # a name with a null character
+        raise FileError(f"{shown(str(path))}: {error}") from None
+    if len(content) > mib * 2**20:
+        raise FileError(f"{path}: larger than {mib} MiB, too large for {too_large}")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileError(f"{path}: not a text in UTF-8") from None
+
+
+def elements(text: str, where: str) -> ET.Element:
+    """The root of an XML text; a document type and entities are refused, as bombs are made of them."""
+    if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
+        raise FileError(f"{where}: has a document type or entities, which no SDF needs")
+    try:
+        return ET.fromstring(text)  # noqa: S314  # without a document type it can only be plain elements
+    except ET.ParseError as error:
+        raise FileError(f"{where}: not XML ({error})") from None
