@@ -14,8 +14,10 @@ import pytest
 import rsegen
 from leftovers import MARK, left, left_in_the_end
 from rsegen.examples import EXAMPLES
+from rsegen.robots import robot
 from rsegen.simulators import Installation
-from rsegen.simulators.live import LiveWorld
+from rsegen.simulators.gazebo_classic import STATE
+from rsegen.simulators.live import LiveWorld, Pose
 from rsegen.simulators.server import attempted, serving
 from runs import ended, started
 from sim.maps import generated
@@ -142,3 +144,19 @@ def test_a_server_goes_on_when_it_is_told_to(gazebo: Installation, tmp_path: Pat
 
 def names(live: LiveWorld) -> set[str]:
     return set(live.poses())
+
+
+def test_a_record_is_kept_until_it_is_stopped(gazebo: Installation, tmp_path: Path) -> None:
+    with serving(gazebo, made(tmp_path, "course")) as server, server.live() as live:
+
+        def kept() -> int:
+            live.advance(1000)
+            return (server.home / STATE).stat().st_size
+
+        live.put(robot("burger").file("burger"), Pose(x=0, y=0, z=200))
+        before = kept()
+        assert kept() > before
+        live.stop_recording()
+        before = kept()  # with what was on its way
+        assert kept() == before
+        assert live.poses()["burger"].z > 1  # it still falls

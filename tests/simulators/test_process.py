@@ -32,6 +32,7 @@ from rsegen.simulators import Launch
 from rsegen.simulators.process import running
 launch = Launch(command=("/bin/sh", "-c", sys.argv[1]), environment={}, folder=Path(sys.argv[2]))
 with running(launch, sys.stderr):
+    Path(sys.argv[2], "entered").touch()
     time.sleep(60)
 """
 
@@ -47,9 +48,9 @@ def shell(script: str, folder: Path) -> Launch:
     return Launch(command=("/bin/sh", "-c", script), environment={}, folder=folder)
 
 
-def until_begun(folder: Path) -> None:
+def until_begun(folder: Path, sign: str = "told") -> None:
     end = time.monotonic() + 10
-    while not (folder / "told").exists():
+    while not (folder / sign).exists():
         assert time.monotonic() < end
         time.sleep(0.01)
 
@@ -94,6 +95,7 @@ def test_nothing_is_left_after_an_exception(tmp_path: Path, mark: str) -> None:
 def test_nothing_is_left_when_rsegen_is_killed(script: str, word: str, tmp_path: Path, mark: str) -> None:
     outer = subprocess.Popen([sys.executable, "-c", OUTER, script, str(tmp_path)], stderr=subprocess.DEVNULL)
     until_begun(tmp_path)
+    until_begun(tmp_path, "entered")  # before that, Python may lose an interrupt in a destructor
     outer.send_signal(signal.Signals[word])
     outer.wait(20)
     assert left_in_the_end(mark) == []

@@ -25,9 +25,6 @@ from rsegen.simulators import Installation
 from rsegen.simulators.live import Clock, LiveWorld
 from rsegen.simulators.server import attempted, serving
 
-_NEVER = 1e6
-"""Seconds from one state of the server's record to the next: none is kept."""
-
 RESTS = {"real": 1.0, "free": 0.2}
 """Seconds between what robots are told: about a simulated second."""
 
@@ -105,11 +102,8 @@ class _Trial:
 
     @contextmanager
     def _served(self) -> Iterator[tuple[int, LiveWorld]]:
-        options = self.here.simulator.recording(_NEVER)
-        with (
-            serving(self.here, self.file, patience=PATIENCE, options=options) as server,
-            server.live() as live,
-        ):
+        with serving(self.here, self.file, patience=PATIENCE) as server, server.live() as live:
+            live.stop_recording()
             yield server.pid, live
 
     def _go(self, live: LiveWorld, seconds: float) -> list[float]:

@@ -40,7 +40,7 @@ BURGER = register(
         title="like a TurtleBot3 Burger",
         source=(
             "sizes, wheels, mass and top speeds: ROBOTIS e-manual and turtlebot3_description; ours: even densities,"
-            " crowned tyres, a caster without friction, the motors' inertia"
+            " tyres that touch with their middle, a caster without friction, the motors' inertia"
         ),
         size=(0.138, 0.178, 0.192),
         clearance=0.010,

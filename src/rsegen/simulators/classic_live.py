@@ -57,6 +57,11 @@ class ClassicWorld(LiveWorld):
         """Paused, once it says so."""
         self._pause(pause=True)
 
+    def stop_recording(self) -> None:
+        """A moment later it has heard."""
+        self.line.say("log/control", "LogControl", {"stop": True})
+        time.sleep(_SETTLE)
+
     def clock(self) -> Clock:
         """As it was told last."""
         now = self._statistics(after=-1)

@@ -36,6 +36,7 @@ TYPES: Mapping[str, Mapping[str, tuple[int, _Kind]]] = {
     "Factory": {"sdf": (1, str), "sdf_filename": (2, str), "pose": (3, "Pose"), "allow_renaming": (6, bool)},
     "Request": {"id": (1, int), "request": (2, str), "data": (3, str)},
     "Response": {"id": (1, int), "response": (3, str), "type": (4, str), "serialized_data": (5, bytes)},
+    "LogControl": {"stop": (2, bool)},
     "WorldControl": {"pause": (1, bool), "step": (2, bool), "multi_step": (3, int)},
     "WorldStatistics": {
         "sim_time": (2, "Time"),

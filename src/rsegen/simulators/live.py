@@ -60,6 +60,9 @@ class LiveWorld(ABC):
     def stand(self) -> None:
         """Let time stand still."""
 
+    def stop_recording(self) -> None:  # noqa: B027  # not every server keeps one
+        """Have the server keep no record from now on, which costs it up to half its time."""
+
     @abstractmethod
     def clock(self) -> Clock:
         """The time now."""
