@@ -23,6 +23,7 @@ from rsegen.obstacles.diagonal import DiagonalBarrier
 from rsegen.obstacles.horizontal import HorizontalBarrier
 from rsegen.obstacles.matrix import Matrix
 from rsegen.obstacles.normal import NormalRandom
+from rsegen.obstacles.pallet import Pallet
 from rsegen.obstacles.peak import Peak
 from rsegen.obstacles.random import Random
 from rsegen.pipeline import Generated, GeneratedMap, generate
@@ -43,6 +44,7 @@ __all__ = [
     "Metrics",
     "NormalRandom",
     "Obstacle",
+    "Pallet",
     "Peak",
     "Placement",
     "Random",

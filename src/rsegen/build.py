@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.chance import SEEDS, generator
-from rsegen.errors import TooLarge
+from rsegen.errors import ParameterError, TooLarge
 from rsegen.obstacles import Grid, Patch
 from rsegen.params import Whole
 from rsegen.recipe import Placement, Recipe
@@ -25,8 +25,12 @@ def build(recipe: Recipe, index: int = 0) -> StepField:
     index = Whole(0, SEEDS - 1).check("index", index)
     grid = recipe.grid
     levels = _level_ground(grid)
-    for placement in recipe.obstacles:
-        _impose(levels, _patch(recipe, placement, index), placement.blend, recipe.top_level)
+    for number, placement in enumerate(recipe.obstacles):
+        try:
+            patch = _patch(recipe, placement, index)
+        except ParameterError as error:
+            raise error.inside(f"obstacles[{number}]") from None
+        _impose(levels, patch, placement.blend, recipe.top_level)
     levels, frame = framed(levels, recipe.chunk_size, recipe.boundary)
     return StepField(
         levels=levels,

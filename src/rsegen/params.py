@@ -195,15 +195,16 @@ class Text:
 
 @dataclass(frozen=True)
 class Several:
-    """A list of values of one sort, of any length or of one."""
+    """A list of values of one sort, of so many or of any number; one alone is a list of it."""
 
     sort: Parameter
     length: int | None = None
     help: str = ""
 
     def check(self, where: str, value: object) -> tuple[Any, ...]:
-        fits = isinstance(value, (list, tuple)) and len(value) == (self.length or max(len(value), 1))
-        if not isinstance(value, (list, tuple)) or not fits:
+        if not isinstance(value, (list, tuple)) and not self.length:
+            return (self.sort.check(where, value),)
+        if not isinstance(value, (list, tuple)) or len(value) != (self.length or max(len(value), 1)):
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
         return tuple(self.sort.check(f"{where}[{number}]", one) for number, one in enumerate(value))
 
@@ -214,10 +215,14 @@ class Several:
         return ",".join(map(self.sort.spell, value))
 
     def schema(self) -> dict[str, Json]:
-        return {"type": "array", "items": self.sort.schema(), "minItems": self.length or 1}
+        sort = self.sort.schema()
+        if self.length:
+            return {"type": "array", "items": sort, "minItems": self.length, "maxItems": self.length}
+        return {"anyOf": [sort, {"type": "array", "items": sort, "minItems": 1}]}
 
     def describe(self) -> str:
-        return f"a list of {self.length or 'some'} of {self.sort.describe()}"
+        sort = self.sort.describe()
+        return f"a list of {self.length} of {sort}" if self.length else f"{sort}, or a list"
 
 
 def parameters(owner: type) -> Mapping[str, Parameter]:

@@ -16,7 +16,7 @@ from complaints import (
     recipe,
 )
 from rsegen import KINDS, Placement, Recipe
-from rsegen.params import Choice, Parameter, Real, Text, Whole, parameters
+from rsegen.params import Choice, Parameter, Real, Several, Text, Whole, parameters
 from rsegen.places import AtCell, Pair
 
 
@@ -37,6 +37,8 @@ def wrong_values(parameter: Parameter) -> Iterator[object]:
             yield from (1, 1.5, [], [1], [1, 2, 3], [0, -1], [0, 0.5], [0, True], [0, None], [0, "1"], "random,random")
         case Pair():
             yield from (0, -1, 1.5, 10**9 + 1, MANY_DIGITS, "2", "2x2", [], [1], [1, 2, 3], [1, 0], [1, True])
+        case Several():
+            yield from (-1, [], [[1]], [0, None], [0, NO_WORD], [1.5])
         case _:
             yield from (1, [], "1,2", [1, -1], [1, math.nan], [1, math.inf], [1, True], [1, "2"], [1, None], [0] * 5)
 
