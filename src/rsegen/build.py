@@ -22,18 +22,13 @@ from rsegen.recipe import Placement, Recipe
 from rsegen.stepfield import Levels, StepField, framed
 
 
+INDEX = Whole(0, SEEDS - 1, help="index of a map")
+
+
 def build(recipe: Recipe, index: int = 0) -> StepField:
     """Map `index` of a recipe: the same, whichever other maps are made; `index` is 0 or more."""
-    index = Whole(0, SEEDS - 1).check("index", index)
-    grid = recipe.grid
-    levels = _level_ground(grid)
-    for number, placement in enumerate(recipe.obstacles):
-        try:
-            patch = _patch(recipe, placement, index)
-        except ParameterError as error:
-            raise error.inside(f"obstacles[{number}]") from None
-        _impose(levels, patch, placement.blend, recipe.top_level)
-    levels, frame = framed(levels, recipe.chunk_size, recipe.boundary)
+    index = INDEX.check("index", index)
+    levels, frame = framed(_imposed(recipe, index), recipe.chunk_size, recipe.boundary)
     field = StepField(
         levels=levels,
         frame=frame,
@@ -44,6 +39,25 @@ def build(recipe: Recipe, index: int = 0) -> StepField:
     return constrained(field, recipe, index)
 
 
+def blocks(recipe: Recipe, index: int) -> Levels:
+    """The levels of map `index` alone, frames left out, shape (n_x, n_y): the `blocks` of what `build` gives."""
+    return build(recipe, index).blocks if recipe.is_constrained else _imposed(recipe, INDEX.check("index", index))
+
+
+def _imposed(recipe: Recipe, index: int) -> Levels:
+    """All obstacles, one after the other, on level ground."""
+    grid, top_level = recipe.grid, recipe.top_level
+    levels = _level_ground(grid)
+    for number, placement in enumerate(recipe.obstacles):
+        rng = generator(recipe.seed, index, placement.key or "")
+        try:
+            patch = _patch(grid, placement, rng)
+        except ParameterError as error:
+            raise error.inside(f"obstacles[{number}]") from None
+        _impose(levels, patch, placement.blend, top_level)
+    return levels
+
+
 def _level_ground(grid: Grid) -> Levels:
     try:
         return np.zeros(grid.shape, dtype=np.int16)
@@ -51,10 +65,9 @@ def _level_ground(grid: Grid) -> Levels:
         raise TooLarge(f"chunks: a map of {grid.n_x} x {grid.n_y} blocks is more than this machine's memory") from None
 
 
-def _patch(recipe: Recipe, placement: Placement, index: int) -> Patch:
-    obstacle, grid = placement.obstacle, recipe.grid
+def _patch(grid: Grid, placement: Placement, rng: np.random.Generator) -> Patch:
+    obstacle = placement.obstacle
     usual_first, usual_last = obstacle.usual_ends(grid)
-    rng = generator(recipe.seed, index, placement.key or "")
     first, last = obstacle.ends(grid, placement.first or usual_first, placement.last or usual_last, rng)
     return obstacle.patch(grid, first, last, rng)
 

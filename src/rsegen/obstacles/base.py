@@ -146,6 +146,8 @@ def _by_rows(window: tuple[slice, slice], part: Callable[[slice], Levels]) -> Le
     """The levels of a window, made of so many rows at once that the numbers behind them need no memory to speak of."""
     rows, columns = window
     step = max(_CELLS_AT_ONCE // (columns.stop - columns.start), 1)
+    if rows.stop - rows.start <= step:
+        return part(rows)
     return np.concatenate([part(slice(low, min(low + step, rows.stop))) for low in range(rows.start, rows.stop, step)])
 
 
