@@ -15,6 +15,7 @@ rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
 
 from rsegen.build import build
 from rsegen.codec import schema
+from rsegen.dataset import Dataset, Tiles, make_dataset
 from rsegen.errors import RsegenError, UserError
 from rsegen.importers import imported
 from rsegen.metrics import Climber, Metrics, metrics
@@ -36,6 +37,7 @@ from rsegen.version import __version__
 __all__ = [
     "KINDS",
     "Climber",
+    "Dataset",
     "DiagonalBarrier",
     "Generated",
     "GeneratedMap",
@@ -52,6 +54,7 @@ __all__ = [
     "RsegenError",
     "Scene",
     "StepField",
+    "Tiles",
     "UserError",
     "__version__",
     "build",
@@ -59,6 +62,7 @@ __all__ = [
     "generate",
     "imported",
     "load",
+    "make_dataset",
     "metrics",
     "save",
     "schema",

@@ -21,7 +21,6 @@ from rsegen.params import Whole
 from rsegen.recipe import Placement, Recipe
 from rsegen.stepfield import Levels, StepField, framed
 
-
 INDEX = Whole(0, SEEDS - 1, help="index of a map")
 
 

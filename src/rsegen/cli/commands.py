@@ -6,6 +6,7 @@ import argparse
 from typing import Any, NoReturn
 
 from rsegen.cli import (
+    dataset,
     drive,
     examples,
     experiment,
@@ -28,6 +29,7 @@ from rsegen.version import __version__
 
 COMMANDS = (
     generate,
+    dataset,
     import_,
     gui,
     preview,

@@ -69,7 +69,7 @@ def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
             force=arguments.force,
             resume=arguments.resume,
             preview=arguments.preview,
-            workers=cores() if arguments.workers is None else _workers(arguments.workers),
+            workers=workers_from(arguments),
             progress=progress,
         )
     if arguments.json:
@@ -78,8 +78,9 @@ def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
         print("\n".join(_report(made)))
 
 
-def _workers(text: str) -> int:
-    return WORKERS.check("--workers", WORKERS.parse(text))
+def workers_from(arguments: argparse.Namespace) -> int:
+    """How many workers the flag says, or else as many as there are cores."""
+    return cores() if arguments.workers is None else WORKERS.check("--workers", WORKERS.parse(arguments.workers))
 
 
 @contextmanager
