@@ -39,7 +39,7 @@ class Tiles(NamedTuple):
 
 
 def tiles(dataset: Dataset, rows: int, columns: int, by: str) -> Tiles:
-    """The maps at evenly spaced ranks of a metric, from the least to the greatest; those without a figure are left out."""
+    """The maps at evenly spaced ranks of a metric, from least to greatest; those without a figure are left out."""
     rows, columns = (Whole(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
     if by not in COLUMNS:
         raise UnknownName.among("by", "metric", by, COLUMNS)
