@@ -57,18 +57,24 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Make or check it, and say what is there."""
-    dataset = _verified(arguments) if arguments.verify else _made(recipe_from(arguments), arguments)
-    print(json.dumps(_summary(dataset), indent=2) if arguments.json else "\n".join(_report(dataset)))
+    if arguments.verify:
+        dataset, words = _verified(arguments)
+    else:
+        dataset = _made(recipe_from(arguments), arguments)
+        words = f"one of them as a world: rsegen generate {shlex.quote(f'{dataset.folder}#0')} -o worlds"
+    print(json.dumps(_summary(dataset), indent=2) if arguments.json else f"{_described(dataset)}\n{words}")
 
 
-def _verified(arguments: argparse.Namespace) -> Dataset:
+def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
+    """The data set, and what it was compared with."""
     if arguments.recipe is not None:
         raise ParameterError("--verify", "needs no recipe: it is in the data set")
     text = arguments.rebuild
     rebuild = 100 if text is None else _REBUILT.check("--rebuild", _REBUILT.parse(text))
     dataset = Dataset(arguments.verify)
     dataset.verify(rebuild)
-    return dataset
+    built = min(rebuild, len(dataset))
+    return dataset, f"all checksums are right, and {built} maps drawn by chance were built again alike"
 
 
 def _made(recipe: Recipe, arguments: argparse.Namespace) -> Dataset:
@@ -130,10 +136,9 @@ def _summary(dataset: Dataset) -> dict[str, object]:
     }
 
 
-def _report(dataset: Dataset) -> Iterator[str]:
+def _described(dataset: Dataset) -> str:
     n_x, n_y = dataset.recipe.grid.shape
-    yield (
+    return (
         f"{len(dataset):,} maps of {n_x} x {n_y} blocks, seed {dataset.recipe.seed}: "
         f"{dataset.bytes / 1e6:,.1f} MB in {len(dataset.shards)} shards in {dataset.folder}"
     )
-    yield f"one of them as a world: rsegen generate {shlex.quote(f'{dataset.folder}#0')} -o worlds"

@@ -19,7 +19,7 @@ from rsegen.dataset.tiles import Tiles, tiles
 from rsegen.errors import DatasetDamaged
 from rsegen.metrics.many import many
 from rsegen.recipe import Recipe
-from rsegen.stepfield import Array, Ints, StepField
+from rsegen.stepfield import Array, Ints, Mask, StepField
 
 OPEN = 256
 """Shards that are mapped at once, at the most."""
@@ -49,7 +49,7 @@ class LevelsOfMaps:
         for number in range(self._layout.shards):
             yield from self._shard(number)
 
-    def __getitem__(self, maps: int | slice | Ints | list[int]) -> Ints:
+    def __getitem__(self, maps: int | slice | Ints | Mask | list[int]) -> Ints:
         """One map (n_x, n_y); or those of a slice, or of a list of places, (maps, n_x, n_y)."""
         if isinstance(maps, slice):
             return self._several(np.arange(*maps.indices(len(self))))
@@ -113,7 +113,7 @@ class Dataset:
     def __len__(self) -> int:
         return self.recipe.maps
 
-    def __getitem__(self, maps: int | slice | Ints | list[int]) -> Ints:
+    def __getitem__(self, maps: int | slice | Ints | Mask | list[int]) -> Ints:
         return self.levels[maps]
 
     def __iter__(self) -> Iterator[Ints]:
