@@ -140,5 +140,5 @@ def _described(dataset: Dataset) -> str:
     n_x, n_y = dataset.recipe.grid.shape
     return (
         f"{len(dataset):,} maps of {n_x} x {n_y} blocks, seed {dataset.recipe.seed}: "
-        f"{dataset.bytes / 1e6:,.1f} MB in {len(dataset.shards)} shards in {dataset.folder}"
+        f"{dataset.bytes:,} bytes in {len(dataset.shards)} shards in {dataset.folder}"
     )
