@@ -12,6 +12,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from benchmarks import datasets
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from rsegen import KINDS, Climber, Placement, Recipe, Scene, compose, load, metrics, schema
@@ -26,6 +27,7 @@ from rsegen.robots import ROBOTS
 
 DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
+DATASETS = DOCS / "datasets.md"
 ROBOTS_PAGE = DOCS / "robots.md"
 README = DOCS.parent / "README.md"
 EXPERIMENT = RESULTS / "experiment.json"
@@ -40,6 +42,7 @@ def texts() -> dict[Path, str]:
     return {
         README: with_table(README.read_text("utf-8"), figures),
         DOCS / "benchmarks.md": page(figures),
+        DATASETS: filled(DATASETS.read_text("utf-8"), datasets.table(loaded(datasets.FILE))),
         DOCS / "contact.md": contact,
         GAZEBO: filled(GAZEBO.read_text("utf-8"), _told_apart(contact)),
         DOCS / "recipe.schema.json": json.dumps(schema(), indent=2) + "\n",
