@@ -49,6 +49,12 @@ def add(commands: Subparsers) -> None:
     command.add_argument(
         "--workers", metavar="N", help=f"{WORKERS.help} ({WORKERS.describe()}, as many as there are cores by default)"
     )
+    command.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="make it on a Dask cluster, whose workers see the same folder: tcp://HOST:PORT, or local for one here, of "
+        "as many processes as --workers says; needs rsegen[cluster]",
+    )
     command.add_argument("--rebuild", metavar="N", help="with --verify: maps to build again and compare (default: 100)")
     command.add_argument("--json", action="store_true", help="print a summary for programs")
     add_recipe_flags(command)
@@ -86,6 +92,7 @@ def _made(recipe: Recipe, arguments: argparse.Namespace) -> Dataset:
             force=arguments.force,
             resume=arguments.resume,
             workers=workers_from(arguments),
+            scheduler=arguments.scheduler,
             progress=progress,
             **said,
         )

@@ -10,9 +10,10 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
@@ -20,6 +21,7 @@ import numpy as np
 
 from rsegen.build import blocks
 from rsegen.dataset.checking import measured
+from rsegen.dataset.cluster import dask, on_cluster
 from rsegen.dataset.layout import Layout
 from rsegen.dataset.manifest import (
     MANIFEST,
@@ -63,12 +65,14 @@ def make_dataset(  # noqa: PLR0913  # each is a flag of the command
     force: bool = False,
     resume: bool = False,
     workers: int = 1,
+    scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> Dataset:
     """Make a data set of all maps of a recipe, in shards of `shard_maps` (0: about a million cells each).
 
     `metrics` is the form of their table: npy, parquet or none. `force` replaces a data set that is there; `resume` goes
-    on with one, and mends it. With `workers` beyond 1 a script needs `if __name__ == "__main__":`. Raises an
+    on with one, and mends it. With `workers` beyond 1 a script needs `if __name__ == "__main__":`. `scheduler` is the
+    address of a Dask cluster whose workers see the same folder, or `local` for one of so many workers. Raises an
     OutputError before anything is written where the folder holds something else, TooLarge where there is no room.
     """
     folder, workers = Path(folder), WORKERS.check("workers", workers)
@@ -77,10 +81,12 @@ def make_dataset(  # noqa: PLR0913  # each is a flag of the command
     layout = Layout(recipe=recipe, shard_maps=shard_maps, metrics=metrics)
     if layout.metrics == "parquet":
         arrow()
+    if scheduler is not None:
+        dask()
     refuse_too_large(recipe, 0 if layout.metrics == "none" else BYTES_A_CELL_OF_METRICS)
     refuse_not_a_folder(folder)
     _refuse_taken(folder, force=force, resume=resume)
-    order = Order(layout=layout, folder=folder)
+    order = Order(layout=layout, folder=folder.absolute())
     there = {shard.number: shard for shard in _there(order)} if resume else {}
     maps_there = sum(len(layout.places(number)) for number in there)
     refuse_full((recipe.maps - maps_there) * layout.bytes_a_map, folder)
@@ -88,7 +94,7 @@ def make_dataset(  # noqa: PLR0913  # each is a flag of the command
         progress(maps_there, already=True)
     with told(folder), parent_of(folder / MANIFEST):
         _clear(folder, everything=not resume)
-        _finish(order, there, workers, progress)
+        _finish(order, there, partial(_made, workers=workers, scheduler=scheduler), progress)
     return Dataset(folder)
 
 
@@ -181,12 +187,12 @@ def _clear(folder: Path, *, everything: bool) -> None:
         os.unlink(folder / name)
 
 
-def _finish(order: Order, there: dict[int, Shard], workers: int, progress: Progress | None) -> None:
+def _finish(order: Order, there: dict[int, Shard], maker: _Maker, progress: Progress | None) -> None:
     """Make the shards that are missing, with a line in the record for each; then the manifest takes its place."""
     layout, record = order.layout, order.folder / RECORD
-    done = dict(there)
+    done, made = dict(there), maker(order, frozenset(there))
     try:
-        with open(record, "w", encoding="utf-8", newline="\n") as lines, closing(_made(order, done, workers)) as made:
+        with open(record, "w", encoding="utf-8", newline="\n") as lines, closing(made):
             lines.write(first_line(layout) + "".join(next_line(layout, shard) for shard in there.values()))
             lines.flush()
             for shard in made:
@@ -203,11 +209,16 @@ def _finish(order: Order, there: dict[int, Shard], workers: int, progress: Progr
         raise
 
 
-def _made(order: Order, there: dict[int, Shard], workers: int) -> Generator[Shard, None, None]:
-    """The shards that are not there, made here or, where that is quicker, by workers."""
+_Maker = Callable[[Order, frozenset[int]], Generator[Shard, None, None]]
+
+
+def _made(order: Order, there: frozenset[int], *, workers: int, scheduler: str | None) -> Generator[Shard, None, None]:
+    """The shards that are not there, made by a cluster, by workers where that is quicker, or here."""
     left = [number for number in range(order.layout.shards) if number not in there]
     workers = min(workers, len(left), maps_at_once(order.layout.recipe))
-    if workers <= 1 or len(left) * order.seconds < WORTHWHILE:
+    if scheduler is not None and left:
+        yield from on_cluster(order.made, left, scheduler=scheduler, workers=workers)
+    elif workers <= 1 or len(left) * order.seconds < WORTHWHILE:
         yield from map(order.made, left)
     else:
         yield from shared_out(order, left, batch=1, workers=workers)
