@@ -86,8 +86,10 @@ def read_manifest(folder: Path) -> tuple[Layout, list[Shard]]:
         raise FileError(f"{folder}: {why}" + ("" if unfinished else ", so it is no data set of rsegen"))
     found = content(path)
     try:
+        if not isinstance(found, Mapping) or found.get("dataset") != FORMAT:
+            raise ParameterError("", f"is no manifest of a data set in format {FORMAT}")
         layout = _layout(found)
-        return layout, _shards(layout, found["shards"] if isinstance(found, Mapping) else None)
+        return layout, _shards(layout, found["shards"])
     except ParameterError as error:
         raise error.of(str(path)) from None
 
@@ -115,10 +117,8 @@ def _entry(layout: Layout, shard: Shard) -> dict[str, object]:
     }
 
 
-def _layout(found: object) -> Layout:
+def _layout(found: Mapping[str, Any]) -> Layout:
     """The layout that a manifest names; ParameterError where the rest of it says otherwise."""
-    if not isinstance(found, Mapping) or found.get("dataset") != FORMAT:
-        raise ParameterError("", f"is no manifest of a data set in format {FORMAT}")
     for key in ("recipe", "shard_maps", "metrics", "shards"):
         if key not in found:
             raise ParameterError(key, "is missing")
