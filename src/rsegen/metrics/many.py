@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.metrics.climber import NANOMETRES
+from rsegen.metrics.opening import opening
 from rsegen.stepfield import Array, Ints, Mask, StepField
 
 COLUMNS = (
@@ -29,6 +31,11 @@ COLUMNS = (
     "opening.south_north",
 )
 """The names of the metrics; lengths in metres."""
+
+LARGE = 10_000
+"""Cells of a map, frames counted, from which on it opens sooner by itself: measured on random maps."""
+
+_WAYS = ("west_east", "south_north")
 
 Table = Mapping[str, NDArray[np.float32]]
 """A column of one figure a map for each of COLUMNS."""
@@ -94,10 +101,20 @@ def _amid(block: Mask) -> Mask:
 
 
 def _opening(whole: Ints, like: StepField) -> dict[str, Array]:
-    """The minimax step from the level ground on one side to that on the other, frames counted."""
+    """The minimax step from the level ground on one side to that on the other, frames counted.
+
+    Ways over a large map are long, and so many sweeps would be: there each map is quicker by itself.
+    """
+    if like.frame.size > LARGE:
+        fields = (replace(like, levels=whole[:, :, k].astype(np.int16)) for k in range(whole.shape[2]))
+        each = [opening(field) for field in fields]
+        return {f"opening.{name}": np.array([getattr(one, name) for one in each]) for name in _WAYS}
     heights, unit = _heights(whole, like)
-    along = {"opening.west_east": (heights, like.frame), "opening.south_north": (heights.swapaxes(0, 1), like.frame.T)}
-    return {name: np.asarray(_minimax(*of) * (unit / NANOMETRES)) for name, of in along.items()}
+    along = ((heights, like.frame), (heights.swapaxes(0, 1), like.frame.T))
+    return {
+        f"opening.{name}": np.asarray(_minimax(*of) * (unit / NANOMETRES))
+        for name, of in zip(_WAYS, along, strict=True)
+    }
 
 
 def _heights(whole: Ints, like: StepField) -> tuple[Ints, int]:
