@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import re
 import signal
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -154,6 +156,31 @@ def test_a_record_that_was_cut_off_is_believed_as_far_as_it_goes(tmp_path: Path)
     )
     assert told == [(6, True), (3, False), (3, False), (1, False)]
     assert contents(folder) == expected
+
+
+@pytest.mark.parametrize("text", ["", '{"dataset": 1, "rec'])
+def test_a_run_that_was_killed_at_once_goes_on(tmp_path: Path, text: str) -> None:
+    (tmp_path / "unfinished.jsonl").write_text(text)
+    assert len(make_dataset(RECIPE, tmp_path, resume=True)) == 13
+    assert not (tmp_path / "unfinished.jsonl").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no locks there")
+def test_two_runs_do_not_make_one_data_set(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    folder = tmp_path / "set"
+    process = started(*MANY, "-o", folder)
+    until_made(process, folder, 1)
+    with pytest.raises(OutputError, match="another run is making this data set"):
+        make_dataset(recipe_of(folder), folder, shard_maps=500, resume=True)
+    code, err = ended(process)
+    assert code == 0, err
+    assert contents(folder) == whole
+
+
+def recipe_of(folder: Path) -> Recipe:
+    """Of a data set that is being made."""
+    text, *_ = (folder / "unfinished.jsonl").read_text("utf-8").splitlines()
+    return rsegen.codec.decode(json.loads(text)["recipe"])
 
 
 @pytest.mark.parametrize("other", [{"seed": 8}, {"maps": 14}, {"unit_cm": 9}])

@@ -11,11 +11,11 @@ import hashlib
 import os
 import re
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import closing, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TextIO
 
 import numpy as np
 
@@ -45,7 +45,7 @@ from rsegen.stepfield import Levels
 from rsegen.workers import shared_out
 from rsegen.writer import parent_of, refuse_not_a_folder, told, write_file
 
-_OURS = re.compile(r"(levels-[0-9]{5,}\.npy|metrics-[0-9]{5,}\.(npy|parquet)|manifest\.json|unfinished\.jsonl)")
+_OURS = re.compile(r"(levels-[0-9]{5,}\.npy|metrics-[0-9]{5,}\.(npy|parquet)|manifest\.json)")
 _HIDDEN = re.compile(rf"\.{_OURS.pattern}\.[0-9a-f]{{8}}")
 
 
@@ -92,9 +92,9 @@ def make_dataset(  # noqa: PLR0913  # each is a flag of the command
     refuse_full((recipe.maps - maps_there) * layout.bytes_a_map, folder)
     if progress:
         progress(maps_there, already=True)
-    with told(folder), parent_of(folder / MANIFEST):
+    with told(folder), parent_of(folder / MANIFEST), _alone(folder / RECORD) as record:
         _clear(folder, everything=not resume)
-        _finish(order, there, partial(_made, workers=workers, scheduler=scheduler), progress)
+        _finish(order, there, partial(_made, workers=workers, scheduler=scheduler), record, progress)
     return Dataset(folder)
 
 
@@ -179,6 +179,22 @@ def _recorded(order: Order) -> list[Shard] | None:
     return read_record(order.folder, order.layout) if (order.folder / RECORD).is_file() else []
 
 
+@contextmanager
+def _alone(path: Path) -> Iterator[TextIO]:
+    """The record, which goes when all is done; an OutputError where another run has it, if the system can tell."""
+    with open(path, "a", encoding="utf-8", newline="\n") as record:
+        try:
+            import fcntl
+
+            fcntl.flock(record, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise OutputError(f"{path.parent}: another run is making this data set; wait for it, or stop it") from None
+        except (ImportError, OSError):  # Windows; a network's disk without locks
+            pass
+        yield record
+    path.unlink()
+
+
 def _clear(folder: Path, *, everything: bool) -> None:
     """Clear away what a killed run left half written; `everything`: the data set that stood there too, and no more."""
     names = os.listdir(folder)
@@ -187,25 +203,27 @@ def _clear(folder: Path, *, everything: bool) -> None:
         os.unlink(folder / name)
 
 
-def _finish(order: Order, there: dict[int, Shard], maker: _Maker, progress: Progress | None) -> None:
+def _finish(order: Order, there: dict[int, Shard], maker: _Maker, record: TextIO, progress: Progress | None) -> None:
     """Make the shards that are missing, with a line in the record for each; then the manifest takes its place."""
-    layout, record = order.layout, order.folder / RECORD
+    layout = order.layout
     done, made = dict(there), maker(order, frozenset(there))
     try:
-        with open(record, "w", encoding="utf-8", newline="\n") as lines, closing(made):
-            lines.write(first_line(layout) + "".join(next_line(layout, shard) for shard in there.values()))
-            lines.flush()
+        record.truncate(0)
+        record.write(first_line(layout) + "".join(next_line(layout, shard) for shard in there.values()))
+        record.flush()
+        with closing(made):
             for shard in made:
-                lines.write(next_line(layout, shard))
-                lines.flush()
+                record.write(next_line(layout, shard))
+                record.flush()
                 done[shard.number] = shard
                 if progress:
                     progress(len(layout.places(shard.number)), already=False)
         write_file([manifest(layout, (done[number] for number in sorted(done)))], order.folder / MANIFEST, force=True)
-        record.unlink()
     except BaseException:
         with suppress(OSError):
             _clear(order.folder, everything=not done)
+            if not done:
+                os.unlink(order.folder / RECORD)
         raise
 
 

@@ -97,10 +97,12 @@ def read_manifest(folder: Path) -> tuple[Layout, list[Shard]]:
 def read_record(folder: Path, layout: Layout) -> list[Shard] | None:
     """The shards in the record of a run that was stopped; None where it was to make something else.
 
-    A last line that was cut off does not count.
+    A last line that was cut off does not count, nor does a first one.
     """
     path = folder / RECORD
     start, *lines = text_of(path, LARGEST_MIB, "a record of a data set").split("\n")
+    if not lines:
+        return []
     if f"{start}\n" != first_line(layout):
         return None
     try:
