@@ -102,6 +102,10 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a data set in a file": (["dataset", "-o", "file"], ["file: is a file; give a folder"]),
     "metrics in another form": (["dataset", "-o", "out", "--metrics", "csv"], ["metrics: 'csv'", "npy, parquet, none"]),
     "shards of less than a map": (["dataset", "-o", "out", "--shard-maps=-1"], ["shard_maps: -1 is outside 0.."]),
+    "shards without number": (
+        ["dataset", "-o", "out", "--maps", "1000000", "--shard-maps", "1"],
+        ["shard_maps: 1 would make 1000000 shards; give 10 or more"],
+    ),
     "to go on and to replace": (["dataset", "-o", "out", "--force", "--resume"], ["not allowed with argument --force"]),
     "to check what is no data set": (["dataset", "--verify", "folder"], ["folder: has no manifest.json"]),
     "to check a recipe": (["dataset", "two.yaml", "--verify", "folder"], ["--verify: needs no recipe"]),

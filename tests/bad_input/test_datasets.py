@@ -23,7 +23,11 @@ MANIFESTS: Mapping[str, tuple[dict[str, Any], str]] = {
     "a recipe that cannot be": ({"recipe.unit_cm": -1}, "recipe.unit_cm: -1 is outside"),
     "more maps than the recipe": ({"maps": 11}, "maps: 11 is at odds with the recipe, by which it is 10"),
     "more maps than there are": ({"recipe.maps": MANY_DIGITS}, "recipe.maps: 999"),
-    "more maps than shards": ({"recipe.maps": 10**15, "maps": 10**15}, "shards: are not the 250000000000000"),
+    "more maps than shards": (
+        {"recipe.maps": 10**15, "maps": 10**15},
+        "shard_maps: 4 would make 250000000000000 shards",
+    ),
+    "one map more": ({"recipe.maps": 13, "maps": 13}, "shards: are not the 4 that 13 maps need"),
     "another shape": ({"shape": [10**9, 10**9]}, "shape: [1000000000, 1000000000] is at odds"),
     "another sort of number": ({"dtype": "object"}, "dtype: 'object' is at odds"),
     "axes the other way round": ({"axes": "levels[j, i]"}, "axes: 'levels[j, i]' is at odds"),

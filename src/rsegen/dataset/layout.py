@@ -16,6 +16,7 @@ from typing import Annotated
 
 import numpy as np
 
+from rsegen.errors import ParameterError
 from rsegen.metrics.many import COLUMNS
 from rsegen.params import Choice, Whole, settle
 from rsegen.recipe import Recipe
@@ -23,6 +24,9 @@ from rsegen.stepfield import Ints, StepField, framed
 
 CELLS = 1_000_000
 """A shard has about so many cells: a second's work or less, a megabyte."""
+
+MOST = 100_000
+"""Shards that a data set has at the most: the manifest is read as a whole."""
 
 ROW = np.dtype([("map", "<i8"), *((name, "<f4") for name in COLUMNS)])
 """A row of a table of metrics: the index of the map in its recipe, and its figures."""
@@ -41,7 +45,12 @@ class Layout:
     def __post_init__(self) -> None:
         settle(self)
         n_x, n_y = self.recipe.grid.shape
-        object.__setattr__(self, "shard_maps", self.shard_maps or max(CELLS // (n_x * n_y), 1))
+        least = -(-self.recipe.maps // MOST)
+        object.__setattr__(self, "shard_maps", self.shard_maps or max(CELLS // (n_x * n_y), least))
+        if self.shard_maps < least:
+            raise ParameterError(
+                "shard_maps", f"{self.shard_maps} would make {self.shards} shards; give {least} or more"
+            )
 
     @property
     def shards(self) -> int:

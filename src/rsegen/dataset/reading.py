@@ -54,13 +54,24 @@ class LevelsOfMaps:
         if isinstance(maps, slice):
             return self._several(np.arange(*maps.indices(len(self))))
         if isinstance(maps, (list, np.ndarray)):
-            return self._several(np.arange(len(self))[maps] if len(maps) else np.empty(0, dtype=np.intp))
+            return self._several(self._places(np.asarray(maps)))
         place = maps + len(self) if maps < 0 else maps
         if not 0 <= place < len(self):
             raise IndexError(f"there is no map {maps}; the data set has {len(self)}")
         number, row = divmod(place, self._layout.shard_maps)
         found: Ints = self._shard(number)[row]
         return found
+
+    def _places(self, maps: Ints | Mask) -> Ints:
+        """Places from 0 on of maps that are counted from either end, or marked true."""
+        if maps.dtype == bool and maps.shape == (len(self),):
+            return np.flatnonzero(maps)
+        if maps.ndim != 1 or (maps.size and not np.issubdtype(maps.dtype, np.integer)):
+            raise IndexError("give whole numbers in a row, or true or false for every map")
+        beyond = maps[(maps < -len(self)) | (maps >= len(self))]
+        if beyond.size:
+            raise IndexError(f"there is no map {beyond[0]}; the data set has {len(self)}")
+        return np.where(maps < 0, maps + len(self), maps).astype(np.intp)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:  # noqa: FBT001  # as numpy calls it
         return np.asarray(self[:], dtype=dtype)
