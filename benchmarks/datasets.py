@@ -7,17 +7,20 @@ one core; then a million with two. Their figures are printed, and kept in benchm
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 
 from benchmarks import measure
 from benchmarks.figures import RESULTS, Results, Row, Run, saved
 from benchmarks.machine import machine
+from benchmarks.report import verdict
 from benchmarks.speed import Plan, Work
+from benchmarks.targets import Reading, Target
 from benchmarks.ways import FOLDER, Command
 
 SIZE = 10
 COUNTS = (1_000, 10_000, 100_000, 1_000_000)
+RUNS = 3
 FILE = RESULTS / "datasets.json"
 
 
@@ -58,8 +61,52 @@ def measured(counts: tuple[int, ...], plan: Plan) -> Results:
     return Results(machine=where, plan=plan.text, commands=tuple(work.result() for work in works))
 
 
+def _figure(name: str, count: int, reading: Callable[[Run], float]) -> Reading:
+    def figure(results: Results) -> float | None:
+        rows = (row for row in results.commands if (row.name, row.count) == (name, count))
+        return next((reading(row.middle) for row in rows if row.middle), None)
+
+    return figure
+
+
+def _grown(results: Results) -> float | None:
+    """CPU of a million maps over that of as many hundred thousands, without what a start takes."""
+    ten, hundred, thousand = (_figure("npy-1", count, lambda run: run.cpu)(results) for count in COUNTS[1:])
+    if ten is None or hundred is None or thousand is None:
+        return None
+    return (thousand - hundred) / (hundred - ten) / 10
+
+
+_MILLION = COUNTS[-1]
+TARGETS = (
+    Target(
+        text="maps a second and core",
+        figure=_figure("none-1", _MILLION, lambda run: _MILLION / run.cpu),
+        limit=20_000,
+        unit="/s",
+        at_most=False,
+    ),
+    Target(
+        text="a million with metrics on two cores, wall",
+        figure=_figure("npy-2", _MILLION, lambda run: run.wall),
+        limit=120,
+        unit="s",
+    ),
+    Target(
+        text="its three processes, each at its largest",
+        figure=_figure("npy-2", _MILLION, lambda run: 3 * run.rss / 1e6),
+        limit=1000,
+        unit="MB",
+    ),
+    Target(text="CPU a map, from 100,000 on / up to there", figure=_grown, limit=1.25, unit="x"),
+)
+
+
 def table(results: Results) -> Iterator[str]:
     """The figures as lines of Markdown."""
+    yield "| figure | measured | target | |\n|---|---|---|---|"
+    yield from (verdict(target, results) for target in TARGETS)
+    yield ""
     yield "| 10 x 10 blocks | maps | CPU s | CPU us for each map more | wall s | peak MB of a process | bytes |"
     yield "|---|---|---|---|---|---|---|"
     before: dict[str, tuple[int, float]] = {}
@@ -85,7 +132,7 @@ def _figures(run: Run, more: str) -> str:
 def main(arguments: list[str]) -> int:
     """Measure and print; without COUNT ..., keep it too."""
     counts = tuple(map(int, arguments)) or COUNTS
-    results = measured(counts, Plan(text="datasets", sizes=(SIZE,), runs=3, seconds=300))
+    results = measured(counts, Plan(text="datasets", sizes=(SIZE,), runs=RUNS, seconds=100))
     print("\n".join(table(results)))
     if not arguments:
         FILE.write_text(saved(results), "utf-8", newline="\n")

@@ -44,7 +44,7 @@ def filled(text: str, lines: Iterable[str]) -> str:
 def _page(results: Results) -> Iterator[str]:
     yield f"# Speed and size\n\n{_HOW}\n\nMeasured on: {results.machine}. Plan: {results.plan}.\n\n## Targets\n"
     yield _head("figure", "measured", "target", "")
-    yield from (_verdict(target, results) for target in TARGETS)
+    yield from (verdict(target, results) for target in TARGETS)
     yield "\n## A grid to a file"
     for size in dict.fromkeys(row.size for row in results.writers):
         yield f"\n### {size:,} x {size:,} blocks\n"
@@ -59,7 +59,8 @@ def _page(results: Results) -> Iterator[str]:
     yield from _faces(results)
 
 
-def _verdict(target: Target, results: Results) -> str:
+def verdict(target: Target, results: Results) -> str:
+    """A target, what was measured of it, and whether that is enough, as a row."""
     found = target.figure(results)
     bound = f"{'at most' if target.at_most else 'at least'} {short(target.limit)} {target.unit}"
     measured = "" if found is None else f"{short(found)} {target.unit}"
