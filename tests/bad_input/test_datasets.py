@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from complaints import MANY_DIGITS, OBSTACLE, Refused, exit_code
+from complaints import MANY_DIGITS, OBSTACLE, Refused, exit_code, the_line
 from rsegen import Dataset
 from rsegen.errors import FileError
 
@@ -39,7 +39,7 @@ MANIFESTS: Mapping[str, tuple[dict[str, Any], str]] = {
     "a path that leads out": ({"shards.1.levels.file": "../../etc/passwd"}, "is not the file levels-00001.npy"),
     "another shard's file": ({"shards.1.levels.file": "levels-00000.npy"}, "is not the file levels-00001.npy"),
     "a size below nothing": ({"shards.1.levels.bytes": -1}, "shards[1].levels.bytes: -1 is not 0 or more"),
-    "a size of another file": ({"shards.1.levels.bytes": 10**18}, "levels-00001.npy: has 528 bytes"),
+    "a size in a word": ({"shards.1.levels.bytes": "many"}, "shards[1].levels.bytes: 'many' is not a whole number"),
     "no checksum": ({"shards.1.levels.sha256": "0"}, "shards[1].levels.sha256: '0' will not do"),
 }
 
@@ -60,6 +60,16 @@ def test_a_manifest(refused: Refused, changes: dict[str, Any], words: str) -> No
         changed(found, place, value)
     path.write_text(json.dumps(found, indent=1), "utf-8")
     assert words in refused("dataset", "--verify", "set")
+
+
+def test_a_size_that_is_not_the_file_s(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert exit_code(*MADE, "-o", tmp_path) == 0
+    path = tmp_path / "manifest.json"
+    found = json.loads(path.read_text("utf-8"))
+    changed(found, "shards.1.levels.bytes", 10**18)
+    path.write_text(json.dumps(found), "utf-8")
+    assert exit_code("dataset", "--verify", tmp_path) == 1
+    assert "levels-00001.npy: has 528 bytes" in the_line(capsys.readouterr().err)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", "null", '{"dataset": 1}', "[" * 100_000, '{"a": 1, "a": 2}'])

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 import rsegen
 from complaints import exit_code, the_line
 from rsegen import Dataset, Placement, Recipe, make_dataset
-from rsegen.errors import DatasetDamaged, FileError, ParameterError
+from rsegen.errors import DatasetDamaged, ParameterError
 from rsegen.metrics.entry import entry, row
 from rsegen.metrics.many import COLUMNS
 from runs import contents
@@ -173,11 +173,12 @@ def test_a_map_that_is_not_the_recipe_s_is_found(tmp_path: Path) -> None:
         Dataset(tmp_path).verify(20)
 
 
-def test_a_file_of_another_size_is_refused(tmp_path: Path) -> None:
+def test_a_file_of_another_size_is_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     make_dataset(RECIPE, tmp_path)
-    (tmp_path / "levels-00000.npy").write_bytes(b"")
-    with pytest.raises(FileError, match="has 0 bytes, and the manifest says"):
-        Dataset(tmp_path)
-    (tmp_path / "levels-00000.npy").unlink()
-    with pytest.raises(FileError, match="is missing"):
+    path = tmp_path / "levels-00000.npy"
+    path.write_bytes(b"")
+    assert exit_code("dataset", "--verify", tmp_path) == 1
+    assert f"{path}: has 0 bytes, and the manifest says 2048" in the_line(capsys.readouterr().err)
+    path.unlink()
+    with pytest.raises(DatasetDamaged, match="is missing"):
         Dataset(tmp_path)

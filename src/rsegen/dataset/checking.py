@@ -9,18 +9,18 @@ from pathlib import Path
 
 from rsegen.dataset.layout import Layout
 from rsegen.dataset.manifest import Part, Shard
-from rsegen.errors import DatasetDamaged, FileError
+from rsegen.errors import DatasetDamaged
 
 _AT_ONCE = 2**20
 
 
 def refuse_other_sizes(folder: Path, layout: Layout, shards: Iterable[Shard]) -> None:
-    """Raise a FileError for the first file that is not there, or has another size than the manifest says."""
+    """Raise DatasetDamaged for the first file that is not there, or has another size than the manifest says."""
     for path, part in _files(folder, layout, shards):
         found = path.stat().st_size if path.is_file() else None
         if found != part.bytes:
             there = "is missing" if found is None else f"has {found} bytes, and the manifest says {part.bytes}"
-            raise FileError(f"{path}: {there}; the command that made the data set mends it with --resume")
+            raise DatasetDamaged(f"{path}: {there}; the command that made the data set mends it with --resume")
 
 
 def refuse_other_checksums(folder: Path, layout: Layout, shards: Iterable[Shard]) -> None:

@@ -90,7 +90,8 @@ class Dataset:
     """The maps of a recipe in a folder, as `rsegen dataset` makes it; maps are counted from 0.
 
     `recipe.indices[place]` is what the recipe calls the map at a place: the same, unless it has a `first_map`. It may
-    come from a stranger: no name is taken from its manifest, and FileError is raised where a file is not what it says.
+    come from a stranger: no name is taken from its manifest. Raises DatasetDamaged where a file has another size than
+    it says, FileError where there is no data set.
     """
 
     def __init__(self, folder: str | Path) -> None:
