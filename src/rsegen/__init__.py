@@ -16,6 +16,7 @@ rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
 from rsegen.build import build
 from rsegen.codec import schema
 from rsegen.errors import RsegenError, UserError
+from rsegen.formats import FORMATS
 from rsegen.importers import imported
 from rsegen.metrics import Climber, Metrics, metrics
 from rsegen.obstacles import KINDS, Obstacle
@@ -26,7 +27,7 @@ from rsegen.obstacles.normal import NormalRandom
 from rsegen.obstacles.pallet import Pallet
 from rsegen.obstacles.peak import Peak
 from rsegen.obstacles.random import Random
-from rsegen.pipeline import Generated, GeneratedMap, generate
+from rsegen.pipeline import ExportedMap, Generated, GeneratedMap, export_maps, generate
 from rsegen.recipe import Placement, Recipe
 from rsegen.recipe_file import load, save
 from rsegen.scene import Scene, compose
@@ -34,9 +35,11 @@ from rsegen.stepfield import StepField
 from rsegen.version import __version__
 
 __all__ = [
+    "FORMATS",
     "KINDS",
     "Climber",
     "DiagonalBarrier",
+    "ExportedMap",
     "Generated",
     "GeneratedMap",
     "HorizontalBarrier",
@@ -56,6 +59,7 @@ __all__ = [
     "__version__",
     "build",
     "compose",
+    "export_maps",
     "generate",
     "imported",
     "load",

@@ -41,9 +41,9 @@ def refuse_too_large(recipe: Recipe, more: int = 0) -> None:
         )
 
 
-def maps_at_once(recipe: Recipe) -> int:
-    """How many of its maps fit into memory together."""
-    return max(1, _free_memory() // (_memory(recipe) + BYTES_A_WORKER))
+def maps_at_once(recipe: Recipe, more: int = 0) -> int:
+    """How many of its maps fit into memory together, with so many bytes more for each cell."""
+    return max(1, _free_memory() // (_memory(recipe) + more * prod(_shape(recipe)) + BYTES_A_WORKER))
 
 
 def refuse_too_many(maps: int, folder: Path) -> None:

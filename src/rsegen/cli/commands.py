@@ -9,6 +9,7 @@ from rsegen.cli import (
     drive,
     examples,
     experiment,
+    export,
     generate,
     gui,
     import_,
@@ -29,6 +30,7 @@ from rsegen.version import __version__
 COMMANDS = (
     generate,
     import_,
+    export,
     gui,
     preview,
     info,
