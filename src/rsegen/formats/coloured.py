@@ -1,12 +1,19 @@
-"""A mesh cut by colour: for programs that give a mesh file one colour."""
+"""The surface of a map cut by colour: for programs that give a mesh file one colour."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
-from rsegen.geometry import Mesh
+from rsegen.export.obj import obj
+from rsegen.geometry import Mesh, surface
+from rsegen.scene import Scene
+
+
+def coloured_objs(scene: Scene) -> Mapping[int, Iterable[bytes]]:
+    """An OBJ file for each material that is there; the colours are in the map's MTL file beside it."""
+    return {material: obj([part], f"{scene.name}.mtl") for material, part in coloured(surface(scene.field))}
 
 
 def coloured(mesh: Mesh) -> Iterator[tuple[int, Mesh]]:

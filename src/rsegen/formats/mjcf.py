@@ -15,12 +15,11 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.export.numbers import decimal
-from rsegen.export.obj import material_name, obj
+from rsegen.export.obj import material_name
 from rsegen.export.sdf import encoded, numbers
 from rsegen.formats.base import Format, register
-from rsegen.formats.coloured import coloured
+from rsegen.formats.coloured import coloured_objs
 from rsegen.formats.columns import columns
-from rsegen.geometry import surface
 from rsegen.params import Choice, Whole
 from rsegen.scene import Scene
 from rsegen.stepfield import Array, StepField
@@ -84,20 +83,18 @@ def _boxes(scene: Scene) -> _Body:
 
 def _meshes(scene: Scene) -> _Body:
     """A mesh for each colour to be seen, and boxes in group 3, which viewers hide, to be touched."""
-    parts = {material_name(material): (material, part) for material, part in coloured(surface(scene.field))}
-    meshes = (
-        f'    <mesh name="{scene.name}_{name}" file="{scene.name}_{name}.obj" inertia="shell"/>\n' for name in parts
-    )
+    objs = coloured_objs(scene)
+    named = {_material(scene, material): content for material, content in objs.items()}
+    meshes = (f'    <mesh name="{name}" file="{name}.obj" inertia="shell"/>\n' for name in named)
     seen = (
-        f'      <geom type="mesh" mesh="{scene.name}_{name}" material="{scene.name}_{name}" '
-        'contype="0" conaffinity="0" group="2"/>\n'
-        for name in parts
+        f'      <geom type="mesh" mesh="{name}" material="{name}" contype="0" conaffinity="0" group="2"/>\n'
+        for name in named
     )
     touched = (_box(column.centre, column.size) for column in columns(scene.field))
     return _Body(
-        assets=chain(_materials(scene, {material for material, _ in parts.values()}), meshes),
+        assets=chain(_materials(scene, objs), meshes),
         geoms=chain(seen, touched),
-        files={f"{scene.name}_{name}.obj": obj([part], f"{scene.name}.mtl") for name, (_, part) in parts.items()},
+        files={f"{name}.obj": content for name, content in named.items()},
         touched=' group="3"',
     )
 
@@ -181,7 +178,7 @@ def _scene(scene: Scene) -> Iterator[str]:
     <global azimuth="60" elevation="-35"/>
   </visual>
   <worldbody>
-    <light name="sun" directional="true" castshadow="false" dir="-0.4 0.3 -0.86" diffuse="0.6 0.6 0.6" specular="0 0 0"/>
+    <light name="sun" directional="true" castshadow="false" dir="-0.4 0.3 -0.86" diffuse="0.6 0.6 0.6"/>
     <camera name="overview" pos="0 {decimal(-across)} {decimal(across)}" xyaxes="1 0 0 0 1 1"/>
     <geom name="ground" type="plane" size="0 0 1" {friction} rgba="0.6 0.6 0.6 1"/>
   </worldbody>
