@@ -58,7 +58,7 @@ class Posture(Format):
     @property
     def bytes_a_cell(self) -> int:
         """Its part of the raster in several copies, its edges, and what finds plateaus."""
-        return 2000 + 40 * self.per_block**2
+        return 3000 + 40 * self.per_block**2
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """Arrays have axis 0 along x; tables of heights are north up; lengths are metres."""
