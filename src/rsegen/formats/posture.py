@@ -6,7 +6,7 @@ block is 5 x 5 cells of the raster, or 10 x 10. The files are ours; they follow 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from typing import Annotated, ClassVar, NamedTuple
@@ -20,7 +20,7 @@ from rsegen.formats.encoded import as_json, facts, mat, north_up, npy, recipe_of
 from rsegen.formats.tags import Shape, peaks_and_pits, shapes
 from rsegen.params import Json, Real, Whole
 from rsegen.scene import Scene
-from rsegen.stepfield import NANOMETRE_DIGITS, Array, Ints, StepField
+from rsegen.stepfield import NANOMETRE_DIGITS, Array, Ints, Mask, StepField
 
 _RASTER = "float64 (n_x, n_y) * cells_per_block, height above the ground, metres; every sub-cell has its block's height"
 
@@ -99,7 +99,7 @@ class Posture(Format):
             "edge_columns": np.array(list(COLUMNS), dtype=object),
             "start": [list(self._pose(field, -1).values())],
             "goal": [list(self._pose(field, 1).values())],
-            "shapes": np.array([shape.cells for shape in found.shapes]).reshape(-1, *field.shape).transpose(1, 2, 0),
+            "shapes": _stacked([shape.cells for shape in found.shapes], field),
             "shape_kinds": np.array([shape.kind for shape in found.shapes], dtype=object),
             "peaks": found.peaks + 1,
             "pits": found.pits + 1,
@@ -149,6 +149,11 @@ class _Found(NamedTuple):
         for tag, where in (("peak", self.peaks), ("pit", self.pits)):
             for i, j in np.argwhere(where >= 0).tolist():
                 yield str(i), str(j), str(levels[i, j]), tag, "field", str(where[i, j])
+
+
+def _stacked(masks: Sequence[Mask], field: StepField) -> Mask:
+    """(n_x, n_y, number of masks), also where there are none."""
+    return np.moveaxis(np.array(masks, dtype=bool).reshape(len(masks), *field.shape), 0, 2)
 
 
 def _table(columns: Iterable[str], rows: Iterable[Iterable[str]]) -> Iterator[bytes]:
