@@ -94,6 +94,7 @@ class Recipe:
     tile: Annotated[
         int, Whole(0, 100_000, unit="cells", help="side of the parts that the mesh is cut into, a file each; 0: none")
     ] = 0
+    friction: Annotated[float, Real(0, 1000, help="Coulomb's coefficient of blocks, frames and ground")] = 1.0
     max_step: Annotated[
         int | None, Whole(1, 32767, unit="units", help="largest step between neighbouring blocks; flanks give way")
     ] = None
