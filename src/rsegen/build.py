@@ -2,7 +2,8 @@
 
     Recipe --build--> StepField
 
-Each obstacle is asked once for its levels, with its own generator, and is imposed on those before it; frames come last.
+Each obstacle is asked once for its levels, with its own generator, and is imposed on those before it; then come frames,
+and what the map is to keep to.
 """
 
 from __future__ import annotations
@@ -13,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.chance import SEEDS, generator
+from rsegen.constraints import constrained
 from rsegen.errors import ParameterError, TooLarge
 from rsegen.obstacles import Grid, Patch
 from rsegen.params import Whole
+from rsegen.places import Cell
 from rsegen.recipe import Placement, Recipe
 from rsegen.stepfield import Levels, StepField, framed
 
@@ -27,18 +30,19 @@ def build(recipe: Recipe, index: int = 0) -> StepField:
     levels = _level_ground(grid)
     for number, placement in enumerate(recipe.obstacles):
         try:
-            patch = _patch(recipe, placement, index)
+            *_, patch = placed(recipe, placement, index)
         except ParameterError as error:
             raise error.inside(f"obstacles[{number}]") from None
         _impose(levels, patch, placement.blend, recipe.top_level)
     levels, frame = framed(levels, recipe.chunk_size, recipe.boundary)
-    return StepField(
+    field = StepField(
         levels=levels,
         frame=frame,
         block_width=recipe.block_width_cm / 100,
         unit=recipe.unit_cm / 100,
         frame_height=recipe.frame_height_cm / 100,
     )
+    return constrained(field, recipe, index)
 
 
 def _level_ground(grid: Grid) -> Levels:
@@ -48,12 +52,13 @@ def _level_ground(grid: Grid) -> Levels:
         raise TooLarge(f"chunks: a map of {grid.n_x} x {grid.n_y} blocks is more than this machine's memory") from None
 
 
-def _patch(recipe: Recipe, placement: Placement, index: int) -> Patch:
+def placed(recipe: Recipe, placement: Placement, index: int) -> tuple[Cell, Cell, Patch]:
+    """Where the ends of a recipe's obstacle are in map `index`, and the levels that it proposes."""
     obstacle, grid = placement.obstacle, recipe.grid
     usual_first, usual_last = obstacle.usual_ends(grid)
     rng = generator(recipe.seed, index, placement.key or "")
     first, last = obstacle.ends(grid, placement.first or usual_first, placement.last or usual_last, rng)
-    return obstacle.patch(grid, first, last, rng)
+    return first, last, obstacle.patch(grid, first, last, rng)
 
 
 def _impose(levels: Levels, patch: Patch, blend: str, top_level: int) -> None:

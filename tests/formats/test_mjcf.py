@@ -131,8 +131,7 @@ def test_a_ball_that_is_dropped_comes_to_rest_on_a_block(shape: str, tmp_path: P
 
 @SHAPE
 def test_the_friction_is_the_map_s(shape: str, tmp_path: Path) -> None:
-    plain = SCENES["frames round every chunk"]
-    scene = Scene(recipe=plain.recipe, index=0, field=plain.field, friction=0.35)
+    scene = compose(replace(RECIPES["frames round every chunk"], friction=0.35))
     model, _ = compiled(written(shape, scene, tmp_path))
     touched = model.geom_contype > 0
     np.testing.assert_allclose(model.geom_friction[touched, 0], 0.35)

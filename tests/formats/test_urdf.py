@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +12,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from formats.maps import SCENES, made
+from formats.maps import RECIPES, SCENES, made
 from formats.test_meshes import seen_from_above
-from rsegen import Scene
+from rsegen import Scene, compose
 from rsegen.formats import FORMATS
 
 SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))
@@ -65,8 +66,7 @@ def test_a_ball_comes_to_rest_on_a_block_in_pybullet(name: str, tmp_path: Path, 
 
 
 def test_pybullet_shows_every_colour_and_keeps_the_friction(tmp_path: Path, bullet: Any) -> None:
-    plain = SCENES["frames round every chunk"]
-    scene = Scene(recipe=plain.recipe, index=0, field=plain.field, friction=0.35)
+    scene = compose(replace(RECIPES["frames round every chunk"], friction=0.35))
     body = bullet.loadURDF(str(written(scene, tmp_path)))
     kinds = [0, *(level for level in scene.field.level_counts() if level)]
     shown = [shape[7][:3] for shape in bullet.getVisualShapeData(body)]

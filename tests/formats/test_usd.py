@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -86,8 +87,7 @@ def test_the_map_is_the_default_prim_in_metres_with_z_up(binary: bool, scene: Sc
 def test_physics_takes_it_for_static_triangles_with_the_map_s_friction(scene: Scene, tmp_path: Path) -> None:
     from pxr import UsdPhysics, UsdShade
 
-    rough = Scene(recipe=scene.recipe, index=0, field=scene.field, friction=0.35)
-    stage = opened(rough, tmp_path)
+    stage = opened(compose(replace(scene.recipe, friction=0.35)), tmp_path)
     prim = surface(stage).GetPrim()
     assert prim.HasAPI(UsdPhysics.CollisionAPI)
     assert UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get() == "none"
