@@ -130,11 +130,11 @@ def test_normals_are_those_of_the_triangles(tmp_path: Path) -> None:
 
 
 @BINARY
-@pytest.mark.parametrize("name", ["2026-11.pallet", "7_blocks"])
-def test_a_map_of_any_name_is_a_prim(binary: bool, name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("name", "prim"), [("2026-11.pallet", "_2026_11_pallet_0000"), ("blocks", "blocks_0000")])
+def test_a_map_of_any_name_is_a_prim(binary: bool, name: str, prim: str, tmp_path: Path) -> None:
     scene = compose(Recipe(name=name, seed=1, chunk_size=2))
     stage = opened(scene, tmp_path, binary=binary)
-    assert stage.GetDefaultPrim().IsValid()
+    assert stage.GetDefaultPrim().GetPath() == f"/{prim}"
     assert surface(stage)
 
 

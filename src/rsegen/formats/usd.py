@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -41,6 +42,12 @@ class Usd(Format):
         return {f"{scene.name}.usda": _text(scene)}
 
 
+def prim_name(name: str) -> str:
+    """The name of a map as USD has names: letters, digits and _, no digit first."""
+    plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    return f"_{plain}" if plain[0].isdigit() else plain
+
+
 def _text(scene: Scene) -> Iterator[bytes]:
     stage = _stage(scene)  # which keeps its layer alive
     yield stage.GetRootLayer().ExportToString().encode()
@@ -58,13 +65,13 @@ def _binary(scene: Scene) -> Iterator[bytes]:
 
 def _stage(scene: Scene) -> Any:
     """The map as the default prim, an Xform of its name; a scene of physics is left to whoever takes the map in."""
-    from pxr import Kind, Tf, Usd, UsdGeom
+    from pxr import Kind, Usd, UsdGeom
 
     stage = Usd.Stage.CreateInMemory()
     stage.GetRootLayer().documentation = "made by rsegen; the middle of the map is at the origin, the ground at z = 0"
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    root = UsdGeom.Xform.Define(stage, f"/{Tf.MakeValidIdentifier(scene.name)}")
+    root = UsdGeom.Xform.Define(stage, f"/{prim_name(scene.name)}")
     Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
     stage.SetDefaultPrim(root.GetPrim())
     found = solid(scene.field)
