@@ -33,6 +33,7 @@ OVERRIDES: Mapping[str, tuple[str, object]] = {
     "block_width_cm": ("8", 8),
     "boundary": ("outer", "outer"),
     "frame_height_cm": ("0", 0),
+    "difficulty": ("0.5", 0.5),
     "mesh_type": ("pallet", "pallet"),
     "simulator": ("classic", "classic"),
     "mesh": ("watertight", "watertight"),

@@ -30,6 +30,7 @@ from rsegen.pipeline import Generated, GeneratedMap, generate
 from rsegen.recipe import Placement, Recipe
 from rsegen.recipe_file import load, save
 from rsegen.scene import Scene, compose
+from rsegen.series import Series, series
 from rsegen.stepfield import StepField
 from rsegen.version import __version__
 
@@ -51,6 +52,7 @@ __all__ = [
     "Recipe",
     "RsegenError",
     "Scene",
+    "Series",
     "StepField",
     "UserError",
     "__version__",
@@ -62,4 +64,5 @@ __all__ = [
     "metrics",
     "save",
     "schema",
+    "series",
 ]

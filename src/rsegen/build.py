@@ -2,7 +2,8 @@
 
     Recipe --build--> StepField
 
-Each obstacle is asked once for its levels, with its own generator, and is imposed on those before it; frames come last.
+Each obstacle is asked once for its levels, with its own generator, and is imposed on those before it; then the map is
+eased to its difficulty; frames come last.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.chance import SEEDS, generator
+from rsegen.difficulty import eased
 from rsegen.errors import ParameterError, TooLarge
 from rsegen.obstacles import Grid, Patch
 from rsegen.params import Whole
@@ -31,6 +33,7 @@ def build(recipe: Recipe, index: int = 0) -> StepField:
         except ParameterError as error:
             raise error.inside(f"obstacles[{number}]") from None
         _impose(levels, patch, placement.blend, recipe.top_level)
+    levels = eased(levels, recipe, index)
     levels, frame = framed(levels, recipe.chunk_size, recipe.boundary)
     return StepField(
         levels=levels,

@@ -24,15 +24,19 @@ def complete(recipe: Recipe, folder: Path, *, preview: bool) -> frozenset[int]:
     expected = recipe_files(recipe)
     found = set()
     for index in _taken(recipe, folder):
-        home = os.path.join(folder, recipe.map_name(index))
-        if not _holds(os.path.join(home, "recipe.json"), expected(index)):
-            raise OutputError(
-                f"{home}: is there already and is not this map: its recipe.json is missing, or says another seed, "
-                "parameter or version of rsegen; give those of the run that was stopped, or another folder or --name"
-            )
-        if not preview or os.path.isfile(os.path.join(home, "preview.png")):
+        if is_complete(os.path.join(folder, recipe.map_name(index)), expected(index), preview=preview):
             found.add(index)
     return frozenset(found)
+
+
+def is_complete(home: str, recipe_file: bytes, *, preview: bool) -> bool:
+    """Whether the map of that recipe.json, which stands in `home`, has all that is asked for; else an OutputError."""
+    if not _holds(os.path.join(home, "recipe.json"), recipe_file):
+        raise OutputError(
+            f"{home}: is there already and is not this map: its recipe.json is missing, or says another seed, "
+            "parameter or version of rsegen; give those of the run that was stopped, or another folder or --name"
+        )
+    return not preview or os.path.isfile(os.path.join(home, "preview.png"))
 
 
 def recipe_files(recipe: Recipe) -> Callable[[int], bytes]:

@@ -20,6 +20,7 @@ from rsegen.cli import (
     remove,
     respawn,
     schema,
+    series,
     sim,
     spawn,
 )
@@ -28,6 +29,7 @@ from rsegen.version import __version__
 
 COMMANDS = (
     generate,
+    series,
     import_,
     gui,
     preview,

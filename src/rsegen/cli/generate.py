@@ -67,7 +67,7 @@ def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
             force=arguments.force,
             resume=arguments.resume,
             preview=arguments.preview,
-            workers=cores() if arguments.workers is None else _workers(arguments.workers),
+            workers=workers_from(arguments),
             progress=progress,
         )
     if arguments.json:
@@ -76,8 +76,10 @@ def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
         print("\n".join(_report(made)))
 
 
-def _workers(text: str) -> int:
-    return WORKERS.check("--workers", WORKERS.parse(text))
+def workers_from(arguments: argparse.Namespace) -> int:
+    """How many were asked for, or as many as there are cores."""
+    given = arguments.workers
+    return cores() if given is None else WORKERS.check("--workers", WORKERS.parse(given))
 
 
 @contextmanager
