@@ -1,4 +1,5 @@
-"""The generated parts of the manual: schema, obstacle reference, parameter table, figures of speed, pictures.
+"""The generated parts of the manual: schema, obstacle reference, parameter table, figures of speed and of
+difficulty, pictures.
 
 python -m docs.generate           makes them anew
 python -m docs.generate --check   exits with 1 where one of them is out of date, and names it
@@ -11,10 +12,12 @@ import json
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
-from rsegen import KINDS, Climber, Placement, Recipe, Scene, compose, load, metrics, schema
+from docs import difficulty
+from rsegen import KINDS, Climber, Placement, Recipe, Scene, compose, load, metrics, schema, series
 from rsegen.chart import chart
 from rsegen.codec import encode, summary
 from rsegen.drawing import picture
@@ -31,6 +34,7 @@ README = DOCS.parent / "README.md"
 EXPERIMENT = RESULTS / "experiment.json"
 PLOT = "\n![Speed and memory over the side of the map](pictures/experiment.png)\n"
 WAYS = DOCS / "pictures" / "ways.png"
+DIFFICULTY = DOCS / "difficulty.md"
 
 
 def texts() -> dict[Path, str]:
@@ -47,6 +51,7 @@ def texts() -> dict[Path, str]:
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
         DOCS / "examples.md": "\n".join(_examples()) + "\n",
         DOCS / "experiment.md": experiments.page(*told(EXPERIMENT)) + PLOT,
+        DIFFICULTY: filled(DIFFICULTY.read_text("utf-8"), difficulty.table()),
         ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
     }
 
@@ -59,6 +64,11 @@ def pictures() -> dict[Path, Scene]:
     return {path: compose(recipe) for path, recipe in shown.items()}
 
 
+def rising() -> dict[Path, bool]:
+    """The pictures of series, and whether they are of one field."""
+    return {DOCS / "pictures" / name: name == "one-field.png" for name in ("series.png", "one-field.png")}
+
+
 def stale() -> Iterator[Path]:
     """The files that are missing or out of date; a picture is judged by the recipe that it carries."""
     for path, text in texts().items():
@@ -66,6 +76,9 @@ def stale() -> Iterator[Path]:
             yield path
     for path, scene in pictures().items():
         if not path.exists() or _recipe_in(path) != encode(scene.alone):
+            yield path
+    for path in rising():
+        if not path.exists() or _recipe_in(path) != encode(difficulty.EXAMPLE):
             yield path
 
 
@@ -81,6 +94,8 @@ def main(arguments: list[str]) -> int:
     for path, scene in pictures().items():
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(_ways(scene) if path == WAYS else picture(scene))
+    for path, same_field in rising().items():
+        path.write_bytes(_rise(same_field=same_field))
     plan, results, _ = told(EXPERIMENT)
     (DOCS / "pictures" / "experiment.png").write_bytes(experiments.plot(plan, results))
     return 0
@@ -89,6 +104,11 @@ def main(arguments: list[str]) -> int:
 def _ways(scene: Scene) -> bytes:
     reach = metrics(scene.field, Climber(climb_cm=10)).reach
     return chart(scene, reach) if reach else b""
+
+
+def _rise(*, same_field: bool) -> bytes:
+    with TemporaryDirectory() as folder:
+        return series(difficulty.EXAMPLE, folder, same_field=same_field).picture.read_bytes()
 
 
 def _alone(kind: str) -> Recipe:

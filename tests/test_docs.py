@@ -43,6 +43,13 @@ def test_the_python_of_the_page_of_metrics_works() -> None:
     assert found.stdout.startswith("0.13017")
 
 
+def test_the_python_of_the_page_of_difficulty_works(tmp_path: Path) -> None:
+    (script,) = blocks(ROOT / "docs" / "difficulty.md", "python")
+    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
+    assert (tmp_path / "course" / "mixed-course-0004_0000" / "mixed-course-0004_0000.world").is_file()
+    assert (tmp_path / "course" / "series.png").is_file()
+
+
 def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None:
     (source,) = blocks(ROOT / "CONTRIBUTING.md", "python")
     shutil.copytree(ROOT / "src" / "rsegen", tmp_path / "rsegen")

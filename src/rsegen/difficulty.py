@@ -29,26 +29,26 @@ def eased(levels: Levels, recipe: Recipe, index: int) -> Levels:
     """The blocks of map `index` at the recipe's difficulty; where they have no steps, they are lowered as one."""
     if recipe.difficulty == 1:
         return levels
-    measure = partial(_roughness, parts=_parts(levels, recipe))
+    measure = partial(roughness, parts=parts_of(levels, recipe))
     asked = recipe.difficulty * measure(levels)
     if not asked:
-        return _lowered(levels, 0.5, recipe.difficulty)
+        return lowered(levels, 0.5, recipe.difficulty)
     drawn = generator(recipe.seed, index, _KEY).random(levels.shape)
-    return _nearest(partial(_lowered, levels, _rounding(levels, drawn)), measure, asked, _halvings(levels))
+    return nearest(partial(lowered, levels, _rounding(levels, drawn)), measure, asked, _halvings(levels))
 
 
-def _lowered(levels: Levels, rounding: Array | float, scale: float) -> Levels:
+def lowered(levels: Levels, rounding: Array | float, scale: float) -> Levels:
     """floor(s h + u): `levels` themselves at scale 1, and level ground at 0."""
     return np.asarray(np.floor(levels * scale + rounding), dtype=np.int16)
 
 
-def _parts(levels: Levels, recipe: Recipe) -> tuple[int, int]:
+def parts_of(levels: Levels, recipe: Recipe) -> tuple[int, int]:
     """Cells along x and y between which no frame stands."""
     n_x, n_y = levels.shape
     return (recipe.chunk_size, recipe.chunk_size) if recipe.boundary == "divided" else (n_x, n_y)
 
 
-def _roughness(levels: Levels, parts: tuple[int, int]) -> float:
+def roughness(levels: Levels, parts: tuple[int, int]) -> float:
     """sqrt(sum dh^2) over all neighbours without a frame between them: the rms step, but for a factor."""
     n_x, n_y = levels.shape
     x, y = levels.reshape(-1, parts[0], n_y), levels.reshape(n_x, -1, parts[1])
@@ -57,7 +57,7 @@ def _roughness(levels: Levels, parts: tuple[int, int]) -> float:
     return sqrt(sum(int(np.vdot(rise, rise)) for rise in rises))
 
 
-def _nearest(at: Callable[[float], Levels], measure: Callable[[Levels], float], asked: float, halvings: int) -> Levels:
+def nearest(at: Callable[[float], Levels], measure: Callable[[Levels], float], asked: float, halvings: int) -> Levels:
     """Of the two fields beside the place where the measure passes what is asked, the one that is nearer to it.
 
     By halving. Whatever the measure does in between, who asks for more goes the same way or higher: so fields are
