@@ -39,6 +39,10 @@ OVERRIDES: Mapping[str, tuple[str, object]] = {
     "mesh": ("watertight", "watertight"),
     "collision": ("boxes", "boxes"),
     "tile": ("2", 2),
+    "friction": ("0.65", 0.65),
+    "max_step": ("2", 2),
+    "crossable_by": ("10,12.5,30", [10, 12.5, 30]),
+    "inventory": ("5,0,7", [5, 0, 7]),
     "seed": ("9223372036854775807", 2**63 - 1),
 }
 """For every global parameter, a flag's text that differs from `recipe_file`, and what the map's recipe then says."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from rsegen.export import MESH_TYPES, export
 from rsegen.export.obj import faces
+from rsegen.proof import missing
 from rsegen.scene import Scene
 
 MANY = 1000
@@ -59,6 +60,8 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     found = []
     if not scene.field.levels.any():
         found.append("every block is at level 0: there is nothing to see but frames and ground")
+    if lacks := missing(scene):
+        found.append(lacks)
     mesh_type = MESH_TYPES[scene.recipe.mesh_type]
     models = mesh_type.models(scene)
     if models > MANY:

@@ -3,7 +3,7 @@
     Recipe --build--> StepField
 
 Each obstacle is asked once for its levels, with its own generator, and is imposed on those before it; then the map is
-eased to its difficulty; frames come last.
+eased to its difficulty; then come frames, and what the map is to keep to.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.chance import SEEDS, generator
+from rsegen.constraints import constrained
 from rsegen.difficulty import eased
 from rsegen.errors import ParameterError, TooLarge
 from rsegen.obstacles import Grid, Patch
@@ -35,13 +36,14 @@ def build(recipe: Recipe, index: int = 0) -> StepField:
         _impose(levels, patch, placement.blend, recipe.top_level)
     levels = eased(levels, recipe, index)
     levels, frame = framed(levels, recipe.chunk_size, recipe.boundary)
-    return StepField(
+    field = StepField(
         levels=levels,
         frame=frame,
         block_width=recipe.block_width_cm / 100,
         unit=recipe.unit_cm / 100,
         frame_height=recipe.frame_height_cm / 100,
     )
+    return constrained(field, recipe, index)
 
 
 def _level_ground(grid: Grid) -> Levels:

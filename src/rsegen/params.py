@@ -222,7 +222,7 @@ class Several:
 
     def describe(self) -> str:
         sort = self.sort.describe()
-        return f"a list of {self.length} of {sort}" if self.length else f"{sort}, or a list"
+        return f"a list of {self.length} of {sort}" if self.length else f"{sort}, or a list of such"
 
 
 def parameters(owner: type) -> Mapping[str, Parameter]:

@@ -11,8 +11,9 @@ from typing import Annotated
 
 from rsegen.chance import SEEDS, fresh_seed
 from rsegen.errors import ParameterError, shown
+from rsegen.metrics import Climber
 from rsegen.obstacles import Grid, Obstacle
-from rsegen.params import Choice, Json, Real, Text, Whole, parameters, settle
+from rsegen.params import Choice, Json, Real, Several, Text, Whole, parameters, settle
 from rsegen.places import AtCell, Cell, Pair, Place
 
 _CENTIMETRES = Real(0.001, 100_000, unit="cm")
@@ -96,6 +97,22 @@ class Recipe:
     tile: Annotated[
         int, Whole(0, 100_000, unit="cells", help="side of the parts that the mesh is cut into, a file each; 0: none")
     ] = 0
+    friction: Annotated[float, Real(0, 1000, help="Coulomb's coefficient of blocks, frames and ground")] = 1.0
+    max_step: Annotated[
+        int | None, Whole(1, 32767, unit="units", help="largest step between neighbouring blocks; flanks give way")
+    ] = None
+    crossable_by: Annotated[
+        tuple[float, float, float] | None,
+        Several(
+            Real(0, 100_000, unit="cm"),
+            3,
+            help="climb, drop and width of a robot that gets across, east and north",
+        ),
+    ] = None
+    inventory: Annotated[
+        tuple[int, ...] | None,
+        Several(Whole(0, 10**9), help="blocks that a lab owns of level 1, 2, ...: no others are built with"),
+    ] = None
     seed: Annotated[int, Whole(0, SEEDS - 1, help="of all randomness; drawn and recorded where none is given")] = field(
         default_factory=fresh_seed
     )
@@ -106,6 +123,7 @@ class Recipe:
         if self.first_map + self.maps > SEEDS:
             raise ParameterError("maps", f"{shown(self.maps)} from first_map {self.first_map} on go beyond {SEEDS - 1}")
         self._check_shapes()
+        self._check_frames()
         if not isinstance(self.obstacles, (list, tuple)):
             raise ParameterError("obstacles", f"{shown(self.obstacles)} is not a list of placements")
         for number, placement in enumerate(self.obstacles):
@@ -117,6 +135,19 @@ class Recipe:
         """The block cells of a map."""
         m_x, m_y = self.chunks
         return Grid(m_x * self.chunk_size, m_y * self.chunk_size, self.chunk_size)
+
+    @property
+    def climber(self) -> Climber | None:
+        """The robot that gets across every map."""
+        if self.crossable_by is None:
+            return None
+        climb, drop, width = self.crossable_by
+        return Climber(climb_cm=climb, drop_cm=drop, width_cm=width)
+
+    @property
+    def is_constrained(self) -> bool:
+        """Whether its maps keep to anything."""
+        return not (self.max_step is None and self.crossable_by is None and self.inventory is None)
 
     @property
     def indices(self) -> range:
@@ -137,8 +168,9 @@ class Recipe:
         return replace(self, first_map=index, maps=1)
 
     def values(self) -> dict[str, Json]:
-        """Every global parameter as a file has it."""
-        return {name: _plain(getattr(self, name)) for name in parameters(Recipe)}
+        """Every global parameter that is not left open, as a file has it."""
+        values = {name: getattr(self, name) for name in parameters(Recipe)}
+        return {name: _plain(value) for name, value in values.items() if value is not None}
 
     def entry(self) -> dict[str, Json]:
         """The recipe as a file has it: every parameter in full, but for difficulty 1, which changes nothing."""
@@ -157,6 +189,16 @@ class Recipe:
             raise ParameterError("tile", f"{self.tile} is for mesh_type single; give 0 with mesh_type {self.mesh_type}")
         if self.tile and self.mesh == "watertight":
             raise ParameterError("tile", f"{self.tile} would cut a watertight mesh open; give 0, or mesh merged")
+
+    def _check_frames(self) -> None:
+        """Raise a ParameterError where a robot that is to get across can't get over the frames."""
+        least = min(self.crossable_by[:2]) if self.crossable_by else self.frame_height_cm
+        if self.boundary != "none" and self.frame_height_cm > least:
+            raise ParameterError(
+                "crossable_by",
+                f"the robot gets over {least:g} cm, and the frames are {self.frame_height_cm:g} cm high; "
+                f"give boundary none, or a frame_height_cm of up to {least:g}",
+            )
 
     def _check_placement(self, where: str, placement: object) -> None:
         if not isinstance(placement, Placement):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -100,18 +101,19 @@ def rows(wrong: Callable[[Parameter], Iterator[object]]) -> list[Any]:
 @pytest.mark.parametrize(("name", "value"), cases(Recipe, wrong_values))
 def test_a_global_parameter_in_a_file(refused: Refused, name: str, value: object) -> None:
     line = refused("generate", recipe(json.dumps({name: value}), "recipe.json"), "-o", "out")
-    assert line.startswith(f"rsegen: recipe.json: {name}: ")
+    assert re.match(rf"rsegen: recipe.json: {name}(\[\d\])?: ", line)
     assert right(parameters(Recipe)[name]) in line
 
 
 @pytest.mark.parametrize(("name", "text"), cases(Recipe, wrong_texts))
 def test_a_global_parameter_as_a_flag(refused: Refused, name: str, text: str) -> None:
     line = refused("generate", f"--{name.replace('_', '-')}={text}", "-o", "out")
-    assert line.startswith(f"rsegen: {name}: ")
+    file = f"{text}: No such file" if name == "inventory" else name
+    assert re.match(rf"rsegen: ({name}(\[\d\])?: |{re.escape(file)})", line)
     assert right(parameters(Recipe)[name]) in line
 
 
-@pytest.mark.parametrize("name", parameters(Recipe))
+@pytest.mark.parametrize("name", [name for name in parameters(Recipe) if getattr(Recipe(seed=0), name) is not None])
 def test_a_key_with_nothing_after_it(refused: Refused, name: str) -> None:
     line = refused("info", recipe(f"{name}:\n"))
     assert line.startswith(f"rsegen: recipe.yaml: {name}: nothing ")

@@ -66,7 +66,7 @@ def test_a_plan_of_a_file_is_named_after_it(tmp_path: Path) -> None:
         (ROWS + "repeats: 0", "repeats: 0 is outside 1..1000"),
         ("rows: [{robot: burgr}]", "rows[0].robot: 'burgr' is not one of burger, crawler, jackal"),
         ("rows: [{sizes: [15]}]", "rows[0].sizes: 15 is no multiple of 10 blocks"),
-        ("rows: [{sizes: []}]", "rows[0].sizes: [] is not a list of some of"),
+        ("rows: [{sizes: []}]", "rows[0].sizes: [] is not 0..4000 blocks, or a list of such"),
         ("rows: [{colour: red}]", "rows[0]: unknown key of a row 'colour'"),
         ("rows: [{recipe: {mesh_type: mutli}}]", "rows[0].recipe.mesh_type: 'mutli' is not one of"),
     ],

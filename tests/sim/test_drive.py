@@ -68,6 +68,16 @@ def test_the_same_seed_gives_the_same_tracks_and_another_seed_others(
     assert first != third
 
 
+def test_what_the_simulator_complains_of_is_told(
+    gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = course(tmp_path, 1)
+    for mesh in folder.glob("meshes/*.obj"):
+        mesh.unlink()
+    assert main(["drive", str(folder), "--duration", "1"]) == 0
+    assert "warning: [Err]" in capsys.readouterr().out
+
+
 def test_a_robot_of_a_file_is_driven(gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "mine.sdf").write_text(ROBOTS["burger"].file("mine", "classic"))
     words = ["drive", str(course(tmp_path, 1)), "--robot", str(tmp_path / "mine.sdf"), "--size", "0.14,0.18,0.19"]

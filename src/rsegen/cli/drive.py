@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 from rsegen.chance import SEEDS, fresh_seed
 from rsegen.cli.flags import Subparsers
@@ -92,7 +93,7 @@ def run(arguments: argparse.Namespace) -> None:
         drive = driven(here, file, drivers, seconds, progress, watched=watched)
     goal = beyond(scene.field, kind) if route == "straight" else None
     trips = {name: measured(track, easy(kind), goal) for name, track in drive.tracks.items()}
-    told = _summary(here, scene, route, seed, drivers, trips)
+    told = _summary(here, scene, route, seed, drivers, trips) | {"errors": list(drive.errors)}
     if arguments.output:
         write(_files(scene, drive, told), arguments.output, force=arguments.force)
     print(json.dumps(told, indent=2) if arguments.json else "\n".join(_report(told, trips)))
@@ -151,12 +152,13 @@ def _files(scene: Scene, drive: Drive, told: Mapping[str, object]) -> dict[PureP
     } | ({PurePosixPath("gazebo.jpg"): [drive.seen]} if drive.seen else {})
 
 
-def _report(told: Mapping[str, object], trips: Mapping[str, Trip]) -> Iterator[str]:
+def _report(told: Mapping[str, Any], trips: Mapping[str, Trip]) -> Iterator[str]:
     yield f"{told['map']} in {told['simulator']}, {told['route']}, seed {told['seed']}:"
     for name, trip in trips.items():
         crossed = "" if told["route"] != "straight" else _crossed(trip)
         tipped = f", tipped over {trip.tipped}x" if trip.tipped else ""
         yield f"  {name}: {trip.distance:.2f} m in {trip.seconds:g} s{crossed}, stuck {trip.stuck:g} s{tipped}"
+    yield from (f"warning: {line}" for line in dict.fromkeys(told["errors"]))
 
 
 def _crossed(trip: Trip) -> str:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from rsegen.cli.inventory import inventory_in
 from rsegen.codec import decode_placement
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.examples import or_example
@@ -16,6 +17,7 @@ from rsegen.obstacles import kind
 from rsegen.params import parameters
 from rsegen.recipe import Placement, Recipe
 from rsegen.recipe_file import load
+from rsegen.robots import robot
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
@@ -57,7 +59,20 @@ def recipe_from(arguments: argparse.Namespace) -> Recipe:
 def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
     """A recipe with the flags over it and their obstacles after its own."""
     added = tuple(placement(text) for text in arguments.obstacle)
-    return replace(start, **given(Recipe, arguments), obstacles=(*start.obstacles, *added))
+    said = _without_names(given(Recipe, arguments), start.unit_cm)
+    return replace(start, **said, obstacles=(*start.obstacles, *added))
+
+
+def _without_names(said: dict[str, Any], unit_cm: float) -> dict[str, Any]:
+    """What flags say, with a robot's figures in place of its name, and a file's blocks in place of the file."""
+    match said:
+        case {"crossable_by": [str(name)]} if name:
+            said["crossable_by"] = robot(name, "crossable_by").climber.figures
+    match said:
+        case {"inventory": [str(name)]} if name:
+            unit = parameters(Recipe)["unit_cm"].check("unit_cm", said.get("unit_cm", unit_cm))
+            said["inventory"] = inventory_in(Path(name), unit)
+    return said
 
 
 def given(owner: type, arguments: argparse.Namespace) -> dict[str, Any]:
@@ -101,12 +116,20 @@ def _file(text: str) -> Path:
 
 
 def _metavar(name: str) -> str:
-    return {"chunks": "N|NxM", "name": "NAME", "description": "TEXT", "first_map": "INDEX"}.get(
-        name, name.rpartition("_")[2].upper()
-    )
+    return _METAVARS.get(name, name.rpartition("_")[2].upper())
 
 
 def _plain(value: object) -> str:
     if isinstance(value, tuple):
         return "x".join(map(str, value))
     return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+_METAVARS = {
+    "chunks": "N|NxM",
+    "name": "NAME",
+    "description": "TEXT",
+    "first_map": "INDEX",
+    "crossable_by": "ROBOT|CM,CM,CM",
+    "inventory": "FILE.csv|N,N,...",
+}

@@ -12,8 +12,10 @@ from pathlib import Path
 
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
 from rsegen.pipeline import WORKERS, Generated, GeneratedMap, generate
+from rsegen.proof import told
 from rsegen.recipe import Recipe
 from rsegen.resume import standing
+from rsegen.scene import compose
 from rsegen.workers import cores
 
 _SHOWN = 10
@@ -131,6 +133,8 @@ def _report(made: Generated) -> Iterator[str]:
         yield f"  {one.world}"
     if len(made.maps) > _SHOWN:
         yield f"  and {len(made.maps) - _SHOWN} more in {made.folder}"
+    if made.recipe.is_constrained and len(made.maps) == 1:
+        yield from told(compose(made.recipe, made.maps[0].index))
     for text in dict.fromkeys(text for one in made.maps for text in one.warnings):
         yield f"warning: {text}"
     yield from _how_to_open(made.maps[0], made.folder, made.recipe.simulator)

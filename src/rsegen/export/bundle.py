@@ -5,6 +5,7 @@ Scene --export--> Bundle
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
 from pathlib import PurePosixPath
 from typing import Protocol
@@ -12,6 +13,7 @@ from typing import Protocol
 from rsegen.codec import to_json
 from rsegen.export import multi, pallet, single
 from rsegen.export.levels import csv
+from rsegen.proof import proof
 from rsegen.scene import Scene
 
 Bundle = Mapping[PurePosixPath, Iterable[bytes]]
@@ -35,8 +37,12 @@ MESH_TYPES: Mapping[str, MeshType] = {"single": single, "multi": multi, "pallet"
 
 
 def export(scene: Scene) -> Bundle:
-    """Everything on disk of a map: world and models as its mesh type says, its levels, and the recipe of it alone."""
+    """Everything on disk of a map: world and models as its mesh type says, its levels, the recipe of it alone, and
+    the proof that it keeps to its constraints.
+    """
     files = MESH_TYPES[scene.recipe.mesh_type].files(scene)
     files["levels.csv"] = csv(scene.field)
+    if scene.recipe.is_constrained:
+        files["constraints.json"] = [(json.dumps(proof(scene), indent=2) + "\n").encode()]
     files["recipe.json"] = [to_json(scene.alone).encode()]
     return {PurePosixPath(path): content for path, content in files.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import TypeVar, cast
 
 from PySide6.QtCore import QSignalBlocker, Signal
@@ -18,7 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from rsegen.obstacles.matrix import Rows
-from rsegen.params import Choice, Flag, Json, Parameter, Real, Whole
+from rsegen.params import Choice, Flag, Json, Parameter, Real, Whole, parameters
 from rsegen.places import Pair
 
 _MOST = 2**31 - 1
@@ -207,8 +208,11 @@ class RowsEditor(Editor):
             self._tell()
 
 
-def editor(name: str, parameter: Parameter) -> Editor:
-    """The widget for a parameter."""
+def editor(owner: type, name: str) -> Editor:
+    """The widget for a parameter of a dataclass; one that may be left open is a text, and empty until it is given."""
+    parameter = parameters(owner)[name]
+    if next(field.default for field in fields(owner) if field.name == name) is None:
+        return TextEditor(name, parameter)
     if isinstance(parameter, Choice):
         return ChoiceEditor(name, parameter)
     if isinstance(parameter, Pair):

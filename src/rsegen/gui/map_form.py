@@ -52,12 +52,12 @@ class MapForm(QWidget):
     def show_values(self, values: Entry, problem: ParameterError | None) -> None:
         """Put the values of a draft into the fields, and what is wrong under the one that it is about."""
         for name, each in self._editors.items():
-            each.show_value(values[name])
+            each.show_value(values.get(name))
             about = problem and problem.where.partition("[")[0] == name
             self._complaints[name].say(problem.problem if problem and about else "")
 
     def _add(self, name: str) -> None:
-        each, complaint = editor(name, parameters(Recipe)[name]), Notice(f"{name}_complaint")
+        each, complaint = editor(Recipe, name), Notice(f"{name}_complaint")
         each.edited.connect(lambda value: self.edited.emit(name, value))
         self._editors[name], self._complaints[name] = each, complaint
         label = QLabel(TITLES.get(name, name.replace("_cm", "").replace("_", " ").capitalize()))

@@ -43,11 +43,9 @@ class Reading(QDialog):
         super().accept()
 
     def _field(self, name: str) -> Editor:
-        """An option; one that may be left out is a text that may be empty."""
-        option = parameters(self._format)[name]
-        default = next(field.default for field in fields(self._format) if field.name == name)
-        each = TextEditor(name, option) if default is None else editor(name, option)
-        each.show_value(default)
+        """An option, as it is by default."""
+        each = editor(self._format, name)
+        each.show_value(next(field.default for field in fields(self._format) if field.name == name))
         return self._add(each, name.replace("_", " ").capitalize())
 
     def _add(self, each: Editor, title: str) -> Editor:

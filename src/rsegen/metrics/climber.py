@@ -38,8 +38,13 @@ class Climber:
     @property
     def limits(self) -> tuple[int, int]:
         """The highest step up and the highest step down, nanometres."""
-        drop_cm = self.climb_cm if self.drop_cm is None else self.drop_cm
-        return round(self.climb_cm * NANOMETRES / 100), round(drop_cm * NANOMETRES / 100)
+        climb_cm, drop_cm, _ = self.figures
+        return round(climb_cm * NANOMETRES / 100), round(drop_cm * NANOMETRES / 100)
+
+    @property
+    def figures(self) -> tuple[float, float, float]:
+        """Climb, drop and width, centimetres."""
+        return self.climb_cm, self.climb_cm if self.drop_cm is None else self.drop_cm, self.width_cm
 
     @property
     def width(self) -> float:

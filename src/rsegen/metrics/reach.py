@@ -64,8 +64,8 @@ def reach(field: StepField, climber: Climber) -> Reach:
         climbable=climbable,
         droppable=droppable,
         cover=float(region.sum() / (~field.frame).sum()),
-        west_east=_crossing(field, climber, 0),
-        south_north=_crossing(field, climber, 1),
+        west_east=crossing(field, climber, 0),
+        south_north=crossing(field, climber, 1),
         region=region,
     )
 
@@ -85,7 +85,7 @@ def _largest_region(field: StepField, climber: Climber) -> Mask:
     return np.asarray(~field.frame & (group == np.bincount(group[~field.frame]).argmax()))
 
 
-def _crossing(field: StepField, climber: Climber, axis: int) -> Crossing:
+def crossing(field: StepField, climber: Climber, axis: int) -> Crossing:
     """Along x for axis 0, along y for axis 1, which is then the first one until the end."""
     carrying = lane(field, climber.width, axis)
     found = ways(carrying, round(field.block_width * NANOMETRES), climber.limits)

@@ -1,0 +1,41 @@
+"""The blocks that a lab owns, in a file."""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from pathlib import Path
+
+from rsegen.errors import FileError, ParameterError, shown
+from rsegen.params import Real, Whole
+from rsegen.texts import text_of
+
+COLUMNS = ["height_cm", "count"]
+_MOST_MIB = 1
+_MOST_LEVELS = 32767
+
+
+def inventory_in(path: Path, unit_cm: float) -> tuple[int, ...]:
+    """How many blocks of level 1, 2, ... there are by a CSV file of heights and counts; a height may stand twice."""
+    counts: Counter[int] = Counter()
+    rows = csv.reader(line for line in text_of(path, _MOST_MIB, "an inventory").splitlines() if line.strip())
+    if next(rows, None) != COLUMNS:
+        raise FileError(
+            f"{path}: does not begin with the line {','.join(COLUMNS)}; give levels in numbers, or such a file"
+        )
+    for row in rows:
+        level, count = _row(f"{path}: line {rows.line_num}", row, unit_cm)
+        counts[level] += count
+    return tuple(counts[level] for level in range(1, max(counts, default=0) + 1)) or (0,)
+
+
+def _row(where: str, row: list[str], unit_cm: float) -> tuple[int, int]:
+    """A block's level, and how many of them there are."""
+    if len(row) != len(COLUMNS):
+        raise FileError(f"{where}: {shown(','.join(row))} is not a height and a count")
+    height = Real(0, 100_000, unit="cm").check(where, Real().parse(row[0]))
+    count = Whole(0, 10**9).check(where, Whole(0).parse(row[1].strip()))
+    level = round(height / unit_cm)
+    if abs(level * unit_cm - height) > 1e-6 or not 1 <= level <= _MOST_LEVELS:
+        raise ParameterError(where, f"a block of {height:g} cm has no whole number of units of {unit_cm:g} cm")
+    return level, count

@@ -1,0 +1,67 @@
+"""Random obstacles of counted blocks, and with a largest step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+import rsegen
+
+COUNTS = (9, 27, 33, 21, 10)
+
+
+def made(place: Mapping[str, object] | None = None, side: int = 10, **values: object) -> rsegen.Recipe:
+    obstacle = rsegen.Random(**{"max_height": 5, **values})  # type: ignore[arg-type]
+    placed = rsegen.Placement(obstacle=obstacle, key="k", **place or {})  # type: ignore[arg-type]
+    return rsegen.Recipe(seed=3, chunk_size=side, boundary="none", obstacles=[placed])
+
+
+def test_there_are_just_so_many_blocks() -> None:
+    maps = [rsegen.build(made(counts=COUNTS), index) for index in range(5)]
+    assert all(one.level_counts() == dict(enumerate(COUNTS)) for one in maps)
+    assert len({one.levels.tobytes() for one in maps}) == 5
+
+
+@pytest.mark.parametrize("limit", [1, 2, 3])
+@pytest.mark.parametrize("side", [10, 40])
+def test_the_same_blocks_in_an_order_without_large_steps(limit: int, side: int) -> None:
+    for index in range(3):
+        free, ordered = (rsegen.build(made(side=side, max_step=most), index) for most in (None, limit))
+        assert ordered.level_counts() == free.level_counts()
+        assert rsegen.metrics(ordered).steps.highest == pytest.approx(limit * 0.1)
+
+
+def test_counted_blocks_in_an_order_without_large_steps() -> None:
+    field = rsegen.build(made(counts=COUNTS, max_step=1))
+    assert field.level_counts() == dict(enumerate(COUNTS))
+    assert max(rsegen.metrics(field).steps.counts) == 1
+
+
+def test_what_is_in_order_already_stays() -> None:
+    assert (rsegen.build(made(max_step=4)).levels == rsegen.build(made()).levels).all()
+
+
+def test_an_order_that_cannot_be_is_refused() -> None:
+    with pytest.raises(rsegen.UserError, match=r"obstacles\[0\].max_step: 3: no order of these blocks was found"):
+        rsegen.build(made(counts=(50, 0, 0, 0, 50), max_step=3))
+
+
+def test_counts_and_cells_are_as_many() -> None:
+    assert rsegen.build(made({"first": (1, 1), "last": (2, 3)}, counts=(1, 2, 0, 2, 1))).levels.sum() == 12
+    for place, counts, says in (
+        ({}, (9, 27, 33, 21, 9), "counts: are 99 blocks for 100 cells; give as many as cells"),
+        ({"first": "random"}, COUNTS, "counts: need a region of a known size; give first and last"),
+        ({}, (1, 2), "counts: 2 counts for 5 levels; give one for each level"),
+    ):
+        with pytest.raises(rsegen.UserError, match=says):
+            made(place, counts=counts)
+    for values in ({"weights": (1, 1, 1, 1, 1)}, {"softness": 10}):
+        with pytest.raises(rsegen.UserError, match="give no weights or softness"):
+            made(counts=COUNTS, **values)
+
+
+def test_the_order_is_the_same_for_the_same_seed() -> None:
+    one, other = (rsegen.build(made(side=30, max_step=1), 7) for _ in (0, 1))
+    assert np.array_equal(one.levels, other.levels)
