@@ -339,6 +339,7 @@ def test_help_of_generate_says_of_every_parameter_what_it_takes(
     ("command", "words"),
     [
         ("generate", ["RECIPE", "--output", "--obstacle", "--force", "--resume", "--preview", "--json", "--workers"]),
+        ("series", ["RECIPE", "--output", "--from", "--to", "--same-field", "--force", "--resume", "--workers"]),
         ("preview", ["RECIPE-or-DIR", "--output", "--map", "--force", "png, svg, pdf, jpg or webp"]),
         ("info", ["RECIPE-or-DIR", "--map", "--json"]),
         ("obstacles", ["--json"]),

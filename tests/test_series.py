@@ -116,6 +116,16 @@ def test_first_map_counts(tmp_path: Path) -> None:
     assert [row.map for row in same.rows] == ["rough-0000_0040", "rough-0001_0040"]
 
 
+def test_maps_that_keep_to_constraints_follow_the_line_too(tmp_path: Path) -> None:
+    found = series(replace(RANDOM, max_step=2, crossable_by=(20, 20, 10)), tmp_path)
+    for row in found.rows:
+        assert row.rms_asked
+        assert row.rms_full
+        assert row.rms == pytest.approx(min(row.rms_asked, row.rms_full), abs=0.01)
+        assert row.highest_step
+        assert row.highest_step <= 0.2
+
+
 def test_workers_make_the_same(tmp_path: Path) -> None:
     recipe = replace(RANDOM, maps=250)
     series(recipe, tmp_path / "1")

@@ -9,7 +9,7 @@ from rsegen.errors import ParameterError, shown
 from rsegen.params import Flag, Real, settle
 from rsegen.recipe import Recipe
 
-_DIGITS = 6
+DIGITS = 6
 """Of a difficulty, so that recipes stay short."""
 
 
@@ -39,7 +39,7 @@ class Plan:
 
     def difficulty(self, number: int) -> float:
         """The difficulty of map `number`, counted from 0, with the mean of the fields as 1."""
-        return round(self.from_ + (self.to - self.from_) * number / (self.recipe.maps - 1), _DIGITS)
+        return round(self.from_ + (self.to - self.from_) * number / (self.recipe.maps - 1), DIGITS)
 
     def whole(self, number: int) -> Recipe:
         """The recipe of map `number` and no other, at difficulty 1.
@@ -49,11 +49,6 @@ class Plan:
         if self.same_field:
             return replace(self.recipe, name=f"{self.recipe.name}-{number:04d}", maps=1)
         return self.recipe.alone(self.recipe.first_map + number)
-
-    def at(self, number: int, asked: float, full: float | None) -> Recipe:
-        """The same, so that it measures what is asked: as nearly as it can where it measures `full` at the most."""
-        share = min(asked / full, 1.0) if full else self.difficulty(number)
-        return replace(self.whole(number), difficulty=round(share, _DIGITS))
 
     def map_name(self, number: int) -> str:
         """What map `number` is called."""

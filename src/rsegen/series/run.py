@@ -6,13 +6,10 @@ import os
 from collections.abc import Callable, Iterable
 from contextlib import closing
 from dataclasses import dataclass, replace
-from math import fsum
 from pathlib import Path
 
-from rsegen.build import build
 from rsegen.codec import to_json
 from rsegen.errors import ParameterError
-from rsegen.metrics.steps import steps
 from rsegen.pipeline import WORKERS, GeneratedMap, carried_out, made, seconds
 from rsegen.recipe import Recipe
 from rsegen.resume import is_complete
@@ -24,6 +21,7 @@ from rsegen.room import (
     refuse_too_many,
 )
 from rsegen.scene import compose
+from rsegen.series.line import asked, mean
 from rsegen.series.plan import Plan
 from rsegen.series.row import Row, measured, table
 from rsegen.writer import clear_away, refuse_not_a_folder, refuse_taken, refuse_taken_file, write_file
@@ -87,17 +85,6 @@ def series(  # noqa: PLR0913  # each is a flag of the command
     return Series(plan=plan, folder=folder, rows=rows, maps=made_ones)
 
 
-def _mean(plan: Plan) -> float:
-    """The mean rms step of its fields as they are, metres; 0 where none has steps."""
-    found = [_full(plan, number) for number in range(1 if plan.same_field else plan.recipe.maps)]
-    return fsum(each or 0 for each in found) / len(found)
-
-
-def _full(plan: Plan, number: int) -> float | None:
-    whole = plan.whole(number)
-    return steps(build(whole, whole.first_map)).rms
-
-
 Done = tuple[Row, GeneratedMap | None]
 """A map's row, and the map itself where it was made."""
 
@@ -136,18 +123,16 @@ class _Work:
         return tuple(map(self.done, numbers))
 
     def done(self, number: int) -> Done:
-        full, asked = _full(self.plan, number), self.plan.difficulty(number) * self.mean
-        recipe = self.plan.at(number, asked, full)
-        scene = compose(recipe, recipe.first_map)
-        there = self.stands(number, recipe)
+        on_line = asked(self.plan, number, self.mean)
+        scene = compose(on_line.recipe, on_line.recipe.first_map)
+        there = self.stands(number, on_line.recipe)
         one = None if there else made(scene, self.folder, replace=self.replace, preview=self.preview)
-        return measured(number, self.plan.difficulty(number), scene, asked, full), one
+        return measured(number, self.plan.difficulty(number), scene, on_line.rms, on_line.full), one
 
     def refuse_others(self) -> None:
         """Raise an OutputError where something else than its map has a map's name."""
         for number in (number for number in self.numbers if os.path.lexists(self.home(number))):
-            asked = self.plan.difficulty(number) * self.mean
-            self.stands(number, self.plan.at(number, asked, _full(self.plan, number)))
+            self.stands(number, asked(self.plan, number, self.mean).recipe)
 
     def stands(self, number: int, recipe: Recipe) -> bool:
         """Whether the map of that recipe is there already, where that is asked; an OutputError where it is another."""
@@ -164,7 +149,7 @@ def _ordered(plan: Plan, folder: Path, *, force: bool, resume: bool, preview: bo
         refuse_taken_file(folder / name, force=force or resume)
     if not resume:
         refuse_taken(map(work.home, work.numbers), force=force)
-    work = replace(work, mean=_mean(plan))
+    work = replace(work, mean=mean(plan))
     if resume:
         work.refuse_others()
         clear_away(folder, work.is_named)
