@@ -1,4 +1,4 @@
-"""The generated parts of the manual: schema, obstacle reference, parameter table, figures of speed and of
+"""The generated parts of the manual: schema, obstacle reference, parameter table, formats, figures of speed and of
 difficulty, pictures.
 
 python -m docs.generate           makes them anew
@@ -17,19 +17,21 @@ from tempfile import TemporaryDirectory
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from docs import difficulty
-from rsegen import KINDS, Climber, Placement, Recipe, Scene, compose, load, metrics, schema, series
+from rsegen import FORMATS, KINDS, Climber, Placement, Recipe, Scene, compose, load, metrics, schema, series
 from rsegen.chart import chart
 from rsegen.codec import encode, summary
 from rsegen.drawing import picture
 from rsegen.examples import EXAMPLES
 from rsegen.experiment import report as experiments
 from rsegen.experiment.run import told
+from rsegen.formats import summary as format_summary
 from rsegen.params import Parameter, parameters
 from rsegen.robots import ROBOTS
 
 DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
 ROBOTS_PAGE = DOCS / "robots.md"
+FORMATS_PAGE = DOCS / "formats.md"
 README = DOCS.parent / "README.md"
 EXPERIMENT = RESULTS / "experiment.json"
 PLOT = "\n![Speed and memory over the side of the map](pictures/experiment.png)\n"
@@ -52,6 +54,7 @@ def texts() -> dict[Path, str]:
         DOCS / "examples.md": "\n".join(_examples()) + "\n",
         DOCS / "experiment.md": experiments.page(*told(EXPERIMENT)) + PLOT,
         DIFFICULTY: filled(DIFFICULTY.read_text("utf-8"), difficulty.table()),
+        FORMATS_PAGE: filled(FORMATS_PAGE.read_text("utf-8"), _formats()),
         ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
     }
 
@@ -182,6 +185,19 @@ def _robots() -> Iterator[str]:
             f"| `{kind}`, {robot.title} | {size} | {robot.mass:.1f} | {apart} | {most} | {robot.clearance} "
             f"| {robot.climbs} | {robot.source} |"
         )
+
+
+def _formats() -> Iterator[str]:
+    yield "| format | what it is | options | needs |\n|---|---|---|---|"
+    for name, cls in FORMATS.items():
+        known = parameters(cls).items()
+        options = "; ".join(f"`--{key.replace('_', '-')}` {one.help} ({one.describe()})" for key, one in known)
+        needs = f"`rsegen[{cls.extra.name}]`" if cls.extra else ""
+        yield f"| [`{name}`](#{_SECTIONS.get(name, name)}) | {format_summary(cls)} | {options} | {needs} |"
+
+
+_SECTIONS = dict.fromkeys(("stl", "ply", "glb"), "stl-ply-glb")
+"""Headings of the page of formats that are not a format's name."""
 
 
 def _table(known: Mapping[str, Parameter]) -> Iterator[str]:

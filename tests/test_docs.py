@@ -50,6 +50,14 @@ def test_the_python_of_the_page_of_difficulty_works(tmp_path: Path) -> None:
     assert (tmp_path / "course" / "series.png").is_file()
 
 
+def test_the_python_of_the_page_of_formats_works(tmp_path: Path) -> None:
+    (recipe,), (script,) = blocks(ROOT / "README.md", "yaml"), blocks(ROOT / "docs" / "formats.md", "python")
+    (tmp_path / "rubble.yaml").write_text(recipe)
+    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
+    for folder in ("exported", "worlds"):
+        assert (tmp_path / folder / "rubble_0002" / "posture" / "raster.npy").is_file()
+
+
 def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None:
     (source,) = blocks(ROOT / "CONTRIBUTING.md", "python")
     shutil.copytree(ROOT / "src" / "rsegen", tmp_path / "rsegen")

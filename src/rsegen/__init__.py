@@ -16,6 +16,8 @@ rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
 from rsegen.build import build
 from rsegen.codec import schema
 from rsegen.errors import RsegenError, UserError
+from rsegen.exporting import ExportedMap, export_maps
+from rsegen.formats import FORMATS
 from rsegen.importers import imported
 from rsegen.metrics import Climber, Metrics, metrics
 from rsegen.obstacles import KINDS, Obstacle
@@ -35,9 +37,11 @@ from rsegen.stepfield import StepField
 from rsegen.version import __version__
 
 __all__ = [
+    "FORMATS",
     "KINDS",
     "Climber",
     "DiagonalBarrier",
+    "ExportedMap",
     "Generated",
     "GeneratedMap",
     "HorizontalBarrier",
@@ -58,6 +62,7 @@ __all__ = [
     "__version__",
     "build",
     "compose",
+    "export_maps",
     "generate",
     "imported",
     "load",

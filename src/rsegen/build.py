@@ -19,6 +19,7 @@ from rsegen.difficulty import eased
 from rsegen.errors import ParameterError, TooLarge
 from rsegen.obstacles import Grid, Patch
 from rsegen.params import Whole
+from rsegen.places import Cell
 from rsegen.recipe import Placement, Recipe
 from rsegen.stepfield import Levels, StepField, framed
 
@@ -30,7 +31,7 @@ def build(recipe: Recipe, index: int = 0) -> StepField:
     levels = _level_ground(grid)
     for number, placement in enumerate(recipe.obstacles):
         try:
-            patch = _patch(recipe, placement, index)
+            *_, patch = placed(recipe, placement, index)
         except ParameterError as error:
             raise error.inside(f"obstacles[{number}]") from None
         _impose(levels, patch, placement.blend, recipe.top_level)
@@ -53,12 +54,13 @@ def _level_ground(grid: Grid) -> Levels:
         raise TooLarge(f"chunks: a map of {grid.n_x} x {grid.n_y} blocks is more than this machine's memory") from None
 
 
-def _patch(recipe: Recipe, placement: Placement, index: int) -> Patch:
+def placed(recipe: Recipe, placement: Placement, index: int) -> tuple[Cell, Cell, Patch]:
+    """Where the ends of a recipe's obstacle are in map `index`, and the levels that it proposes."""
     obstacle, grid = placement.obstacle, recipe.grid
     usual_first, usual_last = obstacle.usual_ends(grid)
     rng = generator(recipe.seed, index, placement.key or "")
     first, last = obstacle.ends(grid, placement.first or usual_first, placement.last or usual_last, rng)
-    return obstacle.patch(grid, first, last, rng)
+    return first, last, obstacle.patch(grid, first, last, rng)
 
 
 def _impose(levels: Levels, patch: Patch, blend: str, top_level: int) -> None:

@@ -8,16 +8,18 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Protocol, TypeVar
 
 from rsegen.account import warnings
 from rsegen.errors import ParameterError
 from rsegen.export import export
+from rsegen.extras import Extras
+from rsegen.formats import Format
 from rsegen.params import Whole
 from rsegen.recipe import Recipe
 from rsegen.resume import complete, is_map_of
@@ -84,28 +86,31 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
     force: bool = False,
     resume: bool = False,
     preview: bool = False,
+    formats: Sequence[Format] = (),
     workers: int = 1,
     progress: Callable[[GeneratedMap], None] | None = None,
 ) -> Generated:
     """Write every map of a recipe as `folder/NAME_000k`; `progress` is told of each that is done, in their order.
 
     `force` replaces maps that are there already; `resume` leaves them, if each is the one that would be made, and makes
-    the others; `preview` adds a picture to each. With `workers` beyond 1, other processes take a part where that is
-    quicker; a script then needs `if __name__ == "__main__":`. Raises an OutputError before anything is written where a
-    map's folder is taken, TooLarge where there is no room for the maps.
+    the others; `preview` adds a picture to each, `formats` files for other programs. With `workers` beyond 1, other
+    processes take a part where that is quicker; a script then needs `if __name__ == "__main__":`. Raises an OutputError
+    before anything is written where a map's folder is taken, TooLarge where there is no room for the maps.
     """
     folder, workers = Path(folder), WORKERS.check("workers", workers)
     if force and resume:
         raise ParameterError("resume", "keeps the maps that are there, and force replaces them; give one of the two")
-    refuse_too_large(recipe)
+    extras = Extras(preview=preview, formats=tuple(formats))
+    extras.refuse(recipe)
+    refuse_too_large(recipe, extras.bytes_a_cell)
     refuse_not_a_folder(folder)
-    already = complete(recipe, folder, preview=preview) if resume else frozenset()
+    already = complete(recipe, folder, extras.stand) if resume else frozenset()
     refuse_too_many(recipe.maps - len(already), folder)
     if resume:
         clear_away(folder, partial(is_map_of, recipe))
     else:
         refuse_taken((os.path.join(folder, recipe.map_name(index)) for index in recipe.indices), force=force)
-    order = _Order(recipe=recipe, folder=folder, replace=force or (resume and preview), preview=preview)
+    order = _Order(recipe=recipe, folder=folder, replace=force or resume, extras=extras)
     indices = (index for index in recipe.indices if index not in already)
     done = []
     with closing(carried_out(order, indices, recipe.maps - len(already), workers)) as maps:
@@ -116,13 +121,9 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
     return Generated(recipe=recipe, folder=folder, maps=tuple(done), already=tuple(sorted(already)))
 
 
-def made(scene: Scene, folder: Path, *, replace: bool, preview: bool) -> GeneratedMap:
+def made(scene: Scene, folder: Path, extras: Extras, *, replace: bool) -> GeneratedMap:
     """One map, put on disk."""
-    bundle = dict(export(scene))
-    if preview:
-        from rsegen.drawing import picture
-
-        bundle[PurePosixPath("preview.png")] = [picture(scene)]
+    bundle = {**export(scene), **extras.files(scene)}
     return GeneratedMap(
         name=scene.name,
         index=scene.index,
@@ -135,10 +136,10 @@ def made(scene: Scene, folder: Path, *, replace: bool, preview: bool) -> Generat
     )
 
 
-def seconds(recipe: Recipe, *, preview: bool) -> float:
+def seconds(recipe: Recipe, extras: Extras) -> float:
     """About how long a map takes; it decides how the work is shared out, not what comes of it."""
     n_x, n_y = recipe.grid.shape
-    return 2e-3 + n_x * n_y * 4e-6 + 0.5 * preview
+    return 2e-3 + n_x * n_y * 4e-6 + extras.seconds(n_x * n_y)
 
 
 Made_co = TypeVar("Made_co", covariant=True)
@@ -192,21 +193,20 @@ class _Order:
     recipe: Recipe
     folder: Path
     replace: bool
-    preview: bool
+    extras: Extras
 
     @property
     def seconds(self) -> float:
-        return seconds(self.recipe, preview=self.preview)
+        return seconds(self.recipe, self.extras)
 
     @property
     def at_once(self) -> int:
-        return maps_at_once(self.recipe)
+        return maps_at_once(self.recipe, self.extras.bytes_a_cell)
 
     def is_named(self, name: str) -> bool:
         return is_map_of(self.recipe, name)
 
     def __call__(self, indices: Iterable[int]) -> tuple[GeneratedMap, ...]:
         return tuple(
-            made(compose(self.recipe, index), self.folder, replace=self.replace, preview=self.preview)
-            for index in indices
+            made(compose(self.recipe, index), self.folder, self.extras, replace=self.replace) for index in indices
         )

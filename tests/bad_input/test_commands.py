@@ -111,6 +111,20 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         ["series", "--maps", "2", "--chunks", "1000000", "-o", "out"],
         ["chunks: a map of", "fewer chunks"],
     ),
+    "an export to nothing": (["export", "two.yaml", "-o", "out"], ["--to"]),
+    "an export to another format": (
+        ["export", "two.yaml", "--to", "stl,gbl", "-o", "out"],
+        ["--to: unknown format 'gbl'", "did you mean 'glb'?", "known: "],
+    ),
+    "an export to no format": (["export", "two.yaml", "--to", "", "-o", "out"], ["--to: unknown format ''"]),
+    "an export to one format twice": (["export", "two.yaml", "--to", "ply,ply", "-o", "out"], ["ply is given twice"]),
+    "an export of no map": (["export", "folder", "--to", "ply", "-o", "out"], ["folder: no map in it"]),
+    "an export of a map beyond": (
+        ["export", "two.yaml", "--to", "ply", "-o", "out", "--map", "2"],
+        ["--map", "'2'", "rse_0000..rse_0001"],
+    ),
+    "an export into a file": (["export", "two.yaml", "--to", "ply", "-o", "file"], ["file: is a file; give a folder"]),
+    "a world with another format": (["generate", "-o", "out", "--formats", "sdf"], ["--formats: unknown format 'sdf'"]),
     "metrics of a map beyond": (["metrics", "two.yaml", "--map", "2"], ["--map", "'2'", "rse_0000..rse_0001"]),
     "metrics of no map": (["metrics", "folder"], ["folder: no map in it"]),
     "metrics for a robot of another name": (["metrics", "two.yaml", "--robot", "burgr"], ["--robot", "'burger'"]),
@@ -148,7 +162,7 @@ def test_json_does_not_change_how_a_mistake_is_told(refused: Refused) -> None:
 def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, command: str) -> None:
     given = {"generate": ["-o", "out"], "preview": ["a.yaml", "-o", "p.png"], "info": ["a.yaml"], "open": ["a.yaml"]}
     given |= {"import_": ["a.csv", "-o", "out"], "drive": ["a.yaml"], "experiment": ["quick", "-o", "out"]}
-    given |= {"metrics": ["a.yaml"], "series": ["-o", "out"]}
+    given |= {"metrics": ["a.yaml"], "series": ["-o", "out"], "export": ["a.yaml", "--to", "stl", "-o", "out"]}
     given |= {"spawn": ["burger"], "respawn": ["a.yaml"], "remove": ["burger"]}
     line = refused(command.rstrip("_"), *given.get(command, []), "--hlep")
     assert "unknown flag '--hlep'; did you mean '--help'?" in line
@@ -219,6 +233,8 @@ def test_more_than_there_is_memory_for(refused: Refused, flags: Sequence[str], w
     assert [word for word in words if word not in line] == []
 
 
-@pytest.mark.parametrize("command", [["info"], ["metrics"], ["preview", "-o", "p.png"]], ids=" ".join)
+@pytest.mark.parametrize(
+    "command", [["info"], ["metrics"], ["preview", "-o", "p.png"], ["export", "--to", "stl", "-o", "o"]], ids=" ".join
+)
 def test_looking_at_more_than_there_is_memory_for(refused: Refused, command: list[str]) -> None:
     assert "chunks: a map of" in refused(*command, recipe("chunks: 1000000\n"))

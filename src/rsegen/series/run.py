@@ -10,6 +10,7 @@ from pathlib import Path
 
 from rsegen.codec import to_json
 from rsegen.errors import ParameterError
+from rsegen.extras import Extras
 from rsegen.pipeline import WORKERS, GeneratedMap, carried_out, made, seconds
 from rsegen.recipe import Recipe
 from rsegen.resume import is_complete
@@ -78,7 +79,7 @@ def series(  # noqa: PLR0913  # each is a flag of the command
     refuse_too_large(plan.recipe, _BYTES_A_CELL)
     refuse_not_a_folder(folder)
     refuse_too_many(plan.recipe.maps, folder)
-    work = _ordered(plan, folder, force=force, resume=resume, preview=preview)
+    work = _ordered(plan, folder, Extras(preview=preview), force=force, resume=resume)
     found = _done(work, workers, progress)
     rows, made_ones = tuple(row for row, _ in found), tuple(one for _, one in found if one)
     _write_both(plan, rows, folder, force=force or resume)
@@ -96,7 +97,7 @@ class _Work:
     plan: Plan
     folder: Path
     replace: bool
-    preview: bool
+    extras: Extras
     resume: bool
     mean: float = 0.0
 
@@ -107,7 +108,7 @@ class _Work:
     @property
     def seconds(self) -> float:
         n_x, n_y = self.plan.recipe.grid.shape
-        return seconds(self.plan.recipe, preview=self.preview) + 3e-3 + n_x * n_y * 1e-6
+        return seconds(self.plan.recipe, self.extras) + 3e-3 + n_x * n_y * 1e-6
 
     @property
     def at_once(self) -> int:
@@ -126,7 +127,7 @@ class _Work:
         on_line = asked(self.plan, number, self.mean)
         scene = compose(on_line.recipe, on_line.recipe.first_map)
         there = self.stands(number, on_line.recipe)
-        one = None if there else made(scene, self.folder, replace=self.replace, preview=self.preview)
+        one = None if there else made(scene, self.folder, self.extras, replace=self.replace)
         return measured(number, self.plan.difficulty(number), scene, on_line.rms, on_line.full), one
 
     def refuse_others(self) -> None:
@@ -139,12 +140,12 @@ class _Work:
         home = self.home(number)
         if not (self.resume and os.path.lexists(home)):
             return False
-        return is_complete(str(home), to_json(recipe).encode(), preview=self.preview)
+        return is_complete(str(home), to_json(recipe).encode(), self.extras.stand)
 
 
-def _ordered(plan: Plan, folder: Path, *, force: bool, resume: bool, preview: bool) -> _Work:
+def _ordered(plan: Plan, folder: Path, extras: Extras, *, force: bool, resume: bool) -> _Work:
     """What is to be done, with nothing in its way."""
-    work = _Work(plan=plan, folder=folder, replace=force or (resume and preview), preview=preview, resume=resume)
+    work = _Work(plan=plan, folder=folder, replace=force or resume, extras=extras, resume=resume)
     for name in (TABLE, PICTURE):
         refuse_taken_file(folder / name, force=force or resume)
     if not resume:
