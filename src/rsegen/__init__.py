@@ -30,6 +30,7 @@ from rsegen.pipeline import Generated, GeneratedMap, generate
 from rsegen.recipe import Placement, Recipe
 from rsegen.recipe_file import load, save
 from rsegen.scene import Scene, compose
+from rsegen.sheet import Saw, sheet
 from rsegen.stepfield import StepField
 from rsegen.version import __version__
 
@@ -50,6 +51,7 @@ __all__ = [
     "Random",
     "Recipe",
     "RsegenError",
+    "Saw",
     "Scene",
     "StepField",
     "UserError",
@@ -62,4 +64,5 @@ __all__ = [
     "metrics",
     "save",
     "schema",
+    "sheet",
 ]

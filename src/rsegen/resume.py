@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,8 +16,8 @@ from rsegen.errors import OutputError
 from rsegen.recipe import Recipe
 
 
-def complete(recipe: Recipe, folder: Path, *, preview: bool) -> frozenset[int]:
-    """The indices of the maps that stand in `folder`; with `preview`, of those that have a picture.
+def complete(recipe: Recipe, folder: Path, added: Collection[str] = ()) -> frozenset[int]:
+    """The indices of the maps that stand in `folder`, with the files called `added` in their own folders.
 
     OutputError for the first folder that has a map's name and holds something else.
     """
@@ -30,7 +30,7 @@ def complete(recipe: Recipe, folder: Path, *, preview: bool) -> frozenset[int]:
                 f"{home}: is there already and is not this map: its recipe.json is missing, or says another seed, "
                 "parameter or version of rsegen; give those of the run that was stopped, or another folder or --name"
             )
-        if not preview or os.path.isfile(os.path.join(home, "preview.png")):
+        if _has(home, added):
             found.add(index)
     return frozenset(found)
 
@@ -48,10 +48,14 @@ def is_map_of(recipe: Recipe, name: str) -> bool:
     return _index(recipe, name) is not None
 
 
-def standing(recipe: Recipe, folder: Path, *, preview: bool) -> int:
-    """How many maps of a run that was stopped stand in `folder`, with their pictures where these are asked for."""
+def standing(recipe: Recipe, folder: Path, added: Collection[str] = ()) -> int:
+    """How many maps of a run that was stopped stand in `folder`, with the files called `added`."""
     homes = (os.path.join(folder, recipe.map_name(index)) for index in _taken(recipe, folder))
-    return sum(not preview or os.path.isfile(os.path.join(home, "preview.png")) for home in homes)
+    return sum(_has(home, added) for home in homes)
+
+
+def _has(home: str, added: Collection[str]) -> bool:
+    return all(os.path.isfile(os.path.join(home, name)) for name in added)
 
 
 def _taken(recipe: Recipe, folder: Path) -> list[int]:

@@ -20,6 +20,7 @@ from rsegen.cli import (
     remove,
     respawn,
     schema,
+    sheet,
     sim,
     spawn,
 )
@@ -33,6 +34,7 @@ COMMANDS = (
     preview,
     info,
     metrics,
+    sheet,
     open,
     spawn,
     respawn,

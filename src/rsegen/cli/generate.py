@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
-from rsegen.pipeline import WORKERS, Generated, GeneratedMap, generate
+from rsegen.pipeline import WORKERS, Generated, GeneratedMap, additions, generate
 from rsegen.recipe import Recipe
 from rsegen.resume import standing
 from rsegen.workers import cores
@@ -44,9 +44,14 @@ def add_output_flags(command: argparse.ArgumentParser) -> None:
         "--resume",
         action="store_true",
         help="go on where a run was stopped: keep the maps that are there already, if each is the one that would be "
-        "made (with --preview: and has its picture), and make the others; needs the same recipe and seed",
+        "made (with --preview or --sheet: and has them), and make the others; needs the same recipe and seed",
     )
     command.add_argument("--preview", action="store_true", help="add a picture, preview.png, to every map")
+    command.add_argument(
+        "--sheet",
+        action="store_true",
+        help="add a build sheet, sheet.pdf and sheet.csv, to every map (see rsegen sheet)",
+    )
     command.add_argument("--json", action="store_true", help="print a summary for programs")
     command.add_argument(
         "--workers", metavar="N", help=f"{WORKERS.help} ({WORKERS.describe()}, as many as there are cores by default)"
@@ -67,6 +72,7 @@ def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
             force=arguments.force,
             resume=arguments.resume,
             preview=arguments.preview,
+            sheet=arguments.sheet,
             workers=cores() if arguments.workers is None else _workers(arguments.workers),
             progress=progress,
         )
@@ -86,7 +92,8 @@ def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace) -> Iterato
     try:
         yield
     except KeyboardInterrupt:
-        there = 0 if arguments.force else standing(recipe, arguments.output, preview=arguments.preview)
+        added = additions(preview=arguments.preview, sheet=arguments.sheet)
+        there = 0 if arguments.force else standing(recipe, arguments.output, added)
         if not there:
             raise
         raise KeyboardInterrupt(
