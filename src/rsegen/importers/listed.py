@@ -18,7 +18,7 @@ from rsegen.recipe import Recipe
 from rsegen.sheet.listing import COLUMNS, SAID
 from rsegen.stepfield import Array
 
-_HEAD = re.compile(r"^" + r"([,;\t])".join(f'"?{name}"?' for name in COLUMNS) + r"[,;\t]*$", re.MULTILINE)
+_HEAD = re.compile(r"^" + r"([,;\t])".join(f'"?{name}"?' for name in COLUMNS) + r"[,;\t]*\r?$", re.MULTILINE)
 _SAID = re.compile(rf'^"?# *({"|".join(SAID)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
 _MOST_ROWS = 1_000_000
 

@@ -14,6 +14,9 @@ from rsegen.stepfield import StepField
 COLUMN = 82.0
 """Its width, millimetres."""
 
+_HALF = 5_000_000
+"""Of a centimetre, nanometres."""
+
 _ABREAST = 3
 """Lists that are too long for one column are set in so many narrow ones."""
 
@@ -37,8 +40,8 @@ def draw_cut_list(page: Page, scene: Scene, field: StepField, place: tuple[float
 
 
 def metres(length: int) -> str:
-    """A length in nanometres, to the centimetre."""
-    return f"{length / 1e9:,.2f}"
+    """A length in nanometres, to the centimetre, half of one rounded up."""
+    return f"{(length + _HALF) // (2 * _HALF) / 100:,.2f}"
 
 
 def _columns(x: float) -> list[float]:

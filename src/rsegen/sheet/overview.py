@@ -116,7 +116,11 @@ def _timber(scene: Scene, sawing: Sawing) -> Iterator[tuple[str, str]]:
 
 def _stock(known: Frames, saw: Saw) -> str:
     """Pieces of stock for the boards, where it is long enough for them."""
-    return f"longer than {decimal(saw.stock_cm)} cm" if max(known.boards) > saw.stock else _pieces(sawn(known.all_boards, saw).pieces)
+    return (
+        f"longer than {decimal(saw.stock_cm)} cm"
+        if max(known.boards) > saw.stock
+        else _pieces(sawn(known.all_boards, saw).pieces)
+    )
 
 
 def _pieces(count: int) -> str:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import product
+
+import numpy as np
+
 from rsegen.scene import Scene
 from rsegen.sheet.cut_list import COLUMN, draw_cut_list
 from rsegen.sheet.order import Numbered, length, placing
@@ -88,30 +92,30 @@ def _draw_rulers(plan: Plan, numbered: Numbered) -> None:
 
 def _draw_blocks(plan: Plan, numbered: Numbered) -> tuple[str, ...]:
     """What stands in every cell, and when it is placed where there is room for it; gives how that is to be read."""
-    field, levels = plan.field, numbered.levels
-    texts = {int(level): centimetres(length(int(level), field)) for level in field.level_counts()}
-    size = _size(plan.cell, texts)
-    told = ["Large numbers are heights in cm."]
-    if size < _SMALLEST:
-        texts = {level: str(level) for level in texts}
-        size = _size(plan.cell, texts)
-        unit = centimetres(length(1, field))
-        told = ["Numbers are levels, for want of room: a block of", f"level n is n x {unit} cm long."]
-    order = placing(levels)
-    ordered = max(levels.shape) <= ORDERED
-    for at_x, i in enumerate(field.inside(0).nonzero()[0].tolist()):
-        for at_y, j in enumerate(field.inside(1).nonzero()[0].tolist()):
-            level = int(levels[at_x, at_y])
-            x, y = plan.middle(i, j)
-            colour = ink(block_colour(plan.scene, level)) if level else GREY
-            plan.page.text(x, y, texts[level], size, color=colour, ha="center", va="center")
-            if ordered and level:
-                corner = plan.cell * 0.44
-                small = min(7.0, size * 0.5)
-                plan.page.text(x - corner, y - corner, str(order[at_x, at_y]), small, color=colour, va="top")
-    if not ordered:
-        return (*told, "There is no room for the order; the sheet as CSV has it.")
-    return (*told, "Small numbers are the order of placing.")
+    levels, order = numbered.levels, placing(numbered.levels)
+    texts, told = _spelled(plan)
+    size, ordered = _size(plan.cell, texts), max(levels.shape) <= ORDERED
+    cells = product(*(plan.field.inside(axis).nonzero()[0].tolist() for axis in (0, 1)))
+    for at, cell in zip(np.ndindex(levels.shape), cells, strict=True):
+        level, (x, y) = int(levels[at]), plan.middle(*cell)
+        style = {"color": ink(block_colour(plan.scene, level)) if level else GREY}
+        plan.page.text(x, y, texts[level], size, ha="center", va="center", **style)
+        if ordered and level:
+            corner = 0.44 * plan.cell
+            plan.page.text(x - corner, y - corner, str(order[at]), min(7.0, size / 2), va="top", **style)
+    last = "Small numbers are the order of placing." if ordered else "The sheet as CSV has the order of placing."
+    return (*told, last)
+
+
+def _spelled(plan: Plan) -> tuple[dict[int, str], tuple[str, ...]]:
+    """What each level is called in the cells, and how that is to be read."""
+    field = plan.field
+    heights = {level: centimetres(length(level, field)) for level in field.level_counts()}
+    if _size(plan.cell, heights) >= _SMALLEST:
+        return heights, ("Large numbers are heights in cm.",)
+    unit = centimetres(length(1, field))
+    told = "Numbers are levels, for want of room: a block of", f"level n is n x {unit} cm long."
+    return {level: str(level) for level in heights}, told
 
 
 def _size(cell: float, texts: dict[int, str]) -> float:
