@@ -9,20 +9,22 @@ from __future__ import annotations
 import io
 import json
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
-from rsegen import KINDS, Climber, Placement, Recipe, Scene, compose, load, metrics, schema
+from rsegen import KINDS, Climber, Placement, Recipe, Saw, Scene, compose, load, metrics, schema
 from rsegen.chart import chart
 from rsegen.codec import encode, summary
-from rsegen.drawing import picture
+from rsegen.drawing import picture, saved
 from rsegen.examples import EXAMPLES
 from rsegen.experiment import report as experiments
 from rsegen.experiment.run import told
 from rsegen.params import Parameter, parameters
 from rsegen.robots import ROBOTS
+from rsegen.sheet import pages
 
 DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
@@ -31,6 +33,8 @@ README = DOCS.parent / "README.md"
 EXPERIMENT = RESULTS / "experiment.json"
 PLOT = "\n![Speed and memory over the side of the map](pictures/experiment.png)\n"
 WAYS = DOCS / "pictures" / "ways.png"
+SHEET = DOCS / "pictures" / "sheet.png"
+SHEET_OF_A_PALLET = DOCS / "pictures" / "sheet-pallet.png"
 
 
 def texts() -> dict[Path, str]:
@@ -52,10 +56,11 @@ def texts() -> dict[Path, str]:
 
 
 def pictures() -> dict[Path, Scene]:
-    """What every generated picture shows, by its file: the first map of each example, each kind alone, and ways."""
+    """What every generated picture shows, by its file: the first map of each example, each kind alone, ways, sheets."""
     shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES.values()}
     shown |= {DOCS / "pictures" / f"kind-{kind}.png": _alone(kind) for kind in KINDS}
     shown[WAYS] = load(EXAMPLES["mixed-course"])
+    shown |= {SHEET: load(EXAMPLES["five-pallet-dash"]), SHEET_OF_A_PALLET: load(EXAMPLES["red-diagonal-pallet"])}
     return {path: compose(recipe) for path, recipe in shown.items()}
 
 
@@ -80,7 +85,7 @@ def main(arguments: list[str]) -> int:
         path.write_text(text, "utf-8", newline="\n")
     for path, scene in pictures().items():
         path.parent.mkdir(exist_ok=True)
-        path.write_bytes(_ways(scene) if path == WAYS else picture(scene))
+        path.write_bytes(_DRAWN.get(path, picture)(scene))
     plan, results, _ = told(EXPERIMENT)
     (DOCS / "pictures" / "experiment.png").write_bytes(experiments.plot(plan, results))
     return 0
@@ -89,6 +94,17 @@ def main(arguments: list[str]) -> int:
 def _ways(scene: Scene) -> bytes:
     reach = metrics(scene.field, Climber(climb_cm=10)).reach
     return chart(scene, reach) if reach else b""
+
+
+def _page(scene: Scene, number: int) -> bytes:
+    return saved(list(pages(scene, Saw()))[number], scene, "png")
+
+
+_DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {
+    WAYS: _ways,
+    SHEET: partial(_page, number=0),
+    SHEET_OF_A_PALLET: partial(_page, number=1),
+}
 
 
 def _alone(kind: str) -> Recipe:

@@ -74,7 +74,7 @@ def test_every_cell_has_one_row_with_its_height(path: Path) -> None:
 
 
 def test_rows_stand_in_the_order_of_placing() -> None:
-    rows = rows_of(Recipe(seed=1, chunks=2, obstacles=BLOCKS))
+    rows = rows_of(Recipe(seed=1, chunks=(2, 2), obstacles=BLOCKS))
     assert list(dict.fromkeys(row["pallet"] for row in rows)) == ["A2", "B2", "A1", "B1"]
     for pallet in ("A2", "B2", "A1", "B1"):
         order = [int(row["order"]) for row in rows if row["pallet"] == pallet and row["order"]]
@@ -82,10 +82,23 @@ def test_rows_stand_in_the_order_of_placing() -> None:
 
 
 def test_its_head_is_the_cut_list_of_its_rows() -> None:
-    recipe = Recipe(seed=1, chunks=2, unit_cm=7.5, obstacles=BLOCKS)
+    recipe = Recipe(seed=1, chunks=(2, 2), unit_cm=7.5, obstacles=BLOCKS)
     counts = Counter(row["height_cm"] for row in rows_of(recipe) if row["order"])
     said = [line for line in text_of(recipe).splitlines() if line.startswith("# cut: ")]
     assert said == [f"# cut: {counts[height]} blocks of {height} cm" for height in ("7.5", "15", "22.5", "30")]
+
+
+def test_its_head_says_how_every_piece_of_stock_is_sawn() -> None:
+    said = [line for line in text_of(load(EXAMPLES["red-diagonal-pallet"])).splitlines() if line.startswith("# s")]
+    assert said == [
+        "# stock for the blocks: 9 pieces of 240 cm with a kerf of 3 mm",
+        "# saw: 2 pieces into 5 x 40 cm + 1 x 30 cm",
+        "# saw: 2 pieces into 7 x 30 cm + 1 x 20 cm",
+        "# saw: 1 pieces into 5 x 30 cm + 4 x 20 cm",
+        "# saw: 2 pieces into 11 x 20 cm + 1 x 10 cm",
+        "# saw: 1 pieces into 5 x 20 cm + 13 x 10 cm",
+        "# saw: 1 pieces into 12 x 10 cm",
+    ]
 
 
 def as_a_spreadsheet_saves(text: str) -> str:

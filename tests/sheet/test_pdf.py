@@ -130,7 +130,7 @@ def test_cut_lists_are_the_blocks_of_the_map_and_of_each_pallet(recipe: Recipe) 
             assert f"{level} {length:g} {count:,} {length * count / 100 + 1e-9:,.2f} m" in words(page)
         total = sum(level * count for level, count in counts.items()) * recipe.unit_cm / 100
         assert f"together {sum(counts.values()):,} {total + 1e-9:,.2f} m" in words(page)
-        assert f"no block: {field.level_counts().get(0, 0):,} cells" in words(page)
+        assert f"no block: {field.level_counts().get(0, 0):,} cell" in words(page)
 
 
 def test_the_first_page_says_what_to_buy() -> None:
@@ -192,7 +192,7 @@ def test_same_map_same_bytes(format_: str) -> None:
 def test_it_carries_its_recipe_and_no_date() -> None:
     metadata = read(RECIPES["framed"]).metadata
     assert metadata
-    assert decode(json.loads(metadata["/Subject"])) == RECIPES["framed"]
+    assert decode(json.loads(metadata.subject or "")) == RECIPES["framed"]
     assert not {"/CreationDate", "/ModDate"} & metadata.keys()
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -90,14 +91,14 @@ def test_the_boards_of_a_nist_pallet_are_120_and_100_cm() -> None:
 
 
 def test_frames_are_as_many_as_there_stand() -> None:
-    shape = {"seed": 1, "chunks": (3, 2), "chunk_size": 4}
-    divided, outer = (frames(Recipe(boundary=boundary, **shape)) for boundary in ("divided", "outer"))
+    recipe = Recipe(seed=1, chunks=(3, 2), chunk_size=4)
+    divided, outer = (frames(replace(recipe, boundary=boundary)) for boundary in ("divided", "outer"))
     assert divided
     assert outer
     assert (divided.number, divided.boards) == (6, {60 * CM: 2, 40 * CM: 2})
     assert (outer.number, outer.boards) == (1, {140 * CM: 2, 80 * CM: 2})
-    assert frames(Recipe(boundary="none", **shape)) is None
-    assert frames(Recipe(frame_height_cm=0, **shape)) is None
+    assert frames(replace(recipe, boundary="none")) is None
+    assert frames(replace(recipe, frame_height_cm=0)) is None
     equal = frames(Recipe(seed=1, boundary="outer", chunks=(1, 2), chunk_size=2, block_width_cm=7))
     assert equal
     assert equal.boards == {28 * CM: 4}

@@ -35,7 +35,8 @@ def draw_cut_list(page: Page, scene: Scene, field: StepField, place: tuple[float
     y = page.table(y, _columns(x)[1:], [total], fontweight="bold")
     page.swatch(x, y, EMPTY)
     page.text(x + 3, y, "0", 8, ha="center", color=GREY)
-    page.text(x + 9, y, f"no block: {field.level_counts().get(0, 0):,} cells", 9)
+    empty = field.level_counts().get(0, 0)
+    page.text(x + 9, y, f"no block: {empty:,} cell{'s'[: empty != 1]}", 9)
     return y + ROW
 
 

@@ -37,8 +37,12 @@ def _timber(scene: Scene, saw: Saw) -> Iterator[str]:
     counts = lengths(scene.field)
     for one, count in counts.items():
         yield f"# cut: {count} blocks of {centimetres(one)} cm\n"
-    stock = f"{sawn(counts, saw).pieces} pieces of {decimal(saw.stock_cm)} cm"
+    sawing = sawn(counts, saw)
+    stock = f"{sawing.pieces} pieces of {decimal(saw.stock_cm)} cm"
     yield f"# stock for the blocks: {stock} with a kerf of {decimal(saw.kerf_mm)} mm\n"
+    for pattern in sawing.patterns:
+        parts = " + ".join(f"{count} x {centimetres(one)} cm" for one, count in pattern.parts)
+        yield f"# saw: {pattern.pieces} pieces into {parts}\n"
     known = frames(scene.recipe)
     for one, count in known.all_boards.items() if known else ():
         yield f"# frames: {count} boards of {centimetres(one)} cm\n"

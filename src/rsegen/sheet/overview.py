@@ -14,6 +14,9 @@ from rsegen.sheet.plan import Plan
 from rsegen.sheet.saw import Saw, Sawing, centimetres, sawn
 
 _PLAN_HEIGHT = 112.0
+_SMALLEST = 4.0
+"""Points of a name that can still be read."""
+
 _RIGHT = 113.0
 """Where the right column begins."""
 
@@ -32,7 +35,8 @@ def _draw_head(page: Page, scene: Scene, pallets: int) -> None:
     along_x, along_y = map(decimal, scene.field.extent)
     page.text(page.left, 22, f"Build sheet: {scene.name}", 20, fontweight="bold")
     many = f"{pallets} pallet{'s'[: pallets > 1]}"
-    size = f"{along_x} x {along_y} m, {n_x} x {n_y} cells with frames, {many}, seed {scene.recipe.seed}"
+    cells = "cells with frames" if scene.field.frame.any() else "cells"
+    size = f"{along_x} x {along_y} m, {n_x} x {n_y} {cells}, {many}, seed {scene.recipe.seed}"
     page.text(page.left, 29, size, 10)
     page.text(page.left, 35, scene.recipe.description[:110], 9, color=GREY)
     page.compass(page.right - 4, 23)
@@ -61,18 +65,26 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[Numbered]) -> float:
             _draw_name(plan, each)
     if len(pallets) == 1:
         return bottom
-    rule = "Pallets are built in the order of their numbers; A1 is the one of smallest x and y, as on a chess board."
+    rule = "Pallets are built row by row from the north-west; A1 is the one of smallest x and y, as on a chess board."
     page.text(page.left, bottom + 5, rule, 8, color=GREY)
     return bottom
 
 
 def _draw_name(plan: Plan, each: Numbered) -> None:
-    """On a white card in the middle."""
+    """On a white card in the middle; the number goes first where there is no room for it."""
     n_x, n_y = plan.field.shape
     x, y = plan.middle((n_x - 1) / 2, (n_y - 1) / 2)
-    size = min(15.0, n_x * plan.cell / POINT / 4)
-    card = {"boxstyle": "round,pad=0.3", "facecolor": "white", "edgecolor": "black", "linewidth": 0.5}
-    plan.page.text(x, y, f"{each.number}: {each.name}", size, ha="center", va="center", fontweight="bold", bbox=card)
+    room = n_x * plan.cell / POINT
+    text = f"{each.number}: {each.name}"
+    if _size(text, room) < _SMALLEST:
+        text = each.name
+    card = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "black", "linewidth": 0.5}
+    plan.page.text(x, y, text, _size(text, room), ha="center", va="center", fontweight="bold", bbox=card)
+
+
+def _size(text: str, room: float) -> float:
+    """Points in which a text and its card fit into so many points."""
+    return min(15.0, room / (0.72 * len(text) + 1))
 
 
 def _draw_sawing(page: Page, scene: Scene, saw: Saw, y: float) -> float:
@@ -93,7 +105,7 @@ def _draw_sawing(page: Page, scene: Scene, saw: Saw, y: float) -> float:
         page.text(_RIGHT + COLUMN, y, offcut, 8, ha="right", color=GREY)
         y += ROW
     if len(shown) < len(rows):
-        page.text(_RIGHT, y, f"and {len(rows) - len(shown)} more ways to cut a piece", 8, color=GREY)
+        page.text(_RIGHT, y, f"and {len(rows) - len(shown)} more ways, which the sheet as CSV has", 8, color=GREY)
         y += ROW
     return y
 

@@ -20,6 +20,9 @@ _TOP, _SIDE = 40.0, 172.0
 _SMALLEST = 4.0
 """Points of a height that can still be read."""
 
+_LINED = 1.5
+"""Millimetres from which on the pallets beside this one are told apart."""
+
 _NOTES = 113.0
 """Where the right column begins, millimetres."""
 
@@ -63,13 +66,16 @@ def _draw_head(page: Page, scene: Scene, numbered: Numbered, pallets: int) -> No
 def _draw_whereabouts(page: Page, scene: Scene, numbered: Numbered) -> None:
     """Where the pallet stands among the others, beside the compass."""
     m_x, m_y = scene.recipe.chunks
-    cell = min(36 / m_x, 18 / m_y, 6)
     i, j = numbered.pallet.chunk
-    for x in range(m_x):
-        for y in range(m_y):
-            place = page.right - 12 + (x - m_x) * cell, 29 + (y - m_y) * cell
-            here = (x, y) == (i, m_y - 1 - j)
-            page.rectangle(place, (cell, cell), facecolor=INK if here else "white", linewidth=min(0.4, cell / 8))
+    cell = min(36 / m_x, 18 / m_y, 6)
+    left, top, right, bottom = page.right - 12 - m_x * cell, 29 - m_y * cell, page.right - 12, 29.0
+    if cell > _LINED:
+        for column in range(1, m_x):
+            page.line((left + column * cell,) * 2, (top, bottom))
+        for row in range(1, m_y):
+            page.line((left, right), (top + row * cell,) * 2)
+    page.rectangle((left, top), (right - left, bottom - top))
+    page.rectangle((left + i * cell, bottom - (j + 1) * cell), (cell, cell), facecolor=INK)
 
 
 def _draw_rulers(plan: Plan, numbered: Numbered) -> None:
@@ -129,5 +135,5 @@ def _draw_notes(page: Page, told: tuple[str, ...], y: float) -> None:
     x = _NOTES
     y = page.heading(x, y, "How to build it", COLUMN)
     for text in (*_PLACING, "", *told, "", *_RULE):
-        page.text(x, y, text, 8.5)
+        page.text(x, y, text, 8.2)
         y += 4.4 if text else 2
