@@ -147,6 +147,15 @@ def test_the_first_page_says_what_to_buy() -> None:
         assert said in page
 
 
+def test_a_long_name_and_a_long_way_to_cut_stay_on_the_page() -> None:
+    recipe = Recipe(seed=3, name="n" * 64, unit_cm=0.125, obstacles=(Placement(obstacle=Random(max_height=12)),))
+    first = read(recipe).pages[0]
+    counts = {level: count for level, count in compose(recipe).field.level_counts().items() if level}
+    parts = " + ".join(f"{count} x {level / 8:g}" for level, count in reversed(counts.items()))
+    assert parts in words(first)
+    assert all(size < 13 for text, *_, size in placed(first) if "nnn" in text)
+
+
 def test_another_saw_and_stock_are_counted_with() -> None:
     page = words(read(RECIPES["real"], Saw(kerf_mm=0, stock_cm=100)).pages[0])
     assert "blocks: 100 cm of 10 x 10 cm 20 pieces" in page
@@ -189,6 +198,11 @@ def test_same_map_same_bytes(format_: str) -> None:
     assert sheet(scene, format=format_) == sheet(scene, format=format_)
 
 
+def test_another_format_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(ParameterError, match=r"format: unknown format 'png' \(known: csv, pdf\)"):
+        sheet(compose(RECIPES["bare"]), format="png")
+
+
 def test_it_carries_its_recipe_and_no_date() -> None:
     metadata = read(RECIPES["framed"]).metadata
     assert metadata
@@ -202,7 +216,7 @@ def test_it_carries_its_recipe_and_no_date() -> None:
         Recipe(seed=1),
         Recipe(seed=1, chunk_size=1, boundary="none", obstacles=BLOCKS),
         Recipe(seed=1, frame_height_cm=0),
-        Recipe(seed=1, description="$x^2$ <&> {0}"),
+        Recipe(seed=1, description="$x^2$ <&> {0} 地图 \u202e"),
     ],
     ids=["flat", "one", "frames of no height", "odd description"],
 )

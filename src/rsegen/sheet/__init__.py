@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rsegen.drawing import saved_pages
-from rsegen.errors import FileError, ParameterError
+from rsegen.errors import FileError, ParameterError, UnknownName
 from rsegen.recipe import Recipe
 from rsegen.scene import Scene
 from rsegen.sheet.listing import listing
@@ -31,6 +31,8 @@ MOST_BLOCKS = 40_000
 def sheet(scene: Scene, saw: Saw | None = None, format: str = "pdf") -> bytes:  # noqa: A002  # matplotlib's word
     """The build sheet as the bytes of a file, `pdf` or `csv`; a ParameterError where the map is too large for one."""
     saw = saw or Saw()
+    if format not in FORMATS:
+        raise UnknownName.among("format", "format", format, FORMATS)
     refuse_unbuildable(scene.recipe, saw)
     if format == "csv":
         return "".join(listing(scene, saw)).encode()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from textwrap import wrap
 
 from rsegen.export.numbers import decimal
 from rsegen.scene import Scene
@@ -11,11 +12,17 @@ from rsegen.sheet.frames import Frames, frames
 from rsegen.sheet.order import Numbered, length, lengths
 from rsegen.sheet.page import GREY, POINT, ROW, Page
 from rsegen.sheet.plan import Plan
-from rsegen.sheet.saw import Saw, Sawing, centimetres, sawn
+from rsegen.sheet.saw import Pattern, Saw, Sawing, centimetres, sawn
 
 _PLAN_HEIGHT = 112.0
 _SMALLEST = 4.0
 """Points of a name that can still be read."""
+
+_LONGEST = 160
+"""Letters of a description that are shown."""
+
+_BROAD = 30
+"""Letters of a line that says how a piece is cut."""
 
 _RIGHT = 113.0
 """Where the right column begins."""
@@ -33,12 +40,12 @@ def draw_overview(page: Page, scene: Scene, pallets: Sequence[Numbered], saw: Sa
 def _draw_head(page: Page, scene: Scene, pallets: int) -> None:
     n_x, n_y = scene.field.shape
     along_x, along_y = map(decimal, scene.field.extent)
-    page.text(page.left, 22, f"Build sheet: {scene.name}", 20, fontweight="bold")
+    page.fitted((page.left, 22), f"Build sheet: {scene.name}", 20, page.across - 12, fontweight="bold")
     many = f"{pallets} pallet{'s'[: pallets > 1]}"
     cells = "cells with frames" if scene.field.frame.any() else "cells"
     size = f"{along_x} x {along_y} m, {n_x} x {n_y} {cells}, {many}, seed {scene.recipe.seed}"
     page.text(page.left, 29, size, 10)
-    page.text(page.left, 35, scene.recipe.description[:110], 9, color=GREY)
+    page.fitted((page.left, 35), scene.recipe.description[:_LONGEST], 9, page.across, color=GREY)
     page.compass(page.right - 4, 23)
 
 
@@ -97,16 +104,16 @@ def _draw_sawing(page: Page, scene: Scene, saw: Saw, y: float) -> float:
         page.text(_RIGHT + COLUMN, y, amount, ha="right")
         y += ROW
     y = page.heading(_RIGHT, y + 4, f"Cutting {decimal(saw.stock_cm)} cm of stock", COLUMN)
-    rows = [_cut(sawing, at) for at in range(len(sawing.patterns))]
-    shown = rows[: max(1, int((page.bottom - y) / ROW) - 2)]
-    for pieces, parts, offcut in shown:
+    rows = [_cut(pattern, saw) for pattern in sawing.patterns]
+    for number, (pieces, parts, offcut) in enumerate(rows):
+        if y + len(parts) * ROW > page.bottom:
+            page.text(_RIGHT, y, f"and {len(rows) - number} more ways, which the sheet as CSV has", 8, color=GREY)
+            return y + ROW
         page.text(_RIGHT + 10, y, pieces, ha="right")
-        page.text(_RIGHT + 13, y, parts, min(9.0, 9 * 46 / max(46, len(parts))))
+        for at, line in enumerate(parts):
+            page.text(_RIGHT + 13, y + at * ROW, line)
         page.text(_RIGHT + COLUMN, y, offcut, 8, ha="right", color=GREY)
-        y += ROW
-    if len(shown) < len(rows):
-        page.text(_RIGHT, y, f"and {len(rows) - len(shown)} more ways, which the sheet as CSV has", 8, color=GREY)
-        y += ROW
+        y += len(parts) * ROW
     return y
 
 
@@ -140,11 +147,10 @@ def _pieces(count: int) -> str:
     return f"{count:,} piece{'s'[: count != 1]}"
 
 
-def _cut(sawing: Sawing, at: int) -> tuple[str, str, str]:
-    """How often a piece is cut so, into what, and what is left."""
-    pattern = sawing.patterns[at]
-    parts = " + ".join(f"{count} x {centimetres(one)}" for one, count in pattern.parts)
-    return f"{pattern.pieces:,} x", parts, f"{centimetres(pattern.offcut(sawing.saw))} left"
+def _cut(pattern: Pattern, saw: Saw) -> tuple[str, list[str], str]:
+    """How often a piece is cut so, into what in a few lines, and what is left."""
+    parts = " + ".join(f"{count}\xa0x\xa0{centimetres(one)}" for one, count in pattern.parts)
+    return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{centimetres(pattern.offcut(saw))} left"
 
 
 def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[Numbered], y: float) -> None:

@@ -38,6 +38,18 @@ class Page:
         """A text whose base line is at y, in points."""
         self.paper.text(x, y, text, fontsize=size, parse_math=False, **{"color": INK, **style})
 
+    def fitted(self, place: tuple[float, float], text: str, size: float, room: float, **style: Any) -> None:
+        """A person's text, made smaller where it does not fit into so many millimetres."""
+        from matplotlib.font_manager import FontProperties, findfont, get_font
+        from matplotlib.textpath import TextPath
+
+        font = FontProperties(weight=style.get("fontweight", "normal"), size=size)
+        drawn = get_font(findfont(font))
+        known = "".join(letter if drawn.get_char_index(ord(letter)) else "?" for letter in text)
+        plain = known.replace("$", "S")  # which a path of a text would take for a formula
+        width = TextPath((0, 0), plain, prop=font).get_extents().width if plain.strip() else 0.0
+        self.text(*place, known, size * min(1.0, room / POINT / max(width, 1)), **style)
+
     def line(self, xs: Sequence[float], ys: Sequence[float], width: float = 0.4, colour: str = PALE) -> None:
         """From place to place, its width in points."""
         self.paper.plot(xs, ys, color=colour, linewidth=width, solid_capstyle="butt")

@@ -57,7 +57,8 @@ def _draw_head(page: Page, scene: Scene, numbered: Numbered, pallets: int) -> No
     (x, y), (n_x, n_y) = numbered.corner, numbered.levels.shape
     page.text(page.left, 22, f"Pallet {numbered.name}", 20, fontweight="bold")
     where = f"cells {x}..{x + n_x - 1} along x, {y}..{y + n_y - 1} along y"
-    page.text(page.left, 29, f"{scene.name}, {numbered.number} of {pallets} in the order of building; {where}", 9)
+    order = f"{scene.name}, {numbered.number} of {pallets} in the order of building; {where}"
+    page.fitted((page.left, 29), order, 9, page.across - (52 if pallets > 1 else 12))
     page.compass(page.right - 4, 23)
     if pallets > 1:
         _draw_whereabouts(page, scene, numbered)
