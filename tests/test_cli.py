@@ -340,7 +340,12 @@ def test_help_of_generate_says_of_every_parameter_what_it_takes(
     [
         ("generate", ["RECIPE", "--output", "--obstacle", "--force", "--resume", "--preview", "--json", "--workers"]),
         ("series", ["RECIPE", "--output", "--from", "--to", "--same-field", "--force", "--resume", "--workers"]),
+        (
+            "generate",
+            ["RECIPE", "--output", "--obstacle", "--force", "--resume", "--preview", "--sheet", "--json", "--workers"],
+        ),
         ("preview", ["RECIPE-or-DIR", "--output", "--map", "--force", "png, svg, pdf, jpg or webp"]),
+        ("sheet", ["RECIPE-or-DIR", "--output", "--csv", "--map", "--force", "--kerf-mm", "--stock-cm", "pdf or csv"]),
         ("info", ["RECIPE-or-DIR", "--map", "--json"]),
         ("obstacles", ["--json"]),
         ("schema", ["JSON Schema"]),

@@ -58,6 +58,12 @@ def test_the_python_of_the_page_of_formats_works(tmp_path: Path) -> None:
         assert (tmp_path / folder / "rubble_0002" / "posture" / "raster.npy").is_file()
 
 
+def test_the_python_of_the_page_of_build_sheets_works() -> None:
+    (script,) = blocks(ROOT / "docs" / "sheet.md", "python")
+    found = subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, capture_output=True, text=True)
+    assert found.stdout == "# build sheet of rse_0000 with seed 7\n"
+
+
 def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None:
     (source,) = blocks(ROOT / "CONTRIBUTING.md", "python")
     shutil.copytree(ROOT / "src" / "rsegen", tmp_path / "rsegen")

@@ -33,6 +33,7 @@ from rsegen.recipe import Placement, Recipe
 from rsegen.recipe_file import load, save
 from rsegen.scene import Scene, compose
 from rsegen.series import Series, series
+from rsegen.sheet import Saw, sheet
 from rsegen.stepfield import StepField
 from rsegen.version import __version__
 
@@ -55,6 +56,7 @@ __all__ = [
     "Random",
     "Recipe",
     "RsegenError",
+    "Saw",
     "Scene",
     "Series",
     "StepField",
@@ -70,4 +72,5 @@ __all__ = [
     "save",
     "schema",
     "series",
+    "sheet",
 ]

@@ -7,6 +7,7 @@ blocks themselves do.
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -54,6 +55,17 @@ def saved(figure: Figure, scene: Scene, format: str) -> bytes:  # noqa: A002  # 
     stream = io.BytesIO()
     with rc_context({"svg.hashsalt": "rsegen"}):
         figure.savefig(stream, format=format, metadata=_metadata(scene, format))
+    return stream.getvalue()
+
+
+def saved_pages(figures: Iterable[Figure], scene: Scene) -> bytes:
+    """Figures about a map as the pages of a PDF, which carries the map's recipe."""
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    stream = io.BytesIO()
+    with PdfPages(stream, metadata={"Title": scene.name, **(_metadata(scene, "pdf") or {})}) as pages:
+        for figure in figures:
+            pages.savefig(figure)
     return stream.getvalue()
 
 

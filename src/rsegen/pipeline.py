@@ -86,6 +86,7 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
     force: bool = False,
     resume: bool = False,
     preview: bool = False,
+    sheet: bool = False,
     formats: Sequence[Format] = (),
     workers: int = 1,
     progress: Callable[[GeneratedMap], None] | None = None,
@@ -93,14 +94,15 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
     """Write every map of a recipe as `folder/NAME_000k`; `progress` is told of each that is done, in their order.
 
     `force` replaces maps that are there already; `resume` leaves them, if each is the one that would be made, and makes
-    the others; `preview` adds a picture to each, `formats` files for other programs. With `workers` beyond 1, other
-    processes take a part where that is quicker; a script then needs `if __name__ == "__main__":`. Raises an OutputError
-    before anything is written where a map's folder is taken, TooLarge where there is no room for the maps.
+    the others; `preview` adds a picture to each, `sheet` a build sheet, `formats` files for other programs. With
+    `workers` beyond 1, other processes take a part where that is quicker; a script then needs
+    `if __name__ == "__main__":`. Raises, before anything is written, an OutputError where a map's folder is taken,
+    TooLarge where there is no room for the maps, a ParameterError where they are too large for build sheets.
     """
     folder, workers = Path(folder), WORKERS.check("workers", workers)
     if force and resume:
         raise ParameterError("resume", "keeps the maps that are there, and force replaces them; give one of the two")
-    extras = Extras(preview=preview, formats=tuple(formats))
+    extras = Extras(preview=preview, sheet=sheet, formats=tuple(formats))
     extras.refuse(recipe)
     refuse_too_large(recipe, extras.bytes_a_cell)
     refuse_not_a_folder(folder)

@@ -26,7 +26,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         [
             "'genrate'",
             "did you mean 'generate'?",
-            "info, metrics, obstacles, open, preview, remove, respawn, schema, series, sim, spawn",
+            "info, metrics, obstacles, open, preview, remove, respawn, schema, series, sheet, sim, spawn",
         ],
     ),
     "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, import, info"]),
@@ -125,6 +125,46 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "an export into a file": (["export", "two.yaml", "--to", "ply", "-o", "file"], ["file: is a file; give a folder"]),
     "a world with another format": (["generate", "-o", "out", "--formats", "sdf"], ["--formats: unknown format 'sdf'"]),
+    "a sheet of another ending": (["sheet", "two.yaml", "-o", "s.png"], ["s.png: not a build sheet", ".pdf or .csv"]),
+    "a sheet of no name": (["sheet", "two.yaml", "-o", ""], ["not a build sheet's name"]),
+    "a sheet that is there": (["sheet", "two.yaml", "-o", "old.csv"], ["old.csv: is there already", "--force"]),
+    "a sheet beside a table that is there": (
+        ["sheet", "two.yaml", "-o", "s.pdf", "--csv", "old.csv"],
+        ["old.csv: is there already", "--force"],
+    ),
+    "a sheet of two tables": (
+        ["sheet", "two.yaml", "-o", "s.csv", "--csv", "t.csv"],
+        ["--csv: t.csv beside s.csv", "-o one of .pdf"],
+    ),
+    "a sheet whose table is no table": (
+        ["sheet", "two.yaml", "-o", "s.pdf", "--csv", "t.pdf"],
+        ["--csv: t.pdf beside s.pdf"],
+    ),
+    "a sheet in a file": (["sheet", "two.yaml", "-o", "file/s.pdf"], ["file/s.pdf: cannot be written"]),
+    "a sheet of a map beyond": (["sheet", "two.yaml", "-o", "s.pdf", "--map", "2"], ["--map", "rse_0001"]),
+    "a sheet of no map": (["sheet", "folder", "-o", "s.pdf"], ["folder: no map in it"]),
+    "a sheet for a saw in a word": (
+        ["sheet", "two.yaml", "-o", "s.pdf", "--kerf-mm", "thin"],
+        ["kerf_mm: 'thin' is not a number; give 0..100 mm"],
+    ),
+    "a sheet for a saw below": (["sheet", "two.yaml", "-o", "s.pdf", "--kerf-mm=-1"], ["kerf_mm: -1.0 is outside"]),
+    "a sheet for no timber": (["sheet", "two.yaml", "-o", "s.pdf", "--stock-cm", "0"], ["stock_cm: 0.0 is outside"]),
+    "a sheet for short timber": (
+        ["sheet", "peak", "-o", "s.pdf", "--stock-cm", "30"],
+        ["stock_cm: 30 is shorter than blocks of the highest level", "or more"],
+    ),
+    "a sheet of large pallets": (
+        ["sheet", "large.yaml", "-o", "s.pdf"],
+        ["chunk_size: 61 blocks a side", "give up to 60"],
+    ),
+    "sheets of large pallets": (
+        ["generate", "large.yaml", "-o", "out", "--sheet"],
+        ["chunk_size: 61 blocks a side", "give up to 60"],
+    ),
+    "sheets of many pallets": (
+        ["generate", "--chunks", "21", "--chunk-size", "2", "-o", "out", "--sheet"],
+        ["chunks: 441 pallets with 1,764 blocks", "give up to 400"],
+    ),
     "metrics of a map beyond": (["metrics", "two.yaml", "--map", "2"], ["--map", "'2'", "rse_0000..rse_0001"]),
     "metrics of no map": (["metrics", "folder"], ["folder: no map in it"]),
     "metrics for a robot of another name": (["metrics", "two.yaml", "--robot", "burgr"], ["--robot", "'burger'"]),
@@ -146,7 +186,9 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
 def test_a_command_line(refused: Refused, arguments: Sequence[str], words: Sequence[str]) -> None:
     recipe("not a recipe", "file")
     recipe("maps: 2\nseed: 7\nchunk_size: 2\n", "two.yaml")
+    recipe("seed: 7\nchunk_size: 61\n", "large.yaml")
     recipe("an old picture", "old.png")
+    recipe("an old table", "old.csv")
     Path("folder").mkdir()
     Path("folder.png").mkdir()
     Path("loop").symlink_to("loop")
@@ -162,7 +204,12 @@ def test_json_does_not_change_how_a_mistake_is_told(refused: Refused) -> None:
 def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, command: str) -> None:
     given = {"generate": ["-o", "out"], "preview": ["a.yaml", "-o", "p.png"], "info": ["a.yaml"], "open": ["a.yaml"]}
     given |= {"import_": ["a.csv", "-o", "out"], "drive": ["a.yaml"], "experiment": ["quick", "-o", "out"]}
-    given |= {"metrics": ["a.yaml"], "series": ["-o", "out"], "export": ["a.yaml", "--to", "stl", "-o", "out"]}
+    given |= {
+        "metrics": ["a.yaml"],
+        "series": ["-o", "out"],
+        "sheet": ["a.yaml", "-o", "s.pdf"],
+        "export": ["a.yaml", "--to", "stl", "-o", "out"],
+    }
     given |= {"spawn": ["burger"], "respawn": ["a.yaml"], "remove": ["burger"]}
     line = refused(command.rstrip("_"), *given.get(command, []), "--hlep")
     assert "unknown flag '--hlep'; did you mean '--help'?" in line

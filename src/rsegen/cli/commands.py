@@ -22,6 +22,7 @@ from rsegen.cli import (
     respawn,
     schema,
     series,
+    sheet,
     sim,
     spawn,
 )
@@ -37,6 +38,7 @@ COMMANDS = (
     preview,
     info,
     metrics,
+    sheet,
     open,
     spawn,
     respawn,

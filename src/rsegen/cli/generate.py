@@ -49,10 +49,15 @@ def add_output_flags(command: argparse.ArgumentParser) -> None:
         "--resume",
         action="store_true",
         help="go on where a run was stopped: keep the maps that are there already, if each is the one that would be "
-        "made (with --preview: and has its picture; with --formats: and has them), and make the others; needs the same "
+        "made (with --preview, --sheet or --formats: and has them), and make the others; needs the same "
         "recipe and seed",
     )
     command.add_argument("--preview", action="store_true", help="add a picture, preview.png, to every map")
+    command.add_argument(
+        "--sheet",
+        action="store_true",
+        help="add a build sheet, sheet.pdf and sheet.csv, to every map (see rsegen sheet)",
+    )
     known = ", ".join(FORMATS)
     text = f"add files for other programs to every map, parted by commas: {known} (rsegen export --list explains them)"
     command.add_argument("--formats", metavar="FORMAT,...", help=text)
@@ -71,7 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
 def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
     """Write the maps of a recipe, and say what was made."""
     formats = formats_of("--formats", arguments.formats, arguments)
-    extras = Extras(preview=arguments.preview, formats=formats)
+    extras = Extras(preview=arguments.preview, sheet=arguments.sheet, formats=formats)
     with _told_how_to_go_on(recipe, arguments, extras), _bar(recipe) as progress:
         made = generate(
             recipe,
@@ -79,6 +84,7 @@ def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
             force=arguments.force,
             resume=arguments.resume,
             preview=arguments.preview,
+            sheet=arguments.sheet,
             formats=formats,
             workers=workers_from(arguments),
             progress=progress,
