@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import sys
 from dataclasses import asdict, replace
 from itertools import pairwise
 from pathlib import Path
@@ -189,6 +190,19 @@ def test_json_has_every_row(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     table: list[Any] = rows_of(tmp_path / "series.csv")
     assert [(one["map"], one["rms"]) for one in told["maps"]] == [(row["map"], float(row["rms"])) for row in table]
     assert Path(told["picture"]).is_file()
+
+
+def test_who_stops_a_series_hears_how_to_go_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sys.modules["rsegen.series.run"], "made", stopped)
+    assert main(["series", *FLAGS, "-o", str(tmp_path / "out")]) == 1
+    assert "the same command with --seed 7 --resume makes the rest" in capsys.readouterr().err
+    monkeypatch.undo()
+    assert main(["series", *FLAGS, "--resume", "-o", str(tmp_path / "out")]) == 0
 
 
 def test_force_replaces_a_series_and_spares_the_rest(tmp_path: Path) -> None:

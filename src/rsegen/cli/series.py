@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Make the series, and say how it rises."""
     recipe = recipe_from(arguments)
     from_, to = (_share(name, getattr(arguments, name)) for name in ("from_", "to"))
-    with _bar(recipe) as progress:
+    with _told_how_to_go_on(recipe, arguments), _bar(recipe) as progress:
         found = series(
             recipe,
             arguments.output,
@@ -57,6 +57,20 @@ def run(arguments: argparse.Namespace) -> None:
             progress=progress,
         )
     print(json.dumps(_summary(found), indent=2) if arguments.json else "\n".join(_report(found)))
+
+
+@contextmanager
+def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace) -> Iterator[None]:
+    """Who stops a series hears how to make the rest of it; not where old maps may stand among the new ones."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if arguments.force:
+            raise
+        raise KeyboardInterrupt(
+            "stopped; the maps that were complete are there, without table and picture; "
+            f"the same command with --seed {recipe.seed} --resume makes the rest"
+        ) from None
 
 
 def _share(name: str, text: str) -> float:
