@@ -338,7 +338,6 @@ def test_help_of_generate_says_of_every_parameter_what_it_takes(
 @pytest.mark.parametrize(
     ("command", "words"),
     [
-        ("generate", ["RECIPE", "--output", "--obstacle", "--force", "--resume", "--preview", "--json", "--workers"]),
         ("series", ["RECIPE", "--output", "--from", "--to", "--same-field", "--force", "--resume", "--workers"]),
         (
             "generate",
