@@ -16,6 +16,7 @@ rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
 from rsegen.build import build
 from rsegen.codec import schema
 from rsegen.errors import RsegenError, UserError
+from rsegen.exporting import ExportedMap, export_maps
 from rsegen.formats import FORMATS
 from rsegen.importers import imported
 from rsegen.metrics import Climber, Metrics, metrics
@@ -27,10 +28,12 @@ from rsegen.obstacles.normal import NormalRandom
 from rsegen.obstacles.pallet import Pallet
 from rsegen.obstacles.peak import Peak
 from rsegen.obstacles.random import Random
-from rsegen.pipeline import ExportedMap, Generated, GeneratedMap, export_maps, generate
+from rsegen.pipeline import Generated, GeneratedMap, generate
 from rsegen.recipe import Placement, Recipe
 from rsegen.recipe_file import load, save
 from rsegen.scene import Scene, compose
+from rsegen.series import Series, series
+from rsegen.sheet import Saw, sheet
 from rsegen.stepfield import StepField
 from rsegen.version import __version__
 
@@ -53,7 +56,9 @@ __all__ = [
     "Random",
     "Recipe",
     "RsegenError",
+    "Saw",
     "Scene",
+    "Series",
     "StepField",
     "UserError",
     "__version__",
@@ -66,4 +71,6 @@ __all__ = [
     "metrics",
     "save",
     "schema",
+    "series",
+    "sheet",
 ]

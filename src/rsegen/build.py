@@ -2,8 +2,8 @@
 
     Recipe --build--> StepField
 
-Each obstacle is asked once for its levels, with its own generator, and is imposed on those before it; then come frames,
-and what the map is to keep to.
+Each obstacle is asked once for its levels, with its own generator, and is imposed on those before it; then the map is
+eased to its difficulty; then come frames, and what the map is to keep to.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from rsegen.chance import SEEDS, generator
 from rsegen.constraints import constrained
+from rsegen.difficulty import eased
 from rsegen.errors import ParameterError, TooLarge
 from rsegen.obstacles import Grid, Patch
 from rsegen.params import Whole
@@ -34,6 +35,7 @@ def build(recipe: Recipe, index: int = 0) -> StepField:
         except ParameterError as error:
             raise error.inside(f"obstacles[{number}]") from None
         _impose(levels, patch, placement.blend, recipe.top_level)
+    levels = eased(levels, recipe, index)
     levels, frame = framed(levels, recipe.chunk_size, recipe.boundary)
     field = StepField(
         levels=levels,

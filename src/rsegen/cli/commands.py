@@ -21,6 +21,8 @@ from rsegen.cli import (
     remove,
     respawn,
     schema,
+    series,
+    sheet,
     sim,
     spawn,
 )
@@ -29,12 +31,14 @@ from rsegen.version import __version__
 
 COMMANDS = (
     generate,
+    series,
     import_,
     export,
     gui,
     preview,
     info,
     metrics,
+    sheet,
     open,
     spawn,
     respawn,

@@ -12,8 +12,8 @@ from typing import Any
 from rsegen.cli.flags import Subparsers, folder
 from rsegen.cli.formats import add_option_flags, formats_of, listed
 from rsegen.cli.targets import add_target_flags, found, recipe_files
+from rsegen.exporting import ExportedMap, export_maps
 from rsegen.formats import FORMATS
-from rsegen.pipeline import ExportedMap, export_maps
 from rsegen.recipe import Recipe
 from rsegen.recipe_file import load
 

@@ -12,11 +12,12 @@ from pathlib import Path
 
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
 from rsegen.cli.formats import add_option_flags, formats_of
-from rsegen.formats import FORMATS, options
+from rsegen.extras import Extras
+from rsegen.formats import FORMATS
 from rsegen.pipeline import WORKERS, Generated, GeneratedMap, generate
 from rsegen.proof import told
 from rsegen.recipe import Recipe
-from rsegen.resume import Wanted, standing
+from rsegen.resume import standing
 from rsegen.scene import compose
 from rsegen.workers import cores
 
@@ -48,10 +49,15 @@ def add_output_flags(command: argparse.ArgumentParser) -> None:
         "--resume",
         action="store_true",
         help="go on where a run was stopped: keep the maps that are there already, if each is the one that would be "
-        "made (with --preview: and has its picture; with --formats: and has them), and make the others; needs the same "
+        "made (with --preview, --sheet or --formats: and has them), and make the others; needs the same "
         "recipe and seed",
     )
     command.add_argument("--preview", action="store_true", help="add a picture, preview.png, to every map")
+    command.add_argument(
+        "--sheet",
+        action="store_true",
+        help="add a build sheet, sheet.pdf and sheet.csv, to every map (see rsegen sheet)",
+    )
     known = ", ".join(FORMATS)
     text = f"add files for other programs to every map, parted by commas: {known} (rsegen export --list explains them)"
     command.add_argument("--formats", metavar="FORMAT,...", help=text)
@@ -70,16 +76,17 @@ def run(arguments: argparse.Namespace) -> None:
 def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
     """Write the maps of a recipe, and say what was made."""
     formats = formats_of("--formats", arguments.formats, arguments)
-    wanted = Wanted(preview=arguments.preview, formats=options(formats))
-    with _told_how_to_go_on(recipe, arguments, wanted), _bar(recipe) as progress:
+    extras = Extras(preview=arguments.preview, sheet=arguments.sheet, formats=formats)
+    with _told_how_to_go_on(recipe, arguments, extras), _bar(recipe) as progress:
         made = generate(
             recipe,
             arguments.output,
             force=arguments.force,
             resume=arguments.resume,
             preview=arguments.preview,
+            sheet=arguments.sheet,
             formats=formats,
-            workers=cores() if arguments.workers is None else _workers(arguments.workers),
+            workers=workers_from(arguments),
             progress=progress,
         )
     if arguments.json:
@@ -88,17 +95,19 @@ def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
         print("\n".join(_report(made)))
 
 
-def _workers(text: str) -> int:
-    return WORKERS.check("--workers", WORKERS.parse(text))
+def workers_from(arguments: argparse.Namespace) -> int:
+    """How many were asked for, or as many as there are cores."""
+    given = arguments.workers
+    return cores() if given is None else WORKERS.check("--workers", WORKERS.parse(given))
 
 
 @contextmanager
-def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace, wanted: Wanted) -> Iterator[None]:
+def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace, extras: Extras) -> Iterator[None]:
     """Who stops a run hears how many maps are complete, and how to make the others."""
     try:
         yield
     except KeyboardInterrupt:
-        there = 0 if arguments.force else standing(recipe, arguments.output, wanted)
+        there = 0 if arguments.force else standing(recipe, arguments.output, extras.stand)
         if not there:
             raise
         raise KeyboardInterrupt(
