@@ -12,8 +12,9 @@ from typing import ClassVar
 
 from rsegen.export.obj import material_name
 from rsegen.formats.base import MESH, Extra, Format, register
+from rsegen.formats.light import linear
 from rsegen.formats.solid import BYTES_A_CELL, solid
-from rsegen.scene import Colour, Scene
+from rsegen.scene import Scene
 from rsegen.stepfield import Array
 
 
@@ -43,7 +44,7 @@ def _glb(scene: Scene) -> Iterator[bytes]:
     found = trimesh.Scene()
     for material, part in solid(scene.field).parts():
         name = material_name(material)
-        colour = [*_linear(scene.colour(material)), 1.0]
+        colour = [*linear(scene.colour(material)), 1.0]
         matt = PBRMaterial(name=name, baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=1.0)
         mesh = part._replace(vertices=_y_up(part.vertices)).mesh
         mesh.visual = TextureVisuals(material=matt)
@@ -59,9 +60,3 @@ def _y_up(vertices: Array) -> Array:
 _JSON = b'{"asset":{"version":"2.0"}} '
 _EMPTY = struct.pack("<4sIIII", b"glTF", 2, 20 + len(_JSON), len(_JSON), 0x4E4F534A) + _JSON
 """Of a map on which nothing stands: trimesh writes none."""
-
-
-def _linear(colour: Colour) -> Iterator[float]:
-    """A colour as glTF counts it: linear in light, where screens are not (sRGB, IEC 61966-2-1)."""
-    for part in colour:
-        yield round(part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4, 6)
