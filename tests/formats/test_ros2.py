@@ -26,6 +26,7 @@ from rsegen import Recipe, Scene, compose
 from rsegen.export import single
 from rsegen.formats.ros2 import Ros2, package_name
 from runs import contents
+from sim.conftest import missing
 
 SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))
 NAMED = compose(Recipe(name="2026.Pallet--A", seed=3, chunk_size=3))
@@ -105,19 +106,17 @@ def test_cmake_installs_what_the_package_holds(scene: Scene, tmp_path: Path) -> 
 
 
 def test_colcon_builds_it_and_its_setup_says_where_the_models_are(tmp_path: Path) -> None:
-    """With the real ament_cmake, whose own Python package is where python3 finds it."""
-    if not shutil.which("colcon"):
-        pytest.skip("no colcon here: pip install colcon-core colcon-cmake colcon-ros colcon-bash")
+    """With the real ament_cmake, which takes the python3 beside colcon."""
+    colcon = shutil.which("colcon") or missing("no colcon: run scripts/ros2")
     prefixes = [*filter(None, os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)), "/usr"]
     if not any((Path(prefix) / "share" / "ament_cmake").is_dir() for prefix in prefixes):
-        pytest.skip(
-            "no ament_cmake here: Debian has it in the package ament-cmake; name its folder in CMAKE_PREFIX_PATH"
-        )
+        missing("no ament_cmake: run scripts/ros2, or name its folder in CMAKE_PREFIX_PATH")
+    tools = os.environ | {"PATH": f"{Path(colcon).parent}{os.pathsep}{os.environ['PATH']}"}
     for scene in (NAMED, SCENES["frames alone"]):
         written(scene, tmp_path / "src")
-    subprocess.run(["colcon", "build"], cwd=tmp_path, check=True, capture_output=True)
+    subprocess.run([colcon, "build"], cwd=tmp_path, env=tools, check=True, capture_output=True)
     shell = ["bash", "-c", ". install/setup.bash && env"]
-    bare = {name: value for name, value in os.environ.items() if name not in VARIABLES}
+    bare = {name: value for name, value in tools.items() if name not in VARIABLES}
     environment = subprocess.run(shell, cwd=tmp_path, env=bare, check=True, capture_output=True, text=True).stdout
     said = dict(line.split("=", 1) for line in environment.splitlines() if "=" in line)
     for variable in VARIABLES:
