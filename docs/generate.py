@@ -15,6 +15,7 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from benchmarks import datasets
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from docs import difficulty
@@ -32,6 +33,7 @@ from rsegen.sheet import pages
 
 DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
+DATASETS = DOCS / "datasets.md"
 ROBOTS_PAGE = DOCS / "robots.md"
 FORMATS_PAGE = DOCS / "formats.md"
 README = DOCS.parent / "README.md"
@@ -50,6 +52,7 @@ def texts() -> dict[Path, str]:
     return {
         README: with_table(README.read_text("utf-8"), figures),
         DOCS / "benchmarks.md": page(figures),
+        DATASETS: filled(DATASETS.read_text("utf-8"), datasets.table(loaded(datasets.FILE))),
         DOCS / "contact.md": contact,
         GAZEBO: filled(GAZEBO.read_text("utf-8"), _told_apart(contact)),
         DOCS / "recipe.schema.json": json.dumps(schema(), indent=2) + "\n",

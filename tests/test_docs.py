@@ -64,6 +64,12 @@ def test_the_python_of_the_page_of_build_sheets_works() -> None:
     assert found.stdout == "# build sheet of rse_0000 with seed 7\n"
 
 
+def test_the_python_of_the_page_of_data_sets_works(tmp_path: Path) -> None:
+    (script,) = blocks(ROOT / "docs" / "datasets.md", "python")
+    found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
+    assert found.stdout.splitlines()[-1] == "(10, 20, 10, 10) (10, 20, 3)"
+
+
 def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None:
     (source,) = blocks(ROOT / "CONTRIBUTING.md", "python")
     shutil.copytree(ROOT / "src" / "rsegen", tmp_path / "rsegen")

@@ -15,6 +15,7 @@ rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
 
 from rsegen.build import build
 from rsegen.codec import schema
+from rsegen.dataset import Dataset, Tiles, make_dataset
 from rsegen.errors import RsegenError, UserError
 from rsegen.exporting import ExportedMap, export_maps
 from rsegen.formats import FORMATS
@@ -41,6 +42,7 @@ __all__ = [
     "FORMATS",
     "KINDS",
     "Climber",
+    "Dataset",
     "DiagonalBarrier",
     "ExportedMap",
     "Generated",
@@ -60,6 +62,7 @@ __all__ = [
     "Scene",
     "Series",
     "StepField",
+    "Tiles",
     "UserError",
     "__version__",
     "build",
@@ -68,6 +71,7 @@ __all__ = [
     "generate",
     "imported",
     "load",
+    "make_dataset",
     "metrics",
     "save",
     "schema",

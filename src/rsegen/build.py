@@ -23,20 +23,13 @@ from rsegen.places import Cell
 from rsegen.recipe import Placement, Recipe
 from rsegen.stepfield import Levels, StepField, framed
 
+INDEX = Whole(0, SEEDS - 1, help="index of a map")
+
 
 def build(recipe: Recipe, index: int = 0) -> StepField:
     """Map `index` of a recipe: the same, whichever other maps are made; `index` is 0 or more."""
-    index = Whole(0, SEEDS - 1).check("index", index)
-    grid = recipe.grid
-    levels = _level_ground(grid)
-    for number, placement in enumerate(recipe.obstacles):
-        try:
-            *_, patch = placed(recipe, placement, index)
-        except ParameterError as error:
-            raise error.inside(f"obstacles[{number}]") from None
-        _impose(levels, patch, placement.blend, recipe.top_level)
-    levels = eased(levels, recipe, index)
-    levels, frame = framed(levels, recipe.chunk_size, recipe.boundary)
+    index = INDEX.check("index", index)
+    levels, frame = framed(_eased(recipe, index), recipe.chunk_size, recipe.boundary)
     field = StepField(
         levels=levels,
         frame=frame,
@@ -47,6 +40,35 @@ def build(recipe: Recipe, index: int = 0) -> StepField:
     return constrained(field, recipe, index)
 
 
+def blocks(recipe: Recipe, index: int) -> Levels:
+    """The levels of map `index` alone, frames left out, shape (n_x, n_y): the `blocks` of what `build` gives."""
+    return build(recipe, index).blocks if recipe.is_constrained else _eased(recipe, INDEX.check("index", index))
+
+
+def placed(recipe: Recipe, placement: Placement, index: int) -> tuple[Cell, Cell, Patch]:
+    """Where the ends of a recipe's obstacle are in map `index`, and the levels that it proposes."""
+    return _placed(recipe.grid, placement, generator(recipe.seed, index, placement.key or ""))
+
+
+def _eased(recipe: Recipe, index: int) -> Levels:
+    """All obstacles as the map's difficulty has them."""
+    return eased(_imposed(recipe, index), recipe, index)
+
+
+def _imposed(recipe: Recipe, index: int) -> Levels:
+    """All obstacles, one after the other, on level ground."""
+    grid, top_level = recipe.grid, recipe.top_level
+    levels = _level_ground(grid)
+    for number, placement in enumerate(recipe.obstacles):
+        rng = generator(recipe.seed, index, placement.key or "")
+        try:
+            *_, patch = _placed(grid, placement, rng)
+        except ParameterError as error:
+            raise error.inside(f"obstacles[{number}]") from None
+        _impose(levels, patch, placement.blend, top_level)
+    return levels
+
+
 def _level_ground(grid: Grid) -> Levels:
     try:
         return np.zeros(grid.shape, dtype=np.int16)
@@ -54,11 +76,9 @@ def _level_ground(grid: Grid) -> Levels:
         raise TooLarge(f"chunks: a map of {grid.n_x} x {grid.n_y} blocks is more than this machine's memory") from None
 
 
-def placed(recipe: Recipe, placement: Placement, index: int) -> tuple[Cell, Cell, Patch]:
-    """Where the ends of a recipe's obstacle are in map `index`, and the levels that it proposes."""
-    obstacle, grid = placement.obstacle, recipe.grid
+def _placed(grid: Grid, placement: Placement, rng: np.random.Generator) -> tuple[Cell, Cell, Patch]:
+    obstacle = placement.obstacle
     usual_first, usual_last = obstacle.usual_ends(grid)
-    rng = generator(recipe.seed, index, placement.key or "")
     first, last = obstacle.ends(grid, placement.first or usual_first, placement.last or usual_last, rng)
     return first, last, obstacle.patch(grid, first, last, rng)
 

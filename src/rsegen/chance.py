@@ -22,7 +22,7 @@ def fresh_seed() -> int:
 def generator(seed: int, index: int, key: str) -> np.random.Generator:
     """The generator of the obstacle `key` in map `index`: no other obstacle or map has a say in it."""
     digest = hashlib.blake2b(f"{seed}/{index}/{key}".encode(), digest_size=16).digest()
-    return np.random.Generator(np.random.PCG64(int.from_bytes(digest, "little")))
+    return np.random.Generator(np.random.PCG64(np.frombuffer(digest, "<u4")))
 
 
 def pick(rng: np.random.Generator, low: int, high: int) -> int:

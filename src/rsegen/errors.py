@@ -11,6 +11,7 @@ RsegenError
 │   └── NothingRuns      no simulation runs that could be changed
 ├── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
 ├── WorkerLost           a worker was killed from outside; nothing half written is left; exit code 1
+├── DatasetDamaged       a data set on disk is not what was made; exit code 1
 └── SimulatorFailed      a simulator died, fell silent or did not load its world; exit code 1
 """
 
@@ -62,6 +63,10 @@ class WriteError(RsegenError):
 
 class WorkerLost(RsegenError):
     """A worker was killed from outside, by the system for want of memory or by a person."""
+
+
+class DatasetDamaged(RsegenError):
+    """A data set on disk is not what was made."""
 
 
 class SimulatorFailed(RsegenError):

@@ -61,6 +61,15 @@ def refuse_too_many(maps: int, folder: Path) -> None:
             )
 
 
+def refuse_full(size: int, folder: Path) -> None:
+    """Raise TooLarge where so many bytes would not fit on the folder's disk."""
+    free = _free_disk(folder)
+    if size > free:
+        raise TooLarge(
+            f"maps: they need {_giga(size)} of disk, and {_giga(free)} are free; give fewer, or another disk"
+        )
+
+
 def _memory(recipe: Recipe) -> int:
     """What one map takes at its peak, in bytes. A watertight mesh is made of a whole model at once."""
     cells = prod(_shape(recipe))

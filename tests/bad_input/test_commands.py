@@ -173,6 +173,23 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "metrics of a climb below": (["metrics", "two.yaml", "--climb-cm=-1"], ["climb_cm: -1.0 is outside 0..100000 cm"]),
     "metrics of a climb of no number": (["metrics", "two.yaml", "--climb-cm", "nan"], ["climb_cm: nan"]),
     "metrics in two forms": (["metrics", "two.yaml", "--json", "--csv"], ["--csv: not allowed with argument --json"]),
+    "a data set nowhere": (["dataset", *OBSTACLE], ["one of the arguments -o/--output --verify is required"]),
+    "a data set of no map": (["dataset", "-o", "out", "--maps", "0"], ["maps: 0 is not 1 or more"]),
+    "a data set in a folder of other things": (["dataset", "-o", "."], [".: is not empty, and no data set"]),
+    "a data set in a file": (["dataset", "-o", "file"], ["file: is a file; give a folder"]),
+    "metrics in another form": (["dataset", "-o", "out", "--metrics", "csv"], ["metrics: 'csv'", "npy, parquet, none"]),
+    "shards of less than a map": (["dataset", "-o", "out", "--shard-maps=-1"], ["shard_maps: -1 is outside 0.."]),
+    "to go on and to replace": (["dataset", "-o", "out", "--force", "--resume"], ["not allowed with argument --force"]),
+    "to check what is no data set": (["dataset", "--verify", "folder"], ["folder: has no manifest.json"]),
+    "to check a recipe": (["dataset", "two.yaml", "--verify", "folder"], ["--verify: needs no recipe"]),
+    "to check and to make": (
+        ["dataset", "-o", "out", "--verify", "folder"],
+        ["--verify: not allowed with argument -o"],
+    ),
+    "a map of what is no data set": (["info", "folder#1"], ["folder: has no manifest.json"]),
+    "a map of nothing": (["generate", "nowhere#1", "-o", "out"], ["nowhere: has no manifest.json"]),
+    "a map in a file": (["info", "two.yaml#1"], ["two.yaml: has no manifest.json"]),
+    "a map of a word": (["info", "folder#first"], ["folder#first: No such file"]),
     "metrics drawn without a robot": (["metrics", "two.yaml", "-o", "p.png"], ["-o/--output", "--climb-cm 10"]),
     "metrics drawn on a text": (["metrics", "two.yaml", "-o", "p.txt"], ["p.txt: ", ".png, .svg, .pdf"]),
     "metrics drawn on what is there": (
@@ -206,6 +223,7 @@ def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, c
     given |= {"import_": ["a.csv", "-o", "out"], "drive": ["a.yaml"], "experiment": ["quick", "-o", "out"]}
     given |= {
         "metrics": ["a.yaml"],
+        "dataset": ["-o", "out"],
         "series": ["-o", "out"],
         "sheet": ["a.yaml", "-o", "s.pdf"],
         "export": ["a.yaml", "--to", "stl", "-o", "out"],

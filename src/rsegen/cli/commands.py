@@ -6,6 +6,7 @@ import argparse
 from typing import Any, NoReturn
 
 from rsegen.cli import (
+    dataset,
     drive,
     examples,
     experiment,
@@ -32,6 +33,7 @@ from rsegen.version import __version__
 COMMANDS = (
     generate,
     series,
+    dataset,
     import_,
     export,
     gui,

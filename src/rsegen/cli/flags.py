@@ -11,12 +11,12 @@ from typing import Any, TypeAlias
 
 from rsegen.cli.inventory import inventory_in
 from rsegen.codec import decode_placement
+from rsegen.dataset.naming import recipe_in
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.examples import or_example
 from rsegen.obstacles import kind
 from rsegen.params import parameters
 from rsegen.recipe import Placement, Recipe
-from rsegen.recipe_file import load
 from rsegen.robots import robot
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -24,7 +24,7 @@ Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 OBSTACLE_HELP = "add an obstacle, as in 'peak max_height=5 softness=30 first=2,2 last=7,7'; may be repeated"
 
 
-RECIPE_HELP = "YAML or JSON file, the folder of a map, or the name of an example"
+RECIPE_HELP = "YAML or JSON file, the folder of a map, the name of an example, or DIR#17: a map of a data set"
 
 
 def folder(text: str) -> Path:
@@ -53,7 +53,7 @@ def flag(name: str) -> str:
 
 def recipe_from(arguments: argparse.Namespace) -> Recipe:
     """The recipe of the file, if one is given, with the flags over it and their obstacles after its own."""
-    return with_flags(Recipe() if arguments.recipe is None else load(_file(arguments.recipe)), arguments)
+    return with_flags(Recipe() if arguments.recipe is None else recipe_in(_file(arguments.recipe)), arguments)
 
 
 def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
@@ -111,7 +111,9 @@ def _file(text: str) -> Path:
         return or_example(text)
     path = Path(text) / "recipe.json"
     if not path.is_file():
-        raise FileError(f"{text}: a folder without a recipe.json; give a recipe file or the folder of a map")
+        raise FileError(
+            f"{text}: a folder without a recipe.json; give a recipe file, the folder of a map, or DIR#0 of a data set"
+        )
     return path
 
 

@@ -7,7 +7,7 @@ import os.path
 from pathlib import Path
 
 from rsegen.cli.targets import found, recipe_files
-from rsegen.recipe_file import load
+from rsegen.dataset.naming import recipe_in
 from rsegen.simulators import SIMULATORS
 from rsegen.spawning.maps import Map, made
 
@@ -33,4 +33,4 @@ def map_of(target: str, which: str | None, output: Path) -> Map:
 
 def maps_in(folder: str) -> list[Map]:
     """Every map in a folder, or the one whose folder it is."""
-    return [Map(recipe=load(file), folder=file.parent) for file in recipe_files(folder)]
+    return [Map(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(folder)]

@@ -12,10 +12,10 @@ from dataclasses import asdict
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.maps import add_output_flag, add_running_flags, map_of, maps_in
 from rsegen.cli.targets import recipe_files
+from rsegen.dataset.naming import recipe_in
 from rsegen.errors import ParameterError, shown
 from rsegen.export.sdf import numbers
 from rsegen.recipe import Recipe
-from rsegen.recipe_file import load
 from rsegen.scene import compose
 from rsegen.simulators.joining import joined
 from rsegen.simulators.live import Pose
@@ -44,7 +44,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Replace it, and say what was done."""
-    recipes = [load(file) for file in recipe_files(arguments.target)]
+    recipes = [recipe_in(file) for file in recipe_files(arguments.target)]
     with joined(arguments.simulator) as (simulator, live):
         poses = live.poses()
         name = _there(poses, {recipe.name for recipe in recipes}, arguments.name)
@@ -89,7 +89,7 @@ def _given_or_next(arguments: argparse.Namespace, name: str) -> Map:
         maps = maps_in(arguments.target)
         names = [one.name for one in maps]
         return maps[(names.index(name) + 1) % len(maps)] if name in names else maps[0]
-    recipe = load(arguments.target)
+    recipe = recipe_in(arguments.target)
     index = _index(recipe, name)
     return made(recipe, recipe.first_map if index is None else index + 1, arguments.output)
 

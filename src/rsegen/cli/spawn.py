@@ -97,7 +97,7 @@ def _robot_or_map(arguments: argparse.Namespace) -> Robot | Map:
         if arguments.map is not None:
             raise ParameterError("--map", f"{target} is a robot, and has no maps")
         return ROBOTS[target]
-    bare = not os.path.exists(target) and not Path(target).suffix and os.sep not in target
+    bare = not (os.path.exists(target) or Path(target).suffix or os.sep in target or "#" in target)
     if bare and target not in EXAMPLES:
         raise UnknownName.among("", "folder, recipe, example or robot", target, [*ROBOTS, *EXAMPLES])
     return map_of(target, arguments.map, arguments.output)

@@ -1,4 +1,4 @@
-"""What a command can look at: a recipe file, the folder of a map, or a folder of such folders."""
+"""What a command can look at: a recipe file, a map of a data set, the folder of a map, or a folder of such folders."""
 
 from __future__ import annotations
 
@@ -8,17 +8,19 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from rsegen.dataset.naming import recipe_in
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.examples import or_example
 from rsegen.recipe import Recipe
-from rsegen.recipe_file import load
 from rsegen.room import refuse_too_large
 from rsegen.scene import Scene, compose
 
 
 def add_target_flags(command: argparse.ArgumentParser, usual: str = "the first") -> None:
     """Where to look, and which map."""
-    where = "a recipe (YAML, JSON), the name of an example, the folder of a map, or a folder of maps"
+    where = (
+        "a recipe (YAML, JSON), the name of an example, the folder of a map, a folder of maps, or DIR#17 of a data set"
+    )
     command.add_argument("target", metavar="RECIPE-or-DIR", help=where)
     command.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {usual})")
 
@@ -37,7 +39,9 @@ def recipe_files(target: str) -> list[Path]:
     own = path / "recipe.json" if os.path.isdir(target) else path
     files = [own] if own == path or own.is_file() else sorted(path.glob("*/recipe.json"))
     if not files:
-        raise FileError(f"{target}: no map in it, nor in its folders (a map's folder has a recipe.json)")
+        raise FileError(
+            f"{target}: no map in it, nor in its folders (a map's folder has a recipe.json; DIR#0 is one of a data set)"
+        )
     return files
 
 
@@ -45,7 +49,7 @@ def found(target: str, which: str | None) -> Found:
     """One map of `target`: the given one, or the first."""
     names = []
     for file in recipe_files(target):
-        recipe = load(file)
+        recipe = recipe_in(file)
         index = recipe.first_map if which is None else _index(recipe, which)
         if index is not None:
             return Found(file, recipe, index)
@@ -63,7 +67,7 @@ def chosen(target: str, which: str | None) -> Scene:
 
 def every(target: str, which: str | None, more: int = 0) -> Iterator[Scene]:
     """The scenes of all maps of `target` one by one, or of the given one; each may need more bytes for each cell."""
-    maps = ((recipe, recipe.indices) for recipe in map(load, recipe_files(target)))
+    maps = ((recipe, recipe.indices) for recipe in map(recipe_in, recipe_files(target)))
     given = [] if which is None else [found(target, which)]
     for recipe, indices in [(recipe, range(index, index + 1)) for _, recipe, index in given] or maps:
         refuse_too_large(recipe, more)

@@ -73,10 +73,11 @@ class Obstacle(ABC):
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """The two cells; what is left to chance is uniform over the map."""
-        x1, y1, x2, y2 = (
-            pick(rng, 0, cells - 1) if at == "random" else at
-            for at, cells in zip((*first, *last), grid.shape * 2, strict=True)
-        )
+        (x1, y1), (x2, y2), n_x, n_y = first, last, grid.n_x, grid.n_y
+        x1 = pick(rng, 0, n_x - 1) if x1 == "random" else x1
+        y1 = pick(rng, 0, n_y - 1) if y1 == "random" else y1
+        x2 = pick(rng, 0, n_x - 1) if x2 == "random" else x2
+        y2 = pick(rng, 0, n_y - 1) if y2 == "random" else y2
         return (x1, y1), (x2, y2)
 
     @abstractmethod
@@ -146,6 +147,8 @@ def _by_rows(window: tuple[slice, slice], part: Callable[[slice], Levels]) -> Le
     """The levels of a window, made of so many rows at once that the numbers behind them need no memory to speak of."""
     rows, columns = window
     step = max(_CELLS_AT_ONCE // (columns.stop - columns.start), 1)
+    if rows.stop - rows.start <= step:
+        return part(rows)
     return np.concatenate([part(slice(low, min(low + step, rows.stop))) for low in range(rows.start, rows.stop, step)])
 
 

@@ -108,6 +108,8 @@ class Random(Region):
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Drawn cell by cell, or counted blocks shuffled; then swapped until no step is too high."""
         patch = Region.patch(self, grid, first, last, rng)
+        if self.counts is None and self.max_step is None:
+            return patch
         levels = patch.levels if self.counts is None else self._shuffled(patch.levels.shape, rng)
         if self.max_step is not None:
             order = arranged(levels, self.max_step, rng)
@@ -126,7 +128,7 @@ class Random(Region):
         """floor(n f) with f = u (1 - s/100); with weights, the level whose share of [0, 1) holds f."""
         f = uniform * (1 - self.softness / 100)
         if self.weights is None:
-            return np.floor(self.max_height * f).astype(np.int16)
+            return (self.max_height * f).astype(np.int16)  # f is never below 0, so this is the floor
         shares = np.array(list(accumulate(self.weights))) / math.fsum(self.weights)
         top = max(level for level, weight in enumerate(self.weights) if weight)
         return np.minimum(np.searchsorted(shares, f, side="right"), top).astype(np.int16)

@@ -1,0 +1,151 @@
+"""rsegen dataset: very many maps in few files, for learning."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shlex
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, given, recipe_from
+from rsegen.cli.generate import workers_from
+from rsegen.dataset import Dataset, make_dataset
+from rsegen.dataset.layout import Layout
+from rsegen.dataset.making import Progress, complete_maps
+from rsegen.errors import ParameterError
+from rsegen.params import Whole, parameters
+from rsegen.pipeline import WORKERS
+from rsegen.recipe import Recipe
+
+_REBUILT = Whole(0, 10**9)
+
+
+def add(commands: Subparsers) -> None:
+    """The parser of this command."""
+    command = commands.add_parser(
+        "dataset",
+        help="make very many maps in few files, for learning",
+        description="Make the maps of a recipe as a data set: block levels as arrays, metrics as tables, in shards. "
+        "DIR#17 then names one of its maps in every command: rsegen generate DIR#17 -o worlds.",
+        epilog="docs/datasets.md says how to read it in Python, and how to train on it.",
+    )
+    command.add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
+    what = command.add_mutually_exclusive_group(required=True)
+    what.add_argument("-o", "--output", type=folder, metavar="DIR", help="folder to make the data set in")
+    what.add_argument("--verify", type=folder, metavar="DIR", help="check every file of the data set there instead")
+    for name, parameter in parameters(Layout).items():
+        flag, text = f"--{name.replace('_', '-')}", f"{parameter.help} ({parameter.describe()})"
+        command.add_argument(flag, dest=name, metavar=name.rpartition("_")[2].upper(), help=text)
+    there = command.add_mutually_exclusive_group()
+    there.add_argument("--force", action="store_true", help="replace a data set that is there already")
+    there.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on where a run was stopped: keep the shards that are whole, mend those that are not, and make the "
+        "others; needs the same recipe and seed",
+    )
+    command.add_argument(
+        "--workers", metavar="N", help=f"{WORKERS.help} ({WORKERS.describe()}, as many as there are cores by default)"
+    )
+    command.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="make it on a Dask cluster, whose workers see the same folder: tcp://HOST:PORT, or local for one here, of "
+        "as many processes as --workers says; needs rsegen[cluster]",
+    )
+    command.add_argument("--rebuild", metavar="N", help="with --verify: maps to build again and compare (default: 100)")
+    command.add_argument("--json", action="store_true", help="print a summary for programs")
+    add_recipe_flags(command)
+    command.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Make or check it, and say what is there."""
+    if arguments.verify:
+        dataset, words = _verified(arguments)
+    else:
+        dataset = _made(recipe_from(arguments), arguments)
+        words = f"one of them as a world: rsegen generate {shlex.quote(f'{dataset.folder}#0')} -o worlds"
+    print(json.dumps(_summary(dataset), indent=2) if arguments.json else f"{_described(dataset)}\n{words}")
+
+
+def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
+    """The data set, and what it was compared with."""
+    if arguments.recipe is not None:
+        raise ParameterError("--verify", "needs no recipe: it is in the data set")
+    text = arguments.rebuild
+    rebuild = 100 if text is None else _REBUILT.check("--rebuild", _REBUILT.parse(text))
+    dataset = Dataset(arguments.verify)
+    dataset.verify(rebuild)
+    built = min(rebuild, len(dataset))
+    return dataset, f"all checksums are right, and {built} maps drawn by chance were built again alike"
+
+
+def _made(recipe: Recipe, arguments: argparse.Namespace) -> Dataset:
+    said = given(Layout, arguments)
+    with _told_how_to_go_on(recipe, arguments), _bar(recipe) as progress:
+        return make_dataset(
+            recipe,
+            arguments.output,
+            force=arguments.force,
+            resume=arguments.resume,
+            workers=workers_from(arguments),
+            scheduler=arguments.scheduler,
+            progress=progress,
+            **said,
+        )
+
+
+@contextmanager
+def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace) -> Iterator[None]:
+    """Who stops a run hears how many maps are there, and how to make the others."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        there = complete_maps(Layout(recipe=recipe, **given(Layout, arguments)), arguments.output)
+        if not there:
+            raise KeyboardInterrupt("stopped; nothing was left there") from None
+        raise KeyboardInterrupt(
+            f"stopped; {there:,} of {recipe.maps:,} maps are there, in whole shards; "
+            f"the same command with --seed {recipe.seed} --resume makes the others"
+        ) from None
+
+
+@contextmanager
+def _bar(recipe: Recipe) -> Iterator[Progress | None]:
+    """A progress bar on a terminal; maps that are there already are of no weight in the time that is left."""
+    if not (sys.stderr and sys.stderr.isatty()):
+        yield None
+        return
+    from tqdm import tqdm
+
+    with tqdm(total=recipe.maps, unit="map", unit_scale=True) as bar:
+
+        def done(maps: int, *, already: bool) -> None:
+            bar.initial += maps * already
+            bar.update(maps)
+
+        yield done
+
+
+def _summary(dataset: Dataset) -> dict[str, object]:
+    return {
+        "folder": str(dataset.folder),
+        "seed": dataset.recipe.seed,
+        "maps": len(dataset),
+        "shape": list(dataset.levels.shape),
+        "dtype": dataset.levels.dtype.name,
+        "metrics": dataset.layout.metrics,
+        "shards": len(dataset.shards),
+        "bytes": dataset.bytes,
+    }
+
+
+def _described(dataset: Dataset) -> str:
+    n_x, n_y = dataset.recipe.grid.shape
+    return (
+        f"{len(dataset):,} maps of {n_x} x {n_y} blocks, seed {dataset.recipe.seed}: "
+        f"{dataset.bytes:,} bytes in {len(dataset.shards)} shards in {dataset.folder}"
+    )

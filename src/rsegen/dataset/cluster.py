@@ -1,0 +1,53 @@
+"""The shards of a data set made by a Dask cluster: one that runs, or one of this machine's own processes.
+
+A shard that a lost worker had begun goes to another one. Files appear by renaming, so it does no harm if two make it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from contextlib import ExitStack
+from logging import CRITICAL
+from typing import Any, TypeVar
+
+from rsegen.errors import ParameterError, WorkerLost
+
+Made = TypeVar("Made")
+
+LOCAL = "local"
+PATIENCE = "10s"
+"""How long a scheduler is waited for."""
+
+
+def on_cluster(
+    work: Callable[[int], Made], numbers: Sequence[int], *, scheduler: str, workers: int
+) -> Generator[Made, None, None]:
+    """What `work` makes of each number, as each is done, on the cluster of a scheduler: its address, or `local`."""
+    distributed = dask()
+    with ExitStack() as opened:
+        address: Any = scheduler
+        if scheduler == LOCAL:
+            cluster = distributed.LocalCluster(
+                n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=CRITICAL
+            )
+            address = opened.enter_context(cluster)
+        try:
+            client = opened.enter_context(distributed.Client(address, timeout=PATIENCE))
+        except (OSError, ValueError) as error:
+            raise ParameterError("scheduler", f"{scheduler} is not to be reached: {error}") from None
+        futures = client.map(work, numbers, pure=False)
+        try:
+            for future, made in distributed.as_completed(futures, with_results=True):
+                yield made
+                future.release()  # or it would be made again where the worker that has it is lost
+        except distributed.KilledWorker as error:
+            raise WorkerLost(f"workers of the cluster were lost, one after the other: {error}") from None
+
+
+def dask() -> Any:
+    """Dask's distributed; a ParameterError that says how to get it where it is not installed."""
+    try:
+        import distributed
+    except ImportError:
+        raise ParameterError("scheduler", "needs Dask: pip install 'rsegen[cluster]'") from None
+    return distributed

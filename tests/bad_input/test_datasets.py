@@ -1,0 +1,116 @@
+"""Manifests from strangers: no name in them is followed, no size believed, no array read that is not what it says."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from complaints import MANY_DIGITS, OBSTACLE, Refused, exit_code
+from rsegen import Dataset
+from rsegen.errors import FileError
+
+MADE = ["dataset", *OBSTACLE, "--maps", "10", "--shard-maps", "4"]
+
+MANIFESTS: Mapping[str, tuple[dict[str, Any], str]] = {
+    "another format": ({"dataset": 2}, "is no manifest of a data set in format 1"),
+    "no recipe": ({"recipe": None}, "recipe: nothing is not a recipe"),
+    "a recipe that cannot be": ({"recipe.unit_cm": -1}, "recipe.unit_cm: -1 is outside"),
+    "more maps than the recipe": ({"maps": 11}, "maps: 11 is at odds with the recipe, by which it is 10"),
+    "more maps than there are": ({"recipe.maps": MANY_DIGITS}, "recipe.maps: 999"),
+    "more maps than shards": ({"recipe.maps": 10**15, "maps": 10**15}, "shards: are not the 250000000000000"),
+    "another shape": ({"shape": [10**9, 10**9]}, "shape: [1000000000, 1000000000] is at odds"),
+    "another sort of number": ({"dtype": "object"}, "dtype: 'object' is at odds"),
+    "axes the other way round": ({"axes": "levels[j, i]"}, "axes: 'levels[j, i]' is at odds"),
+    "shards of no map": ({"shard_maps": 0}, "shard_maps: 0 is at odds"),
+    "shards in a word": ({"shard_maps": "few"}, "shard_maps: 'few' is not a whole number"),
+    "metrics in a form unknown": ({"metrics": "pickle"}, "metrics: 'pickle' is not one of npy, parquet, none"),
+    "no shards": ({"shards": []}, "shards: are not the 3 that 10 maps need"),
+    "shards in a word ": ({"shards": "abc"}, "shards[0].levels: nothing is not the file levels-00000.npy"),
+    "a path that leads out": ({"shards.1.levels.file": "../../etc/passwd"}, "is not the file levels-00001.npy"),
+    "another shard's file": ({"shards.1.levels.file": "levels-00000.npy"}, "is not the file levels-00001.npy"),
+    "a size below nothing": ({"shards.1.levels.bytes": -1}, "shards[1].levels.bytes: -1 is not 0 or more"),
+    "a size of another file": ({"shards.1.levels.bytes": 10**18}, "levels-00001.npy: has 528 bytes"),
+    "no checksum": ({"shards.1.levels.sha256": "0"}, "shards[1].levels.sha256: '0' will not do"),
+}
+
+
+def changed(found: Any, place: str, value: object) -> None:
+    *way, last = place.split(".")
+    for key in way:
+        found = found[int(key) if key.isdecimal() else key]
+    found[last] = value
+
+
+@pytest.mark.parametrize(("changes", "words"), MANIFESTS.values(), ids=MANIFESTS)
+def test_a_manifest(refused: Refused, changes: dict[str, Any], words: str) -> None:
+    assert exit_code(*MADE, "-o", "set") == 0
+    path = Path("set/manifest.json")
+    found = json.loads(path.read_text("utf-8"))
+    for place, value in changes.items():
+        changed(found, place, value)
+    path.write_text(json.dumps(found, indent=1), "utf-8")
+    assert words in refused("dataset", "--verify", "set")
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{", "null", '{"dataset": 1}', "[" * 100_000, '{"a": 1, "a": 2}'])
+def test_a_manifest_that_is_none(refused: Refused, text: str) -> None:
+    Path("set").mkdir()
+    Path("set/manifest.json").write_text(text)
+    assert "set/manifest.json" in refused("info", "set#0")
+
+
+def test_a_map_beyond(refused: Refused) -> None:
+    assert exit_code(*MADE, "-o", "set") == 0
+    for index in ("10", "9" * 19):
+        assert "there is no map" in refused("info", f"set#{index}")
+    assert "No such file" in refused("info", f"set#{'9' * 30}")
+    assert "DIR#0" in refused("info", "set")
+    assert "DIR#0" in refused("generate", "set", "-o", "out")
+
+
+def test_a_data_set_that_is_there_or_unfinished(refused: Refused) -> None:
+    assert exit_code(*MADE, "-o", "set") == 0
+    assert "set: a data set is there already; give --resume" in refused(*MADE, "-o", "set")
+    Path("set/manifest.json").rename("set/unfinished.jsonl")
+    assert "set: is not finished" in refused("info", "set#0")
+    assert "set: holds another data set" in refused(*MADE, "--resume", "-o", "set")
+
+
+@pytest.mark.parametrize(
+    "array",
+    [
+        np.zeros((4, 10, 10), dtype=np.int8),
+        np.zeros((4, 100, 1), dtype=np.uint8),
+        np.array([{}], dtype=object),
+        None,
+    ],
+    ids=["signed", "another shape", "objects", "no array"],
+)
+def test_an_array_of_another_sort_is_not_read(tmp_path: Path, array: np.ndarray[Any, Any] | None) -> None:
+    assert exit_code(*MADE, "-o", tmp_path) == 0
+    found, path = Dataset(tmp_path), tmp_path / "levels-00001.npy"
+    if array is None:
+        path.write_bytes(b"x" * path.stat().st_size)
+    else:
+        np.save(path, array, allow_pickle=True)
+    with pytest.raises(FileError, match=r"levels-00001\.npy: "):
+        found[5]
+
+
+def test_parquet_without_pyarrow(refused: Refused, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    assert "pip install 'rsegen[dataset]'" in refused(*MADE, "--metrics", "parquet", "-o", "set")
+
+
+def test_more_than_the_disk_has(refused: Refused) -> None:
+    assert "of disk, and" in refused("dataset", *OBSTACLE, "--maps", "1000000000000", "-o", "set")
+
+
+def test_maps_larger_than_memory(refused: Refused) -> None:
+    assert "chunks: a map of" in refused("dataset", *OBSTACLE, "--chunks", "1000000", "-o", "set")
