@@ -3,6 +3,7 @@
 # make check    lint, types, import contracts
 # make package  builds wheel and sdist into dist/ and tries the wheel
 # make docs     makes the generated parts of the manual and its pictures anew
+# make site     the manual as a site, in build/site
 # make bench    measures speed, memory and face counts beside other ways; BENCH=--quick for two minutes, not kept
 # make bench-contact   ranks collision constructions in a real Gazebo; QUICK=--quick in a few minutes
 # make bench-experiment   the paper's tables in a real Gazebo, half an hour
@@ -11,7 +12,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 ARGS ?= --numprocesses=auto
 
-.PHONY: worlds test check docs package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: worlds test check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in src/rsegen/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
@@ -28,6 +29,10 @@ check: $(VENV)/developer
 
 docs: $(VENV)/developer
 	$(BIN)/python -m docs.generate
+
+# Links and docstrings that are not right are errors.
+site: $(VENV)/developer
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 bench: $(VENV)/developer
 	$(BIN)/python -m benchmarks.speed $(if $(wildcard $(VENV)/isaaclab),--isaaclab $(VENV)/isaaclab/bin/python) $(BENCH)
@@ -61,6 +66,7 @@ bench-experiment: $(VENV)/developer gazebo
 gazebo:
 	scripts/gazebo-classic || test $$? = 3
 	scripts/sdformat || test $$? = 3
+	scripts/ros2 || test $$? = 3
 
 # A screen for the tests of the window.
 screen:

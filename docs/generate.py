@@ -1,4 +1,5 @@
-"""The generated parts of the manual: schema, obstacle reference, parameter table, figures of speed, pictures.
+"""The generated parts of the manual: schema, obstacle reference, parameter table, formats, figures of speed and of
+difficulty, pictures.
 
 python -m docs.generate           makes them anew
 python -m docs.generate --check   exits with 1 where one of them is out of date, and names it
@@ -9,30 +10,39 @@ from __future__ import annotations
 import io
 import json
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from benchmarks import datasets
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
-from rsegen import KINDS, Climber, Placement, Recipe, Scene, compose, load, metrics, schema
+from docs import difficulty
+from rsegen import FORMATS, KINDS, Climber, Placement, Recipe, Saw, Scene, compose, load, metrics, schema, series
 from rsegen.chart import chart
 from rsegen.codec import encode, summary
-from rsegen.drawing import picture
+from rsegen.drawing import picture, saved
 from rsegen.examples import EXAMPLES
 from rsegen.experiment import report as experiments
 from rsegen.experiment.run import told
+from rsegen.formats import summary as format_summary
 from rsegen.params import Parameter, parameters
 from rsegen.robots import ROBOTS
+from rsegen.sheet import pages
 
 DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
 DATASETS = DOCS / "datasets.md"
 ROBOTS_PAGE = DOCS / "robots.md"
+FORMATS_PAGE = DOCS / "formats.md"
 README = DOCS.parent / "README.md"
 EXPERIMENT = RESULTS / "experiment.json"
 PLOT = "\n![Speed and memory over the side of the map](pictures/experiment.png)\n"
 WAYS = DOCS / "pictures" / "ways.png"
+DIFFICULTY = DOCS / "difficulty.md"
+SHEET = DOCS / "pictures" / "sheet.png"
+SHEET_OF_A_PALLET = DOCS / "pictures" / "sheet-pallet.png"
 
 
 def texts() -> dict[Path, str]:
@@ -50,16 +60,24 @@ def texts() -> dict[Path, str]:
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
         DOCS / "examples.md": "\n".join(_examples()) + "\n",
         DOCS / "experiment.md": experiments.page(*told(EXPERIMENT)) + PLOT,
+        DIFFICULTY: filled(DIFFICULTY.read_text("utf-8"), difficulty.table()),
+        FORMATS_PAGE: filled(FORMATS_PAGE.read_text("utf-8"), _formats()),
         ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
     }
 
 
 def pictures() -> dict[Path, Scene]:
-    """What every generated picture shows, by its file: the first map of each example, each kind alone, and ways."""
+    """What every generated picture shows, by its file: the first map of each example, each kind alone, ways, sheets."""
     shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES.values()}
     shown |= {DOCS / "pictures" / f"kind-{kind}.png": _alone(kind) for kind in KINDS}
     shown[WAYS] = load(EXAMPLES["mixed-course"])
+    shown |= {SHEET: load(EXAMPLES["five-pallet-dash"]), SHEET_OF_A_PALLET: load(EXAMPLES["red-diagonal-pallet"])}
     return {path: compose(recipe) for path, recipe in shown.items()}
+
+
+def rising() -> dict[Path, bool]:
+    """The pictures of series, and whether they are of one field."""
+    return {DOCS / "pictures" / name: name == "one-field.png" for name in ("series.png", "one-field.png")}
 
 
 def stale() -> Iterator[Path]:
@@ -69,6 +87,9 @@ def stale() -> Iterator[Path]:
             yield path
     for path, scene in pictures().items():
         if not path.exists() or _recipe_in(path) != encode(scene.alone):
+            yield path
+    for path in rising():
+        if not path.exists() or _recipe_in(path) != encode(difficulty.EXAMPLE):
             yield path
 
 
@@ -83,7 +104,9 @@ def main(arguments: list[str]) -> int:
         path.write_text(text, "utf-8", newline="\n")
     for path, scene in pictures().items():
         path.parent.mkdir(exist_ok=True)
-        path.write_bytes(_ways(scene) if path == WAYS else picture(scene))
+        path.write_bytes(_DRAWN.get(path, picture)(scene))
+    for path, same_field in rising().items():
+        path.write_bytes(_rise(same_field=same_field))
     plan, results, _ = told(EXPERIMENT)
     (DOCS / "pictures" / "experiment.png").write_bytes(experiments.plot(plan, results))
     return 0
@@ -92,6 +115,22 @@ def main(arguments: list[str]) -> int:
 def _ways(scene: Scene) -> bytes:
     reach = metrics(scene.field, Climber(climb_cm=10)).reach
     return chart(scene, reach) if reach else b""
+
+
+def _rise(*, same_field: bool) -> bytes:
+    with TemporaryDirectory() as folder:
+        return series(difficulty.EXAMPLE, folder, same_field=same_field).picture.read_bytes()
+
+
+def _page(scene: Scene, number: int) -> bytes:
+    return saved(list(pages(scene, Saw()))[number], scene, "png")
+
+
+_DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {
+    WAYS: _ways,
+    SHEET: partial(_page, number=0),
+    SHEET_OF_A_PALLET: partial(_page, number=1),
+}
 
 
 def _alone(kind: str) -> Recipe:
@@ -165,6 +204,19 @@ def _robots() -> Iterator[str]:
             f"| `{kind}`, {robot.title} | {size} | {robot.mass:.1f} | {apart} | {most} | {robot.clearance} "
             f"| {robot.climbs} | {robot.source} |"
         )
+
+
+def _formats() -> Iterator[str]:
+    yield "| format | what it is | options | needs |\n|---|---|---|---|"
+    for name, cls in FORMATS.items():
+        known = parameters(cls).items()
+        options = "; ".join(f"`--{key.replace('_', '-')}` {one.help} ({one.describe()})" for key, one in known)
+        needs = f"`rsegen[{cls.extra.name}]`" if cls.extra else ""
+        yield f"| [`{name}`](#{_SECTIONS.get(name, name)}) | {format_summary(cls)} | {options} | {needs} |"
+
+
+_SECTIONS = dict.fromkeys(("stl", "ply", "glb"), "stl-ply-glb")
+"""Headings of the page of formats that are not a format's name."""
 
 
 def _table(known: Mapping[str, Parameter]) -> Iterator[str]:

@@ -33,11 +33,13 @@ OVERRIDES: Mapping[str, tuple[str, object]] = {
     "block_width_cm": ("8", 8),
     "boundary": ("outer", "outer"),
     "frame_height_cm": ("0", 0),
+    "difficulty": ("0.5", 0.5),
     "mesh_type": ("pallet", "pallet"),
     "simulator": ("classic", "classic"),
     "mesh": ("watertight", "watertight"),
     "collision": ("boxes", "boxes"),
     "tile": ("2", 2),
+    "friction": ("0.65", 0.65),
     "max_step": ("2", 2),
     "crossable_by": ("10,12.5,30", [10, 12.5, 30]),
     "inventory": ("5,0,7", [5, 0, 7]),
@@ -336,8 +338,13 @@ def test_help_of_generate_says_of_every_parameter_what_it_takes(
 @pytest.mark.parametrize(
     ("command", "words"),
     [
-        ("generate", ["RECIPE", "--output", "--obstacle", "--force", "--resume", "--preview", "--json", "--workers"]),
+        ("series", ["RECIPE", "--output", "--from", "--to", "--same-field", "--force", "--resume", "--workers"]),
+        (
+            "generate",
+            ["RECIPE", "--output", "--obstacle", "--force", "--resume", "--preview", "--sheet", "--json", "--workers"],
+        ),
         ("preview", ["RECIPE-or-DIR", "--output", "--map", "--force", "png, svg, pdf, jpg or webp"]),
+        ("sheet", ["RECIPE-or-DIR", "--output", "--csv", "--map", "--force", "--kerf-mm", "--stock-cm", "pdf or csv"]),
         ("info", ["RECIPE-or-DIR", "--map", "--json"]),
         ("obstacles", ["--json"]),
         ("schema", ["JSON Schema"]),

@@ -40,12 +40,18 @@ def test_schema_is_a_schema() -> None:
 
 
 def test_a_file_says_everything(tmp_path: Path) -> None:
-    content = encode(Recipe(seed=3))
+    content = encode(Recipe(seed=3, difficulty=0.5))
     open_ = {field.name for field in fields(Recipe) if field.default is None}
     assert set(content) == {"version", "generator", "obstacles", *parameters(Recipe)} - open_
     assert open_ == {"max_step", "crossable_by", "inventory"}
     assert content["seed"] == 3
     assert content["generator"] == f"rsegen {rsegen.__version__}"
+
+
+def test_a_file_says_nothing_of_a_difficulty_that_changes_nothing() -> None:
+    content = encode(Recipe(seed=3))
+    assert "difficulty" not in content
+    assert decode(content).difficulty == 1
 
 
 def test_yaml_and_json_mean_the_same(tmp_path: Path) -> None:

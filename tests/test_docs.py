@@ -43,6 +43,27 @@ def test_the_python_of_the_page_of_metrics_works() -> None:
     assert found.stdout.startswith("0.13017")
 
 
+def test_the_python_of_the_page_of_difficulty_works(tmp_path: Path) -> None:
+    (script,) = blocks(ROOT / "docs" / "difficulty.md", "python")
+    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
+    assert (tmp_path / "course" / "mixed-course-0004_0000" / "mixed-course-0004_0000.world").is_file()
+    assert (tmp_path / "course" / "series.png").is_file()
+
+
+def test_the_python_of_the_page_of_formats_works(tmp_path: Path) -> None:
+    (recipe,), (script,) = blocks(ROOT / "README.md", "yaml"), blocks(ROOT / "docs" / "formats.md", "python")
+    (tmp_path / "rubble.yaml").write_text(recipe)
+    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
+    for folder in ("exported", "worlds"):
+        assert (tmp_path / folder / "rubble_0002" / "posture" / "raster.npy").is_file()
+
+
+def test_the_python_of_the_page_of_build_sheets_works() -> None:
+    (script,) = blocks(ROOT / "docs" / "sheet.md", "python")
+    found = subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, capture_output=True, text=True)
+    assert found.stdout == "# build sheet of rse_0000 with seed 7\n"
+
+
 def test_the_python_of_the_page_of_data_sets_works(tmp_path: Path) -> None:
     (script,) = blocks(ROOT / "docs" / "datasets.md", "python")
     found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)

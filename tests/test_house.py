@@ -37,7 +37,10 @@ def test_error_tree_in_the_docstring_is_the_error_tree() -> None:
     assert tree(RsegenError) <= set(drawn)
 
 
-@pytest.mark.parametrize("heavy", ["matplotlib", "tqdm", "psutil", "yaml", "PySide6", "pyarrow", "distributed"])
+HEAVY = ["matplotlib", "tqdm", "psutil", "yaml", "PySide6", "PIL", "scipy", "trimesh", "pxr", "pyarrow", "distributed"]
+
+
+@pytest.mark.parametrize("heavy", HEAVY)
 def test_import_is_light(heavy: str) -> None:
     code = f"import rsegen.cli, sys; sys.exit({heavy!r} in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

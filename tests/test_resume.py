@@ -170,6 +170,16 @@ def test_with_preview_a_map_without_a_picture_is_made_anew(tmp_path: Path) -> No
     assert stamps(tmp_path / "a")["rse_0000"] == before["rse_0000"]
 
 
+def test_with_sheet_a_map_without_one_is_made_anew(tmp_path: Path) -> None:
+    assert generated(tmp_path / "a", "--sheet") == 0
+    assert generated(tmp_path / "a", "--first-map", "1") == 0
+    before = stamps(tmp_path / "a")
+    assert generated(tmp_path / "a", "--maps", "2", "--sheet", "--resume") == 0
+    assert generated(tmp_path / "b", "--maps", "2", "--sheet") == 0
+    assert contents(tmp_path / "a") == contents(tmp_path / "b")
+    assert stamps(tmp_path / "a")["rse_0000"] == before["rse_0000"]
+
+
 def test_without_preview_a_map_with_a_picture_is_complete(tmp_path: Path) -> None:
     assert generated(tmp_path, "--preview") == 0
     before = snapshot(tmp_path)

@@ -17,6 +17,8 @@ from rsegen.build import build
 from rsegen.codec import schema
 from rsegen.dataset import Dataset, Tiles, make_dataset
 from rsegen.errors import RsegenError, UserError
+from rsegen.exporting import ExportedMap, export_maps
+from rsegen.formats import FORMATS
 from rsegen.importers import imported
 from rsegen.metrics import Climber, Metrics, metrics
 from rsegen.obstacles import KINDS, Obstacle
@@ -31,14 +33,18 @@ from rsegen.pipeline import Generated, GeneratedMap, generate
 from rsegen.recipe import Placement, Recipe
 from rsegen.recipe_file import load, save
 from rsegen.scene import Scene, compose
+from rsegen.series import Series, series
+from rsegen.sheet import Saw, sheet
 from rsegen.stepfield import StepField
 from rsegen.version import __version__
 
 __all__ = [
+    "FORMATS",
     "KINDS",
     "Climber",
     "Dataset",
     "DiagonalBarrier",
+    "ExportedMap",
     "Generated",
     "GeneratedMap",
     "HorizontalBarrier",
@@ -52,13 +58,16 @@ __all__ = [
     "Random",
     "Recipe",
     "RsegenError",
+    "Saw",
     "Scene",
+    "Series",
     "StepField",
     "Tiles",
     "UserError",
     "__version__",
     "build",
     "compose",
+    "export_maps",
     "generate",
     "imported",
     "load",
@@ -66,4 +75,6 @@ __all__ = [
     "metrics",
     "save",
     "schema",
+    "series",
+    "sheet",
 ]

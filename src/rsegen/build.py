@@ -2,8 +2,8 @@
 
     Recipe --build--> StepField
 
-Each obstacle is asked once for its levels, with its own generator, and is imposed on those before it; then come frames,
-and what the map is to keep to.
+Each obstacle is asked once for its levels, with its own generator, and is imposed on those before it; then the map is
+eased to its difficulty; then come frames, and what the map is to keep to.
 """
 
 from __future__ import annotations
@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 
 from rsegen.chance import SEEDS, generator
 from rsegen.constraints import constrained
+from rsegen.difficulty import eased
 from rsegen.errors import ParameterError, TooLarge
 from rsegen.obstacles import Grid, Patch
 from rsegen.params import Whole
+from rsegen.places import Cell
 from rsegen.recipe import Placement, Recipe
 from rsegen.stepfield import Levels, StepField, framed
 
@@ -27,7 +29,7 @@ INDEX = Whole(0, SEEDS - 1, help="index of a map")
 def build(recipe: Recipe, index: int = 0) -> StepField:
     """Map `index` of a recipe: the same, whichever other maps are made; `index` is 0 or more."""
     index = INDEX.check("index", index)
-    levels, frame = framed(_imposed(recipe, index), recipe.chunk_size, recipe.boundary)
+    levels, frame = framed(_eased(recipe, index), recipe.chunk_size, recipe.boundary)
     field = StepField(
         levels=levels,
         frame=frame,
@@ -40,7 +42,17 @@ def build(recipe: Recipe, index: int = 0) -> StepField:
 
 def blocks(recipe: Recipe, index: int) -> Levels:
     """The levels of map `index` alone, frames left out, shape (n_x, n_y): the `blocks` of what `build` gives."""
-    return build(recipe, index).blocks if recipe.is_constrained else _imposed(recipe, INDEX.check("index", index))
+    return build(recipe, index).blocks if recipe.is_constrained else _eased(recipe, INDEX.check("index", index))
+
+
+def placed(recipe: Recipe, placement: Placement, index: int) -> tuple[Cell, Cell, Patch]:
+    """Where the ends of a recipe's obstacle are in map `index`, and the levels that it proposes."""
+    return _placed(recipe.grid, placement, generator(recipe.seed, index, placement.key or ""))
+
+
+def _eased(recipe: Recipe, index: int) -> Levels:
+    """All obstacles as the map's difficulty has them."""
+    return eased(_imposed(recipe, index), recipe, index)
 
 
 def _imposed(recipe: Recipe, index: int) -> Levels:
@@ -50,7 +62,7 @@ def _imposed(recipe: Recipe, index: int) -> Levels:
     for number, placement in enumerate(recipe.obstacles):
         rng = generator(recipe.seed, index, placement.key or "")
         try:
-            patch = _patch(grid, placement, rng)
+            *_, patch = _placed(grid, placement, rng)
         except ParameterError as error:
             raise error.inside(f"obstacles[{number}]") from None
         _impose(levels, patch, placement.blend, top_level)
@@ -64,11 +76,11 @@ def _level_ground(grid: Grid) -> Levels:
         raise TooLarge(f"chunks: a map of {grid.n_x} x {grid.n_y} blocks is more than this machine's memory") from None
 
 
-def _patch(grid: Grid, placement: Placement, rng: np.random.Generator) -> Patch:
+def _placed(grid: Grid, placement: Placement, rng: np.random.Generator) -> tuple[Cell, Cell, Patch]:
     obstacle = placement.obstacle
     usual_first, usual_last = obstacle.usual_ends(grid)
     first, last = obstacle.ends(grid, placement.first or usual_first, placement.last or usual_last, rng)
-    return obstacle.patch(grid, first, last, rng)
+    return first, last, obstacle.patch(grid, first, last, rng)
 
 
 def _impose(levels: Levels, patch: Patch, blend: str, top_level: int) -> None:

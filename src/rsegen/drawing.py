@@ -7,6 +7,7 @@ blocks themselves do.
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -57,6 +58,17 @@ def saved(figure: Figure, scene: Scene, format: str) -> bytes:  # noqa: A002  # 
     return stream.getvalue()
 
 
+def saved_pages(figures: Iterable[Figure], scene: Scene) -> bytes:
+    """Figures about a map as the pages of a PDF, which carries the map's recipe."""
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    stream = io.BytesIO()
+    with PdfPages(stream, metadata={"Title": scene.name, **(_metadata(scene, "pdf") or {})}) as pages:
+        for figure in figures:
+            pages.savefig(figure)
+    return stream.getvalue()
+
+
 def picture_format(path: Path) -> str:
     """The format that a file's name asks for, or a FileError that lists the known ones."""
     name = path.suffix.lower().removeprefix(".").replace("jpeg", "jpg")
@@ -67,14 +79,21 @@ def picture_format(path: Path) -> str:
 
 def draw_plan(axes: Axes, scene: Scene) -> None:
     """From above, north up, with heights in centimetres where there is room for them."""
+    colours = draw_cells(axes, scene)
+    legible = max(scene.field.shape) <= LEGIBLE
+    axes.set(xlabel="x [m]", ylabel="y [m]", title="plan, heights in cm" if legible else "plan")
+    if legible:
+        _write_heights(axes, scene, colours)
+
+
+def draw_cells(axes: Axes, scene: Scene) -> Array:
+    """The colours of a plan alone, (n_x, n_y, 3), which it gives."""
     field = scene.field
     edges_x, edges_y = field.edges()
     colours = _colours(scene, field.frame, field.levels)
     extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
     axes.imshow(colours.transpose(1, 0, 2), origin="lower", extent=extent, interpolation="nearest")
-    axes.set(xlabel="x [m]", ylabel="y [m]", title="plan, heights in cm" if max(field.shape) <= LEGIBLE else "plan")
-    if max(field.shape) <= LEGIBLE:
-        _write_heights(axes, scene, colours)
+    return colours
 
 
 def _write_heights(axes: Axes, scene: Scene, colours: Array) -> None:

@@ -74,6 +74,9 @@ class Recipe:
         str, Choice(("none", "divided", "outer"), help="frames: none, round every chunk, or one round the map")
     ] = "divided"
     frame_height_cm: Annotated[float, Real(0, 100_000, unit="cm", help="height of the frames")] = 10.0
+    difficulty: Annotated[
+        float, Real(0, 1, help="rms step between blocks, as a share of that of the obstacles as they are; 0 is level")
+    ] = 1.0
     mesh_type: Annotated[
         str, Choice(("single", "multi", "pallet"), help="one model a map, one a block, or one a chunk")
     ] = "single"
@@ -94,6 +97,7 @@ class Recipe:
     tile: Annotated[
         int, Whole(0, 100_000, unit="cells", help="side of the parts that the mesh is cut into, a file each; 0: none")
     ] = 0
+    friction: Annotated[float, Real(0, 1000, help="Coulomb's coefficient of blocks, frames and ground")] = 1.0
     max_step: Annotated[
         int | None, Whole(1, 32767, unit="units", help="largest step between neighbouring blocks; flanks give way")
     ] = None
@@ -163,11 +167,15 @@ class Recipe:
         """The recipe of map `index` and no other."""
         return replace(self, first_map=index, maps=1)
 
-    def entry(self) -> dict[str, Json]:
-        """The recipe as a file has it: every parameter in full."""
+    def values(self) -> dict[str, Json]:
+        """Every global parameter that is not left open, as a file has it."""
         values = {name: getattr(self, name) for name in parameters(Recipe)}
-        plain = {name: _plain(value) for name, value in values.items() if value is not None}
-        return plain | {"obstacles": [placement.entry() for placement in self.obstacles]}
+        return {name: _plain(value) for name, value in values.items() if value is not None}
+
+    def entry(self) -> dict[str, Json]:
+        """The recipe as a file has it: every parameter in full, but for difficulty 1, which changes nothing."""
+        stated = {name: value for name, value in self.values().items() if (name, value) != ("difficulty", 1)}
+        return stated | {"obstacles": [placement.entry() for placement in self.obstacles]}
 
     def _check_shapes(self) -> None:
         """Raise a ParameterError for a shape that models of this mesh type cannot have."""

@@ -16,23 +16,27 @@ from rsegen.errors import OutputError
 from rsegen.recipe import Recipe
 
 
-def complete(recipe: Recipe, folder: Path, *, preview: bool) -> frozenset[int]:
-    """The indices of the maps that stand in `folder`; with `preview`, of those that have a picture.
+def complete(recipe: Recipe, folder: Path, stand: Callable[[str], bool]) -> frozenset[int]:
+    """The indices of the maps in `folder` of which `stand` says that all is there that is asked for.
 
     OutputError for the first folder that has a map's name and holds something else.
     """
     expected = recipe_files(recipe)
     found = set()
     for index in _taken(recipe, folder):
-        home = os.path.join(folder, recipe.map_name(index))
-        if not _holds(os.path.join(home, "recipe.json"), expected(index)):
-            raise OutputError(
-                f"{home}: is there already and is not this map: its recipe.json is missing, or says another seed, "
-                "parameter or version of rsegen; give those of the run that was stopped, or another folder or --name"
-            )
-        if not preview or os.path.isfile(os.path.join(home, "preview.png")):
+        if is_complete(os.path.join(folder, recipe.map_name(index)), expected(index), stand):
             found.add(index)
     return frozenset(found)
+
+
+def is_complete(home: str, recipe_file: bytes, stand: Callable[[str], bool]) -> bool:
+    """Whether the map of that recipe.json, which stands in `home`, has all that is asked for; else an OutputError."""
+    if not _holds(os.path.join(home, "recipe.json"), recipe_file):
+        raise OutputError(
+            f"{home}: is there already and is not this map: its recipe.json is missing, or says another seed, "
+            "parameter or version of rsegen; give those of the run that was stopped, or another folder or --name"
+        )
+    return stand(home)
 
 
 def recipe_files(recipe: Recipe) -> Callable[[int], bytes]:
@@ -48,10 +52,9 @@ def is_map_of(recipe: Recipe, name: str) -> bool:
     return _index(recipe, name) is not None
 
 
-def standing(recipe: Recipe, folder: Path, *, preview: bool) -> int:
-    """How many maps of a run that was stopped stand in `folder`, with their pictures where these are asked for."""
-    homes = (os.path.join(folder, recipe.map_name(index)) for index in _taken(recipe, folder))
-    return sum(not preview or os.path.isfile(os.path.join(home, "preview.png")) for home in homes)
+def standing(recipe: Recipe, folder: Path, stand: Callable[[str], bool]) -> int:
+    """How many maps of a run that was stopped stand in `folder`, with all that is asked for."""
+    return sum(stand(os.path.join(folder, recipe.map_name(index))) for index in _taken(recipe, folder))
 
 
 def _taken(recipe: Recipe, folder: Path) -> list[int]:

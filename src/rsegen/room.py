@@ -14,6 +14,9 @@ from rsegen.recipe import Recipe
 BYTES_A_CELL = 16
 """Of memory for every cell of a map: measured between 1000 x 1000 and 4000 x 4000 blocks, rounded up."""
 
+BYTES_A_CELL_OF_DIFFICULTY = 150
+"""While a map is eased: measured on random maps and peaks of 1000 x 1000 blocks, rounded up."""
+
 BYTES_A_CELL_OF_A_PIECE = {"merged": 1000, "blocks": 1000, "watertight": 3500}
 """While it is made into a mesh: measured on random pieces of 5 and of 100 levels, rounded up."""
 
@@ -41,9 +44,10 @@ def refuse_too_large(recipe: Recipe, more: int = 0) -> None:
         )
 
 
-def maps_at_once(recipe: Recipe) -> int:
-    """How many of its maps fit into memory together."""
-    return max(1, _free_memory() // (_memory(recipe) + BYTES_A_WORKER))
+def maps_at_once(recipe: Recipe, more: int = 0) -> int:
+    """How many of its maps fit into memory together, with so many bytes more for each cell."""
+    each = _memory(recipe) + more * prod(_shape(recipe)) + BYTES_A_WORKER
+    return max(1, _free_memory() // each)
 
 
 def refuse_too_many(maps: int, folder: Path) -> None:
@@ -71,7 +75,8 @@ def _memory(recipe: Recipe) -> int:
     cells = prod(_shape(recipe))
     model = (recipe.chunk_size + 2) ** 2 if recipe.mesh_type == "pallet" else cells
     piece = min(cells, model if recipe.mesh == "watertight" else PIECE**2)
-    return cells * BYTES_A_CELL + piece * BYTES_A_CELL_OF_A_PIECE[recipe.mesh]
+    eased = BYTES_A_CELL_OF_DIFFICULTY * (recipe.difficulty < 1)
+    return cells * (BYTES_A_CELL + eased) + piece * BYTES_A_CELL_OF_A_PIECE[recipe.mesh]
 
 
 def _shape(recipe: Recipe) -> tuple[int, int]:

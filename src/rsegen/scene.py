@@ -26,12 +26,16 @@ _LOW_TO_HIGH: tuple[Colour, ...] = (
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Scene:
-    """Map `index` of a recipe, as it stands in a world; `friction` is Coulomb's coefficient."""
+    """Map `index` of a recipe, as it stands in a world."""
 
     recipe: Recipe
     index: int
     field: StepField
-    friction: float = 1.0
+
+    @property
+    def friction(self) -> float:
+        """Coulomb's coefficient of all that it is made of."""
+        return self.recipe.friction
 
     @property
     def name(self) -> str:

@@ -26,7 +26,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         [
             "'genrate'",
             "did you mean 'generate'?",
-            "info, metrics, obstacles, open, preview, remove, respawn, schema, sim, spawn",
+            "info, metrics, obstacles, open, preview, remove, respawn, schema, series, sheet, sim, spawn",
         ],
     ),
     "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, import, info"]),
@@ -88,6 +88,83 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "a picture in a file": (["preview", "two.yaml", "-o", "file/p.png"], ["file/p.png: cannot be written"]),
     "a picture of a map beyond": (["preview", "two.yaml", "-o", "p.png", "--map", "2"], ["--map", "rse_0001"]),
+    "a series of one map": (["series", *OBSTACLE, "-o", "out"], ["maps: 1 is no series; give 2 or more"]),
+    "a series of no map": (["series", *OBSTACLE, "--maps", "0", "-o", "out"], ["maps: 0 is not 1 or more"]),
+    "a series without an output": (["series", "two.yaml"], ["-o/--output"]),
+    "a series that falls": (
+        ["series", "two.yaml", "--from", "0.9", "--to", "0.2", "-o", "out"],
+        ["from: 0.9 is above to, 0.2"],
+    ),
+    "a series from below": (["series", "two.yaml", "--from=-0.1", "-o", "out"], ["--from: -0.1 is outside 0..1"]),
+    "a series to beyond": (["series", "two.yaml", "--to", "1.5", "-o", "out"], ["--to: 1.5 is outside 0..1"]),
+    "a series to a word": (["series", "two.yaml", "--to", "hard", "-o", "out"], ["--to: 'hard' is not a number"]),
+    "a series of one difficulty": (
+        ["series", "two.yaml", "--difficulty", "0.5", "-o", "out"],
+        ["difficulty: 0.5 is for maps of one difficulty", "from and to"],
+    ),
+    "a series of too long a name": (
+        ["series", "two.yaml", "--name", "n" * 62, "--same-field", "-o", "out"],
+        ["name: 'nnn", "1..64 letters"],
+    ),
+    "a series in a file": (["series", "two.yaml", "-o", "file"], ["file: is a file; give a folder"]),
+    "a series of more than there is room for": (
+        ["series", "--maps", "2", "--chunks", "1000000", "-o", "out"],
+        ["chunks: a map of", "fewer chunks"],
+    ),
+    "an export to nothing": (["export", "two.yaml", "-o", "out"], ["--to"]),
+    "an export to another format": (
+        ["export", "two.yaml", "--to", "stl,gbl", "-o", "out"],
+        ["--to: unknown format 'gbl'", "did you mean 'glb'?", "known: "],
+    ),
+    "an export to no format": (["export", "two.yaml", "--to", "", "-o", "out"], ["--to: unknown format ''"]),
+    "an export to one format twice": (["export", "two.yaml", "--to", "ply,ply", "-o", "out"], ["ply is given twice"]),
+    "an export of no map": (["export", "folder", "--to", "ply", "-o", "out"], ["folder: no map in it"]),
+    "an export of a map beyond": (
+        ["export", "two.yaml", "--to", "ply", "-o", "out", "--map", "2"],
+        ["--map", "'2'", "rse_0000..rse_0001"],
+    ),
+    "an export into a file": (["export", "two.yaml", "--to", "ply", "-o", "file"], ["file: is a file; give a folder"]),
+    "a world with another format": (["generate", "-o", "out", "--formats", "sdf"], ["--formats: unknown format 'sdf'"]),
+    "a sheet of another ending": (["sheet", "two.yaml", "-o", "s.png"], ["s.png: not a build sheet", ".pdf or .csv"]),
+    "a sheet of no name": (["sheet", "two.yaml", "-o", ""], ["not a build sheet's name"]),
+    "a sheet that is there": (["sheet", "two.yaml", "-o", "old.csv"], ["old.csv: is there already", "--force"]),
+    "a sheet beside a table that is there": (
+        ["sheet", "two.yaml", "-o", "s.pdf", "--csv", "old.csv"],
+        ["old.csv: is there already", "--force"],
+    ),
+    "a sheet of two tables": (
+        ["sheet", "two.yaml", "-o", "s.csv", "--csv", "t.csv"],
+        ["--csv: t.csv beside s.csv", "-o one of .pdf"],
+    ),
+    "a sheet whose table is no table": (
+        ["sheet", "two.yaml", "-o", "s.pdf", "--csv", "t.pdf"],
+        ["--csv: t.pdf beside s.pdf"],
+    ),
+    "a sheet in a file": (["sheet", "two.yaml", "-o", "file/s.pdf"], ["file/s.pdf: cannot be written"]),
+    "a sheet of a map beyond": (["sheet", "two.yaml", "-o", "s.pdf", "--map", "2"], ["--map", "rse_0001"]),
+    "a sheet of no map": (["sheet", "folder", "-o", "s.pdf"], ["folder: no map in it"]),
+    "a sheet for a saw in a word": (
+        ["sheet", "two.yaml", "-o", "s.pdf", "--kerf-mm", "thin"],
+        ["kerf_mm: 'thin' is not a number; give 0..100 mm"],
+    ),
+    "a sheet for a saw below": (["sheet", "two.yaml", "-o", "s.pdf", "--kerf-mm=-1"], ["kerf_mm: -1.0 is outside"]),
+    "a sheet for no timber": (["sheet", "two.yaml", "-o", "s.pdf", "--stock-cm", "0"], ["stock_cm: 0.0 is outside"]),
+    "a sheet for short timber": (
+        ["sheet", "peak", "-o", "s.pdf", "--stock-cm", "30"],
+        ["stock_cm: 30 is shorter than blocks of the highest level", "or more"],
+    ),
+    "a sheet of large pallets": (
+        ["sheet", "large.yaml", "-o", "s.pdf"],
+        ["chunk_size: 61 blocks a side", "give up to 60"],
+    ),
+    "sheets of large pallets": (
+        ["generate", "large.yaml", "-o", "out", "--sheet"],
+        ["chunk_size: 61 blocks a side", "give up to 60"],
+    ),
+    "sheets of many pallets": (
+        ["generate", "--chunks", "21", "--chunk-size", "2", "-o", "out", "--sheet"],
+        ["chunks: 441 pallets with 1,764 blocks", "give up to 400"],
+    ),
     "metrics of a map beyond": (["metrics", "two.yaml", "--map", "2"], ["--map", "'2'", "rse_0000..rse_0001"]),
     "metrics of no map": (["metrics", "folder"], ["folder: no map in it"]),
     "metrics for a robot of another name": (["metrics", "two.yaml", "--robot", "burgr"], ["--robot", "'burger'"]),
@@ -130,7 +207,9 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
 def test_a_command_line(refused: Refused, arguments: Sequence[str], words: Sequence[str]) -> None:
     recipe("not a recipe", "file")
     recipe("maps: 2\nseed: 7\nchunk_size: 2\n", "two.yaml")
+    recipe("seed: 7\nchunk_size: 61\n", "large.yaml")
     recipe("an old picture", "old.png")
+    recipe("an old table", "old.csv")
     Path("folder").mkdir()
     Path("folder.png").mkdir()
     Path("loop").symlink_to("loop")
@@ -146,7 +225,13 @@ def test_json_does_not_change_how_a_mistake_is_told(refused: Refused) -> None:
 def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, command: str) -> None:
     given = {"generate": ["-o", "out"], "preview": ["a.yaml", "-o", "p.png"], "info": ["a.yaml"], "open": ["a.yaml"]}
     given |= {"import_": ["a.csv", "-o", "out"], "drive": ["a.yaml"], "experiment": ["quick", "-o", "out"]}
-    given |= {"metrics": ["a.yaml"], "dataset": ["-o", "out"]}
+    given |= {
+        "metrics": ["a.yaml"],
+        "dataset": ["-o", "out"],
+        "series": ["-o", "out"],
+        "sheet": ["a.yaml", "-o", "s.pdf"],
+        "export": ["a.yaml", "--to", "stl", "-o", "out"],
+    }
     given |= {"spawn": ["burger"], "respawn": ["a.yaml"], "remove": ["burger"]}
     line = refused(command.rstrip("_"), *given.get(command, []), "--hlep")
     assert "unknown flag '--hlep'; did you mean '--help'?" in line
@@ -159,6 +244,19 @@ def test_a_map_that_is_there_is_left_alone_and_no_other_is_begun(refused: Refuse
     assert exit_code("generate", *OBSTACLE, "--first-map", "2", "-o", "out") == 0
     line = refused("generate", *OBSTACLE, "--maps", "5", "-o", "out")
     assert "out/rse_0002: is there already; give --force to replace it" in line
+
+
+@pytest.mark.parametrize("name", ["rse_0001", "series.csv", "series.png"])
+def test_a_series_that_meets_what_is_there_is_not_begun(refused: Refused, name: str) -> None:
+    Path("out").mkdir()
+    recipe("years of work", f"out/{name}")
+    assert f"out/{name}: is there already; give --force" in refused("series", *OBSTACLE, "--maps", "3", "-o", "out")
+
+
+def test_force_spares_a_folder_in_the_place_of_a_table(refused: Refused) -> None:
+    Path("out/series.csv").mkdir(parents=True)
+    line = refused("series", *OBSTACLE, "--maps", "3", "--force", "-o", "out")
+    assert "out/series.csv: is there already and is not a file" in line
 
 
 def test_force_spares_a_folder_that_is_not_a_map(refused: Refused) -> None:
@@ -204,6 +302,8 @@ def test_more_than_there_is_memory_for(refused: Refused, flags: Sequence[str], w
     assert [word for word in words if word not in line] == []
 
 
-@pytest.mark.parametrize("command", [["info"], ["metrics"], ["preview", "-o", "p.png"]], ids=" ".join)
+@pytest.mark.parametrize(
+    "command", [["info"], ["metrics"], ["preview", "-o", "p.png"], ["export", "--to", "stl", "-o", "o"]], ids=" ".join
+)
 def test_looking_at_more_than_there_is_memory_for(refused: Refused, command: list[str]) -> None:
     assert "chunks: a map of" in refused(*command, recipe("chunks: 1000000\n"))

@@ -137,6 +137,8 @@ def test_commands_look_at_a_map_of_a_data_set(
         assert exit_code(command, target) == 0
         assert "rse_0017, seed 7" in capsys.readouterr().out
     assert exit_code("preview", target, "-o", tmp_path / "p.png") == 0
+    assert exit_code("export", target, "--to", "arrays", "-o", tmp_path / "out") == 0
+    assert (tmp_path / "out" / "rse_0017" / "arrays").is_dir()
 
 
 def test_a_file_with_such_a_name_comes_first(dataset: Dataset, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

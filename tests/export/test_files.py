@@ -163,11 +163,14 @@ def test_worlds_need_nothing_from_elsewhere(mesh_type: str) -> None:
 
 
 @pytest.mark.parametrize("mesh_type", MESH_TYPES)
-def test_every_collision_has_friction_and_soft_contact(mesh_type: str) -> None:
-    scene = compose(decode({"mesh_type": mesh_type, "obstacles": [{"kind": "random", "max_height": 5}]}))
+def test_every_collision_has_the_friction_of_the_recipe_and_soft_contact(mesh_type: str) -> None:
+    scene = compose(
+        decode({"mesh_type": mesh_type, "friction": 0.65, "obstacles": [{"kind": "random", "max_height": 5}]})
+    )
     for model in world_of(scene).findall("model"):
         for collision in model.iter("collision"):
-            assert float(text_of(collision, "surface/friction/ode/mu")) > 0
+            friction = [text_of(collision, f"surface/friction/ode/{name}") for name in ("mu", "mu2")]
+            assert friction == ["0.65", "0.65"]
             if model.get("name") != "ground_plane":
                 assert text_of(collision, "surface/contact/ode/kd") == "1000"
 

@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
     QAbstractButton,
     QApplication,
     QComboBox,
+    QDoubleSpinBox,
     QLabel,
     QLineEdit,
     QSlider,
@@ -148,6 +149,21 @@ def test_the_field_follows_what_is_changed(window: Window) -> None:
     assert window.scene is not None
     assert window.scene.field == build(window.session.recipe)
     assert "10 cm" in window.numbers.text() or "largest step" in window.numbers.text()
+
+
+def test_difficulty_stands_in_the_form_and_eases_the_map(window: Window) -> None:
+    choose(window, "peak")
+    click(window, "add")
+    field = find(window, QDoubleSpinBox, "difficulty_field")
+    assert field.value() == 1
+    field.setValue(0.25)
+    assert window.session.recipe.difficulty == 0.25
+    field.setValue(0)
+    QTest.qWait(200)
+    assert window.scene is not None
+    assert not window.scene.field.levels.any()
+    field.setValue(1)
+    assert window.session.recipe.difficulty == 1
 
 
 def test_a_row_is_edited_in_place_and_switched_off(window: Window) -> None:

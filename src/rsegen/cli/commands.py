@@ -10,6 +10,7 @@ from rsegen.cli import (
     drive,
     examples,
     experiment,
+    export,
     generate,
     gui,
     import_,
@@ -21,6 +22,8 @@ from rsegen.cli import (
     remove,
     respawn,
     schema,
+    series,
+    sheet,
     sim,
     spawn,
 )
@@ -29,12 +32,15 @@ from rsegen.version import __version__
 
 COMMANDS = (
     generate,
+    series,
     dataset,
     import_,
+    export,
     gui,
     preview,
     info,
     metrics,
+    sheet,
     open,
     spawn,
     respawn,

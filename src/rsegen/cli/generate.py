@@ -11,6 +11,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
+from rsegen.cli.formats import add_option_flags, formats_of
+from rsegen.extras import Extras
+from rsegen.formats import FORMATS
 from rsegen.pipeline import WORKERS, Generated, GeneratedMap, generate
 from rsegen.proof import told
 from rsegen.recipe import Recipe
@@ -46,13 +49,23 @@ def add_output_flags(command: argparse.ArgumentParser) -> None:
         "--resume",
         action="store_true",
         help="go on where a run was stopped: keep the maps that are there already, if each is the one that would be "
-        "made (with --preview: and has its picture), and make the others; needs the same recipe and seed",
+        "made (with --preview, --sheet or --formats: and has them), and make the others; needs the same "
+        "recipe and seed",
     )
     command.add_argument("--preview", action="store_true", help="add a picture, preview.png, to every map")
+    command.add_argument(
+        "--sheet",
+        action="store_true",
+        help="add a build sheet, sheet.pdf and sheet.csv, to every map (see rsegen sheet)",
+    )
+    known = ", ".join(FORMATS)
+    text = f"add files for other programs to every map, parted by commas: {known} (rsegen export --list explains them)"
+    command.add_argument("--formats", metavar="FORMAT,...", help=text)
     command.add_argument("--json", action="store_true", help="print a summary for programs")
     command.add_argument(
         "--workers", metavar="N", help=f"{WORKERS.help} ({WORKERS.describe()}, as many as there are cores by default)"
     )
+    add_option_flags(command)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -62,13 +75,17 @@ def run(arguments: argparse.Namespace) -> None:
 
 def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
     """Write the maps of a recipe, and say what was made."""
-    with _told_how_to_go_on(recipe, arguments), _bar(recipe) as progress:
+    formats = formats_of("--formats", arguments.formats, arguments)
+    extras = Extras(preview=arguments.preview, sheet=arguments.sheet, formats=formats)
+    with _told_how_to_go_on(recipe, arguments, extras), _bar(recipe) as progress:
         made = generate(
             recipe,
             arguments.output,
             force=arguments.force,
             resume=arguments.resume,
             preview=arguments.preview,
+            sheet=arguments.sheet,
+            formats=formats,
             workers=workers_from(arguments),
             progress=progress,
         )
@@ -79,17 +96,18 @@ def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
 
 
 def workers_from(arguments: argparse.Namespace) -> int:
-    """How many workers the flag says, or else as many as there are cores."""
-    return cores() if arguments.workers is None else WORKERS.check("--workers", WORKERS.parse(arguments.workers))
+    """How many were asked for, or as many as there are cores."""
+    given = arguments.workers
+    return cores() if given is None else WORKERS.check("--workers", WORKERS.parse(given))
 
 
 @contextmanager
-def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace) -> Iterator[None]:
+def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace, extras: Extras) -> Iterator[None]:
     """Who stops a run hears how many maps are complete, and how to make the others."""
     try:
         yield
     except KeyboardInterrupt:
-        there = 0 if arguments.force else standing(recipe, arguments.output, preview=arguments.preview)
+        there = 0 if arguments.force else standing(recipe, arguments.output, extras.stand)
         if not there:
             raise
         raise KeyboardInterrupt(

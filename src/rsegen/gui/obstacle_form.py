@@ -134,7 +134,7 @@ class ObstacleForm(QWidget):
         for name in names:
             self._editors[name] = each = editor(kind if name in parameters(kind) else Placement, name)
             each.edited.connect(self._tell)
-            self._fields.addRow({"max_height": "Max height"}.get(name, name.capitalize()), each)
+            self._fields.addRow(name.replace("_", " ").capitalize(), each)
         _tab_through(self.kind, *(field for each in self._editors.values() for field in each.fields), self.usual)
 
     def _other_kind(self) -> None:

@@ -13,9 +13,9 @@ from pathlib import Path
 from types import MappingProxyType
 
 from rsegen.chance import fresh_seed
-from rsegen.codec import decode, decode_placement, encode
+from rsegen.codec import decode, decode_placement
 from rsegen.errors import ParameterError
-from rsegen.params import Json, parameters
+from rsegen.params import Json
 from rsegen.recipe import Recipe
 from rsegen.recipe_file import load, save
 
@@ -217,9 +217,8 @@ def straightened(entry: Entry, end: str) -> Entry:
 
 def drafted(recipe: Recipe) -> Draft:
     """The draft of a recipe."""
-    content = {name: value for name, value in encode(recipe).items() if name in (*parameters(Recipe), "obstacles")}
-    rows = tuple(Row(entry=MappingProxyType(row)) for row in content.pop("obstacles"))
-    return Draft(values=content, rows=rows)
+    rows = tuple(Row(entry=MappingProxyType(placement.entry())) for placement in recipe.obstacles)
+    return Draft(values=recipe.values(), rows=rows)
 
 
 def _with_all_rows_counted(error: ParameterError, enabled: Sequence[int]) -> ParameterError:

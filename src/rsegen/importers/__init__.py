@@ -33,25 +33,23 @@ def format_of(path: Path) -> type[Format]:
 
 
 def imported(path: Path, reading: Format, unit_cm: float | None = None, chunk_size: int | None = None) -> Recipe:
-    """The recipe of one map without frames: the heights in a file as a matrix.
+    """The recipe of one map: the heights in a file as a matrix, without frames where the file says of none.
 
-    unit_cm is the step that heights are counted in, by default what the file says. chunk_size must divide both sides;
-    by default it is 10 where that does, else the largest number up to 1000 that does.
+    unit_cm is the step that heights are counted in, by default what the file says, and so is chunk_size. That must
+    divide both sides; where nothing is said it is 10 if that does, else the largest number up to 1000 that does.
     """
     heights = reading.read(path, unit_cm)
     matrix = Matrix.of(heights.levels)
     n_x, n_y = matrix.size
-    side = _side(n_x, n_y, chunk_size)
+    side = _side(n_x, n_y, chunk_size or heights.said.get("chunk_size"))
+    said = {"boundary": "none", **heights.said, "unit_cm": heights.unit_cm, "chunk_size": side}
     return Recipe(
         name=re.sub(r"[^A-Za-z0-9_.\-]", "_", path.stem).lstrip(".-")[:64] or "heights",
         description=re.sub(r"[\x00-\x1f]", " ", f"heights of {path.name}")[:500],
-        chunk_size=side,
         chunks=(n_x // side, n_y // side),
-        unit_cm=heights.unit_cm,
-        block_width_cm=heights.block_width_cm or 10.0,
-        boundary="none",
         seed=0,
         obstacles=(Placement(obstacle=matrix, key="heights"),),
+        **said,
     )
 
 

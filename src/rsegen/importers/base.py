@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -30,11 +30,11 @@ _HIGHEST = 32766
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Heights:
-    """What a file says: levels of shape (n_x, n_y), and unit and width of a block [cm] where it says them."""
+    """What a file says: levels of shape (n_x, n_y), their unit [cm], and what it says of a recipe."""
 
     levels: Ints
     unit_cm: float
-    block_width_cm: float | None = None
+    said: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -46,7 +46,7 @@ class Occupancy(Format):
         return Heights(
             levels=walls.astype(np.int32),
             unit_cm=unit_cm or _WALL_CM,
-            block_width_cm=round(said["resolution"] * 100, 6),
+            said={"block_width_cm": round(said["resolution"] * 100, 6)},
         )
 
 

@@ -9,7 +9,8 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from rsegen.errors import FileError, shown
+from rsegen.errors import FileError, ParameterError, shown
+from rsegen.importers import listed
 from rsegen.importers.base import USUAL_UNIT_CM, Format, Heights, refuse_too_many_cells, register, whole_units
 from rsegen.params import Choice, Flag
 from rsegen.stepfield import Array
@@ -33,13 +34,23 @@ class Table(Format):
     rounded: Annotated[bool, Flag(help="round heights that are no whole units, which are refused otherwise")] = False
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """Blank and bad cells are refused with their place."""
+        """Blank and bad cells are refused with their place. A build sheet says all its parameters itself."""
         text = text_of(path, _MOST_MIB, "a table of heights")
+        if listed.is_list(text):
+            return self._read_list(path, text, unit_cm)
         ours = _OURS.match(text)
         values = ("levels" if ours else "cm") if self.values == "auto" else self.values
         unit = unit_cm or (float(ours[1]) if ours else USUAL_UNIT_CM)
         heights = _numbers(path, text) * centimetres(values, unit)
         return Heights(levels=whole_units(path, heights, unit, rounded=self.rounded), unit_cm=unit)
+
+    def _read_list(self, path: Path, text: str, unit_cm: float | None) -> Heights:
+        if self.values not in ("auto", "cm"):
+            raise ParameterError("values", f"{path} is a build sheet, whose heights are in cm; give no {self.values}")
+        said = listed.said(path, text)
+        unit = unit_cm or said.get("unit_cm", USUAL_UNIT_CM)
+        levels = whole_units(path, listed.heights_cm(path, text), unit, rounded=self.rounded)
+        return Heights(levels=levels, unit_cm=unit, said=said)
 
 
 def centimetres(values: str, unit_cm: float) -> float:

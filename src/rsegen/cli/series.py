@@ -1,0 +1,125 @@
+"""rsegen series: maps of difficulty that rises evenly."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+
+from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, recipe_from
+from rsegen.cli.generate import add_output_flags, workers_from
+from rsegen.export.numbers import decimal
+from rsegen.params import parameters
+from rsegen.recipe import Recipe
+from rsegen.series import Plan, Row, Series, series
+
+_SHOWN = 12
+
+
+def add(commands: Subparsers) -> None:
+    """The parser of this command."""
+    command = commands.add_parser(
+        "series",
+        help="write maps of difficulty that rises evenly",
+        description="Write the maps of a recipe at a difficulty that rises evenly from the first to the last, a table "
+        "of what they measure (series.csv), and a picture of how they rise (series.png).",
+        epilog="docs/difficulty.md says what difficulty is, and how near the maps come to it.",
+    )
+    command.add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
+    add_output_flags(command)
+    sorts = parameters(Plan)
+    for name, usual in (("from_", "0.1"), ("to", "1")):
+        text = f"{sorts[name].help} ({sorts[name].describe()}, {usual} by default)"
+        command.add_argument(f"--{name.rstrip('_')}", dest=name, default=usual, metavar="D", help=text)
+    command.add_argument("--same-field", action="store_true", help=sorts["same_field"].help)
+    add_recipe_flags(command)
+    command.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Make the series, and say how it rises."""
+    recipe = recipe_from(arguments)
+    from_, to = (_share(name, getattr(arguments, name)) for name in ("from_", "to"))
+    with _told_how_to_go_on(recipe, arguments), _bar(recipe) as progress:
+        found = series(
+            recipe,
+            arguments.output,
+            from_=from_,
+            to=to,
+            same_field=arguments.same_field,
+            force=arguments.force,
+            resume=arguments.resume,
+            preview=arguments.preview,
+            workers=workers_from(arguments),
+            progress=progress,
+        )
+    print(json.dumps(_summary(found), indent=2) if arguments.json else "\n".join(_report(found)))
+
+
+@contextmanager
+def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace) -> Iterator[None]:
+    """Who stops a series hears how to make the rest of it; not where old maps may stand among the new ones."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if arguments.force:
+            raise
+        raise KeyboardInterrupt(
+            "stopped; the maps that were complete are there, without table and picture; "
+            f"the same command with --seed {recipe.seed} --resume makes the rest"
+        ) from None
+
+
+def _share(name: str, text: str) -> float:
+    sort = parameters(Plan)[name]
+    return float(sort.check(f"--{name.rstrip('_')}", sort.parse(text)))
+
+
+def _summary(found: Series) -> dict[str, object]:
+    rows = [asdict(row) | {"folder": str(found.folder / row.map)} for row in found.rows]
+    files = {"table": str(found.table), "picture": str(found.picture)}
+    return {"folder": str(found.folder), "seed": found.plan.recipe.seed, **files, "maps": rows}
+
+
+def _report(found: Series) -> Iterator[str]:
+    rows, there = found.rows, len(found.rows) - len(found.maps)
+    already = f", {there} there already" if there else ""
+    yield f"{len(rows)} maps in {found.folder}, seed {found.plan.recipe.seed}{already}; lengths in cm:"
+    width = max(len(row.map) for row in rows)
+    yield f"  {'map':<{width}}" + "".join(f"{name:>12}" for name in ("difficulty", "rms asked", "rms step", "highest"))
+    for row in _some(rows):
+        lengths = (_centimetres(value) for value in (row.rms_asked, row.rms, row.highest_step))
+        yield f"  {row.map:<{width}}{decimal(row.difficulty):>12}" + "".join(f"{text:>12}" for text in lengths)
+    for text in dict.fromkeys(text for one in found.maps for text in one.warnings):
+        yield f"warning: {text}"
+    yield f"all of it: {found.table}"
+    yield f"a picture: {found.picture}"
+
+
+def _some(rows: tuple[Row, ...]) -> list[Row]:
+    """All of them, or some that are evenly spaced, with the last."""
+    apart = -(-len(rows) // _SHOWN)
+    return [*rows[:-1:apart], rows[-1]]
+
+
+def _centimetres(value: float | None) -> str:
+    return "-" if value is None else f"{value * 100:.2f}"
+
+
+@contextmanager
+def _bar(recipe: Recipe) -> Iterator[Callable[[Row], None] | None]:
+    """A progress bar on a terminal."""
+    if not (sys.stderr and sys.stderr.isatty()):
+        yield None
+        return
+    from tqdm import tqdm
+
+    with tqdm(total=recipe.maps, unit="map", miniters=1) as bar:
+
+        def done(row: Row) -> None:
+            bar.update()
+
+        yield done

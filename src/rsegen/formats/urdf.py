@@ -1,0 +1,77 @@
+"""URDF: the map as one link that nothing moves, seen as meshes, touched as boxes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rsegen.export.numbers import decimal
+from rsegen.export.obj import material_name, mtl
+from rsegen.export.sdf import encoded, numbers
+from rsegen.formats.base import Format, register
+from rsegen.formats.coloured import coloured_objs
+from rsegen.geometry import boxes
+from rsegen.scene import Scene
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Urdf(Format):
+    """One static link (URDF) for PyBullet, Isaac Lab and RViz, with a mesh for each colour and boxes to touch."""
+
+    name: ClassVar[str] = "urdf"
+
+    @property
+    def bytes_a_cell(self) -> int:
+        """A few boxes and faces."""
+        return 600
+
+    def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
+        """The link, and in the folder meshes what is seen of it."""
+        objs = coloured_objs(scene)
+        meshes = {_mesh(scene, material): content for material, content in objs.items()}
+        colours = {f"meshes/{scene.name}.mtl": mtl(scene)} if meshes else {}
+        return {f"{scene.name}.urdf": encoded(_robot(scene, objs)), **meshes, **colours}
+
+
+def _robot(scene: Scene, materials: Iterable[int]) -> Iterator[str]:
+    """<contact> is Bullet's word for friction; PyBullet takes a link whose mass is not said for one of 1 kg."""
+    yield f"""\
+<?xml version="1.0"?>
+<!-- made by rsegen: metres, z up, the middle of the map at 0 0 0, the ground at z = 0.
+     In a ROS package, write package://PACKAGE/PATH/meshes/ for meshes/. -->
+<robot name="{scene.name}">
+  <link name="{scene.name}">
+    <inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>
+    <contact><lateral_friction value="{decimal(scene.friction)}"/></contact>
+"""
+    yield from (_seen(scene, material) for material in materials)
+    yield from _touched(scene)
+    yield "  </link>\n</robot>\n"
+
+
+def _seen(scene: Scene, material: int) -> str:
+    rgba = numbers((*scene.colour(material), 1))
+    return f"""\
+    <visual name="{material_name(material)}">
+      <geometry><mesh filename="{_mesh(scene, material)}"/></geometry>
+      <material name="{scene.name}_{material_name(material)}"><color rgba="{rgba}"/></material>
+    </visual>
+"""
+
+
+def _touched(scene: Scene) -> Iterator[str]:
+    found = boxes(scene.field)
+    sizes, centres = found.high - found.low, (found.low + found.high) / 2
+    for size, centre in zip(sizes.tolist(), centres.tolist(), strict=True):
+        yield f"""\
+    <collision>
+      <origin xyz="{numbers(centre)}"/>
+      <geometry><box size="{numbers(size)}"/></geometry>
+    </collision>
+"""
+
+
+def _mesh(scene: Scene, material: int) -> str:
+    return f"meshes/{scene.name}_{material_name(material)}.obj"

@@ -1,0 +1,78 @@
+"""The build sheet: by it a person with a saw and a box of blocks builds a map in wood.
+
+Scene --pages--> a page for the map, and one for each pallet --> PDF
+Scene --listing--> a row for each cell --> CSV, which `rsegen import` reads
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rsegen.drawing import saved_pages
+from rsegen.errors import FileError, ParameterError, UnknownName
+from rsegen.recipe import Recipe
+from rsegen.scene import Scene
+from rsegen.sheet.listing import listing
+from rsegen.sheet.order import in_order
+from rsegen.sheet.saw import Saw
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FORMATS = ("pdf", "csv")
+MOST_PALLETS = 400
+LARGEST_PALLET = 60
+"""Blocks a side: on A4 they are then as small as can be read."""
+MOST_BLOCKS = 40_000
+
+
+def sheet(scene: Scene, saw: Saw | None = None, format: str = "pdf") -> bytes:  # noqa: A002  # matplotlib's word
+    """The build sheet as the bytes of a file, `pdf` or `csv`; a ParameterError where the map is too large for one."""
+    saw = saw or Saw()
+    if format not in FORMATS:
+        raise UnknownName.among("format", "format", format, FORMATS)
+    refuse_unbuildable(scene.recipe, saw)
+    if format == "csv":
+        return "".join(listing(scene, saw)).encode()
+    return saved_pages(pages(scene, saw), scene)
+
+
+def pages(scene: Scene, saw: Saw) -> Iterator[Figure]:
+    """A page for the map, and one for each pallet in the order of building."""
+    from rsegen.sheet.overview import draw_overview
+    from rsegen.sheet.page import Page
+    from rsegen.sheet.pallet_page import draw_pallet
+
+    pallets = in_order(scene)
+    page = Page()
+    draw_overview(page, scene, pallets, saw)
+    yield page.figure
+    for numbered in pallets:
+        page = Page()
+        draw_pallet(page, scene, numbered, len(pallets))
+        yield page.figure
+
+
+def sheet_format(path: Path) -> str:
+    """The format that a file's name asks for, or a FileError that lists the known ones."""
+    name = path.suffix.lower().removeprefix(".")
+    if name not in FORMATS:
+        raise FileError(f"{path}: not a build sheet's name; end it in .pdf or .csv")
+    return name
+
+
+def refuse_unbuildable(recipe: Recipe, saw: Saw) -> None:
+    """Raise a ParameterError for a map that nobody builds by hand, or whose highest level is longer than the stock."""
+    if recipe.chunk_size > LARGEST_PALLET:
+        amiss = f"{recipe.chunk_size} blocks a side do not fit on a page of a build sheet"
+        raise ParameterError("chunk_size", f"{amiss}; give up to {LARGEST_PALLET}")
+    (m_x, m_y), (n_x, n_y) = recipe.chunks, recipe.grid.shape
+    if m_x * m_y > MOST_PALLETS or n_x * n_y > MOST_BLOCKS:
+        amiss = f"{m_x * m_y:,} pallets with {n_x * n_y:,} blocks are too many for a build sheet"
+        raise ParameterError("chunks", f"{amiss}; give up to {MOST_PALLETS} with {MOST_BLOCKS:,}")
+    saw.check(recipe.top_level * recipe.unit_cm, "blocks of the highest level")
+
+
+__all__ = ["FORMATS", "Saw", "pages", "refuse_unbuildable", "sheet", "sheet_format"]
