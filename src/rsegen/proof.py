@@ -35,7 +35,7 @@ def told(scene: Scene) -> Iterator[str]:
     """The same in words."""
     found = proof(scene)
     if "max_step" in found:
-        yield "largest step between neighbours: {is} units, {asked} asked for".format(**found["max_step"])
+        yield "largest step between neighbours, in units: {is}; asked for: {asked}".format(**found["max_step"])
     if "crossable_by" in found:
         ways = [name.replace("_", " to ") for name, way in found["crossable_by"].items() if isinstance(way, dict)]
         robot = "climbs {climb_cm:g} cm, gets down {drop_cm:g} cm and is {width_cm:g} cm wide"

@@ -134,7 +134,7 @@ def test_it_is_said_what_the_map_keeps_to(tmp_path: Path, capsys: pytest.Capture
     asked = ["--max-step", "1", "--inventory", "1,1,1,1", "--crossable-by", "10,12.5,30"]
     assert main(["generate", "--seed", "3", "--obstacle", "random max_height=5", *asked, "-o", str(tmp_path)]) == 0
     said = capsys.readouterr().out
-    assert "largest step between neighbours: 1 units, 1 asked for" in said
+    assert "largest step between neighbours, in units: 1; asked for: 1" in said
     assert "a robot that climbs 10 cm, gets down 12.5 cm and is 30 cm wide gets across from west to east" in said
     assert "warning: blocks are missing, others stand in their place: " in said
 
