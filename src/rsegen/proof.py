@@ -37,7 +37,8 @@ def told(scene: Scene) -> Iterator[str]:
     if "max_step" in found:
         yield "largest step between neighbours, in units: {is}; asked for: {asked}".format(**found["max_step"])
     if "crossable_by" in found:
-        ways = [name.replace("_", " to ") for name, way in found["crossable_by"].items() if isinstance(way, dict)]
+        both = ((name, found["crossable_by"][name]) for name in ("west_east", "south_north"))
+        ways = [name.replace("_", " to ") for name, way in both if way["crosses"]] or ["nowhere"]
         robot = "climbs {climb_cm:g} cm, gets down {drop_cm:g} cm and is {width_cm:g} cm wide"
         yield f"a robot that {robot.format(**found['crossable_by'])} gets across from {' and from '.join(ways)}"
     if "inventory" in found:
