@@ -248,3 +248,12 @@ def test_a_plan_says_its_names_without_building() -> None:
         for number in range(8):
             recipe = plan.whole(number)
             assert plan.map_name(number) == recipe.map_name(recipe.first_map)
+
+
+def test_sheets_and_formats_are_beside_the_worlds_of_a_series(tmp_path: Path) -> None:
+    words = ["series", "peak", "--maps", "2", "--sheet", "--formats", "heightmap", "--preview", "-o", str(tmp_path)]
+    assert main(words) == 0
+    for number in range(2):
+        folder = tmp_path / f"peak_{number:04d}"
+        names = {path.name for path in folder.iterdir()}
+        assert {"sheet.pdf", "sheet.csv", "preview.png", "heightmap", "formats.json"} <= names

@@ -17,7 +17,7 @@ from math import sqrt
 import numpy as np
 
 from rsegen.chance import generator
-from rsegen.metrics.regions import joined
+from rsegen.metrics.regions import joined, neighbours
 from rsegen.recipe import Recipe
 from rsegen.stepfield import Array, Ints, Levels
 
@@ -81,9 +81,7 @@ def _rounding(levels: Levels, drawn: Array) -> Array:
 
 def _plateaus(levels: Levels) -> Ints:
     """For each cell, in one row, the first cell of those of its level that it hangs together with."""
-    cells, row = np.arange(levels.size).reshape(levels.shape), levels.ravel()
-    low = np.concatenate([cells[:-1].ravel(), cells[:, :-1].ravel()])
-    high = np.concatenate([cells[1:].ravel(), cells[:, 1:].ravel()])
+    row, (low, high) = levels.ravel(), neighbours(levels.shape)
     level = row[low] == row[high]
     return joined(levels.size, low[level], high[level])
 

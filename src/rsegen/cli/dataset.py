@@ -9,14 +9,13 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, given, recipe_from
-from rsegen.cli.generate import workers_from
+from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, flag, folder, given, recipe_from
+from rsegen.cli.generate import add_workers_flag, workers_from
 from rsegen.dataset import Dataset, make_dataset
 from rsegen.dataset.layout import Layout
 from rsegen.dataset.making import Progress, complete_maps
 from rsegen.errors import ParameterError
 from rsegen.params import Whole, parameters
-from rsegen.pipeline import WORKERS
 from rsegen.recipe import Recipe
 
 _REBUILT = Whole(0, 10**9)
@@ -36,8 +35,8 @@ def add(commands: Subparsers) -> None:
     what.add_argument("-o", "--output", type=folder, metavar="DIR", help="folder to make the data set in")
     what.add_argument("--verify", type=folder, metavar="DIR", help="check every file of the data set there instead")
     for name, parameter in parameters(Layout).items():
-        flag, text = f"--{name.replace('_', '-')}", f"{parameter.help} ({parameter.describe()})"
-        command.add_argument(flag, dest=name, metavar=name.rpartition("_")[2].upper(), help=text)
+        text = f"{parameter.help} ({parameter.describe()})"
+        command.add_argument(flag(name), dest=name, metavar=name.rpartition("_")[2].upper(), help=text)
     there = command.add_mutually_exclusive_group()
     there.add_argument("--force", action="store_true", help="replace a data set that is there already")
     there.add_argument(
@@ -46,9 +45,7 @@ def add(commands: Subparsers) -> None:
         help="go on where a run was stopped: keep the shards that are whole, mend those that are not, and make the "
         "others; needs the same recipe and seed",
     )
-    command.add_argument(
-        "--workers", metavar="N", help=f"{WORKERS.help} ({WORKERS.describe()}, as many as there are cores by default)"
-    )
+    add_workers_flag(command)
     command.add_argument(
         "--scheduler",
         metavar="ADDRESS",

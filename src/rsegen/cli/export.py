@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
+from contextlib import nullcontext
 from typing import Any
 
+from rsegen.cli.bar import counting
 from rsegen.cli.flags import Subparsers, folder
 from rsegen.cli.formats import add_option_flags, formats_of, listed
 from rsegen.cli.targets import add_target_flags, found, recipe_files
@@ -46,7 +46,8 @@ def run(arguments: argparse.Namespace) -> None:
     """Export, and say what was written."""
     formats = formats_of("--to", arguments.to, arguments)
     recipes = _recipes(arguments.target, arguments.map)
-    with _bar(sum(recipe.maps for recipe in recipes)) as progress:
+    maps = sum(recipe.maps for recipe in recipes)
+    with counting(maps) if maps > 1 else nullcontext() as progress:
         made = export_maps(recipes, arguments.output, formats, force=arguments.force, progress=progress)
     if arguments.json:
         print(json.dumps([_summary(one) for one in made], indent=2))
@@ -87,19 +88,3 @@ def _report(made: tuple[ExportedMap, ...]) -> Iterator[str]:
     yield from (f"  {one.folder}" for one in made[:_SHOWN])
     if len(made) > _SHOWN:
         yield f"  and {len(made) - _SHOWN} more in {made[0].folder.parent}"
-
-
-@contextmanager
-def _bar(maps: int) -> Iterator[Callable[[ExportedMap], None] | None]:
-    """A progress bar on a terminal, where there is something to wait for."""
-    if maps == 1 or not (sys.stderr and sys.stderr.isatty()):
-        yield None
-        return
-    from tqdm import tqdm
-
-    with tqdm(total=maps, unit="map", miniters=1) as bar:
-
-        def done(_: ExportedMap) -> None:
-            bar.update()
-
-        yield done

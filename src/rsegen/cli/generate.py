@@ -62,10 +62,14 @@ def add_output_flags(command: argparse.ArgumentParser) -> None:
     text = f"add files for other programs to every map, parted by commas: {known} (rsegen export --list explains them)"
     command.add_argument("--formats", metavar="FORMAT,...", help=text)
     command.add_argument("--json", action="store_true", help="print a summary for programs")
-    command.add_argument(
-        "--workers", metavar="N", help=f"{WORKERS.help} ({WORKERS.describe()}, as many as there are cores by default)"
-    )
+    add_workers_flag(command)
     add_option_flags(command)
+
+
+def add_workers_flag(command: argparse.ArgumentParser) -> None:
+    """How many processes take a part."""
+    text = f"{WORKERS.help} ({WORKERS.describe()}, as many as there are cores by default)"
+    command.add_argument("--workers", metavar="N", help=text)
 
 
 def run(arguments: argparse.Namespace) -> None:

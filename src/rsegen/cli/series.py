@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 
+from rsegen.cli.bar import counting
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, recipe_from
+from rsegen.cli.formats import formats_of
 from rsegen.cli.generate import add_output_flags, workers_from
 from rsegen.export.numbers import decimal
 from rsegen.params import parameters
@@ -42,8 +43,9 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Make the series, and say how it rises."""
     recipe = recipe_from(arguments)
+    formats = formats_of("--formats", arguments.formats, arguments)
     from_, to = (_share(name, getattr(arguments, name)) for name in ("from_", "to"))
-    with _told_how_to_go_on(recipe, arguments), _bar(recipe) as progress:
+    with _told_how_to_go_on(recipe, arguments), counting(recipe.maps) as progress:
         found = series(
             recipe,
             arguments.output,
@@ -53,6 +55,8 @@ def run(arguments: argparse.Namespace) -> None:
             force=arguments.force,
             resume=arguments.resume,
             preview=arguments.preview,
+            sheet=arguments.sheet,
+            formats=formats,
             workers=workers_from(arguments),
             progress=progress,
         )
@@ -107,19 +111,3 @@ def _some(rows: tuple[Row, ...]) -> list[Row]:
 
 def _centimetres(value: float | None) -> str:
     return "-" if value is None else f"{value * 100:.2f}"
-
-
-@contextmanager
-def _bar(recipe: Recipe) -> Iterator[Callable[[Row], None] | None]:
-    """A progress bar on a terminal."""
-    if not (sys.stderr and sys.stderr.isatty()):
-        yield None
-        return
-    from tqdm import tqdm
-
-    with tqdm(total=recipe.maps, unit="map", miniters=1) as bar:
-
-        def done(row: Row) -> None:
-            bar.update()
-
-        yield done

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.build import placed
-from rsegen.metrics.regions import joined
+from rsegen.metrics.regions import joined, neighbours
 from rsegen.obstacles.base import Shaped
 from rsegen.params import Json
 from rsegen.places import Cell
@@ -63,7 +63,7 @@ def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
     """The number of the peak that each cell belongs to, (n_x, n_y), and that of the pit; -1 for none; limit: metres."""
     tops = np.pad(np.rint(field.heights * 10**NANOMETRE_DIGITS).astype(np.int64), 1)
     sort = np.pad(np.where(field.frame, _FRAME, _BLOCK), 1, constant_values=_GROUND)
-    a, b = _neighbours(tops.shape)
+    a, b = neighbours(tops.shape)
     height, kind = tops.ravel(), sort.ravel()
     alike = (height[a] == height[b]) & (kind[a] == kind[b])
     plateau = joined(height.size, a[alike], b[alike])
@@ -74,14 +74,6 @@ def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
         for sign in (1, -1)
     )
     return peaks[1:-1, 1:-1], pits[1:-1, 1:-1]
-
-
-def _neighbours(shape: tuple[int, ...]) -> tuple[Ints, Ints]:
-    """Every pair of cells that share a side."""
-    cell = np.arange(shape[0] * shape[1]).reshape(shape)
-    pairs = [(cell[:-1], cell[1:]), (cell[:, :-1], cell[:, 1:])]
-    a, b = (np.concatenate([pair[end].ravel() for pair in pairs]) for end in (0, 1))
-    return a, b
 
 
 def _beyond(height: Ints, a: Ints, b: Ints, rise: int) -> Mask:

@@ -10,6 +10,14 @@ import numpy as np
 from rsegen.stepfield import Ints, Mask
 
 
+def neighbours(shape: tuple[int, ...]) -> tuple[Ints, Ints]:
+    """Every pair of cells of a grid that share a side, as places in its row: the one of smaller x or y, the other."""
+    cell = np.arange(shape[0] * shape[1]).reshape(shape)
+    pairs = [(cell[:-1], cell[1:]), (cell[:, :-1], cell[:, 1:])]
+    low, high = (np.concatenate([pair[end].ravel() for pair in pairs]) for end in (0, 1))
+    return low, high
+
+
 def joined(nodes: int, a: Ints, b: Ints) -> Ints:
     """For each node the smallest of those that edges a - b join it to.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,6 +11,7 @@ from pathlib import Path
 from rsegen.codec import to_json
 from rsegen.errors import ParameterError
 from rsegen.extras import Extras
+from rsegen.formats import Format
 from rsegen.pipeline import WORKERS, GeneratedMap, carried_out, made, seconds
 from rsegen.recipe import Recipe
 from rsegen.resume import is_complete
@@ -62,6 +63,8 @@ def series(  # noqa: PLR0913  # each is a flag of the command
     force: bool = False,
     resume: bool = False,
     preview: bool = False,
+    sheet: bool = False,
+    formats: Sequence[Format] = (),
     workers: int = 1,
     progress: Callable[[Row], None] | None = None,
 ) -> Series:
@@ -76,10 +79,12 @@ def series(  # noqa: PLR0913  # each is a flag of the command
     plan = Plan(
         recipe=recipe if maps is None else replace(recipe, maps=maps), from_=from_, to=to, same_field=same_field
     )
-    refuse_too_large(plan.recipe, _BYTES_A_CELL)
+    extras = Extras(preview=preview, sheet=sheet, formats=tuple(formats))
+    extras.refuse(plan.recipe)
+    refuse_too_large(plan.recipe, _BYTES_A_CELL + extras.bytes_a_cell)
     refuse_not_a_folder(folder)
     refuse_too_many(plan.recipe.maps, folder)
-    work = _ordered(plan, folder, Extras(preview=preview), force=force, resume=resume)
+    work = _ordered(plan, folder, extras, force=force, resume=resume)
     found = _done(work, workers, progress)
     rows, made_ones = tuple(row for row, _ in found), tuple(one for _, one in found if one)
     _write_both(plan, rows, folder, force=force or resume)
@@ -112,7 +117,7 @@ class _Work:
 
     @property
     def at_once(self) -> int:
-        return maps_at_once(self.plan.recipe, _BYTES_A_CELL)
+        return maps_at_once(self.plan.recipe, _BYTES_A_CELL + self.extras.bytes_a_cell)
 
     def home(self, number: int) -> Path:
         return self.folder / self.plan.map_name(number)
