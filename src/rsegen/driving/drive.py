@@ -37,7 +37,7 @@ class Driver:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Drive:
-    """The track of every robot by its name, what touched what, the simulator's error lines, what its camera saw last."""
+    """The track of every robot by its name, what touched what, the simulator's error lines, what its camera saw."""
 
     tracks: Mapping[str, Track]
     looks: Looks
