@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -37,8 +38,8 @@ def course(folder: Path, unit_cm: float) -> Path:
     return generate(recipe, folder).maps[0].folder
 
 
-def told(capsys: pytest.CaptureFixture[str]) -> list[dict[str, float]]:
-    found: list[dict[str, float]] = json.loads(capsys.readouterr().out)["robots"]
+def told(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = json.loads(capsys.readouterr().out)["robots"]
     return found
 
 
