@@ -68,7 +68,8 @@ class Row:
     def label(self) -> str:
         """In a few words."""
         shape = ", ".join(f"{key} {value}" for key, value in (self.recipe or {}).items())
-        return f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm" + (f", {shape}" if shape else "")
+        what = f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm, {self.max_height} levels"
+        return what + (f", {shape}" if shape else "")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

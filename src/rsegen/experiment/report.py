@@ -75,7 +75,7 @@ def _head(plan: Plan, machine: Mapping[str, str]) -> Iterator[str]:
 
 def _row(plan: Plan, number: int, results: Results) -> Iterator[str]:
     row = plan.rows[number]
-    yield f"## {row.label}, {row.max_height} levels\n"
+    yield f"## {row.label}\n"
     printed = {} if row.recipe else FIGURES.get(row.robot, {})
     yield "| blocks | RTF min, mean, max | CPU | memory | load | simulated s a CPU s | of the empty world's |" + (
         " paper: RTF | CPU | memory |" if printed else ""
