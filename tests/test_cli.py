@@ -40,6 +40,8 @@ OVERRIDES: Mapping[str, tuple[str, object]] = {
     "collision": ("boxes", "boxes"),
     "tile": ("2", 2),
     "friction": ("0.65", 0.65),
+    "frame_friction": ("0.4", 0.4),
+    "level_friction": ("0.9,0.2,1", [0.9, 0.2, 1]),
     "max_step": ("2", 2),
     "crossable_by": ("10,12.5,30", [10, 12.5, 30]),
     "inventory": ("5,0,7", [5, 0, 7]),

@@ -17,6 +17,7 @@ from rsegen.params import Choice, Json, Real, Several, Text, Whole, parameters, 
 from rsegen.places import AtCell, Cell, Pair, Place
 
 _CENTIMETRES = Real(0.001, 100_000, unit="cm")
+_FRICTION = Real(0, 1000, help="Coulomb's coefficient of blocks, frames and ground")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -97,7 +98,14 @@ class Recipe:
     tile: Annotated[
         int, Whole(0, 100_000, unit="cells", help="side of the parts that the mesh is cut into, a file each; 0: none")
     ] = 0
-    friction: Annotated[float, Real(0, 1000, help="Coulomb's coefficient of blocks, frames and ground")] = 1.0
+    friction: Annotated[float, _FRICTION] = 1.0
+    frame_friction: Annotated[
+        float | None, replace(_FRICTION, help="Coulomb's coefficient of the frames, where it is another")
+    ] = None
+    level_friction: Annotated[
+        tuple[float, ...] | None,
+        Several(_FRICTION, help="Coulomb's coefficient of blocks of level 1, 2, ...; higher ones have that of the map"),
+    ] = None
     max_step: Annotated[
         int | None, Whole(1, 32767, unit="units", help="largest step between neighbouring blocks; flanks give way")
     ] = None
@@ -148,6 +156,12 @@ class Recipe:
     def is_constrained(self) -> bool:
         """Whether its maps keep to anything."""
         return not (self.max_step is None and self.crossable_by is None and self.inventory is None)
+
+    @property
+    def is_of_one_friction(self) -> bool:
+        """Whether blocks, frames and ground all have the same coefficient."""
+        given = (self.frame_friction, *(self.level_friction or ()))
+        return all(friction in (None, self.friction) for friction in given)
 
     @property
     def indices(self) -> range:

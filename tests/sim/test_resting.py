@@ -15,7 +15,7 @@ from rsegen.cli import main
 from rsegen.simulators import Installation
 from rsegen.simulators.simulated import simulated
 from sim.bodies import SHAPES, SIZE, body, furnished
-from sim.maps import Map, examples, generated, map_name, shaped, variants
+from sim.maps import Map, examples, generated, map_name, shaped, slippery, variants
 
 DROP = 0.01
 """Metres that every body falls."""
@@ -24,7 +24,7 @@ Spot = tuple[str, str, float, float, float]
 """Name and shape of a body, and the middle of the top of the cell that it falls on."""
 
 
-@pytest.mark.parametrize("recipe", [*examples(), *variants(), *shaped()], ids=map_name)
+@pytest.mark.parametrize("recipe", [*examples(), *variants(), *shaped(), *slippery()], ids=map_name)
 def test_bodies_rest_on_the_top_of_their_cell(recipe: rsegen.Recipe, gazebo: Installation, tmp_path: Path) -> None:
     bodies_rest(generated(recipe, tmp_path), gazebo)
 
