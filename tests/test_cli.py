@@ -42,6 +42,8 @@ OVERRIDES: Mapping[str, tuple[str, object]] = {
     "friction": ("0.65", 0.65),
     "frame_friction": ("0.4", 0.4),
     "level_friction": ("0.9,0.2,1", [0.9, 0.2, 1]),
+    "frame_colour": ("#3a0F10", "#3a0F10"),
+    "level_colours": ("#ffffff,#102030", ["#ffffff", "#102030"]),
     "max_step": ("2", 2),
     "crossable_by": ("10,12.5,30", [10, 12.5, 30]),
     "inventory": ("5,0,7", [5, 0, 7]),

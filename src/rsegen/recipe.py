@@ -18,6 +18,7 @@ from rsegen.places import AtCell, Cell, Pair, Place
 
 _CENTIMETRES = Real(0.001, 100_000, unit="cm")
 _FRICTION = Real(0, 1000, help="Coulomb's coefficient of blocks, frames and ground")
+_COLOUR = Text("#[0-9A-Fa-f]{6}", "#rrggbb, in quotes")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -105,6 +106,11 @@ class Recipe:
     level_friction: Annotated[
         tuple[float, ...] | None,
         Several(_FRICTION, help="Coulomb's coefficient of blocks of level 1, 2, ...; higher ones have that of the map"),
+    ] = None
+    frame_colour: Annotated[str | None, replace(_COLOUR, help="colour of the frames")] = None
+    level_colours: Annotated[
+        tuple[str, ...] | None,
+        Several(_COLOUR, help="colours of blocks of level 1, 2, ...; higher ones have those that they have anyway"),
     ] = None
     max_step: Annotated[
         int | None, Whole(1, 32767, unit="units", help="largest step between neighbouring blocks; flanks give way")

@@ -52,6 +52,9 @@ class Scene:
 
     def colour(self, material: int) -> Colour:
         """The colour of a material: 0 is the frame, any other the level."""
+        said = _said(material, self.recipe.frame_colour, self.recipe.level_colours)
+        if said is not None:
+            return _colour(said)
         return level_colour(material, self.recipe.top_level) if material else FRAME_COLOUR
 
     def friction_of(self, material: int) -> float:
@@ -95,3 +98,9 @@ def _said(material: int, frame: _Value | None, levels: Sequence[_Value] | None) 
     if not material:
         return frame
     return levels[material - 1] if levels and material <= len(levels) else None
+
+
+def _colour(said: str) -> Colour:
+    """The colour that `#rrggbb` says."""
+    red, green, blue = (round(part / 255, 3) for part in bytes.fromhex(said[1:]))
+    return red, green, blue

@@ -18,7 +18,14 @@ from strategies import recipes
 PEAK = {"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]}
 RANDOM = {"kind": "random", "max_height": 3}
 OPEN = Recipe(
-    seed=1, frame_friction=0.4, level_friction=(0.9, 0.1), max_step=2, crossable_by=(20, 12.5, 10), inventory=(5, 0, 7)
+    seed=1,
+    frame_friction=0.4,
+    level_friction=(0.9, 0.1),
+    frame_colour="#102030",
+    level_colours=("#ffffff", "#ABCDEF"),
+    max_step=2,
+    crossable_by=(20, 12.5, 10),
+    inventory=(5, 0, 7),
 )
 """It gives all that may be left open."""
 
