@@ -179,6 +179,12 @@ class Recipe:
         """The largest level that any of its obstacles has; 0 where there is none."""
         return max((placement.obstacle.max_height - 1 for placement in self.obstacles), default=0)
 
+    @property
+    def highest_level(self) -> int:
+        """The largest level that any of its blocks may have: an inventory may replace blocks by higher ones."""
+        owned = (level for level, blocks in enumerate(self.inventory or (), 1) if blocks)
+        return max([self.top_level, *owned])
+
     def map_name(self, index: int) -> str:
         """What map `index` is called, on disk and in the simulator."""
         return f"{self.name}_{index:04d}"

@@ -83,8 +83,8 @@ def compose(recipe: Recipe, index: int = 0) -> Scene:
 
 
 def level_colour(level: int, top_level: int) -> Colour:
-    """A level's colour, from the lowest to the highest that the recipe can have."""
-    at = level / max(top_level, 1) * (len(_LOW_TO_HIGH) - 1)
+    """A level's colour, from the lowest to the highest that obstacles have; of higher ones that of the highest."""
+    at = min(level / max(top_level, 1), 1) * (len(_LOW_TO_HIGH) - 1)
     low = min(int(at), len(_LOW_TO_HIGH) - 2)
     share = at - low
     red, green, blue = (
