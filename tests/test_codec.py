@@ -43,7 +43,8 @@ def test_a_file_says_everything(tmp_path: Path) -> None:
     content = encode(Recipe(seed=3, difficulty=0.5))
     open_ = {field.name for field in fields(Recipe) if field.default is None}
     assert set(content) == {"version", "generator", "obstacles", *parameters(Recipe)} - open_
-    assert open_ == {"max_step", "crossable_by", "inventory"}
+    material = {"frame_friction", "level_friction", "frame_colour", "level_colours"}
+    assert open_ == material | {"max_step", "crossable_by", "inventory"}
     assert content["seed"] == 3
     assert content["generator"] == f"rsegen {rsegen.__version__}"
 

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+import rsegen
+
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 
@@ -48,6 +50,14 @@ def test_the_python_of_the_page_of_difficulty_works(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
     assert (tmp_path / "course" / "mixed-course-0004_0000" / "mixed-course-0004_0000.world").is_file()
     assert (tmp_path / "course" / "series.png").is_file()
+
+
+def test_the_recipe_of_the_page_of_gazebo_has_frictions(tmp_path: Path) -> None:
+    (recipe,) = blocks(ROOT / "docs" / "gazebo.md", "yaml")
+    (tmp_path / "icy.yaml").write_text(recipe)
+    (made,) = rsegen.generate(rsegen.load(tmp_path / "icy.yaml"), tmp_path).maps
+    touched = sorted(path.name for path in (made.folder / "meshes" / "touched").iterdir())
+    assert touched == [f"rse_0000_friction_{friction}.obj" for friction in (0.1, 0.4, 0.9)]
 
 
 def test_the_python_of_the_page_of_formats_works(tmp_path: Path) -> None:

@@ -37,7 +37,7 @@ def account(scene: Scene) -> Account:
     for path, content in export(scene).items():
         for piece in content:
             size += len(piece)
-            seen += faces(piece) if path.suffix == ".obj" else 0
+            seen += faces(piece) if path.match("meshes/*.obj") else 0
     mesh_type = MESH_TYPES[scene.recipe.mesh_type]
     return Account(
         name=scene.name,

@@ -188,7 +188,7 @@ def _title(scene: Scene) -> str:
 
 def _colours(scene: Scene, frame: NDArray[np.bool_], levels: NDArray[np.int16]) -> Array:
     """(n_x, n_y, 3): the colour of each cell; level ground is light grey."""
-    palette = np.array([scene.colour(level) for level in range(scene.recipe.top_level + 1)])
+    palette = np.array([scene.colour(level) for level in range(scene.recipe.highest_level + 1)])
     return np.where((levels == 0)[..., None] & ~frame[..., None], 0.86, palette[np.where(frame, 0, levels)])
 
 

@@ -17,6 +17,8 @@ from rsegen.params import Choice, Json, Real, Several, Text, Whole, parameters, 
 from rsegen.places import AtCell, Cell, Pair, Place
 
 _CENTIMETRES = Real(0.001, 100_000, unit="cm")
+_FRICTION = Real(0, 1000, help="Coulomb's coefficient of blocks, frames and ground")
+_COLOUR = Text("#[0-9A-Fa-f]{6}", "#rrggbb, in quotes")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -97,7 +99,19 @@ class Recipe:
     tile: Annotated[
         int, Whole(0, 100_000, unit="cells", help="side of the parts that the mesh is cut into, a file each; 0: none")
     ] = 0
-    friction: Annotated[float, Real(0, 1000, help="Coulomb's coefficient of blocks, frames and ground")] = 1.0
+    friction: Annotated[float, _FRICTION] = 1.0
+    frame_friction: Annotated[
+        float | None, replace(_FRICTION, help="Coulomb's coefficient of the frames, where it is another")
+    ] = None
+    level_friction: Annotated[
+        tuple[float, ...] | None,
+        Several(_FRICTION, help="Coulomb's coefficient of blocks of level 1, 2, ...; higher ones have that of the map"),
+    ] = None
+    frame_colour: Annotated[str | None, replace(_COLOUR, help="colour of the frames")] = None
+    level_colours: Annotated[
+        tuple[str, ...] | None,
+        Several(_COLOUR, help="colours of blocks of level 1, 2, ...; higher ones have those that they have anyway"),
+    ] = None
     max_step: Annotated[
         int | None, Whole(1, 32767, unit="units", help="largest step between neighbouring blocks; flanks give way")
     ] = None
@@ -150,6 +164,12 @@ class Recipe:
         return not (self.max_step is None and self.crossable_by is None and self.inventory is None)
 
     @property
+    def is_of_one_friction(self) -> bool:
+        """Whether blocks, frames and ground all have the same coefficient."""
+        given = (self.frame_friction, *(self.level_friction or ()))
+        return all(friction in (None, self.friction) for friction in given)
+
+    @property
     def indices(self) -> range:
         """The indices of its maps."""
         return range(self.first_map, self.first_map + self.maps)
@@ -158,6 +178,12 @@ class Recipe:
     def top_level(self) -> int:
         """The largest level that any of its obstacles has; 0 where there is none."""
         return max((placement.obstacle.max_height - 1 for placement in self.obstacles), default=0)
+
+    @property
+    def highest_level(self) -> int:
+        """The largest level that any of its blocks may have: an inventory may replace blocks by higher ones."""
+        owned = (level for level, blocks in enumerate(self.inventory or (), 1) if blocks)
+        return max([self.top_level, *owned])
 
     def map_name(self, index: int) -> str:
         """What map `index` is called, on disk and in the simulator."""

@@ -6,8 +6,8 @@ axis 0 along +x, axis 1 along +y, cell (0, 0) in the corner of smallest x and y,
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +67,19 @@ class StepField:
     def stands(self, window: Window | None = None) -> bool:
         """Whether anything in it, or in a window of it, is above the ground."""
         part = window or self.whole
-        return bool(self.levels[part].any() or (round(self.frame_height, NANOMETRE_DIGITS) and self.frame[part].any()))
+        return bool(self.levels[part].any()) or self._frame_stands(part)
+
+    def materials(self, window: Window | None = None) -> list[int]:
+        """What stands in it, or in a window of it: 0 for a frame, any other the level of blocks."""
+        part = window or self.whole
+        levels = np.flatnonzero(np.bincount(self.levels[part].ravel())).tolist()
+        return [0] * self._frame_stands(part) + [int(level) for level in levels if level]
+
+    def only(self, materials: Sequence[int]) -> StepField:
+        """It with level ground in place of all that is of other materials."""
+        kept = np.isin(self.levels, materials)
+        frame = self.frame if 0 in materials else np.zeros_like(self.frame)
+        return replace(self, levels=np.where(kept, self.levels, np.int16(0)), frame=frame)
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -107,6 +119,9 @@ class StepField:
             for j, y in enumerate(middle_y):
                 part = slice(cuts_x[i], cuts_x[i + 1]), slice(cuts_y[j], cuts_y[j + 1])
                 yield Pallet(chunk=(i, j), centre=(float(x), float(y)), field=self._part(part))
+
+    def _frame_stands(self, part: Window) -> bool:
+        return bool(round(self.frame_height, NANOMETRE_DIGITS) and self.frame[part].any())
 
     def _part(self, part: Window) -> StepField:
         return StepField(

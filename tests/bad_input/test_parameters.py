@@ -39,7 +39,7 @@ def wrong_values(parameter: Parameter) -> Iterator[object]:
         case Pair():
             yield from (0, -1, 1.5, 10**9 + 1, MANY_DIGITS, "2", "2x2", [], [1], [1, 2, 3], [1, 0], [1, True])
         case Several():
-            yield from (-1, [], [[1]], [0, None], [0, NO_WORD], [1.5])
+            yield from (-1, [], [[1]], [0, None], [0, NO_WORD], [-0.5], [1001.5])
         case _:
             yield from (1, [], "1,2", [1, -1], [1, math.nan], [1, math.inf], [1, True], [1, "2"], [1, None], [0] * 5)
 

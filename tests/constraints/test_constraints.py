@@ -16,6 +16,7 @@ from complaints import the_line
 from rsegen.chance import generator
 from rsegen.cli import main
 from rsegen.constraints.inventory import fitted
+from rsegen.drawing import picture
 from rsegen.metrics.pairs import differences
 from rsegen.metrics.reach import crossing
 from rsegen.proof import missing, proof
@@ -172,3 +173,17 @@ def test_a_file_that_is_no_inventory(tmp_path: Path, capsys: pytest.CaptureFixtu
 def test_a_robot_that_is_unknown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["generate", "--crossable-by", "buger", "-o", str(tmp_path / "out")]) == 2
     assert "crossable_by: unknown robot 'buger'; did you mean 'burger'?" in the_line(capsys.readouterr().err)
+
+
+def test_a_map_of_blocks_higher_than_its_obstacles_is_drawn_and_coloured(tmp_path: Path) -> None:
+    made = recipe(inventory=(0, 0, 0, 0, 200, 0))
+    scene = rsegen.compose(made)
+    assert (made.top_level, made.highest_level) == (4, 5)
+    assert set(scene.field.level_counts()) == {0, 5}
+    assert scene.colour(5) == scene.colour(4)
+    assert len(picture(scene)) > 10_000
+    (one,) = rsegen.generate(made, tmp_path).maps
+    text = (one.folder / "meshes" / f"{scene.name}.obj").read_text()
+    used = {line.split()[1] for line in text.splitlines() if line.startswith("usemtl")}
+    assert used <= set((one.folder / "meshes" / f"{scene.name}.mtl").read_text().split())
+    assert "level_5" in used

@@ -11,7 +11,10 @@ import pytest
 
 from formats.maps import RECIPES, SCENES, made
 from rsegen import Matrix, Placement, Recipe, Scene, StepField, compose
+from rsegen.errors import ParameterError
 from rsegen.formats.mjcf import Mjcf
+from sim.bodies import SIDEWAYS, SIZE
+from sim.maps import lanes, slippery
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 
@@ -21,6 +24,8 @@ SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))
 NEAR_FLAT = Recipe(
     seed=11, chunk_size=2, boundary="none", obstacles=(Placement(obstacle=Matrix.of(np.array([[3, 3], [3, 3]]))),)
 )
+
+SLIPPERY, *_, SLIPPERY_HIGH = map(compose, slippery())
 
 
 def written(shape: str, scene: Scene, folder: Path, **options: int) -> Path:
@@ -135,6 +140,57 @@ def test_the_friction_is_the_map_s(shape: str, tmp_path: Path) -> None:
     model, _ = compiled(written(shape, scene, tmp_path))
     touched = model.geom_contype > 0
     np.testing.assert_allclose(model.geom_friction[touched, 0], 0.35)
+
+
+@pytest.mark.parametrize("shape", ["boxes", "mesh"])
+def test_every_box_has_the_friction_of_its_level(shape: str, tmp_path: Path) -> None:
+    model, state = compiled(written(shape, SLIPPERY, tmp_path), f"{SLIPPERY.name}.xml")
+    heights = seen_from_above(model, state, *centres(SLIPPERY.field))
+    np.testing.assert_allclose(heights, SLIPPERY.field.heights, rtol=0, atol=1e-12)
+    boxes = model.geom_type == mujoco.mjtGeom.mjGEOM_BOX
+    known = {}
+    for (x, y, z), friction in zip(model.geom_pos[boxes], model.geom_friction[boxes, 0], strict=True):
+        i, j = (np.searchsorted(line, at) - 1 for line, at in zip(SLIPPERY.field.edges(), (x, y), strict=True))
+        assert 2 * z == pytest.approx(SLIPPERY.field.heights[i, j])
+        known[0 if SLIPPERY.field.frame[i, j] else int(SLIPPERY.field.levels[i, j])] = friction
+    assert known == pytest.approx({0: 0.05, 1: 0.05, 2: 0.9})
+
+
+@pytest.mark.parametrize("shape", ["boxes", "mesh"])
+@pytest.mark.parametrize("scene", [SLIPPERY, SLIPPERY_HIGH], ids=["low", "high"])
+def test_a_slippery_cube_that_is_pushed_slides_where_the_map_is_slippery_too(
+    shape: str, scene: Scene, tmp_path: Path
+) -> None:
+    """MuJoCo takes the larger coefficient of the two."""
+    cubes = "".join(
+        f"""
+        <body name="{name}" pos="{x} {y} {top + SIZE / 2}">
+          <freejoint/>
+          <geom type="box" size="{SIZE / 2} {SIZE / 2} {SIZE / 2}" mass="0.05" friction="0.01 0.005 0.0001"/>
+        </body>"""
+        for name, (x, y, top), _ in lanes(scene)
+    )
+    (written(shape, scene, tmp_path) / "cubes.xml").write_text(f"""
+    <mujoco>
+      <include file="scene.xml"/>
+      <option gravity="{SIDEWAYS} 0 -9.81"/>
+      <worldbody>{cubes}</worldbody>
+    </mujoco>""")
+    model, state = compiled(tmp_path, "cubes.xml")
+    while state.time < 0.4:
+        mujoco.mj_step(model, state)
+    for name, (x, y, top), slides in lanes(scene):
+        at = state.body(name).xpos
+        np.testing.assert_allclose(at[1:], [y, top + SIZE / 2], rtol=0, atol=2e-3)
+        assert 0.15 < at[0] - x < 0.25 if slides else abs(at[0] - x) < 0.01, name
+
+
+def test_a_height_field_of_several_frictions_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match=r"^shape: 'hfield' has one coefficient of friction"):
+        written("hfield", SLIPPERY, tmp_path)
+    alike = compose(replace(SLIPPERY.recipe, frame_friction=0.9, level_friction=(0.9, 0.9)))
+    model, _ = compiled(written("hfield", alike, tmp_path))
+    np.testing.assert_allclose(model.geom_friction[:, 0], 0.9)
 
 
 @SHAPE

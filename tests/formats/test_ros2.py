@@ -27,8 +27,10 @@ from rsegen.export import single
 from rsegen.formats.ros2 import Ros2, package_name
 from runs import contents
 from sim.conftest import missing
+from sim.maps import slippery
 
 SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))
+SLIPPERY = compose(next(slippery()))
 NAMED = compose(Recipe(name="2026.Pallet--A", seed=3, chunk_size=3))
 VARIABLES = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
 
@@ -124,7 +126,7 @@ def test_colcon_builds_it_and_its_setup_says_where_the_models_are(tmp_path: Path
         assert {model.name for folder in folders for model in folder.iterdir()} == {NAMED.name, "rse_0000"}
 
 
-@SCENE
+@pytest.mark.parametrize("scene", [*SCENES.values(), SLIPPERY], ids=[*SCENES, "several frictions"])
 def test_the_model_is_the_one_of_a_single_world(scene: Scene, tmp_path: Path) -> None:
     package = written(scene, tmp_path)
     expected = {path: b"".join(content) for path, content in single.files(scene).items() if ".world" not in path}

@@ -16,7 +16,10 @@ from formats.maps import RECIPES, SCENES, made
 from formats.test_meshes import seen_from_above
 from rsegen import Scene, compose
 from rsegen.formats import FORMATS
+from sim.bodies import SIDEWAYS, SIZE
+from sim.maps import lanes, slippery
 
+SLIPPERY, *_, SLIPPERY_HIGH = map(compose, slippery())
 SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))
 
 
@@ -39,7 +42,7 @@ def centres(scene: Scene) -> list[np.ndarray]:
     return [(line[:-1] + line[1:]) / 2 for line in scene.field.edges()]
 
 
-@SCENE
+@pytest.mark.parametrize("scene", [*SCENES.values(), SLIPPERY], ids=[*SCENES, "several frictions"])
 def test_pybullet_s_rays_meet_every_cell_at_its_height(scene: Scene, tmp_path: Path, bullet: Any) -> None:
     body = bullet.loadURDF(str(written(scene, tmp_path)))
     assert bullet.getDynamicsInfo(body, -1)[0] == 0
@@ -72,6 +75,37 @@ def test_pybullet_shows_every_colour_and_keeps_the_friction(tmp_path: Path, bull
     shown = [shape[7][:3] for shape in bullet.getVisualShapeData(body)]
     np.testing.assert_allclose(shown, [scene.colour(kind) for kind in kinds], atol=1e-6)
     assert bullet.getDynamicsInfo(body, -1)[1] == pytest.approx(0.35)
+
+
+@pytest.mark.parametrize("scene", [SLIPPERY, SLIPPERY_HIGH], ids=["low", "high"])
+def test_a_cube_that_is_pushed_in_pybullet_slides_where_it_is_slippery_alone(
+    scene: Scene, tmp_path: Path, bullet: Any
+) -> None:
+    bullet.setGravity(SIDEWAYS, 0, -9.81)
+    body = bullet.loadURDF(str(written(scene, tmp_path)))
+    links = [-1, *range(bullet.getNumJoints(body))]
+    assert [bullet.getDynamicsInfo(body, link)[:2] for link in links] == [(0, 0.05), (0, 0.9)]
+    cube = bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=[SIZE / 2] * 3)
+    cubes = {}
+    for name, (x, y, top), _ in lanes(scene):
+        cubes[name] = bullet.createMultiBody(0.05, cube, basePosition=[x, y, top + SIZE / 2])
+        bullet.changeDynamics(cubes[name], -1, lateralFriction=1)  # Bullet multiplies the two
+    for _ in range(96):
+        bullet.stepSimulation()
+    for name, (x, y, top), slides in lanes(scene):
+        at = np.array(bullet.getBasePositionAndOrientation(cubes[name])[0])
+        np.testing.assert_allclose(at[1:], [y, top + SIZE / 2], rtol=0, atol=2e-3)
+        assert 0.15 < at[0] - x < 0.25 if slides else abs(at[0] - x) < 0.005, name
+
+
+def test_a_map_of_several_frictions_is_as_many_links_joined_to_the_first(tmp_path: Path) -> None:
+    robot = ET.parse(written(SLIPPERY, tmp_path)).getroot()
+    name = SLIPPERY.name
+    assert [link.get("name") for link in robot.findall("link")] == [name, f"{name}_friction_0.9"]
+    (joint,) = robot.findall("joint")
+    ends = [joint.find(end).get("link") for end in ("parent", "child")]  # type: ignore[union-attr]
+    assert (joint.get("type"), ends) == ("fixed", [name, f"{name}_friction_0.9"])
+    assert [len(link.findall("visual")) for link in robot.findall("link")] == [3, 0]
 
 
 @SCENE

@@ -15,9 +15,11 @@ from formats.test_meshes import seen_from_above
 from rsegen import Recipe, Scene, compose
 from rsegen.formats.light import linear
 from rsegen.formats.usd import Usd
+from sim.maps import slippery
 
 pxr = pytest.importorskip("pxr", reason="usd-core is not installed")
 
+SLIPPERY = {scene.recipe.name: scene for scene in map(compose, slippery())}
 STANDING = {name: scene for name, scene in SCENES.items() if scene.field.stands()}
 STAND = pytest.mark.parametrize("scene", STANDING.values(), ids=list(STANDING))
 SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))
@@ -96,6 +98,26 @@ def test_physics_takes_it_for_static_triangles_with_the_map_s_friction(scene: Sc
     physics = UsdPhysics.MaterialAPI(material.GetPrim())
     for friction in (physics.GetStaticFrictionAttr(), physics.GetDynamicFrictionAttr()):
         assert friction.Get() == pytest.approx(0.35)
+
+
+@pytest.mark.parametrize("name", ["slippery-default", "slippery-high"])
+def test_physics_finds_the_friction_of_every_subset_of_faces(name: str, tmp_path: Path) -> None:
+    from pxr import UsdPhysics, UsdShade, UsdValidation
+
+    scene = SLIPPERY[name]
+    stage = opened(scene, tmp_path)
+    binding = UsdShade.MaterialBindingAPI(surface(stage).GetPrim())
+    found = {}
+    for prim in [binding.GetPrim(), *(subset.GetPrim() for subset in binding.GetMaterialBindSubsets())]:
+        material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
+        physics = UsdPhysics.MaterialAPI(material.GetPrim())
+        found[prim.GetName()] = physics.GetDynamicFrictionAttr().Get()
+        assert physics.GetStaticFrictionAttr().Get() == found[prim.GetName()]
+        assert UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0].GetPrim() != material.GetPrim()
+    own = {"frame": 0, "level_1": 1, "level_2": 2}
+    assert found == pytest.approx({"surface": 0.9} | {name: scene.friction_of(kind) for name, kind in own.items()})
+    known = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    assert not UsdValidation.ValidationContext(known).Validate(stage)
 
 
 @STAND

@@ -166,6 +166,16 @@ def test_difficulty_stands_in_the_form_and_eases_the_map(window: Window) -> None
     assert window.session.recipe.difficulty == 1
 
 
+def test_frictions_stand_in_the_form_and_what_is_wrong_under_them(window: Window) -> None:
+    field = find(window, QLineEdit, "level_friction_field")
+    complaint = find(window, QLabel, "level_friction_complaint")
+    for text, said in (("0.9,0.1", ""), ("0.9,rough", "'rough' is not a number; give 0..1000"), ("", "")):
+        field.setText(text)
+        field.editingFinished.emit()
+        assert complaint.text() == said
+        assert window.session.recipe.level_friction == ((0.9, 0.1) if text else None)
+
+
 def test_a_row_is_edited_in_place_and_switched_off(window: Window) -> None:
     choose(window, "peak")
     click(window, "add")

@@ -17,6 +17,9 @@ SHAPES: Mapping[str, str] = MappingProxyType(
     }
 )
 
+SIDEWAYS = 3.0
+"""Gravity along x, m/s2, in a tilted world: a cube slides where friction is less than 0.3."""
+
 _MASS = 0.05
 _MOMENT = 0.4 * _MASS * (SIZE / 2) ** 2
 
@@ -48,3 +51,11 @@ def furnished(world: Path, models: Iterable[str]) -> Path:
     copy = world.with_name("furnished.world")
     copy.write_text(text)
     return copy
+
+
+def tilt(world: Path) -> None:
+    """Let gravity push along x too, as if the ground were tilted."""
+    text = world.read_text()
+    head = '<physics type="ode">'
+    assert text.count(head) == 1
+    world.write_text(text.replace(head, f"<gravity>{SIDEWAYS} 0 -9.8</gravity>\n    {head}"))

@@ -8,9 +8,12 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import rsegen
 from rsegen.examples import EXAMPLES
 from rsegen.export import MESH_TYPES
+from sim.bodies import SIDEWAYS
 
 BOUNDARIES = ("none", "divided", "outer")
 
@@ -73,6 +76,35 @@ def shaped() -> Iterator[rsegen.Recipe]:
     """The first map of every example in every shape but the default one."""
     for recipe, shape in product(map(rsegen.load, EXAMPLES.values()), SHAPES[1:]):
         yield replace(recipe, name=f"{recipe.name}-{shape_name(shape)}", maps=1, **shape)
+
+
+def slippery() -> Iterator[rsegen.Recipe]:
+    """Two plateaus along x in one frame, of which one and the frame are slippery, in every shape and mesh type; last,
+    in the default shape, the other plateau alone is slippery.
+    """
+    levels = np.tile(np.repeat([1, 2], 4), (8, 1))
+    low = rsegen.Recipe(
+        name="slippery",
+        chunk_size=4,
+        chunks=(2, 2),
+        boundary="outer",
+        seed=1,
+        friction=0.9,
+        frame_friction=0.05,
+        level_friction=(0.05,),
+        obstacles=(rsegen.Placement(obstacle=rsegen.Matrix.of(levels)),),
+    )
+    for shape in (*SHAPES, {"mesh_type": "pallet"}, {"mesh_type": "multi"}):
+        yield replace(low, name=f"slippery-{shape_name(shape)}", **shape)
+    yield replace(low, name="slippery-high", frame_friction=None, level_friction=(0.9, 0.05))
+
+
+def lanes(scene: rsegen.Scene) -> Iterator[tuple[str, tuple[float, float, float], bool]]:
+    """On each plateau of a slippery map, and on the frame: a name, a place near the west end, and whether it slides."""
+    x, y = ((line[:-1] + line[1:]) / 2 for line in scene.field.edges())
+    for name, material, row in (("frame", 0, 0), ("low", 1, 3), ("high", 2, 7)):
+        place = float(x[1]), float(y[row]), float(scene.field.heights[1, row])
+        yield name, place, scene.friction_of(material) < SIDEWAYS / 10
 
 
 def kinds() -> Iterator[rsegen.Recipe]:

@@ -18,10 +18,10 @@ from rsegen.robots import ROBOTS, Robot
 from rsegen.robots.drives import Wheels
 from rsegen.simulators.live import Pose
 from rsegen.stepfield import Ints
-from sim.bodies import body, furnished
+from sim.bodies import body, furnished, tilt
 from sim.conftest import missing
 from sim.falling import falling, judge
-from sim.maps import SHAPES, examples, generated, map_name, shape_name, variants
+from sim.maps import SHAPES, examples, generated, lanes, map_name, shape_name, slippery, variants
 
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 
@@ -66,19 +66,21 @@ def test_bodies_rest_on_the_top_of_their_cell(recipe: rsegen.Recipe, engine: Eng
     judge(made.scene.field, engine(falling(made), 1500))
 
 
-@pytest.mark.parametrize(("collision", "slides"), [("mesh", False), ("boxes", True)])
+@pytest.mark.parametrize("recipe", [each for each in slippery() if each.simulator == "both"], ids=map_name)
 def test_boxes_have_their_friction_and_meshes_that_of_the_engine(
-    collision: str, slides: bool, engine: Engine, tmp_path: Path
+    recipe: rsegen.Recipe, engine: Engine, tmp_path: Path
 ) -> None:
-    matrix = rsegen.Placement(obstacle=rsegen.Matrix.of(np.ones((4, 4), dtype=int)))
-    recipe = rsegen.Recipe(
-        chunk_size=4, boundary="none", friction=0.1, collision=collision, seed=1, obstacles=(matrix,)
-    )
-    world = furnished(generated(recipe, tmp_path).world, [body("cube", "cube", (0, 0, 0.1))])
-    tilted = "<gravity>3 0 -9.8</gravity>"
-    world.write_text(world.read_text().replace("<physics", f"{tilted}\n    <physics", 1))
+    made = generated(recipe, tmp_path)
+    cubes = {name: (place, slides) for name, place, slides in lanes(made.scene)}
+    world = furnished(made.world, [body(name, "cube", place) for name, (place, _) in cubes.items()])
+    tilt(world)
 
-    assert (engine(world, 300)["cube"].x > 0.05) == slides
+    poses = engine(world, 400)
+
+    has_boxes = recipe.collision != "mesh" or recipe.mesh_type == "multi"
+    for name, ((x, _, _), slides) in cubes.items():
+        went = poses[name].x - x
+        assert 0.15 < went < 0.25 if slides and has_boxes else abs(went) < 0.002, name
 
 
 @pytest.mark.parametrize("kind", ROBOTS)

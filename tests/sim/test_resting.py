@@ -13,10 +13,10 @@ from rsegen.cli import main
 from rsegen.simulators import Installation
 from rsegen.simulators.simulated import simulated
 from sim.falling import falling, judge
-from sim.maps import Map, examples, generated, map_name, shaped, variants
+from sim.maps import Map, examples, generated, map_name, shaped, slippery, variants
 
 
-@pytest.mark.parametrize("recipe", [*examples(), *variants(), *shaped()], ids=map_name)
+@pytest.mark.parametrize("recipe", [*examples(), *variants(), *shaped(), *slippery()], ids=map_name)
 def test_bodies_rest_on_the_top_of_their_cell(recipe: rsegen.Recipe, gazebo: Installation, tmp_path: Path) -> None:
     bodies_rest(generated(recipe, tmp_path), gazebo)
 

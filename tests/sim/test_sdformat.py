@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 import rsegen
-from sim.maps import examples, generated, kinds, map_name, shaped, variants
+from sim.maps import examples, generated, kinds, map_name, shaped, slippery, variants
 
 HARMLESS = "Library error: libignition-tools-backward.so not found"
 """Debian's ignition-tools says so of itself, whatever it is asked."""
 
 
-@pytest.mark.parametrize("recipe", [*examples(), *variants(), *kinds(), *shaped()], ids=map_name)
+@pytest.mark.parametrize("recipe", [*examples(), *variants(), *kinds(), *shaped(), *slippery()], ids=map_name)
 def test_every_world_and_model_is_valid(
     recipe: rsegen.Recipe, check_sdf: Callable[[Path], str], tmp_path: Path
 ) -> None:

@@ -9,6 +9,7 @@ from dataclasses import astuple, replace
 from math import dist
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import rsegen
@@ -17,9 +18,10 @@ from rsegen.cli import main
 from rsegen.export import sdf
 from rsegen.robots import robot
 from rsegen.simulators import Installation
-from rsegen.simulators.live import LiveWorld
+from rsegen.simulators.live import LiveWorld, Pose
 from rsegen.simulators.server import Server, serving
 from rsegen.spawning.placed import Placed
+from sim.bodies import SIZE, body
 
 Capture = pytest.CaptureFixture[str]
 BURGER = robot("burger")
@@ -96,6 +98,28 @@ def test_what_stands_still_goes_on_standing_still(server: Server, capsys: Captur
         assert live.clock().stands
         assert astuple(live.poses()["course_0001"]) == pytest.approx((0, 0, 0, 0, 0, 0.5))
         assert ground_under(live, "burger") >= 0
+
+
+def test_a_map_of_several_frictions_is_put_in_whole(server: Server, capsys: Capture) -> None:
+    icy = replace(COURSE, name="icy", frame_friction=0.5, level_friction=(0.9, 0.1))
+    rsegen.save(icy, "icy.yaml")
+    done(capsys, "spawn", "icy.yaml")
+    field = rsegen.compose(icy).field
+    x, y = ((line[:-1] + line[1:]) / 2 for line in field.edges())
+    cells = [np.argwhere(where)[0] for where in (field.frame, field.levels == 1, field.levels == 2)]
+    cubes = {f"cube-{i}-{j}": (float(x[i]), float(y[j]), float(field.heights[i, j])) for i, j in cells}
+    with server.live() as live:
+        for name, place in cubes.items():
+            live.put(
+                f'<sdf version="1.6">{body(name, "cube", (0, 0, 0))}</sdf>',
+                Pose(x=place[0], y=place[1], z=place[2] + 0.03),
+            )
+        live.advance(800)
+        poses = live.poses()
+    assert {name: poses[name].z for name in cubes} == pytest.approx(
+        {name: top + SIZE / 2 for name, (_, _, top) in cubes.items()}, abs=0.001
+    )
+    assert server.errors == []
 
 
 def test_two_maps_do_not_overlap(server: Server, capsys: Capture) -> None:

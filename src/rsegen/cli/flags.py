@@ -132,6 +132,9 @@ _METAVARS = {
     "name": "NAME",
     "description": "TEXT",
     "first_map": "INDEX",
+    "level_friction": "N,N,...",
+    "frame_colour": "'#RRGGBB'",
+    "level_colours": "'#RRGGBB,...'",
     "crossable_by": "ROBOT|CM,CM,CM",
     "inventory": "FILE.csv|N,N,...",
 }

@@ -60,8 +60,7 @@ class Layout:
     @property
     def dtype(self) -> np.dtype[np.integer]:
         """The smallest of uint8 and int16 that holds every level that a map of the recipe can have."""
-        highest = max(self.recipe.top_level, len(self.recipe.inventory or ()))
-        return np.dtype("u1" if highest < 2**8 else "<i2")
+        return np.dtype("u1" if self.recipe.highest_level < 2**8 else "<i2")
 
     @cached_property
     def like(self) -> StepField:

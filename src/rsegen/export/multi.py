@@ -56,7 +56,6 @@ def _heights(field: StepField) -> dict[int, float]:
 def _form(scene: Scene, material: int, height: float) -> str:
     """The model of a box with three blanks: its name, and its x and y."""
     size = (scene.field.block_width, scene.field.block_width, height)
-    seen = sdf.box("visual", size, paint=sdf.paint(scene.colour(material)))
-    return "".join(
-        sdf.model("%s", [seen], [sdf.box("collision", size)], scene.friction, f"%s %s {decimal(height / 2)}")
-    )
+    seen = sdf.box("visual", size)._replace(paint=sdf.paint(scene.colour(material)))
+    touched = sdf.box("collision", size)._replace(friction=scene.friction_of(material))
+    return "".join(sdf.model("%s", [seen], [touched], f"%s %s {decimal(height / 2)}"))

@@ -40,7 +40,7 @@ def faces(piece: bytes) -> int:
 
 def mtl(scene: Scene) -> Iterator[bytes]:
     """The MTL file of every colour that a map of the scene's recipe can have."""
-    for material in range(scene.recipe.top_level + 1):
+    for material in range(scene.recipe.highest_level + 1):
         red, green, blue = map(decimal, scene.colour(material))
         colour = f"{red} {green} {blue}"
         yield f"newmtl {material_name(material)}\nKa {colour}\nKd {colour}\nKs 0 0 0\nd 1\nillum 1\n".encode()

@@ -31,7 +31,7 @@ def _models(scene: Scene) -> Iterator[str]:
     for pallet in _standing(scene):
         stem = _stem(scene, pallet)
         seen, touched = (shape(scene, pallet.field, stem) for shape in (shapes.seen, shapes.touched))
-        yield from sdf.model(_name(pallet), seen, touched, scene.friction, sdf.numbers((*pallet.centre, 0)))
+        yield from sdf.model(_name(pallet), seen, touched, sdf.numbers((*pallet.centre, 0)))
 
 
 def _standing(scene: Scene) -> Iterator[Pallet]:

@@ -57,12 +57,15 @@ def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
 
 
 class Shape(NamedTuple):
-    """A <geometry> as SDF has it, what it is called, where its middle is, metres, and its paint."""
+    """A <geometry> as SDF has it, what it is called, where its middle is, metres, its paint where it is seen, and its
+    coefficient of friction where it is touched.
+    """
 
     name: str
     geometry: str
     centre: Sequence[float] = ()
     paint: str = ""
+    friction: float = 1.0
 
 
 def mesh(name: str, uri: str) -> Shape:
@@ -70,14 +73,12 @@ def mesh(name: str, uri: str) -> Shape:
     return Shape(name, f"<mesh><uri>{uri}</uri></mesh>")
 
 
-def box(name: str, size: Iterable[float], centre: Sequence[float] = (), paint: str = "") -> Shape:
+def box(name: str, size: Iterable[float], centre: Sequence[float] = ()) -> Shape:
     """A box along the axes, its size in metres."""
-    return Shape(name, f"<box><size>{numbers(size)}</size></box>", centre, paint)
+    return Shape(name, f"<box><size>{numbers(size)}</size></box>", centre)
 
 
-def model(
-    name: str, seen: Iterable[Shape], touched: Iterable[Shape], friction: float, place: str = "0 0 0"
-) -> Iterator[str]:
+def model(name: str, seen: Iterable[Shape], touched: Iterable[Shape], place: str = "0 0 0") -> Iterator[str]:
     """A static model of shapes to be seen and shapes to be touched, piece by piece; `place` is x, y and z, metres."""
     yield f"""\
     <model name="{name}">
@@ -85,10 +86,10 @@ def model(
       <pose>{place} 0 0 0</pose>
       <link name="link">
 """
-    yield from _shapes(seen, touched, friction)
+    yield from _shapes(seen, touched)
 
 
-def body(name: str, seen: Iterable[Shape], touched: Iterable[Shape], friction: float) -> Iterator[str]:
+def body(name: str, seen: Iterable[Shape], touched: Iterable[Shape]) -> Iterator[str]:
     """The same as a body that nothing moves, for Gazebo Classic alone (decision 8)."""
     yield f"""\
     <model name="{name}">
@@ -100,12 +101,12 @@ def body(name: str, seen: Iterable[Shape], touched: Iterable[Shape], friction: f
           <inertia><ixx>1000000</ixx><iyy>1000000</iyy><izz>1000000</izz></inertia>
         </inertial>
 """
-    yield from _shapes(seen, (_lifted(shape) for shape in touched), friction)
+    yield from _shapes(seen, map(_lifted, touched))
 
 
-def _shapes(seen: Iterable[Shape], touched: Iterable[Shape], friction: float) -> Iterator[str]:
-    yield from (_touched(shape, friction) for shape in touched)
-    yield from (_seen(shape) for shape in seen)
+def _shapes(seen: Iterable[Shape], touched: Iterable[Shape]) -> Iterator[str]:
+    yield from map(_touched, touched)
+    yield from map(_seen, seen)
     yield "      </link>\n    </model>\n"
 
 
@@ -134,14 +135,14 @@ def _lifted(shape: Shape) -> Shape:
     return shape._replace(centre=(x, y, z + LIFT))
 
 
-def _touched(shape: Shape, friction: float) -> str:
+def _touched(shape: Shape) -> str:
     """`kd` 1000 lets soft wheels roll over the seams between coplanar triangles, which ODE would take for bumps."""
     return f"""\
         <collision name="{shape.name}">{_pose(shape)}
           <geometry>{shape.geometry}</geometry>
           <surface>
             <contact><ode><kd>1000</kd></ode></contact>
-            {_friction(friction)}
+            {_friction(shape.friction)}
           </surface>
         </collision>
 """

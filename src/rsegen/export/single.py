@@ -26,7 +26,7 @@ def models(scene: Scene) -> int:
 
 
 def collisions(scene: Scene) -> int:
-    """Its mesh, or its tiles, or its boxes."""
+    """Its mesh, or its tiles, or parts of one friction each, or its boxes."""
     return shapes.collisions(scene, scene.field)
 
 
@@ -34,7 +34,7 @@ def _model(scene: Scene, root: str = "") -> Iterator[str]:
     """The map as a model; a recipe's URIs start with `root`."""
     seen, touched = (shape(scene, scene.field, scene.name, root) for shape in (shapes.seen, shapes.touched))
     model = sdf.body if scene.recipe.simulator == "classic" else sdf.model
-    return model(scene.name, seen, touched, scene.friction)
+    return model(scene.name, seen, touched)
 
 
 def _config(name: str) -> str:

@@ -19,16 +19,4 @@ def coloured_objs(scene: Scene) -> Mapping[int, Iterable[bytes]]:
 def coloured(mesh: Mesh) -> Iterator[tuple[int, Mesh]]:
     """Of each material the faces that have it, with the vertices that these use."""
     for material in np.unique(mesh.materials).tolist():
-        of_it = mesh.materials == material
-        used, corners = np.unique(mesh.faces[of_it], return_inverse=True)
-        faces = corners.reshape(-1, mesh.faces.shape[1]).astype(np.int32)
-        yield (
-            material,
-            Mesh(
-                lines=mesh.lines,
-                places=mesh.places[used],
-                faces=faces,
-                normals=mesh.normals[of_it],
-                materials=mesh.materials[of_it],
-            ),
-        )
+        yield material, mesh.part(mesh.materials == material)

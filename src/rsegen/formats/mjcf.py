@@ -14,12 +14,13 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
+from rsegen.errors import ParameterError
 from rsegen.export.numbers import decimal
 from rsegen.export.obj import material_name
 from rsegen.export.sdf import encoded, numbers
 from rsegen.formats.base import Format, register
 from rsegen.formats.coloured import coloured_objs
-from rsegen.formats.columns import columns
+from rsegen.formats.columns import Column, columns
 from rsegen.params import Choice, Whole
 from rsegen.scene import Scene
 from rsegen.stepfield import Array, StepField
@@ -57,6 +58,9 @@ class Mjcf(Format):
         }
 
     def _body(self, scene: Scene) -> _Body:
+        if self.shape == "hfield" and not scene.recipe.is_of_one_friction:
+            problem = "'hfield' has one coefficient of friction, and the recipe gives several; give boxes or mesh"
+            raise ParameterError("shape", problem)
         if not scene.field.stands():
             return _Body()
         if self.shape == "hfield":
@@ -77,7 +81,7 @@ class _Body:
 def _boxes(scene: Scene) -> _Body:
     """What is seen is what is touched."""
     found = list(columns(scene.field))
-    geoms = (_box(column.centre, column.size, f' material="{_material(scene, column.material)}"') for column in found)
+    geoms = (_box(scene, column, f' material="{_material(scene, column.material)}"') for column in found)
     return _Body(assets=_materials(scene, {column.material for column in found}), geoms=geoms)
 
 
@@ -90,7 +94,7 @@ def _meshes(scene: Scene) -> _Body:
         f'      <geom type="mesh" mesh="{name}" material="{name}" contype="0" conaffinity="0" group="2"/>\n'
         for name in named
     )
-    touched = (_box(column.centre, column.size) for column in columns(scene.field))
+    touched = (_box(scene, column) for column in columns(scene.field))
     return _Body(
         assets=chain(_materials(scene, objs), meshes),
         geoms=chain(seen, touched),
@@ -148,7 +152,7 @@ def _map(scene: Scene, body: _Body) -> Iterator[str]:
 <mujoco model="{name}">
   <default>
     <default class="{name}">
-      <geom type="box" friction="{decimal(scene.friction)} 0.005 0.0001"{body.touched}/>
+      <geom type="box" {_friction(scene.friction)}{body.touched}/>
     </default>
   </default>
   <asset>
@@ -167,7 +171,6 @@ def _scene(scene: Scene) -> Iterator[str]:
     """Light, a ground plane and a camera; the free camera of viewers sees the whole map."""
     across = hypot(*scene.field.extent)
     top = float(scene.field.heights.max())
-    friction = f'friction="{decimal(scene.friction)} 0.005 0.0001"'
     yield f"""\
 <!-- made by rsegen -->
 <mujoco model="{scene.name} scene">
@@ -180,7 +183,7 @@ def _scene(scene: Scene) -> Iterator[str]:
   <worldbody>
     <light name="sun" directional="true" castshadow="false" dir="-0.4 0.3 -0.86" diffuse="0.6 0.6 0.6"/>
     <camera name="overview" pos="0 {decimal(-across)} {decimal(across)}" xyaxes="1 0 0 0 1 1"/>
-    <geom name="ground" type="plane" size="0 0 1" {friction} rgba="0.6 0.6 0.6 1"/>
+    <geom name="ground" type="plane" size="0 0 1" {_friction(scene.friction)} rgba="0.6 0.6 0.6 1"/>
   </worldbody>
 </mujoco>
 """
@@ -197,5 +200,14 @@ def _material(scene: Scene, material: int) -> str:
     return f"{scene.name}_{material_name(material)}"
 
 
-def _box(centre: Iterable[float], size: Iterable[float], paint: str = "") -> str:
-    return f'      <geom pos="{numbers(centre)}" size="{numbers(side / 2 for side in size)}"{paint}/>\n'
+def _box(scene: Scene, column: Column, paint: str = "") -> str:
+    """It has the map's friction by default."""
+    friction = scene.friction_of(column.material)
+    own = "" if friction == scene.friction else f" {_friction(friction)}"
+    place = f'pos="{numbers(column.centre)}" size="{numbers(side / 2 for side in column.size)}"'
+    return f"      <geom {place}{own}{paint}/>\n"
+
+
+def _friction(sliding: float) -> str:
+    """Spin and rolling are MuJoCo's own."""
+    return f'friction="{decimal(sliding)} 0.005 0.0001"'

@@ -78,7 +78,7 @@ def _stage(scene: Scene) -> Any:
     if len(found.triangles):
         mesh = _mesh(root, scene, found)
         _colour(root, scene, mesh, found)
-        _touch(root, scene, mesh)
+        _touch(root, scene, mesh, found)
     return stage
 
 
@@ -143,15 +143,28 @@ def _looks(root: Any) -> Any:
     return stage
 
 
-def _touch(root: Any, scene: Scene, mesh: Any) -> None:
-    """What physics knows: a collider that is the triangles themselves, no rigid body, and the friction."""
+def _touch(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
+    """What physics knows: a collider that is the triangles themselves, no rigid body, and the friction of each part."""
     from pxr import UsdPhysics, UsdShade
 
     UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
     UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr(UsdPhysics.Tokens.none)
-    material = UsdShade.Material.Define(_looks(root), root.GetPath().AppendPath("Looks/friction"))
-    physics = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
-    physics.CreateStaticFrictionAttr(scene.friction)
-    physics.CreateDynamicFrictionAttr(scene.friction)
     binding = UsdShade.MaterialBindingAPI(mesh.GetPrim())
-    binding.Bind(material, materialPurpose="physics")
+    frictions = [scene.friction_of(kind) for kind in np.unique(found.materials).tolist()]
+    whole = scene.friction if len(set(frictions)) > 1 else frictions[0]
+    binding.Bind(_rubbing(root, "friction", whole), materialPurpose="physics")
+    for subset, friction in zip(binding.GetMaterialBindSubsets(), frictions, strict=True):
+        if friction != whole:
+            material = _rubbing(root, f"friction_{subset.GetPrim().GetName()}", friction)
+            UsdShade.MaterialBindingAPI(subset.GetPrim()).Bind(material, materialPurpose="physics")
+
+
+def _rubbing(root: Any, name: str, friction: float) -> Any:
+    """A material of physics."""
+    from pxr import UsdPhysics, UsdShade
+
+    material = UsdShade.Material.Define(_looks(root), root.GetPath().AppendChild("Looks").AppendChild(name))
+    physics = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
+    physics.CreateStaticFrictionAttr(friction)
+    physics.CreateDynamicFrictionAttr(friction)
+    return material

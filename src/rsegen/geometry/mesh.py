@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.stepfield import Array
+from rsegen.stepfield import Array, Mask
 
 NORMALS = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
 """The directions that a face may look in: +x, -x, +y, -y, +z, -z."""
@@ -40,3 +40,14 @@ class Mesh:
     def triangles(self) -> NDArray[np.int32]:
         """Every face cut in triangles: (2 m, 3), or (m, 3) where they are triangles already."""
         return self.faces if self.faces.shape[1] == 3 else self.faces[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+
+    def part(self, which: Mask) -> Mesh:
+        """Some of its faces, (m,), with the vertices that these use."""
+        used, corners = np.unique(self.faces[which], return_inverse=True)
+        return replace(
+            self,
+            places=self.places[used],
+            faces=corners.reshape(-1, self.faces.shape[1]).astype(np.int32),
+            normals=self.normals[which],
+            materials=self.materials[which],
+        )

@@ -19,9 +19,8 @@ _LUMINANCE = (0.3, 0.59, 0.11)
 
 
 def palette(scene: Scene) -> Bytes:
-    """(top level + 1, 3): the colour of each material, 0 the frame."""
-    top = max(scene.recipe.top_level, int(scene.field.levels.max(initial=0)))
-    return np.array([rgb(scene, material) for material in range(top + 1)], dtype=np.uint8)
+    """(highest level + 1, 3): the colour of each material, 0 the frame."""
+    return np.array([rgb(scene, material) for material in range(scene.recipe.highest_level + 1)], dtype=np.uint8)
 
 
 def rgb(scene: Scene, material: int) -> Rgb:

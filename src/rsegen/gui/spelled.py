@@ -32,7 +32,7 @@ def python_code(recipe: Recipe, folder: str) -> str:
 def _stated(recipe: Recipe) -> Entry:
     """The seed, and the global parameters that differ from their defaults."""
     usual = drafted(Recipe(seed=0)).values
-    return {name: value for name, value in drafted(recipe).values.items() if value != usual[name] or name == "seed"}
+    return {name: value for name, value in drafted(recipe).values.items() if value != usual.get(name) or name == "seed"}
 
 
 def _call(placement: Placement) -> str:

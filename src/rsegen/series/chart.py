@@ -11,7 +11,7 @@ import numpy as np
 
 from rsegen.codec import to_json
 from rsegen.drawing import draw_cells
-from rsegen.scene import Scene, compose, level_colour
+from rsegen.scene import Scene, compose
 from rsegen.series.plan import Plan
 from rsegen.series.row import Row
 from rsegen.stepfield import Array
@@ -98,7 +98,7 @@ def _legend(figure: Figure, scenes: Sequence[Scene]) -> None:
     from matplotlib.patches import Patch
 
     levels = sorted({level for scene in scenes for level in scene.field.level_counts() if level})
-    few, unit, top = levels[:: -(-len(levels) // 12) or 1], scenes[0].field.unit * 100, scenes[0].recipe.top_level
-    swatches = [Patch(facecolor=level_colour(level, top), label=f"{level * unit:g} cm") for level in few]
+    few, unit = levels[:: -(-len(levels) // 12) or 1], scenes[0].field.unit * 100
+    swatches = [Patch(facecolor=scenes[0].colour(level), label=f"{level * unit:g} cm") for level in few]
     if swatches:
         figure.legend(handles=swatches, loc="outside lower center", ncols=len(swatches), frameon=False)
