@@ -91,7 +91,8 @@ def read_heights(window: Window, path: Path) -> None:
 
 def take_dropped(window: Window, path: Path) -> None:
     """Open a recipe or a data set, or read heights."""
-    (read_heights if path.suffix.lower() in FORMATS else open_file)(window, path)
+    is_recipe = path.suffix.lower() in RECIPE_SUFFIXES or path.is_dir()
+    (open_file if is_recipe else read_heights)(window, path)
 
 
 def dropped(event: QDropEvent) -> Path | None:
