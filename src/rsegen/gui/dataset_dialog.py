@@ -37,14 +37,14 @@ class DatasetDialog(QDialog):
     chosen = Signal(Path)
 
     def __init__(self, folder: Path, parent: QWidget | None = None) -> None:
-        self._recipe = read_manifest(folder)[0].recipe
+        recipe = read_manifest(folder)[0].recipe
         super().__init__(parent)
         named(self, "dataset_dialog")
         self.setWindowTitle("Open a map of a data set")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self._folder = folder
+        self._folder, self._recipe = folder, recipe
         self._number = named(QSpinBox(), "place", title="map", tip="maps are counted from 0, as in DIR#17")
-        self._number.setRange(0, min(self._recipe.maps - 1, _MOST))
+        self._number.setRange(0, min(recipe.maps - 1, _MOST))
         self._picture = named(QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True), "picture")
         self._picture.setFixedSize(SIDE, SIDE)
         self._drawing = Newest(self)

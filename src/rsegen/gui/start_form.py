@@ -17,11 +17,12 @@ class StartForm(RunForm):
 
     def __init__(self) -> None:
         tip = "add a build sheet to every map, sheet.pdf and sheet.csv: what to saw, and where each block stands"
-        self.sheets = named(QCheckBox("Build sheets"), "sheets", tip=tip)
+        sheets = named(QCheckBox("Build sheets"), "sheets", tip=tip)
         tip = "write the maps for other programs: meshes, arrays, images and more (Ctrl+Shift+E)"
-        self.export = named(QPushButton("Export..."), "export", tip=tip)
-        super().__init__(_WORDS, self.sheets, self.export)
-        self.sheets.toggled.connect(lambda: self.complaint.say(""))
+        export = named(QPushButton("Export..."), "export", tip=tip)
+        super().__init__(_WORDS, sheets, export)
+        self.sheets, self.export = sheets, export
+        sheets.toggled.connect(lambda: self.complaint.say(""))
 
     def job(self, recipe: Recipe) -> Worlds:
         """What Start does with a recipe."""
