@@ -40,6 +40,15 @@ def typed(within: QWidget, name: str, text: str) -> None:
     QTest.keyClicks(field, text)
 
 
+def active(window: Kind) -> Kind:
+    """The window, once it hears its shortcuts."""
+    from PySide6.QtTest import QTest
+
+    window.activateWindow()
+    QTest.qWaitForWindowActive(window)
+    return window
+
+
 def said(within: QWidget, name: str) -> str:
     """What a label says; nothing where it is not seen."""
     from PySide6.QtWidgets import QLabel

@@ -19,7 +19,7 @@ from PySide6.QtGui import QAction, QDropEvent, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox, QFileDialog, QLabel, QMenu, QMessageBox, QSpinBox
 
-from clicking import answer, find, typed
+from clicking import active, answer, find, typed
 from rsegen import Dataset, Placement, Random, Recipe, build, compose, make_dataset
 from rsegen.gui.dataset_dialog import SIDE, DatasetDialog
 from rsegen.gui.files import fill_recent, open_file
@@ -39,7 +39,6 @@ Said = QMessageBox.StandardButton
 def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     window.show()
-    window.activateWindow()
     QTest.qWaitForWindowExposed(window)
     yield window
     window.take(Session.new())
@@ -71,7 +70,7 @@ def test_the_map_that_is_asked_for_is_that_of_the_data_set(
     window: Window, rubble: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(QFileDialog, "getExistingDirectory", staticmethod(lambda *_: str(rubble)))
-    QTest.keyClick(window, Qt.Key.Key_O, CONTROL | Qt.KeyboardModifier.ShiftModifier)
+    QTest.keyClick(active(window), Qt.Key.Key_O, CONTROL | Qt.KeyboardModifier.ShiftModifier)
     dialog = asked(window)
     typed(dialog, "place", "17")
     press_open(dialog)
@@ -102,7 +101,7 @@ def test_the_manifest_will_do_and_so_will_its_name_with_a_number(
 ) -> None:
     manifest = str(rubble / "manifest.json")
     monkeypatch.setattr(QFileDialog, "getOpenFileName", staticmethod(lambda *_: (manifest, "")))
-    QTest.keyClick(window, Qt.Key.Key_O, CONTROL)
+    QTest.keyClick(active(window), Qt.Key.Key_O, CONTROL)
     typed(asked(window), "place", "5")
     QTest.keyClick(asked(window), Qt.Key.Key_Return)
     assert window.session.recipe == RECIPE.alone(1005)

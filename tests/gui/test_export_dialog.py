@@ -20,7 +20,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QMessageBox, QPushButton, QWidget
 
-from clicking import answer, click, find, said, typed
+from clicking import active, answer, click, find, said, typed
 from rsegen import build, compose, generate, save
 from rsegen.cli import main
 from rsegen.formats import FORMATS, base, summary
@@ -39,7 +39,6 @@ def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     window.session.add({"kind": "random", "max_height": 3})
     window.show()
-    window.activateWindow()
     QTest.qWaitForWindowExposed(window)
     yield window
     window.take(Session.new())
@@ -47,7 +46,7 @@ def window(app: QApplication) -> Iterator[Window]:
 
 
 def opened(window: Window, folder: Path) -> ExportDialog:
-    QTest.keyClick(window, Qt.Key.Key_E, CONTROL_SHIFT)
+    QTest.keyClick(active(window), Qt.Key.Key_E, CONTROL_SHIFT)
     (dialog,) = window.findChildren(ExportDialog)
     QTest.qWaitForWindowExposed(dialog)
     typed(dialog, "folder", str(folder))

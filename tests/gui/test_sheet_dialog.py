@@ -15,7 +15,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox
 
-from clicking import answer, click, said, typed
+from clicking import active, answer, click, said, typed
 from rsegen import Saw, build, compose, load, sheet
 from rsegen.cli import main
 from rsegen.gui.session import Session
@@ -34,7 +34,6 @@ def window(app: QApplication) -> Iterator[Window]:
     window.session.set("maps", 3)
     window.session.add({"kind": "random", "max_height": 3})
     window.show()
-    window.activateWindow()
     QTest.qWaitForWindowExposed(window)
     yield window
     window.take(Session.new())
@@ -42,7 +41,7 @@ def window(app: QApplication) -> Iterator[Window]:
 
 
 def opened(window: Window, folder: Path) -> SheetDialog:
-    QTest.keyClick(window, Qt.Key.Key_B, Qt.KeyboardModifier.ControlModifier)
+    QTest.keyClick(active(window), Qt.Key.Key_B, Qt.KeyboardModifier.ControlModifier)
     (dialog,) = window.findChildren(SheetDialog)
     QTest.qWaitForWindowExposed(dialog)
     typed(dialog, "folder", str(folder))
