@@ -1,11 +1,12 @@
-"""From recipes to files of other programs on disk, without worlds.
+"""From recipes to files of other programs on disk, and to build sheets, without worlds.
 
 Recipe --compose--> Scene --exported--> Bundle --write--> files
+Recipe --compose--> Scene --sheet--> a PDF and a CSV
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,8 +14,9 @@ from rsegen.errors import OutputError
 from rsegen.formats import Format, bytes_a_cell, exported, refuse_unready
 from rsegen.recipe import Recipe
 from rsegen.room import refuse_too_large, refuse_too_many
-from rsegen.scene import compose
-from rsegen.writer import refuse_not_a_folder, refuse_taken, write
+from rsegen.scene import Scene, compose
+from rsegen.sheet import Saw, refuse_unbuildable, sheet, sheet_format
+from rsegen.writer import refuse_not_a_folder, refuse_taken, refuse_taken_file, write, write_file
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -53,6 +55,33 @@ def export_maps(
             if progress:
                 progress(made[-1])
     return tuple(made)
+
+
+def write_sheets(
+    recipe: Recipe,
+    index: int,
+    paths: Iterable[Path],
+    saw: Saw | None = None,
+    *,
+    force: bool = False,
+    progress: Callable[[object], None] | None = None,
+) -> Scene:
+    """Write the build sheet of one map into files, each in the format that its name asks for; gives the map.
+
+    Nothing is written before all of them are made; `progress` is told of each page of a PDF. Raises an OutputError
+    where a file is there already, unless `force`; TooLarge or a ParameterError where the map has no sheet.
+    """
+    saw = saw or Saw()
+    formats = {path: sheet_format(path) for path in paths}
+    for path in formats:
+        refuse_taken_file(path, force=force)
+    refuse_too_large(recipe)
+    refuse_unbuildable(recipe, saw)
+    scene = compose(recipe, index)
+    made = {path: sheet(scene, saw, format_, progress=progress) for path, format_ in formats.items()}
+    for path, content in made.items():
+        write_file([content], path, force=force)
+    return scene
 
 
 def _refuse_unfit(recipes: Sequence[Recipe], folder: Path, *, force: bool) -> None:

@@ -18,7 +18,8 @@ def add(commands: Subparsers) -> None:
         help="open the window",
         description="Open the window: shape a field with the mouse and see it. Needs pip install 'rsegen[gui]'.",
     )
-    command.add_argument("recipe", nargs="?", metavar="RECIPE", help="YAML or JSON file, or the name of an example")
+    where = "YAML or JSON file, the name of an example, a data set, or DIR#17, one of its maps"
+    command.add_argument("recipe", nargs="?", metavar="RECIPE-or-DIR", help=where)
     command.set_defaults(run=run)
 
 

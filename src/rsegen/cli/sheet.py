@@ -8,11 +8,9 @@ from pathlib import Path
 from rsegen.cli.flags import Subparsers, flag, given
 from rsegen.cli.targets import add_target_flags, found
 from rsegen.errors import ParameterError
+from rsegen.exporting import write_sheets
 from rsegen.params import parameters
-from rsegen.room import refuse_too_large
-from rsegen.scene import compose
-from rsegen.sheet import Saw, refuse_unbuildable, sheet, sheet_format
-from rsegen.writer import refuse_taken_file, write_file
+from rsegen.sheet import Saw, sheet_format
 
 
 def add(commands: Subparsers) -> None:
@@ -38,27 +36,19 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Make the sheets, and write them."""
-    formats = _formats(arguments)
-    for path in formats:
-        refuse_taken_file(path, force=arguments.force)
+    paths = _paths(arguments)
     saw = Saw(**given(Saw, arguments))
     _, recipe, index = found(arguments.target, arguments.map)
-    refuse_too_large(recipe)
-    refuse_unbuildable(recipe, saw)
-    scene = compose(recipe, index)
-    made = {path: sheet(scene, saw, format_) for path, format_ in formats.items()}
-    for path, content in made.items():
-        write_file([content], path, force=arguments.force)
-        print(f"{path}: {scene.name}, seed {scene.recipe.seed}")
+    scene = write_sheets(recipe, index, paths, saw, force=arguments.force)
+    print("\n".join(f"{path}: {scene.name}, seed {scene.recipe.seed}" for path in paths))
 
 
-def _formats(arguments: argparse.Namespace) -> dict[Path, str]:
-    """The files to write, and the format of each."""
+def _paths(arguments: argparse.Namespace) -> list[Path]:
+    """The files to write."""
     path = Path(arguments.output)
-    formats = {path: sheet_format(path)}
     if arguments.csv is None:
-        return formats
+        return [path]
     other = Path(arguments.csv)
-    if sheet_format(other) != "csv" or formats[path] == "csv":
+    if sheet_format(other) != "csv" or sheet_format(path) == "csv":
         raise ParameterError("--csv", f"{other} beside {path}; give one name of .csv, and -o one of .pdf")
-    return {**formats, other: "csv"}
+    return [path, other]

@@ -1,4 +1,4 @@
-"""DIR#17: one map of a data set, wherever a recipe is asked for."""
+"""DIR#17: one map of a data set, wherever a recipe is asked for; and where a data set is."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os.path
 import re
 from pathlib import Path
 
-from rsegen.dataset.manifest import read_manifest
+from rsegen.dataset.manifest import MANIFEST, read_manifest
 from rsegen.errors import ParameterError
 from rsegen.recipe import Recipe
 from rsegen.recipe_file import load
@@ -21,3 +21,10 @@ def recipe_in(path: str | Path) -> Recipe:
     if place >= recipe.maps:
         raise ParameterError(str(path), f"there is no map {place} in the data set; give 0..{recipe.maps - 1}")
     return recipe.alone(recipe.indices[place])
+
+
+def dataset_at(path: Path) -> Path | None:
+    """The folder of a data set, where a path is a folder or a manifest; none where it is anything else."""
+    if path.is_dir():
+        return path
+    return path.parent if path.name == MANIFEST and path.is_file() else None

@@ -9,18 +9,26 @@ from pathlib import Path
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
+from rsegen.dataset.manifest import read_manifest
+from rsegen.dataset.naming import dataset_at
 from rsegen.examples import EXAMPLES
+from rsegen.gui.files import choose_map
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
 
 
 def run(recipe: Path | None) -> int:
-    """Show the window, of a recipe if one is given; gives the exit code."""
-    session = Session.new() if recipe is None else _session_of(recipe)
+    """Show the window, of a recipe or a map of a data set if one is given; gives the exit code."""
+    dataset = dataset_at(recipe) if recipe else None
+    if dataset:
+        read_manifest(dataset)  # what is wrong with it is said without a window
+    session = _session_of(recipe) if recipe and not dataset else Session.new()
     application = QApplication(sys.argv[:1])
     application.setApplicationName("rsegen")
     window = Window(session)
     window.show()
+    if dataset:
+        choose_map(window, dataset)
     signal.signal(signal.SIGINT, lambda *_: application.quit())
     awake = QTimer(interval=200)  # Python hears of Ctrl-C only when it is asked something
     awake.timeout.connect(lambda: None)

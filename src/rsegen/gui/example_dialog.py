@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QIcon, QPainter, QPixmap
+from PySide6.QtGui import QIcon, QPixmap
 from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
@@ -19,8 +19,7 @@ from PySide6.QtWidgets import (
 
 from rsegen.examples import EXAMPLES
 from rsegen.gui.editors import named
-from rsegen.gui.sheet import ground_image
-from rsegen.recipe import Recipe
+from rsegen.gui.sheet import square_image
 from rsegen.recipe_file import load
 from rsegen.scene import compose
 
@@ -55,7 +54,8 @@ class ExampleDialog(QDialog):
     def _fill(self) -> None:
         for path in EXAMPLES.values():
             recipe = load(path)
-            item = QListWidgetItem(QIcon(_thumbnail(recipe)), recipe.name, self._list)
+            plan = square_image(compose(recipe, recipe.first_map), SIDE)
+            item = QListWidgetItem(QIcon(QPixmap.fromImage(plan)), recipe.name, self._list)
             item.setToolTip(recipe.description)
             item.setData(Qt.ItemDataRole.UserRole, path)
             item.setData(Qt.ItemDataRole.AccessibleDescriptionRole, recipe.description)
@@ -78,14 +78,3 @@ def _pictures() -> QListWidget:
     found.setIconSize(QSize(SIDE, SIDE))
     found.setGridSize(QSize(SIDE + 20, SIDE + 30))
     return found
-
-
-def _thumbnail(recipe: Recipe) -> QPixmap:
-    """The first map from above, north up, in the middle of a square."""
-    plan = ground_image(compose(recipe, recipe.first_map)).scaled(SIDE, SIDE, Qt.AspectRatioMode.KeepAspectRatio)
-    square = QPixmap(SIDE, SIDE)
-    square.fill(Qt.GlobalColor.transparent)
-    painter = QPainter(square)
-    painter.drawImage((SIDE - plan.width()) // 2, (SIDE - plan.height()) // 2, plan)
-    painter.end()
-    return square

@@ -33,6 +33,8 @@ While <b>Keep</b> is ticked, Start writes what is shown; without it every Start 
 </ol>
 <p>In the view: left button turns, middle button (or shift) moves, wheel zooms; so do the arrow keys, + and -;
 Ctrl+0 shows the whole map. At the foot: blocks of each level, size, largest step, and what the map costs.</p>
+<p><b>Export</b> writes the maps for other programs, <b>Run, Build sheet</b> what a person builds the map in wood by;
+while <b>Build sheets</b> is ticked, Start adds one to every map. <b>File, Open a map of a data set</b> asks which.</p>
 <p><b>Run, Show command line and Python code</b> spells out what makes the same maps without the window.</p>
 """
 

@@ -7,25 +7,19 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QSettings
 from PySide6.QtGui import QAction, QKeySequence
-from PySide6.QtWidgets import QFileDialog, QMenu, QMessageBox
+from PySide6.QtWidgets import QFileDialog, QMenu
 
-from rsegen.errors import RsegenError
 from rsegen.gui.example_dialog import ExampleDialog
+from rsegen.gui.export_dialog import ExportDialog
+from rsegen.gui.files import choose_dataset, choose_file, choose_heights, fill_recent, replace_session, save, save_as
 from rsegen.gui.manual import show_manual
-from rsegen.gui.reading import Reading
 from rsegen.gui.session import Session
+from rsegen.gui.sheet_dialog import SheetDialog
 from rsegen.gui.spelled_dialog import SpelledDialog
-from rsegen.importers import FORMATS
 
 if TYPE_CHECKING:
     from rsegen.gui.window import Window
-
-RECIPE_SUFFIXES = (".yaml", ".yml", ".json")
-RECIPES = f"Recipes ({' '.join('*' + suffix for suffix in RECIPE_SUFFIXES)})"
-REMEMBERED = 8
-"""So many recent files."""
 
 
 def add_menus(window: Window) -> None:
@@ -34,8 +28,9 @@ def add_menus(window: Window) -> None:
     _act(window, files, "&New", lambda: replace_session(window, Session.new), QKeySequence.StandardKey.New)
     _act(window, files, "New from &example...", partial(choose_example, window), "Ctrl+Shift+N")
     _act(window, files, "&Open...", partial(choose_file, window), QKeySequence.StandardKey.Open)
+    _act(window, files, "Open a map of a &data set...", partial(choose_dataset, window), "Ctrl+Shift+O")
     recent = files.addMenu("Open &recent")
-    recent.aboutToShow.connect(partial(_fill_recent, window, recent))
+    recent.aboutToShow.connect(partial(fill_recent, window, recent))
     _act(window, files, "Read &heights...", partial(choose_heights, window), "Ctrl+I")
     _act(window, files, "&Save", partial(save, window), QKeySequence.StandardKey.Save)
     _act(window, files, "Save &as...", partial(save_as, window), QKeySequence.StandardKey.SaveAs)
@@ -56,6 +51,8 @@ def add_menus(window: Window) -> None:
     _act(window, view, "Save &picture...", partial(save_picture, window))
     run = window.menuBar().addMenu("&Run")
     _act(window, run, "&Start: write the maps", window.generate, "F5")
+    _act(window, run, "&Export for other programs...", partial(show_export, window), "Ctrl+Shift+E")
+    _act(window, run, "&Build sheet...", partial(show_sheet, window), "Ctrl+B")
     _act(window, run, "Open the &folder", window.start_form.open_folder)
     window.gazebo.fill(run)
     _act(window, run, "Send to the &running simulation", partial(send, window), "F6")
@@ -66,6 +63,7 @@ def add_menus(window: Window) -> None:
 def enable_actions(window: Window) -> None:
     """Only what can be done can be chosen."""
     session, row, last = window.session, window.selected, len(window.session.draft.rows) - 1
+    writable = session.problem is None and not window.start_form.busy
     possible = {
         "Undo": session.can_undo,
         "Redo": session.can_redo,
@@ -73,23 +71,14 @@ def enable_actions(window: Window) -> None:
         "Remove obstacle": row >= 0,
         "Move obstacle up": row > 0,
         "Move obstacle down": 0 <= row < last,
-        "Start: write the maps": window.start.isEnabled() and not window.start_form.busy,
+        "Start: write the maps": writable,
+        "Export for other programs": writable,
+        "Build sheet": writable,
         "Open the folder": window.start_form.written is not None,
     }
     for action in window.findChildren(QAction):
         if action.objectName() in possible:
             action.setEnabled(possible[action.objectName()])
-
-
-def replace_session(window: Window, make: Callable[[], Session]) -> None:
-    """Another session, unless the present one is not saved and is to be kept."""
-    question = "The recipe is not saved. Leave it?"
-    if window.session.unsaved and QMessageBox.question(window, "rsegen", question) != QMessageBox.StandardButton.Yes:
-        return
-    try:
-        window.take(make())
-    except RsegenError as error:
-        QMessageBox.warning(window, "rsegen", str(error))
 
 
 def choose_example(window: Window) -> None:
@@ -101,66 +90,22 @@ def choose_example(window: Window) -> None:
 
 def show_spelled(window: Window) -> None:
     """The command and the program that make the same maps."""
-    SpelledDialog(window.session.recipe, str(window.start_form.folder), window).open()
+    SpelledDialog(window.start_form.job(window.session.recipe), window).open()
+
+
+def show_export(window: Window) -> None:
+    """The maps, or the one that is shown, in other formats."""
+    ExportDialog(window.session.recipe, window.index.value(), window).open()
+
+
+def show_sheet(window: Window) -> None:
+    """The build sheet of the map that is shown."""
+    SheetDialog(window.session.recipe, window.index.value(), window).open()
 
 
 def send(window: Window) -> None:
     """The map that is shown, into the simulation that runs."""
     window.sending.send(window.session.recipe, window.index.value())
-
-
-def choose_file(window: Window) -> None:
-    """Open a recipe that is asked for."""
-    name, _ = QFileDialog.getOpenFileName(window, "Open a recipe", "", RECIPES)
-    if name:
-        open_file(window, Path(name))
-
-
-def open_file(window: Window, path: Path) -> None:
-    """Open a recipe, and remember that."""
-    replace_session(window, partial(Session.opened, path))
-    if window.session.path == path:
-        _remember(path)
-
-
-def choose_heights(window: Window) -> None:
-    """Read heights from a file that is asked for."""
-    suffixes = " ".join(f"*{suffix}" for suffix in FORMATS)
-    name, _ = QFileDialog.getOpenFileName(window, "Read heights", "", f"Tables, arrays, images, maps ({suffixes})")
-    if name:
-        read_heights(window, Path(name))
-
-
-def read_heights(window: Window, path: Path) -> None:
-    """A new recipe from heights, read as the dialog says."""
-    reading = Reading(window, path)
-    if reading.exec() and reading.recipe:
-        replace_session(window, partial(Session.imported, reading.recipe))
-
-
-def take_dropped(window: Window, path: Path) -> None:
-    """Open a recipe, or read heights."""
-    (open_file if path.suffix.lower() in RECIPE_SUFFIXES else read_heights)(window, path)
-
-
-def save(window: Window) -> None:
-    """Write the recipe to its file."""
-    if window.session.path is None:
-        save_as(window)
-        return
-    try:
-        window.session.save(window.session.path)
-        _remember(window.session.path)
-    except RsegenError as error:
-        QMessageBox.warning(window, "rsegen", str(error))
-
-
-def save_as(window: Window) -> None:
-    """Write the recipe to a file that is asked for."""
-    name, _ = QFileDialog.getSaveFileName(window, "Save the recipe", f"{window.session.recipe.name}.yaml", RECIPES)
-    if name:
-        window.session.path = Path(name)
-        save(window)
 
 
 def save_picture(window: Window) -> None:
@@ -196,22 +141,3 @@ def _remove(window: Window, row: int) -> None:
 
 def _shift(window: Window, row: int, *, by: int) -> None:
     window.move_obstacle(row, row + by)
-
-
-def _recent() -> list[str]:
-    found = QSettings("rsegen", "rsegen").value("recent")
-    return [found] if isinstance(found, str) else [str(name) for name in found] if isinstance(found, list) else []
-
-
-def _remember(path: Path) -> None:
-    names = [str(path.resolve()), *(name for name in _recent() if name != str(path.resolve()))]
-    QSettings("rsegen", "rsegen").setValue("recent", names[:REMEMBERED])
-
-
-def _fill_recent(window: Window, menu: QMenu) -> None:
-    menu.clear()
-    for name in _recent():
-        menu.addAction(name, partial(open_file, window, Path(name)))
-    menu.setEnabled(True)
-    if menu.isEmpty():
-        menu.addAction("none yet").setEnabled(False)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from pathlib import Path
 
-from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLabel, QVBoxLayout, QWidget
 
 from rsegen.errors import RsegenError
-from rsegen.gui.editors import Editor, TextEditor, editor, named
+from rsegen.gui.editors import TextEditor, named
 from rsegen.gui.notice import Notice
+from rsegen.gui.options_form import OptionsForm
 from rsegen.importers import format_of, imported
 from rsegen.params import parameters
 from rsegen.recipe import Recipe
@@ -24,35 +24,22 @@ class Reading(QDialog):
         self.setWindowTitle(f"Read heights from {path.name}")
         self.recipe: Recipe | None = None
         self._path, self._format = path, format_of(path)
-        self._form = QFormLayout()
-        self._editors = {name: self._field(name) for name in parameters(self._format)}
-        self._unit = self._add(TextEditor("unit_cm", parameters(Recipe)["unit_cm"]), "Unit in cm (else as in the file)")
+        self._options = OptionsForm(self._format)
+        self._unit = TextEditor("unit_cm", parameters(Recipe)["unit_cm"])
+        self._options.add(self._unit, "Unit in cm (else as in the file)")
         self._complaint = Notice("reading_complaint")
         self._lay_out()
 
     def accept(self) -> None:
         """Read it; what is wrong is said here."""
         try:
-            options = {name: each.value() for name, each in self._editors.items()}
             unit = self._unit.value()
             checked = None if unit is None else self._unit.parameter.check("unit_cm", unit)
-            self.recipe = imported(self._path, self._format(**options), checked)
+            self.recipe = imported(self._path, self._options.made(), checked)
         except RsegenError as error:
             self._complaint.say(str(error))
             return
         super().accept()
-
-    def _field(self, name: str) -> Editor:
-        """An option, as it is by default."""
-        each = editor(self._format, name)
-        each.show_value(next(field.default for field in fields(self._format) if field.name == name))
-        return self._add(each, name.replace("_", " ").capitalize())
-
-    def _add(self, each: Editor, title: str) -> Editor:
-        label = QLabel(title)
-        label.setBuddy(each)
-        self._form.addRow(label, each)
-        return each
 
     def _lay_out(self) -> None:
         said = QLabel((self._format.__doc__ or "").splitlines()[0], wordWrap=True)
@@ -61,6 +48,6 @@ class Reading(QDialog):
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
         column.addWidget(said)
-        column.addLayout(self._form)
+        column.addWidget(self._options)
         column.addWidget(self._complaint)
         column.addWidget(buttons)

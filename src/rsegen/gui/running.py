@@ -1,47 +1,42 @@
-"""Generating behind the window: it never freezes, and can be cancelled between maps."""
+"""Writing behind the window: it never freezes, and can be cancelled between two steps."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 from PySide6.QtCore import QThread, Signal
 
 from rsegen.errors import RsegenError
-from rsegen.pipeline import GeneratedMap, generate
-from rsegen.recipe import Recipe
+from rsegen.gui.jobs import Job
 
 
-class Generation(QThread):
-    """One run of `generate`: `progressed` counts maps, the others tell what came of it."""
+class Run(QThread):
+    """One job, once: `progressed` counts its steps, the others tell what came of it."""
 
     progressed = Signal(int)
     succeeded = Signal(str)
     cancelled = Signal(str)
     failed = Signal(str)
 
-    def __init__(self, recipe: Recipe, folder: Path, *, force: bool) -> None:
+    def __init__(self, job: Job, *, force: bool) -> None:
         super().__init__()
-        self.folder = folder
-        self._recipe, self._force = recipe, force
+        self.job = job
+        self._force = force
         self._done = 0
 
     def run(self) -> None:
         """In a thread of its own."""
         try:
-            self.succeeded.emit(self._generated())
+            self.succeeded.emit(self.job.carried_out(self._step, force=self._force))
         except _Cancelled:
-            self.cancelled.emit(f"Cancelled: {self._done} of {self._recipe.maps} maps are in {self.folder}")
+            self.cancelled.emit(self.job.stopped(self._done))
         except RsegenError as error:
             self.failed.emit(str(error))
+        except Exception as error:  # such as a library's: whoever waits for the files hears of it
+            self.failed.emit(f"it failed: {error!r}")
 
-    def _generated(self) -> str:
-        made = generate(self._recipe, self.folder, force=self._force, progress=self._progress)
-        return f"{len(made.maps)} map{'s'[: len(made.maps) > 1]} in {self.folder}, seed {made.recipe.seed}"
-
-    def _progress(self, one: GeneratedMap) -> None:
+    def _step(self, _: object) -> None:
         self._done += 1
         self.progressed.emit(self._done)
-        if self.isInterruptionRequested():
+        if self.isInterruptionRequested() and self._done < self.job.steps:
             raise _Cancelled
 
 

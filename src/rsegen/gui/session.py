@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 from rsegen.chance import fresh_seed
 from rsegen.codec import decode, decode_placement
+from rsegen.dataset.naming import recipe_in
 from rsegen.errors import ParameterError
 from rsegen.params import Json
 from rsegen.recipe import Recipe
@@ -73,8 +74,8 @@ class Session:
 
     @classmethod
     def opened(cls, path: Path) -> Session:
-        """The recipe of a file."""
-        return cls(draft=drafted(load(path)), path=path)
+        """The recipe of a file; that of DIR#17, a map of a data set, is in none."""
+        return cls(draft=drafted(recipe_in(path)), path=path if path.exists() else None)
 
     @classmethod
     def copied(cls, path: Path) -> Session:

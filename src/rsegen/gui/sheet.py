@@ -50,6 +50,17 @@ def ground_image(scene: Scene) -> QImage:
     return QImage(upright.tobytes(), width, height, 3 * width, QImage.Format.Format_RGB888).copy()
 
 
+def square_image(scene: Scene, side: int) -> QImage:
+    """The map from above in the middle of a square of so many pixels."""
+    plan = ground_image(scene).scaled(side, side, Qt.AspectRatioMode.KeepAspectRatio)
+    square = QImage(side, side, QImage.Format.Format_ARGB32_Premultiplied)
+    square.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(square)
+    painter.drawImage((side - plan.width()) // 2, (side - plan.height()) // 2, plan)
+    painter.end()
+    return square
+
+
 def paint_rulers(painter: QPainter, layout: Layout, ink: QColor) -> None:
     """The numbers of block cells, below the map and to its left."""
     font = QFont(painter.font())

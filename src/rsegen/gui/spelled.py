@@ -11,9 +11,9 @@ from rsegen.params import Json, parameters
 from rsegen.recipe import Placement, Recipe
 
 
-def command_line(recipe: Recipe, folder: str) -> str:
-    """The command that generates the same."""
-    words = ["rsegen", "generate", "-o", folder]
+def command_line(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
+    """The command that generates the same, with build sheets or without."""
+    words = ["rsegen", "generate", "-o", folder, *["--sheet"][:sheets]]
     for name, value in _stated(recipe).items():
         words += [f"--{name.replace('_', '-')}", parameters(Recipe)[name].spell(value)]
     for placement in recipe.obstacles:
@@ -21,12 +21,12 @@ def command_line(recipe: Recipe, folder: str) -> str:
     return shlex.join(words)
 
 
-def python_code(recipe: Recipe, folder: str) -> str:
+def python_code(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
     """The program that generates the same."""
     lines = ["import rsegen", "", "recipe = rsegen.Recipe("]
     lines += [f"    {name}={_tuple(value)!r}," for name, value in _stated(recipe).items()]
     lines += ["    obstacles=[", *(f"        {_call(placement)}," for placement in recipe.obstacles), "    ],", ")"]
-    return "\n".join([*lines, f"rsegen.generate(recipe, {folder!r})", ""])
+    return "\n".join([*lines, f"rsegen.generate(recipe, {folder!r}{', sheet=True' if sheets else ''})", ""])
 
 
 def _stated(recipe: Recipe) -> Entry:

@@ -7,15 +7,15 @@ from PySide6.QtGui import QFontDatabase, QGuiApplication
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLabel, QPlainTextEdit, QPushButton, QVBoxLayout, QWidget
 
 from rsegen.gui.editors import named
+from rsegen.gui.jobs import Worlds
 from rsegen.gui.layout import row_of
 from rsegen.gui.spelled import command_line, python_code
-from rsegen.recipe import Recipe
 
 
 class SpelledDialog(QDialog):
     """What makes the same maps as Start, without a window."""
 
-    def __init__(self, recipe: Recipe, folder: str, parent: QWidget | None = None) -> None:
+    def __init__(self, job: Worlds, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         named(self, "spelled_dialog")
         self.setWindowTitle("The same without the window")
@@ -23,8 +23,8 @@ class SpelledDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         column = QVBoxLayout(self)
         for title, name, text, share in (
-            ("Command line", "command_line", command_line(recipe, folder), 2),
-            ("Python code", "python_code", python_code(recipe, folder), 5),
+            ("Command line", "command_line", command_line(job.recipe, str(job.folder), sheets=job.sheets), 2),
+            ("Python code", "python_code", python_code(job.recipe, str(job.folder), sheets=job.sheets), 5),
         ):
             page = _page(name, text)
             copy = named(QPushButton("Copy"), f"copy_{name}", title=f"copy the {title}", tip="copy the whole text")

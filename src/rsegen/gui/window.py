@@ -10,6 +10,7 @@ from PySide6.QtCore import QSettings, QTimer, Slot
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
     QComboBox,
+    QDialog,
     QLabel,
     QMainWindow,
     QMessageBox,
@@ -19,13 +20,14 @@ from PySide6.QtWidgets import (
 
 from rsegen.gui.brushes import Brushes
 from rsegen.gui.editors import named
+from rsegen.gui.files import dropped, take_dropped
 from rsegen.gui.gazebo import InGazebo
 from rsegen.gui.handles import Handle, handles_of, spanned
 from rsegen.gui.layout import lay_out
 from rsegen.gui.level_bar import LevelBar
 from rsegen.gui.look import Look, is_quick, look_at
 from rsegen.gui.map_form import OFTEN, SELDOM, MapForm
-from rsegen.gui.menus import RECIPE_SUFFIXES, add_menus, enable_actions, take_dropped
+from rsegen.gui.menus import add_menus, enable_actions, show_export
 from rsegen.gui.newest import Newest
 from rsegen.gui.notice import Notice
 from rsegen.gui.numbers import Costs, costs
@@ -37,7 +39,6 @@ from rsegen.gui.sending import Sending
 from rsegen.gui.session import Session, straightened
 from rsegen.gui.start_form import StartForm
 from rsegen.gui.view import FieldView
-from rsegen.importers import FORMATS
 from rsegen.places import Cell
 from rsegen.robots import ROBOTS
 from rsegen.scene import Scene
@@ -81,7 +82,8 @@ class Window(QMainWindow):
         self.rows.show_rows(draft.rows, self.selected, problem)
         self._show_obstacle()
         self.complaint.say(str(problem) if problem else "")
-        self.start.setEnabled(problem is None)
+        for button in (self.start, self.start_form.export):
+            button.setEnabled(problem is None)
         self.index.setRange(self.session.recipe.indices[0], min(self.session.recipe.indices[-1], 2**31 - 1))
         self.setWindowTitle(f"{self.session.path.name if self.session.path else 'untitled'}[*] - rsegen")
         self.setWindowModified(self.session.unsaved)
@@ -130,6 +132,7 @@ class Window(QMainWindow):
         self.drop.clicked.connect(self._drop_last)
         self.clear.clicked.connect(lambda: self.session.clear())
         self.start.clicked.connect(self.generate)
+        self.start_form.export.clicked.connect(lambda: show_export(self))
         self.start_form.changed.connect(lambda: enable_actions(self))
         self.index.valueChanged.connect(self._pause.start)
         self._pause.timeout.connect(self._look)
@@ -237,10 +240,10 @@ class Window(QMainWindow):
     def generate(self) -> None:
         """Write the maps into the folder of the form; first draw another seed, unless this one is kept."""
         ready = self.start.isEnabled() and not self.start_form.busy
-        if ready and self.start_form.is_free_for(self.session.recipe):
+        if ready and self.start_form.is_free_for(self.start_form.job(self.session.recipe)):
             if not self.session.seed_kept:
                 self.session.reroll()
-            self.start_form.write(self.session.recipe)
+            self.start_form.write(self.start_form.job(self.session.recipe))
 
     def generate_into(self, folder: Path) -> None:
         """Write the maps into another folder."""
@@ -257,13 +260,13 @@ class Window(QMainWindow):
             self.halves.setSizes([430, 850])
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Recipes and heights may be dropped."""
-        if _dropped(event):
+        """Recipes, data sets and heights may be dropped."""
+        if dropped(event):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
         """Open what is dropped."""
-        if path := _dropped(event):
+        if path := dropped(event):
             take_dropped(self, path)
 
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -275,6 +278,8 @@ class Window(QMainWindow):
         ):
             event.ignore()
             return
+        for dialog in self.findChildren(QDialog):
+            dialog.close()
         for work in (self.start_form, self.looking, self.counting, self.gazebo, self.sending):
             work.end()
         settings = QSettings("rsegen", "rsegen")
@@ -282,9 +287,3 @@ class Window(QMainWindow):
         settings.setValue("halves", self.halves.saveState())
         self.view.close()
         super().closeEvent(event)
-
-
-def _dropped(event: QDropEvent) -> Path | None:
-    """The recipe or file of heights that is dragged, if it is one."""
-    paths = (Path(url.toLocalFile()) for url in event.mimeData().urls())
-    return next((path for path in paths if path.suffix.lower() in {*RECIPE_SUFFIXES, *FORMATS}), None)

@@ -6,7 +6,7 @@ Scene --listing--> a row for each cell --> CSV, which `rsegen import` reads
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,15 +28,24 @@ LARGEST_PALLET = 60
 MOST_BLOCKS = 40_000
 
 
-def sheet(scene: Scene, saw: Saw | None = None, format: str = "pdf") -> bytes:  # noqa: A002  # matplotlib's word
-    """The build sheet as the bytes of a file, `pdf` or `csv`; a ParameterError where the map is too large for one."""
+def sheet(
+    scene: Scene,
+    saw: Saw | None = None,
+    format: str = "pdf",  # noqa: A002  # matplotlib's word
+    *,
+    progress: Callable[[Figure], None] | None = None,
+) -> bytes:
+    """The build sheet as the bytes of a file, `pdf` or `csv`; a ParameterError where the map is too large for one.
+
+    `progress` is told of each page of a PDF.
+    """
     saw = saw or Saw()
     if format not in FORMATS:
         raise UnknownName.among("format", "format", format, FORMATS)
     refuse_unbuildable(scene.recipe, saw)
     if format == "csv":
         return "".join(listing(scene, saw)).encode()
-    return saved_pages(pages(scene, saw), scene)
+    return saved_pages(_told(pages(scene, saw), progress), scene)
 
 
 def pages(scene: Scene, saw: Saw) -> Iterator[Figure]:
@@ -53,6 +62,12 @@ def pages(scene: Scene, saw: Saw) -> Iterator[Figure]:
         page = Page()
         draw_pallet(page, scene, numbered, len(pallets))
         yield page.figure
+
+
+def page_count(recipe: Recipe) -> int:
+    """How many pages the sheet of each map of a recipe has."""
+    m_x, m_y = recipe.chunks
+    return 1 + m_x * m_y
 
 
 def sheet_format(path: Path) -> str:
@@ -75,4 +90,11 @@ def refuse_unbuildable(recipe: Recipe, saw: Saw) -> None:
     saw.check(recipe.top_level * recipe.unit_cm, "blocks of the highest level")
 
 
-__all__ = ["FORMATS", "Saw", "pages", "refuse_unbuildable", "sheet", "sheet_format"]
+def _told(figures: Iterator[Figure], progress: Callable[[Figure], None] | None) -> Iterator[Figure]:
+    for figure in figures:
+        yield figure
+        if progress:
+            progress(figure)
+
+
+__all__ = ["FORMATS", "Saw", "page_count", "pages", "refuse_unbuildable", "sheet", "sheet_format"]

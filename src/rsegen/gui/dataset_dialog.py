@@ -1,0 +1,115 @@
+"""Asking which map of a data set to open, with its picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QImage, QPixmap
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QFormLayout,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QSpinBox,
+    QVBoxLayout,
+    QWidget,
+)
+
+from rsegen.dataset.manifest import read_manifest
+from rsegen.gui.editors import named
+from rsegen.gui.newest import Newest
+from rsegen.gui.sheet import square_image
+from rsegen.room import refuse_too_large
+from rsegen.scene import compose
+
+SIDE = 200
+"""Of the picture, in pixels."""
+
+_MOST = 2**31 - 1
+
+
+class DatasetDialog(QDialog):
+    """A number and the map that it stands for; `chosen` tells DIR#NUMBER. A UserError where DIR has no data set."""
+
+    chosen = Signal(Path)
+
+    def __init__(self, folder: Path, parent: QWidget | None = None) -> None:
+        recipe = read_manifest(folder)[0].recipe
+        super().__init__(parent)
+        named(self, "dataset_dialog")
+        self.setWindowTitle("Open a map of a data set")
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self._folder, self._recipe = folder, recipe
+        self._number = named(QSpinBox(), "place", title="map", tip="maps are counted from 0, as in DIR#17")
+        self._number.setRange(0, min(recipe.maps - 1, _MOST))
+        self._picture = named(QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True), "picture")
+        self._picture.setFixedSize(SIDE, SIDE)
+        self._drawing = Newest(self)
+        self._drawing.came.connect(self._show)
+        self._number.valueChanged.connect(self._draw)
+        self._lay_out()
+        self._draw()
+
+    def accept(self) -> None:
+        """Tell which."""
+        super().accept()
+        self.chosen.emit(Path(f"{self._folder}#{self._number.value()}"))
+
+    def done(self, result: int) -> None:
+        """Draw no more."""
+        self._drawing.end()
+        super().done(result)
+
+    def _lay_out(self) -> None:
+        maps, (n_x, n_y) = self._recipe.maps, self._recipe.grid.shape
+        said = QLabel(f"{maps:,} maps of {n_x} x {n_y} blocks\nseed {self._recipe.seed}")
+        folder = QLabel(self._folder.name or str(self._folder), textFormat=Qt.TextFormat.PlainText)
+        folder.setToolTip(str(self._folder))
+        font = folder.font()
+        font.setBold(True)
+        folder.setFont(font)
+        form = QFormLayout()
+        form.addRow(f"&Map, 0 to {maps - 1}", self._number)
+        words = QVBoxLayout()
+        for label in (folder, said):
+            words.addWidget(label)
+        words.addSpacing(12)
+        words.addLayout(form)
+        words.addStretch(1)
+        standard = QDialogButtonBox.StandardButton
+        buttons = QDialogButtonBox(standard.Open | standard.Cancel)
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        above = QHBoxLayout()
+        above.addWidget(self._picture)
+        above.addSpacing(12)
+        above.addLayout(words, stretch=1)
+        column = QVBoxLayout(self)
+        column.addLayout(above)
+        column.addWidget(_line())
+        column.addWidget(buttons)
+        self._number.selectAll()
+        self._number.setFocus()
+
+    def _draw(self) -> None:
+        recipe, index = self._recipe, self._recipe.indices[self._number.value()]
+
+        def drawn() -> QImage:
+            refuse_too_large(recipe)
+            return square_image(compose(recipe, index), SIDE)
+
+        self._drawing.order(drawn)
+
+    def _show(self, came: object) -> None:
+        """The picture, or why there is none."""
+        if isinstance(came, QImage):
+            self._picture.setPixmap(QPixmap.fromImage(came))
+        else:
+            self._picture.setText(str(came))
+
+
+def _line() -> QFrame:
+    return QFrame(frameShape=QFrame.Shape.HLine, frameShadow=QFrame.Shadow.Sunken)

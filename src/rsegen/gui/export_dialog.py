@@ -1,0 +1,51 @@
+"""Maps written for other programs."""
+
+from __future__ import annotations
+
+from PySide6.QtWidgets import QCheckBox, QScrollArea, QVBoxLayout, QWidget
+
+from rsegen.gui.editors import named
+from rsegen.gui.format_list import FormatList
+from rsegen.gui.job_dialog import JobDialog
+from rsegen.gui.jobs import Exports
+from rsegen.gui.run_form import Words
+from rsegen.recipe import Recipe
+
+_WORDS = Words("export_folder", "exported", "maps", "Export", "write the maps in the formats that are ticked")
+
+
+class ExportDialog(JobDialog):
+    """Which formats, of all maps or of one."""
+
+    def __init__(self, recipe: Recipe, index: int, parent: QWidget | None = None) -> None:
+        super().__init__("export_dialog", "Export for other programs", _WORDS, parent)
+        self.resize(900, 620)
+        self._recipe, self._index = recipe, index
+        self._formats = FormatList()
+        self._formats.changed.connect(self.show_state)
+        tip = "else all maps of the recipe"
+        self._alone = named(QCheckBox(f"Only map {index}, which is shown"), "alone", tip=tip)
+        self._alone.setVisible(recipe.maps > 1)
+        self.lay_out(self._framed(), stretch=1)
+        self.show_state()
+
+    def job(self) -> Exports:
+        """The maps in these formats."""
+        recipe = self._recipe.alone(self._index) if self._alone.isChecked() else self._recipe
+        return Exports(recipe=recipe, folder=self.form.folder, formats=self._formats.formats())
+
+    def show_state(self) -> None:
+        """Nothing can be written without a format."""
+        super().show_state()
+        self.form.start.setEnabled(self._formats.any_ticked())
+
+    def _framed(self) -> QWidget:
+        """The formats, scrolled where there is too little room."""
+        area = QScrollArea(widgetResizable=True)
+        area.setWidget(self._formats)
+        body = QWidget()
+        column = QVBoxLayout(body)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(area)
+        column.addWidget(self._alone)
+        return body
