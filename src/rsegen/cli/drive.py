@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, replace
@@ -12,6 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from rsegen.chance import SEEDS, fresh_seed
+from rsegen.cli.bar import watched
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.worlds import World, world_of
 from rsegen.codec import to_json
@@ -168,7 +168,7 @@ def _crossed(trip: Trip) -> str:
 @contextmanager
 def _bar(seconds: float) -> Iterator[Callable[[float], None]]:
     """A progress bar on a terminal."""
-    if not (sys.stderr and sys.stderr.isatty()):
+    if not watched():
         yield lambda _: None
         return
     from tqdm import tqdm
