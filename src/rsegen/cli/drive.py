@@ -14,7 +14,7 @@ from rsegen.chance import SEEDS, fresh_seed
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.worlds import World, world_of
-from rsegen.codec import to_json
+from rsegen.codec import map_json
 from rsegen.driving.crew import ROUTES, beyond, crew, easy
 from rsegen.driving.drive import Drive, Driver, driven
 from rsegen.driving.sketch import sketch
@@ -146,7 +146,7 @@ def _files(scene: Scene, drive: Drive, told: Mapping[str, object]) -> dict[PureP
     }
     return {
         **tracks,
-        PurePosixPath("recipe.json"): [to_json(scene.alone).encode()],
+        PurePosixPath("recipe.json"): [map_json(scene.recipe, scene.index)],
         PurePosixPath("drive.json"): [json.dumps(told, indent=2).encode() + b"\n"],
         PurePosixPath("drive.png"): [sketch(scene, drive.tracks)],
     } | ({PurePosixPath("gazebo.jpg"): [drive.seen]} if drive.seen else {})

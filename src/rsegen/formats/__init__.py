@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from pathlib import PurePosixPath
 
-from rsegen.codec import to_json
+from rsegen.codec import map_json
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.export import Bundle
 from rsegen.formats.base import Extra, Format, registered
@@ -59,7 +59,7 @@ def added(scene: Scene, formats: Sequence[Format]) -> Bundle:
 
 def exported(scene: Scene, formats: Sequence[Format]) -> Bundle:
     """The files of a map in these formats alone, with the recipe that makes it again."""
-    return {PurePosixPath("recipe.json"): [to_json(scene.alone).encode()], **added(scene, formats)}
+    return {PurePosixPath("recipe.json"): [map_json(scene.recipe, scene.index)], **added(scene, formats)}
 
 
 def bytes_a_cell(formats: Iterable[Format]) -> int:
