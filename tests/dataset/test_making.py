@@ -17,6 +17,7 @@ import pytest
 import rsegen
 from complaints import exit_code, snapshot, the_line
 from rsegen import Dataset, Placement, Recipe, make_dataset, work
+from rsegen.dataset import making
 from rsegen.errors import OutputError, TooLarge
 from runs import contents, ended, started
 
@@ -117,7 +118,7 @@ def test_a_run_that_made_nothing_leaves_nothing(tmp_path: Path, monkeypatch: pyt
     def stopped(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(work, "blocks", stopped)
+    monkeypatch.setattr(making, "blocks", stopped)
     with pytest.raises(KeyboardInterrupt):
         make_dataset(RECIPE, tmp_path / "a" / "set")
     assert list(tmp_path.iterdir()) == []
