@@ -24,13 +24,13 @@ class Asked(NamedTuple):
     rms: float
 
 
-def full(plan: Plan, number: int) -> float | None:
-    """The rms step of the field of map `number` as it is, metres."""
+def rms_full(plan: Plan, number: int) -> float | None:
+    """The rms step of the field of map `number` as it is, metres; None where it has no steps."""
     return _rms(plan.whole(number))
 
 
 def mean(found: Sequence[float | None]) -> float:
-    """The mean of such rms steps; 0 where none is any."""
+    """The mean of such rms steps, a field without steps counted as 0."""
     return fsum(each or 0 for each in found) / len(found)
 
 

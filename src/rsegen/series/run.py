@@ -23,7 +23,7 @@ from rsegen.room import (
     refuse_too_many,
 )
 from rsegen.scene import compose
-from rsegen.series.line import asked, full, mean
+from rsegen.series.line import asked, mean, rms_full
 from rsegen.series.plan import Plan
 from rsegen.series.row import Row, measured, table
 from rsegen.work import WORKERS, carried_out, each
@@ -108,7 +108,7 @@ class _Fields:
         return maps_at_once(self.plan.recipe, _BYTES_A_CELL)
 
     def __call__(self, numbers: Iterable[int], /) -> tuple[float | None, ...]:
-        return tuple(full(self.plan, number) for number in numbers)
+        return tuple(rms_full(self.plan, number) for number in numbers)
 
 
 Done = tuple[Row, GeneratedMap | None]
