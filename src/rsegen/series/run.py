@@ -101,7 +101,7 @@ class _Fields:
 
     @property
     def seconds(self) -> float:
-        return 2e-4 + prod(self.plan.recipe.grid.shape) * 3e-7
+        return 1.5e-4 + prod(self.plan.recipe.grid.shape) * 3e-8
 
     @property
     def at_once(self) -> int:
