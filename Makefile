@@ -66,6 +66,7 @@ bench-experiment: $(VENV)/developer gazebo
 gazebo:
 	scripts/gazebo-classic || test $$? = 3
 	scripts/sdformat || test $$? = 3
+	scripts/gazebo-engine || test $$? = 3
 	scripts/ros2 || test $$? = 3
 
 # A screen for the tests of the window.

@@ -46,7 +46,7 @@ def test_the_page_has_medians_and_the_paper_s_figures_beside_them(results: Resul
     ]  # fmt: skip
     assert found["20 x 20"][5] == "0.80"
     assert len(found["20 x 20"]) == 6
-    assert "## 3 jackal, unit 1 cm, mesh blocks, 5 levels" in text
+    assert "## 3 jackal, unit 1 cm, 5 levels, mesh blocks" in text
 
 
 def test_a_page_of_nothing_yet_has_no_rows_of_figures() -> None:

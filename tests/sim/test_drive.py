@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -36,8 +38,8 @@ def course(folder: Path, unit_cm: float) -> Path:
     return generate(recipe, folder).maps[0].folder
 
 
-def told(capsys: pytest.CaptureFixture[str]) -> list[dict[str, float]]:
-    found: list[dict[str, float]] = json.loads(capsys.readouterr().out)["robots"]
+def told(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = json.loads(capsys.readouterr().out)["robots"]
     return found
 
 
@@ -51,6 +53,8 @@ def test_a_burger_crosses_steps_of_a_centimetre_and_no_higher_ones(
     assert (robot["crossed"] is not None) == crosses
     assert (robot["stuck"] > 5) != crosses
     assert robot["tipped"] == 0
+    assert robot["touched"]["base::caster"] > 0.5
+    assert ("base::hull" in robot["touched"]) != crosses
     rows = np.loadtxt(tmp_path / "out" / "burger_0.csv", delimiter=",", skiprows=1)
     assert rows[:, 3].max() == pytest.approx(2 * unit_cm / 100 if crosses else 0, abs=0.015)
     with Image.open(tmp_path / "out" / "drive.png") as picture:
@@ -63,9 +67,19 @@ def test_the_same_seed_gives_the_same_tracks_and_another_seed_others(
     for name, seed in (("a", "5"), ("b", "5"), ("c", "6")):
         words = ["drive", "turtlebot", "--route", "random", "--robots", "2", "--duration", "4", "--seed", seed]
         assert main([*words, "-o", str(tmp_path / name)]) == 0
-    first, second, third = ((tmp_path / name / "burger_1.csv").read_bytes() for name in "abc")
-    assert first == second
-    assert first != third
+    for file in ("burger_1.csv", "contacts.csv"):
+        first, second, third = ((tmp_path / name / file).read_bytes() for name in "abc")
+        assert first == second
+        assert first != third
+
+
+def test_wheels_touch_the_map_at_the_heights_of_its_blocks(gazebo: Installation, tmp_path: Path) -> None:
+    assert main(["drive", str(course(tmp_path, 1)), "--duration", "15", "-o", str(tmp_path / "out")]) == 0
+    with (tmp_path / "out" / "contacts.csv").open() as stream:
+        touched = [row for row in csv.DictReader(stream) if row["part"].endswith("tread")]
+    levels = {round(100 * float(row["z"])) for row in touched if row["other"] == "rse_0000"}
+    assert {1, 2} <= levels
+    assert {row["z"] for row in touched if row["other"] == "ground_plane"} <= {"0.0000"}
 
 
 def test_what_the_simulator_complains_of_is_told(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -14,14 +12,8 @@ import rsegen
 from rsegen.cli import main
 from rsegen.simulators import Installation
 from rsegen.simulators.simulated import simulated
-from sim.bodies import SHAPES, SIZE, body, furnished
+from sim.falling import falling, judge
 from sim.maps import Map, examples, generated, map_name, shaped, variants
-
-DROP = 0.01
-"""Metres that every body falls."""
-
-Spot = tuple[str, str, float, float, float]
-"""Name and shape of a body, and the middle of the top of the cell that it falls on."""
 
 
 @pytest.mark.parametrize("recipe", [*examples(), *variants(), *shaped()], ids=map_name)
@@ -70,27 +62,6 @@ def from_command(folder: Path, *arguments: str | Path) -> Map:
 
 def bodies_rest(made: Map, gazebo: Installation) -> None:
     """What falls on a few cells of every level and of the frame stays on their tops."""
-    field = made.scene.field
-    targets = list(spots(field))
-    world = furnished(made.world, [body(name, shape, (x, y, top + DROP)) for name, shape, x, y, top in targets])
-
-    run = simulated(gazebo, world, steps=1500)
-
+    run = simulated(gazebo, falling(made), steps=1500)
     assert not run.errors
-    inside = (field.block_width - SIZE) / 2
-    for name, _, x, y, top in targets:
-        at = run.poses[name]
-        assert at.z == pytest.approx(top + SIZE / 2, abs=0.001), name
-        assert (at.x, at.y) == pytest.approx((x, y), abs=inside), name
-
-
-def spots(field: rsegen.StepField) -> Iterator[Spot]:
-    """Up to three cells of every level, 0 too, and three of the frame, each with another shape; always the same."""
-    rng = np.random.default_rng(0)
-    x, y = ((line[:-1] + line[1:]) / 2 for line in field.edges())
-    shapes = cycle(SHAPES)
-    for level in np.unique(np.where(field.frame, -1, field.levels)):
-        cells = np.argwhere(field.frame if level < 0 else (field.levels == level) & ~field.frame)
-        for i, j in rng.permutation(cells)[: len(SHAPES)].tolist():
-            shape = next(shapes)
-            yield f"{shape}-{i}-{j}-level-{level}", shape, float(x[i]), float(y[j]), float(field.heights[i, j])
+    judge(made.scene.field, run.poses)

@@ -18,6 +18,7 @@ from rsegen.codec import map_json
 from rsegen.driving.crew import ROUTES, beyond, crew, easy
 from rsegen.driving.drive import Drive, Driver, driven
 from rsegen.driving.sketch import sketch
+from rsegen.driving.touches import csv, shares
 from rsegen.driving.trip import Trip, measured
 from rsegen.errors import FileError, NoSimulator, ParameterError, shown
 from rsegen.params import Choice, Parameter, Real, Several, Whole
@@ -31,6 +32,9 @@ from rsegen.simulators.opening import fitting, has_screen
 from rsegen.writer import write
 
 COUNT, SECONDS, SEED = Whole(1, 100), Real(0.1, 1e5, unit="s"), Whole(0, SEEDS - 1)
+_SAID = 5
+"""So many of its parts that touch most are told of a robot; drive.json has all."""
+
 ROUTE = Choice(ROUTES)
 OWN: Mapping[str, Parameter] = {
     "size": Several(Real(0.01, 100, unit="m"), 3),
@@ -92,7 +96,7 @@ def run(arguments: argparse.Namespace) -> None:
         watched = scene.field.extent if arguments.picture else None
         drive = driven(here, file, drivers, seconds, progress, watched=watched)
     goal = beyond(scene.field, kind) if route == "straight" else None
-    trips = {name: measured(track, easy(kind), goal) for name, track in drive.tracks.items()}
+    trips = {name: measured(track, easy(kind), goal, shares(drive.looks, name)) for name, track in drive.tracks.items()}
     told = _summary(here, scene, route, seed, drivers, trips) | {"errors": list(drive.errors)}
     if arguments.output:
         write(_files(scene, drive, told), arguments.output, force=arguments.force)
@@ -146,6 +150,7 @@ def _files(scene: Scene, drive: Drive, told: Mapping[str, object]) -> dict[PureP
     }
     return {
         **tracks,
+        PurePosixPath("contacts.csv"): [row.encode() for row in csv(drive.looks, drive.tracks)],
         PurePosixPath("recipe.json"): [map_json(scene.recipe, scene.index)],
         PurePosixPath("drive.json"): [json.dumps(told, indent=2).encode() + b"\n"],
         PurePosixPath("drive.png"): [sketch(scene, drive.tracks)],
@@ -158,7 +163,13 @@ def _report(told: Mapping[str, Any], trips: Mapping[str, Trip]) -> Iterator[str]
         crossed = "" if told["route"] != "straight" else _crossed(trip)
         tipped = f", tipped over {trip.tipped}x" if trip.tipped else ""
         yield f"  {name}: {trip.distance:.2f} m in {trip.seconds:g} s{crossed}, stuck {trip.stuck:g} s{tipped}"
+        if trip.touched:
+            yield "    touching with " + ", ".join(f"{part} {share:.0%}" for part, share in _most(trip.touched))
     yield from (f"warning: {line}" for line in dict.fromkeys(told["errors"]))
+
+
+def _most(touched: Mapping[str, float]) -> Sequence[tuple[str, float]]:
+    return list(touched.items())[:_SAID]
 
 
 def _crossed(trip: Trip) -> str:

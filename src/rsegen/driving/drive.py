@@ -13,11 +13,12 @@ import numpy as np
 from rsegen.driving.arena import arena, step_of
 from rsegen.driving.camera import camera, last_frame
 from rsegen.driving.routes import Route
+from rsegen.driving.touches import Looks
 from rsegen.driving.trip import Track
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.base import Driven
 from rsegen.simulators import Installation
-from rsegen.simulators.live import LiveWorld, Pose, Record
+from rsegen.simulators.live import Contact, LiveWorld, Pose, Record
 from rsegen.simulators.server import attempted, serving
 
 PERIOD = 0.05
@@ -36,9 +37,10 @@ class Driver:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Drive:
-    """The track of every robot by its name, the error lines of the simulator, and what its camera saw last."""
+    """The track of every robot by its name, what touched what, the simulator's error lines, what its camera saw."""
 
     tracks: Mapping[str, Track]
+    looks: Looks
     errors: Sequence[str]
     seen: bytes = b""
 
@@ -83,13 +85,13 @@ class _Trial:
         options = simulator.recording(PERIOD)
         with serving(here, self.file, models=self.models, options=options, screen=screen) as server:
             with server.live() as live:
-                drive_in_steps(live, self.drivers, seconds, self.step, progress, seen)
+                looks = drive_in_steps(live, self.drivers, seconds, self.step, progress, seen)
                 end = live.clock().simulated
             errors = server.errors
             server.stop()
             states = simulator.record(server.home) or seen
         tracks = {driver.name: _track(driver.name, states, end) for driver in self.drivers}
-        return Drive(tracks=tracks, errors=errors)
+        return Drive(tracks=tracks, looks=looks, errors=errors)
 
 
 def drive_in_steps(
@@ -99,24 +101,27 @@ def drive_in_steps(
     step: float,
     progress: Callable[[float], None] = lambda _: None,
     seen: Record | None = None,
-) -> None:
+) -> Looks:
     """Ask for each robot's motion, tell it, go on for a period, and so on for so many simulated seconds, or until all
     are done.
 
-    step: the seconds of a step of the world's physics; `seen` is given where they were at each period's beginning.
+    step: the seconds of a step of the world's physics; `seen` is given where they were at each period's beginning; what
+    touched what then is what comes back.
     """
     routes = {driver.name: driver.route() for driver in drivers}
     period = min(route.period for route in routes.values())
+    looks: list[tuple[float, Sequence[Contact]]] = []
     for turn in range(ceil(seconds / period)):
         poses = live.poses()
         if seen is not None:
             seen.append((turn * period, {driver.name: list(astuple(poses[driver.name])) for driver in drivers}))
         if all(route.is_done(poses[name]) for name, route in routes.items()):
-            return
+            break
         steer(live, drivers, routes, poses)
         done = min((turn + 1) * period, seconds)
-        live.advance(round((done - turn * period) / step))
+        looks.append((turn * period, live.advance_feeling(round((done - turn * period) / step))))
         progress(done)
+    return looks
 
 
 def steer(live: LiveWorld, drivers: Sequence[Driver], routes: Mapping[str, Route], poses: Mapping[str, Pose]) -> None:

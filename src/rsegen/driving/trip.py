@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import radians
 
@@ -48,6 +48,7 @@ class Trip:
 
     distance: metres along the way; crossed: seconds until the whole robot was beyond the map, None where it never was
     stuck: seconds; tipped: how often it tipped over; tilt: the most, radians; climbed: the most above its start, metres
+    touched: the share of the looks at which each part, LINK::COLLISION, touched anything; none where nobody tells
     """
 
     seconds: float
@@ -57,9 +58,12 @@ class Trip:
     tipped: int
     tilt: float
     climbed: float
+    touched: Mapping[str, float]
 
 
-def measured(track: Track, speed: float, beyond: float | None = None) -> Trip:
+def measured(
+    track: Track, speed: float, beyond: float | None = None, touched: Mapping[str, float] | None = None
+) -> Trip:
     """What a track comes to, of a robot that was told to go at a speed, m/s; `beyond` is the x that ends a crossing."""
     t, x, y, z = track.rows[:, :4].T
     over = np.flatnonzero(x > beyond) if beyond is not None else np.array([], dtype=int)
@@ -72,6 +76,7 @@ def measured(track: Track, speed: float, beyond: float | None = None) -> Trip:
         tipped=int(fallen[0]) + int((np.diff(fallen.astype(int)) == 1).sum()),
         tilt=round(float(track.tilt.max()), 3),
         climbed=round(float((z - z[0]).max()), 3),
+        touched=touched or {},
     )
 
 

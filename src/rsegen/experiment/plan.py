@@ -68,7 +68,8 @@ class Row:
     def label(self) -> str:
         """In a few words."""
         shape = ", ".join(f"{key} {value}" for key, value in (self.recipe or {}).items())
-        return f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm" + (f", {shape}" if shape else "")
+        what = f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm, {self.max_height} levels"
+        return what + (f", {shape}" if shape else "")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -87,12 +88,12 @@ class Cell:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Plan:
-    """What an experiment tries, and how often; `seconds` of simulated time each."""
+    """What an experiment tries, and how often; `seconds` by the clock on the wall each, whatever the pace."""
 
     name: Annotated[str, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="of the experiment")]
     rows: tuple[Row, ...]
     paces: Annotated[tuple[str, ...], Several(Choice(PACES), help="in real time, or as fast as can be")] = PACES
-    seconds: Annotated[float, Real(1, 1e5, unit="s", help="simulated in each trial")] = 20.0
+    seconds: Annotated[float, Real(1, 1e5, unit="s", help="of each trial, once its world is there")] = 20.0
     repeats: Annotated[int, Whole(1, 1000, help="trials of each cell")] = 3
     seed: Annotated[int, Whole(0, 2**63 - 1, help="of maps, places, routes and order")] = 1
 

@@ -66,7 +66,8 @@ def middle(outcomes: Sequence[Outcome], name: str) -> float | None:
 def _head(plan: Plan, machine: Mapping[str, str]) -> Iterator[str]:
     yield f"# Experiment: {plan.name}\n"
     yield f"Made by `rsegen experiment {plan.name}`: {plan.repeats} trials of each cell in mixed order, medians;"
-    yield f"robots wander for {plan.seconds:g} simulated seconds. No window, so no GPU load and no frames a second.\n"
+    yield f"robots wander for {plan.seconds:g} seconds by the clock on the wall, in real time and at full speed."
+    yield "No window, so no GPU load and no frames a second.\n"
     yield "| machine | |\n|---|---|"
     yield from (f"| {name} | {value} |" for name, value in machine.items())
     yield f"\nThe paper's computer: {COMPUTER}; with a window.\n"
@@ -74,7 +75,7 @@ def _head(plan: Plan, machine: Mapping[str, str]) -> Iterator[str]:
 
 def _row(plan: Plan, number: int, results: Results) -> Iterator[str]:
     row = plan.rows[number]
-    yield f"## {row.label}, {row.max_height} levels\n"
+    yield f"## {row.label}\n"
     printed = {} if row.recipe else FIGURES.get(row.robot, {})
     yield "| blocks | RTF min, mean, max | CPU | memory | load | simulated s a CPU s | of the empty world's |" + (
         " paper: RTF | CPU | memory |" if printed else ""

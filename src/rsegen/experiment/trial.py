@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import astuple, dataclass
 from pathlib import Path
+from typing import Literal
 
 from rsegen.driving.arena import arena
 from rsegen.driving.crew import crew
@@ -94,9 +95,9 @@ class _Trial:
         began = time.monotonic()
         with self._served() as (pid, live):
             load = time.monotonic() - began
-            self._go(live, SETTLED)
+            self._go(live, "simulated", SETTLED)
             start, before = live.clock(), usage(pid)
-            factors = self._go(live, self.seconds)
+            factors = self._go(live, "real", self.seconds)
             end, after = live.clock(), usage(pid)
         return _outcome(load, (before, after), (start, end), factors if self.pace == "real" else [])
 
@@ -106,18 +107,18 @@ class _Trial:
             live.stop_recording()
             yield server.pid, live
 
-    def _go(self, live: LiveWorld, seconds: float) -> list[float]:
-        """Have robots decide again and again, as long as so many are simulated; gives the real-time factors."""
+    def _go(self, live: LiveWorld, hand: Literal["simulated", "real"], seconds: float) -> list[float]:
+        """Have robots decide again and again for so many seconds of one hand of the clock; gives real-time factors."""
         routes = {driver.name: driver.route() for driver in self.drivers}
         start = last = live.clock()
         factors, end = [], time.monotonic() + 20 * seconds
         live.go()
-        while last.simulated < start.simulated + seconds:
+        while getattr(last, hand) < getattr(start, hand) + seconds:
             steer(live, self.drivers, routes, live.poses())
             time.sleep(RESTS[self.pace])
             now = live.clock()
             if time.monotonic() > end:
-                raise SimulatorFailed(f"{now.simulated:g} s simulated in {20 * seconds:g} s")
+                raise SimulatorFailed(f"{now.simulated - start.simulated:g} s simulated in {20 * seconds:g} s")
             factors.append((now.simulated - last.simulated) / max(now.real - last.real, 1e-9))
             last = now
         live.stand()

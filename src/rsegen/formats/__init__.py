@@ -6,30 +6,22 @@ Scene --Format.files--> files in a folder of the format's name
 from __future__ import annotations
 
 import json
-import pkgutil
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from importlib import import_module
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePosixPath
 
 from rsegen.codec import map_json
-from rsegen.errors import ParameterError, UnknownName
+from rsegen.errors import ParameterError
 from rsegen.export import Bundle
-from rsegen.formats.base import Extra, Format, registered
+from rsegen.formats.base import FORMATS, Extra, Format
 from rsegen.params import Json
 from rsegen.scene import Scene
 
-for _module in pkgutil.iter_modules(__path__):
-    import_module(f"{__name__}.{_module.name}")
-
-FORMATS: Mapping[str, type[Format]] = registered()
-"""Every format by its name."""
+FORMATS.gather(__name__, __path__)
 
 
 def format_named(name: str, where: str = "formats") -> type[Format]:
     """The format of a name, or an UnknownName that lists the known ones."""
-    if name not in FORMATS:
-        raise UnknownName.among(where, "format", name, FORMATS)
-    return FORMATS[name]
+    return FORMATS.named(name, where)
 
 
 def summary(cls: type[Format]) -> str:

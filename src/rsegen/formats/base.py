@@ -10,11 +10,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
-from types import MappingProxyType
 from typing import ClassVar, NamedTuple, TypeVar
 
 from rsegen.errors import UserError
 from rsegen.params import Json, parameters, settle
+from rsegen.registry import Registry
 from rsegen.scene import Scene
 
 
@@ -60,18 +60,13 @@ class Format(ABC):
             raise UserError(f"{needed}; pip install 'rsegen[{self.extra.name}]'")
 
 
-_REGISTRY: dict[str, type[Format]] = {}
+FORMATS: Registry[type[Format]] = Registry("format")
+"""Every format by its name."""
+
 _Format = TypeVar("_Format", bound=type[Format])
 
 
 def register(cls: _Format) -> _Format:
-    """Make a format known by its name; two formats of one name are a mistake in the program."""
-    if cls.name in _REGISTRY:
-        raise TypeError(f"two formats are named {cls.name!r}: {_REGISTRY[cls.name]} and {cls}")
-    _REGISTRY[cls.name] = cls
+    """Make a format known by its name."""
+    FORMATS.add(cls.name, cls)
     return cls
-
-
-def registered() -> Mapping[str, type[Format]]:
-    """The formats known so far, by name in alphabetical order."""
-    return MappingProxyType(dict(sorted(_REGISTRY.items())))

@@ -6,22 +6,15 @@ file --Format.read--> Heights --imported--> Recipe of one matrix
 from __future__ import annotations
 
 import math
-import pkgutil
 import re
-from collections.abc import Mapping
-from importlib import import_module
 from pathlib import Path
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.importers.base import Format, Heights, registered
+from rsegen.importers.base import FORMATS, Format, Heights
 from rsegen.obstacles.matrix import Matrix
 from rsegen.recipe import Placement, Recipe
 
-for _module in pkgutil.iter_modules(__path__):
-    import_module(f"{__name__}.{_module.name}")
-
-FORMATS: Mapping[str, type[Format]] = registered()
-"""Every format by the suffix of its files."""
+FORMATS.gather(__name__, __path__)
 
 
 def format_of(path: Path) -> type[Format]:

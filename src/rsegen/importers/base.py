@@ -10,13 +10,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.params import settle
+from rsegen.registry import Registry
 from rsegen.stepfield import Array, Ints
 
 MOST_CELLS = 2**24
@@ -80,19 +80,14 @@ def _others(count: int) -> str:
     return f" ({count} more such cell{'s'[: count > 1]})" if count else ""
 
 
-_REGISTRY: dict[str, type[Format]] = {}
+FORMATS: Registry[type[Format]] = Registry("format of heights")
+"""Every format by the suffixes of its files."""
+
 _Format = TypeVar("_Format", bound=type[Format])
 
 
 def register(cls: _Format) -> _Format:
-    """Make a format known by the suffixes of its files; two formats of one suffix are a mistake in the program."""
+    """Make a format known by the suffixes of its files."""
     for suffix in cls.suffixes:
-        if suffix in _REGISTRY:
-            raise TypeError(f"two formats have files named *{suffix}: {_REGISTRY[suffix]} and {cls}")
-        _REGISTRY[suffix] = cls
+        FORMATS.add(suffix, cls)
     return cls
-
-
-def registered() -> Mapping[str, type[Format]]:
-    """The formats known so far, by suffix in alphabetical order."""
-    return MappingProxyType(dict(sorted(_REGISTRY.items())))

@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-import pkgutil
-from collections.abc import Mapping
-from importlib import import_module
+from rsegen.obstacles.base import KINDS, Grid, Obstacle, Patch
 
-from rsegen.errors import UnknownName
-from rsegen.obstacles.base import Grid, Obstacle, Patch, registered
-
-for _module in pkgutil.iter_modules(__path__):
-    import_module(f"{__name__}.{_module.name}")
-
-KINDS: Mapping[str, type[Obstacle]] = registered()
-"""Every obstacle class by the name of its kind."""
+KINDS.gather(__name__, __path__)
 
 
 def kind(name: str, where: str = "kind") -> type[Obstacle]:
     """The obstacle class of a kind, or an UnknownName that lists the kinds."""
-    if not isinstance(name, str) or name not in KINDS:
-        raise UnknownName.among(where, "obstacle kind", name, KINDS)
-    return KINDS[name]
+    return KINDS.named(name, where)
 
 
 __all__ = ["KINDS", "Grid", "Obstacle", "Patch", "kind"]

@@ -7,9 +7,8 @@ A kind is one file of this folder with one class: a frozen dataclass whose annot
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Annotated, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy as np
 from rsegen.chance import pick
 from rsegen.params import Real, Whole, settle
 from rsegen.places import ANYWHERE, Cell, Place
+from rsegen.registry import Registry
 from rsegen.stepfield import Array, Levels, Mask
 
 
@@ -154,18 +154,13 @@ def _by_rows(window: tuple[slice, slice], part: Callable[[slice], Levels]) -> Le
 
 _CELLS_AT_ONCE = 2**18
 
-_REGISTRY: dict[str, type[Obstacle]] = {}
+KINDS: Registry[type[Obstacle]] = Registry("obstacle kind")
+"""Every obstacle class by the name of its kind."""
+
 _Kind = TypeVar("_Kind", bound=type[Obstacle])
 
 
 def register(cls: _Kind) -> _Kind:
-    """Make a kind known by its name; two kinds of one name are a mistake in the program."""
-    if cls.kind in _REGISTRY:
-        raise TypeError(f"two obstacle kinds are named {cls.kind!r}: {_REGISTRY[cls.kind]} and {cls}")
-    _REGISTRY[cls.kind] = cls
+    """Make a kind known by its name."""
+    KINDS.add(cls.kind, cls)
     return cls
-
-
-def registered() -> Mapping[str, type[Obstacle]]:
-    """The kinds known so far, by name in alphabetical order."""
-    return MappingProxyType(dict(sorted(_REGISTRY.items())))

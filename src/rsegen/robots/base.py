@@ -8,12 +8,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Protocol
 
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.export.sdf import HEAD, TAIL, numbers
 from rsegen.metrics import Climber
+from rsegen.registry import Registry
 from rsegen.robots.commands import SIMULATORS, Command
 from rsegen.robots.drives import Drive
 from rsegen.robots.lidar import Lidar
@@ -153,17 +153,11 @@ def _named(name: str) -> str:
     return name
 
 
-_REGISTRY: dict[str, Robot] = {}
+ROBOTS: Registry[Robot] = Registry("robot")
+"""Every robot by its kind."""
 
 
 def register(robot: Robot) -> Robot:
-    """Make a robot known by its kind; two of one kind are a mistake in the program."""
-    if robot.kind in _REGISTRY:
-        raise TypeError(f"two robots are named {robot.kind!r}")
-    _REGISTRY[robot.kind] = robot
+    """Make a robot known by its kind."""
+    ROBOTS.add(robot.kind, robot)
     return robot
-
-
-def registered() -> Mapping[str, Robot]:
-    """The robots known so far, by kind in alphabetical order."""
-    return MappingProxyType(dict(sorted(_REGISTRY.items())))

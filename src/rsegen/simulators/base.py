@@ -15,9 +15,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import ClassVar, TypeVar
 
+from rsegen.registry import Registry
 from rsegen.simulators.live import LiveWorld, Record
 
 _MARKS = ("[Err]", "[error]", "Error [", "Error Code")
@@ -167,24 +167,18 @@ def on_path(name: str, *elsewhere: Path) -> Path | None:
     return next((Path(place) for place in places if place), None)
 
 
-_REGISTRY: dict[str, Simulator] = {}
+SIMULATORS: Registry[Simulator] = Registry("simulator", order=lambda simulator: -simulator.generation)
+"""Every simulator by its name, the newest first."""
+
 _Kind = TypeVar("_Kind", bound=type[Simulator])
 
 
 def register(cls: _Kind) -> _Kind:
-    """Make a simulator known by its name; two of one name are a mistake in the program."""
-    if cls.name in _REGISTRY:
-        raise TypeError(f"two simulators are named {cls.name!r}: {_REGISTRY[cls.name]} and {cls}")
-    _REGISTRY[cls.name] = cls()
+    """Make a simulator known by its name."""
+    SIMULATORS.add(cls.name, cls())
     return cls
-
-
-def registered() -> Mapping[str, Simulator]:
-    """The simulators known so far, by name, the newest first."""
-    newest_first = sorted(_REGISTRY.items(), key=lambda item: -item[1].generation)
-    return MappingProxyType(dict(newest_first))
 
 
 def installations() -> Iterator[Installation]:
     """Those that are installed here, the newest first; each is asked for its version when it is its turn."""
-    return (here for simulator in registered().values() if (here := simulator.found()))
+    return (here for simulator in SIMULATORS.values() if (here := simulator.found()))

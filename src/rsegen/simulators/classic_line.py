@@ -98,11 +98,19 @@ class Line:
     @contextmanager
     def deaf(self, topic: str) -> Iterator[None]:
         """As long as this lasts, a topic is not heard, and its speakers have that much less to do."""
-        full = self._full(topic)
-        self._leave({full})
+        self._leave({self._full(topic)})
         yield
-        self._tell_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
-        self._wait(f"nobody speaks on {full}", lambda: full in self._speakers.values())
+        self._listen_to(self._full(topic))
+
+    @contextmanager
+    def hearing(self, topic: str, type_name: str) -> Iterator[None]:
+        """As long as this lasts, and no longer, a topic is heard."""
+        self._types[self._full(topic)] = type_name
+        self._listen_to(self._full(topic))
+        time.sleep(_PAUSE)
+        yield
+        self._leave({self._full(topic)})
+        self.forget(topic)
 
     def close(self) -> None:
         """Hang up in a calm moment, once those who speak to us have done so.
@@ -117,6 +125,11 @@ class Line:
 
     def _full(self, topic: str) -> str:
         return topic if topic.startswith("/") else f"/gazebo/{self._world}/{topic.removeprefix('~/')}"
+
+    def _listen_to(self, topic: str) -> None:
+        """And wait for somebody who speaks."""
+        self._tell_master("subscribe", "Subscribe", self._subscription(topic, self._host, self._port))
+        self._wait(f"nobody speaks on {topic}", lambda: topic in self._speakers.values())
 
     def _leave(self, topics: Set[str]) -> None:
         """A speaker knows a listener by the port that it comes from, and hangs up."""

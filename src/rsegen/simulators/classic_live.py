@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import count
 from secrets import randbelow
+from statistics import fmean
 from typing import Any
 
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.commands import Command
 from rsegen.simulators.classic_line import PATIENCE, Line, line
 from rsegen.simulators.classic_messages import decoded, said
-from rsegen.simulators.live import Clock, LiveWorld, Pose, name_in
+from rsegen.simulators.live import Clock, Contact, LiveWorld, Pose, name_in
 from rsegen.simulators.turning import heard, nearer, told
 
 _SETTLE = 0.03
@@ -42,12 +43,19 @@ class ClassicWorld(LiveWorld):
 
     def advance(self, steps: int) -> None:
         """Waits as long as steps are being done."""
-        done = self.clock().steps
-        target = done + steps
-        self.line.say("world_control", "WorldControl", {"multi_step": steps})
-        while done < target:
-            before = done
-            done = int(self._statistics(after=before)["iterations"])
+        target = self.clock().steps + steps
+        self._step(steps)
+        self._wait_for(target)
+
+    def advance_feeling(self, steps: int) -> Sequence[Contact]:
+        """The first step is done by itself: of many in a row the server tells late, and not of all."""
+        target = self.clock().steps + steps
+        with self.line.hearing("physics/contacts", "Contacts"):
+            self._step(1)
+            told = self.line.heard("physics/contacts", lambda _: True)
+        self._step(steps - 1)
+        self._wait_for(target)
+        return [_contact(one) for one in told.get("contact", [])]
 
     def go(self) -> None:
         """Not paused, once it says so."""
@@ -118,6 +126,16 @@ class ClassicWorld(LiveWorld):
             time.sleep(_FLOOD)
         self._wait(f"{name} is still there", lambda: name not in self.poses())
 
+    def _step(self, steps: int) -> None:
+        if steps:
+            self.line.say("world_control", "WorldControl", {"multi_step": steps})
+
+    def _wait_for(self, target: int) -> None:
+        """As long as steps are being done."""
+        done = self.clock().steps
+        while done < target:
+            done = int(self._statistics(after=done)["iterations"])
+
     def _pause(self, *, pause: bool) -> None:
         self.line.forget("world_stats")
         self.line.say("world_control", "WorldControl", {"pause": pause})
@@ -160,6 +178,12 @@ def classic_world(address: tuple[str, int]) -> Iterator[ClassicWorld]:
         opened.hear("world_stats", "WorldStatistics")
         opened.hear("response", "Response")
         yield ClassicWorld(line=opened)
+
+
+def _contact(message: Mapping[str, Any]) -> Contact:
+    points = [(point["x"], point["y"], point["z"]) for point in message["position"]]
+    x, y, z = (fmean(along) for along in zip(*points, strict=True))
+    return Contact(names=(message["collision1"], message["collision2"]), at=(x, y, z))
 
 
 def _seconds(time_: Mapping[str, int]) -> float:

@@ -45,6 +45,8 @@ TYPES: Mapping[str, Mapping[str, tuple[int, _Kind]]] = {
         "paused": (5, bool),
         "iterations": (6, int),
     },
+    "Contact": {"collision1": (1, str), "collision2": (2, str), "position": (3, "Vector3d[]")},
+    "Contacts": {"contact": (1, "Contact[]")},
     "Packet": {"stamp": (1, "Time"), "type": (2, str), "serialized_data": (3, bytes)},
     "Publish": {"topic": (1, str), "msg_type": (2, str), "host": (3, str), "port": (4, int)},
     "Subscribe": {"topic": (1, str), "host": (2, str), "port": (3, int), "msg_type": (4, str), "latching": (5, bool)},

@@ -6,19 +6,17 @@ import os
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 
-from rsegen.errors import NothingRuns, SimulatorFailed, UnknownName
-from rsegen.simulators.base import Simulator, registered
+from rsegen.errors import NothingRuns, SimulatorFailed
+from rsegen.simulators.base import SIMULATORS, Simulator
 from rsegen.simulators.live import LiveWorld
 
 
 @contextmanager
 def joined(name: str | None) -> Iterator[tuple[Simulator, LiveWorld]]:
     """The simulator of that name, or else the newest, of which one runs, and its world; NothingRuns where none does."""
-    known = registered()
-    if name is not None and name not in known:
-        raise UnknownName.among("--simulator", "simulator", name, known)
+    able = list(SIMULATORS.values()) if name is None else [SIMULATORS.named(name, "--simulator")]
     with ExitStack() as stack:
-        yield _first(stack, [known[name]] if name else list(known.values()))
+        yield _first(stack, able)
 
 
 def _first(stack: ExitStack, simulators: list[Simulator]) -> tuple[Simulator, LiveWorld]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
 from rsegen.errors import SimulatorFailed
@@ -36,6 +36,14 @@ class Pose:
     yaw: float = 0.0
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Contact:
+    """Two collisions that touch, each MODEL::LINK::COLLISION; `at` is the middle of where they do, metres."""
+
+    names: tuple[str, str]
+    at: tuple[float, float, float]
+
+
 class LiveWorld(ABC):
     """What can be done with a running world. SimulatorFailed where the simulator is gone, or does not answer.
 
@@ -51,6 +59,11 @@ class LiveWorld(ABC):
     @abstractmethod
     def advance(self, steps: int) -> None:
         """Simulate so many steps, as fast as the world's physics allows, in a world that stands still."""
+
+    def advance_feeling(self, steps: int) -> Sequence[Contact]:
+        """The same, and what touched what in the first of these steps; nothing where the simulator does not tell."""
+        self.advance(steps)
+        return ()
 
     @abstractmethod
     def go(self) -> None:

@@ -9,23 +9,21 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from rsegen.errors import NoSimulator, SimulatorFailed, UnknownName
-from rsegen.simulators.base import Installation, Launch, Simulator, installations, registered
+from rsegen.errors import NoSimulator, SimulatorFailed
+from rsegen.simulators.base import SIMULATORS, Installation, Launch, Simulator, installations
 from rsegen.simulators.process import running
 
 
 def fitting(made_for: str, name: str | None) -> Installation:
     """The installation of that name, or else the newest, that opens maps whose recipe says `simulator: made_for`."""
-    known = registered()
-    if name is not None and name not in known:
-        raise UnknownName.among("--simulator", "simulator", name, known)
-    able = [each for each in known.values() if each.opens(made_for)]
-    if name is None:
+    wanted = None if name is None else SIMULATORS.named(name, "--simulator")
+    able = [each for each in SIMULATORS.values() if each.opens(made_for)]
+    if wanted is None:
         here = next((here for here in installations() if here.simulator in able), None)
         return here or _missing(*able)
-    if known[name] not in able:
+    if wanted not in able:
         raise NoSimulator(f"this map opens in {_titles(able)} only: its recipe says simulator: {made_for}")
-    return known[name].found() or _missing(known[name])
+    return wanted.found() or _missing(wanted)
 
 
 def has_screen() -> bool:
