@@ -1,25 +1,30 @@
 """What a data set costs: `python -m benchmarks.datasets` makes four of them, each ten times larger than the one before.
 
 Whole commands of maps of 10 x 10 random blocks of six levels, in children, with one worker so that CPU seconds are of
-one core; then a million with two. Their figures are printed, and kept in benchmarks/results; docs/datasets.md has them.
+one core; then a million with two. Beside them complete worlds of the same maps, up to ten thousand. Their figures are
+printed, and kept in benchmarks/results; docs/datasets.md has them.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 
 from benchmarks import measure
 from benchmarks.figures import RESULTS, Results, Row, Run, saved
 from benchmarks.machine import machine
-from benchmarks.report import verdict
+from benchmarks.report import verdicts
 from benchmarks.speed import Plan, Work
 from benchmarks.targets import Reading, Target
-from benchmarks.ways import FOLDER, Command
+from benchmarks.ways import FOLDER, Command, worlds
 
 SIZE = 10
 COUNTS = (1_000, 10_000, 100_000, 1_000_000)
+WORLDS = 10_000
+"""So many complete worlds are made at the most: each is eight files."""
+
 RUNS = 3
 FILE = RESULTS / "datasets.json"
 
@@ -37,9 +42,18 @@ def command(count: int, workers: int, metrics: str) -> Command:
     )
 
 
+def complete(count: int) -> Command:
+    """The command that makes so many complete worlds."""
+    found = worlds("single", SIZE, count)
+    arguments = (*found.arguments, "--workers", "1")
+    return replace(found, name="worlds-1", title="`rsegen generate --workers 1`", arguments=arguments)
+
+
 def commands(counts: tuple[int, ...]) -> Iterator[Command]:
-    """With and without metrics, by one worker; and the largest by two."""
+    """Complete worlds, and data sets with and without metrics, by one worker; and the largest data set by two."""
     for count in counts:
+        if count <= WORLDS:
+            yield complete(count)
         yield command(count, 1, "none")
         yield command(count, 1, "npy")
     yield command(max(counts), 2, "npy")
@@ -80,6 +94,13 @@ def _grown(results: Results) -> float | None:
 _MILLION = COUNTS[-1]
 TARGETS = (
     Target(
+        text="complete worlds a second and core",
+        figure=_figure("worlds-1", WORLDS, lambda run: WORLDS / run.cpu),
+        limit=300,
+        unit="/s",
+        at_most=False,
+    ),
+    Target(
         text="maps a second and core",
         figure=_figure("none-1", _MILLION, lambda run: _MILLION / run.cpu),
         limit=20_000,
@@ -104,8 +125,7 @@ TARGETS = (
 
 def table(results: Results) -> Iterator[str]:
     """The figures as lines of Markdown."""
-    yield "| figure | measured | target | |\n|---|---|---|---|"
-    yield from (verdict(target, results) for target in TARGETS)
+    yield from verdicts(TARGETS, results)
     yield ""
     yield "| 10 x 10 blocks | maps | CPU s | CPU us for each map more | wall s | peak MB of a process | bytes |"
     yield "|---|---|---|---|---|---|---|"

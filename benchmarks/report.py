@@ -43,8 +43,7 @@ def filled(text: str, lines: Iterable[str]) -> str:
 
 def _page(results: Results) -> Iterator[str]:
     yield f"# Speed and size\n\n{_HOW}\n\nMeasured on: {results.machine}. Plan: {results.plan}.\n\n## Targets\n"
-    yield _head("figure", "measured", "target", "")
-    yield from (verdict(target, results) for target in TARGETS)
+    yield from verdicts(TARGETS, results)
     yield "\n## A grid to a file"
     for size in dict.fromkeys(row.size for row in results.writers):
         yield f"\n### {size:,} x {size:,} blocks\n"
@@ -59,12 +58,15 @@ def _page(results: Results) -> Iterator[str]:
     yield from _faces(results)
 
 
-def verdict(target: Target, results: Results) -> str:
-    """A target, what was measured of it, and whether that is enough, as a row."""
-    found = target.figure(results)
-    bound = f"{'at most' if target.at_most else 'at least'} {short(target.limit)} {target.unit}"
-    measured = "" if found is None else f"{short(found)} {target.unit}"
-    return f"| {target.text} | {measured} | {bound} | {_VERDICTS[target.met(results)]} |"
+def verdicts(targets: Iterable[Target], results: Results) -> Iterator[str]:
+    """A table of targets: what was measured, how often the target goes into that, and whether it is enough."""
+    yield _head("figure", "measured", "target", "measured / target", "")
+    for target in targets:
+        found, ratio = target.figure(results), target.ratio(results)
+        bound = f"{'at most' if target.at_most else 'at least'} {short(target.limit)} {target.unit}"
+        measured = "" if found is None else f"{short(found)} {target.unit}"
+        times = "" if ratio is None else short(ratio)
+        yield f"| {target.text} | {measured} | {bound} | {times} | {_VERDICTS[target.met(results)]} |"
 
 
 def _writer(row: Row, results: Results) -> str:

@@ -23,12 +23,17 @@ class Target:
     unit: str
     at_most: bool = True
 
+    def ratio(self, results: Results) -> float | None:
+        """What was measured over what was promised; None where nothing was."""
+        found = self.figure(results)
+        return None if found is None else found / self.limit
+
     def met(self, results: Results) -> bool | None:
         """None where it was not measured."""
-        found = self.figure(results)
-        if found is None:
+        ratio = self.ratio(results)
+        if ratio is None:
             return None
-        return found <= self.limit if self.at_most else found >= self.limit
+        return ratio <= 1 if self.at_most else ratio >= 1
 
 
 def read(name: str, size: int, reading: Callable[[Run], float]) -> Reading:

@@ -119,11 +119,11 @@ def commands(maps: int) -> tuple[Command, ...]:
         _python("numpy", 'python -c "import numpy"', "import numpy"),
         _python("import", 'python -c "import rsegen"', "import rsegen"),
         Command(name="help", title="`rsegen --help`", arguments=(sys.executable, "-m", "rsegen", "--help")),
-        _worlds("single", 10),
-        _worlds("single", 80),
-        _worlds("multi", 320),
-        _worlds("single", 1000),
-        _worlds("single", 10, count=maps),
+        worlds("single", 10),
+        worlds("single", 80),
+        worlds("multi", 320),
+        worlds("single", 1000),
+        worlds("single", 10, count=maps),
     )
 
 
@@ -131,7 +131,8 @@ def _python(name: str, title: str, code: str) -> Command:
     return Command(name=name, title=f"`{title}`", arguments=(sys.executable, "-c", code))
 
 
-def _worlds(mesh_type: str, size: int, count: int = 1) -> Command:
+def worlds(mesh_type: str, size: int, count: int = 1) -> Command:
+    """The command that makes complete worlds."""
     wanted = f"--chunk-size 10 --chunks {size // 10} --boundary none --mesh-type {mesh_type} --maps {count} --seed 1"
     arguments = ("generate", *wanted.split(), "--obstacle", "random max_height=6", "-o", FOLDER)
     return Command(

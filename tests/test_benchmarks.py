@@ -49,6 +49,7 @@ def test_results_come_back_from_their_json(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("cpu", "verdict"), [(1.5, True), (1.6, False)])
 def test_verdicts_are_computed(cpu: float, verdict: bool) -> None:
     assert TARGETS[0].met(results(cpu)) is verdict
+    assert TARGETS[0].ratio(results(cpu)) == cpu / 1.5
     assert TARGETS[0].met(replace(results(cpu), writers=())) is None
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
 import signal
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -349,6 +351,10 @@ def test_help_of_generate_says_of_every_parameter_what_it_takes(
         ),
         ("preview", ["RECIPE-or-DIR", "--output", "--map", "--force", "png, svg, pdf, jpg or webp"]),
         ("sheet", ["RECIPE-or-DIR", "--output", "--csv", "--map", "--force", "--kerf-mm", "--stock-cm", "pdf or csv"]),
+        ("sheet", ["--kerf-mm MM", "(0..100 mm, 3 by default)", "(0.001..100000 cm, 240 by default)"]),
+        ("dataset", ["--shard-maps MAPS", "--metrics METRICS", "(npy, parquet, none)", "--workers"]),
+        ("metrics", ["--climb-cm CM", "highest step that the robot gets up (0..100000 cm)", "--width-cm CM"]),
+        ("export", ["RECIPE-or-DIR", "--to", "--output", "--map", "--force", "--json", "--workers", "--pixels"]),
         ("info", ["RECIPE-or-DIR", "--map", "--json"]),
         ("obstacles", ["--json"]),
         ("schema", ["JSON Schema"]),
@@ -359,6 +365,25 @@ def test_help_of_every_command_names_its_flags(
 ) -> None:
     text = helped(capsys, command)
     assert [word for word in words if word not in text] == []
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+@pytest.mark.parametrize("command", ["generate", "series", "dataset", "export"])
+def test_a_terminal_sees_how_many_maps_are_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str, terminal: bool
+) -> None:
+    rsegen.save(rsegen.Recipe(seed=7, maps=3), tmp_path / "recipe.json")
+    stderr = Terminal() if terminal else io.StringIO()
+    monkeypatch.setattr(sys, "stderr", stderr)
+    to = ["--to", "heightmap"] if command == "export" else []
+    assert main([command, str(tmp_path / "recipe.json"), *to, "-o", str(tmp_path / "out")]) == 0
+    assert ("3/3" in stderr.getvalue() or "3.00/3.00" in stderr.getvalue()) is terminal
+    assert terminal or not stderr.getvalue()
 
 
 def test_a_command_leaves_the_signals_as_they_were(capsys: pytest.CaptureFixture[str]) -> None:

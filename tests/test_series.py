@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import sys
+from collections.abc import Callable
 from dataclasses import asdict, replace
 from itertools import pairwise
 from pathlib import Path
@@ -16,7 +17,7 @@ import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import Placement, Random, Recipe, build, load, metrics, series
+from rsegen import Placement, Random, Recipe, build, load, metrics, series, work
 from rsegen.cli import main
 from rsegen.errors import OutputError, ParameterError
 from rsegen.series import Plan, Row
@@ -131,6 +132,24 @@ def test_workers_make_the_same(tmp_path: Path) -> None:
     recipe = replace(RANDOM, maps=250)
     series(recipe, tmp_path / "1")
     series(recipe, tmp_path / "2", workers=2)
+    assert contents(tmp_path / "1") == contents(tmp_path / "2")
+
+
+@pytest.mark.parametrize(("same_field", "fields"), [(False, range(8)), (True, range(1))])
+def test_workers_measure_the_fields_and_make_the_maps(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, same_field: bool, fields: range
+) -> None:
+    shared = []
+
+    def here(made: Callable[[range], object], items: range, *, batch: int, workers: int) -> object:
+        shared.append(items)
+        return iter(made(items))  # type: ignore[call-overload]  # as they are
+
+    series(RANDOM, tmp_path / "1", same_field=same_field)
+    monkeypatch.setattr(work, "WORTHWHILE", 0.0)
+    monkeypatch.setattr(work, "shared_out", here)
+    series(RANDOM, tmp_path / "2", same_field=same_field, workers=2)
+    assert shared == [each for each in (fields, range(8)) if len(each) > 1]
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 from rsegen.errors import ParameterError, refuse_unknown, shown
@@ -79,6 +80,20 @@ def to_json(recipe: Recipe) -> str:
     lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in content.items()]
     obstacles = "[\n" + ",\n".join(rows) + "\n  ]" if rows else "[]"
     return "{\n" + ",\n".join([*lines, f'  "obstacles": {obstacles}']) + "\n}\n"
+
+
+def map_json(recipe: Recipe, index: int) -> bytes:
+    """The JSON file of map `index` of a recipe and no other."""
+    before, after = _around_index(recipe)
+    return before + str(index).encode() + after
+
+
+@lru_cache(maxsize=8)
+def _around_index(recipe: Recipe) -> tuple[bytes, bytes]:
+    """The JSON files of all maps of a recipe are one text, but for the index: what stands before it, and after it."""
+    first, key = recipe.first_map, b'\n  "first_map": '
+    before, _, after = to_json(recipe.alone(first)).encode().partition(b"%s%d,\n" % (key, first))
+    return before + key, b",\n" + after
 
 
 def to_yaml(recipe: Recipe) -> str:

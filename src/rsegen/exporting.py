@@ -1,22 +1,23 @@
-"""From recipes to files of other programs on disk, and to build sheets, without worlds.
+"""From recipes to files of other programs on disk, without worlds.
 
 Recipe --compose--> Scene --exported--> Bundle --write--> files
-Recipe --compose--> Scene --sheet--> a PDF and a CSV
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from math import fsum, prod
 from pathlib import Path
 
 from rsegen.errors import OutputError
+from rsegen.extras import Extras
 from rsegen.formats import Format, bytes_a_cell, exported, refuse_unready
 from rsegen.recipe import Recipe
-from rsegen.room import refuse_too_large, refuse_too_many
-from rsegen.scene import Scene, compose
-from rsegen.sheet import Saw, refuse_unbuildable, sheet, sheet_format
-from rsegen.writer import refuse_not_a_folder, refuse_taken, refuse_taken_file, write, write_file
+from rsegen.room import maps_at_once, refuse_too_large, refuse_too_many
+from rsegen.scene import compose
+from rsegen.work import WORKERS, carried_out
+from rsegen.writer import refuse_not_a_folder, refuse_taken, write
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -33,55 +34,62 @@ def export_maps(
     formats: Sequence[Format],
     *,
     force: bool = False,
+    workers: int = 1,
     progress: Callable[[ExportedMap], None] | None = None,
 ) -> tuple[ExportedMap, ...]:
     """Write every map of some recipes in other formats, without its world, as `folder/NAME_000k`.
 
-    `force` replaces what was exported before, never a world. Raises an OutputError before anything is written where a
-    map's folder is taken, or two maps have one name; TooLarge where there is no room for the maps.
+    `force` replaces what was exported before, never a world; `workers` and `progress` are as in `generate`. Raises an
+    OutputError before anything is written where a map's folder is taken, or two maps have one name; TooLarge where
+    there is no room for the maps.
     """
-    folder = Path(folder)
+    folder, workers = Path(folder), WORKERS.check("workers", workers)
     refuse_unready(formats)
     refuse_not_a_folder(folder)
     for recipe in recipes:
         refuse_too_large(recipe, bytes_a_cell(formats))
     refuse_too_many(sum(recipe.maps for recipe in recipes), folder)
     _refuse_unfit(recipes, folder, force=force)
-    made = []
-    for recipe in recipes:
-        for index in recipe.indices:
-            bundle, home = exported(compose(recipe, index), formats), folder / recipe.map_name(index)
-            made.append(ExportedMap(folder=home, names=write(bundle, home, force=force)))
-            if progress:
-                progress(made[-1])
-    return tuple(made)
+    order = _Order(
+        folder=folder,
+        formats=tuple(formats),
+        force=force,
+        seconds=_seconds(recipes, formats),
+        at_once=min((maps_at_once(recipe, bytes_a_cell(formats)) for recipe in recipes), default=1),
+    )
+    maps = [(recipe, index) for recipe in recipes for index in recipe.indices]
+    return carried_out(order, maps, workers, progress)
 
 
-def write_sheets(
-    recipe: Recipe,
-    index: int,
-    paths: Iterable[Path],
-    saw: Saw | None = None,
-    *,
-    force: bool = False,
-    progress: Callable[[object], None] | None = None,
-) -> Scene:
-    """Write the build sheet of one map into files, each in the format that its name asks for; gives the map.
+_Map = tuple[Recipe, int]
 
-    Nothing is written before all of them are made; `progress` is told of each page of a PDF. Raises an OutputError
-    where a file is there already, unless `force`; TooLarge or a ParameterError where the map has no sheet.
-    """
-    saw = saw or Saw()
-    formats = {path: sheet_format(path) for path in paths}
-    for path in formats:
-        refuse_taken_file(path, force=force)
-    refuse_too_large(recipe)
-    refuse_unbuildable(recipe, saw)
-    scene = compose(recipe, index)
-    made = {path: sheet(scene, saw, format_, progress=progress) for path, format_ in formats.items()}
-    for path, content in made.items():
-        write_file([content], path, force=force)
-    return scene
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Order:
+    """In which formats to write maps, where and how."""
+
+    folder: Path
+    formats: tuple[Format, ...]
+    force: bool
+    seconds: float
+    at_once: int
+
+    def map_name(self, one: _Map) -> str:
+        recipe, index = one
+        return recipe.map_name(index)
+
+    def __call__(self, maps: Iterable[_Map]) -> tuple[ExportedMap, ...]:
+        return tuple(map(self.made, maps))
+
+    def made(self, one: _Map) -> ExportedMap:
+        bundle, home = exported(compose(*one), self.formats), self.folder / self.map_name(one)
+        return ExportedMap(folder=home, names=write(bundle, home, force=self.force))
+
+
+def _seconds(recipes: Sequence[Recipe], formats: Sequence[Format]) -> float:
+    """About how long a map takes, in the mean."""
+    extras, maps = Extras(formats=formats), sum(recipe.maps for recipe in recipes)
+    return fsum(recipe.maps / maps * extras.seconds(prod(recipe.grid.shape)) for recipe in recipes)
 
 
 def _refuse_unfit(recipes: Sequence[Recipe], folder: Path, *, force: bool) -> None:

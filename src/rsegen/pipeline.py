@@ -5,36 +5,24 @@ Recipe --build--> StepField --compose--> Scene --export--> Bundle --write--> fil
 
 from __future__ import annotations
 
-import math
 import os
 import sys
-from collections.abc import Callable, Generator, Iterable, Sequence
-from contextlib import closing
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Protocol, TypeVar
 
 from rsegen.account import warnings
 from rsegen.errors import ParameterError
 from rsegen.export import export
 from rsegen.extras import Extras
 from rsegen.formats import Format
-from rsegen.params import Whole
 from rsegen.recipe import Recipe
 from rsegen.resume import complete, is_map_of
 from rsegen.room import maps_at_once, refuse_too_large, refuse_too_many
 from rsegen.scene import Scene, compose
-from rsegen.workers import shared_out
-from rsegen.writer import clear_away, parent_of, refuse_not_a_folder, refuse_taken, told, write
-
-WORTHWHILE = 1.0
-"""Seconds of work from which on workers gain more than they cost."""
-
-BATCH = 0.2
-"""Seconds of work that a worker is given at once: much more than the giving takes, little enough to see it move."""
-
-WORKERS = Whole(1, help="processes that make maps at the same time")
+from rsegen.work import WORKERS, carried_out
+from rsegen.writer import clear_away, refuse_not_a_folder, refuse_taken, write
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -113,14 +101,9 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
     else:
         refuse_taken((os.path.join(folder, recipe.map_name(index)) for index in recipe.indices), force=force)
     order = _Order(recipe=recipe, folder=folder, replace=force or resume, extras=extras)
-    indices = (index for index in recipe.indices if index not in already)
-    done = []
-    with closing(carried_out(order, indices, recipe.maps - len(already), workers)) as maps:
-        for one in maps:
-            done.append(one)
-            if progress:
-                progress(one)
-    return Generated(recipe=recipe, folder=folder, maps=tuple(done), already=tuple(sorted(already)))
+    left = [index for index in recipe.indices if index not in already]
+    maps = carried_out(order, left, workers, progress)
+    return Generated(recipe=recipe, folder=folder, maps=maps, already=tuple(sorted(already)))
 
 
 def made(scene: Scene, folder: Path, extras: Extras, *, replace: bool) -> GeneratedMap:
@@ -144,50 +127,6 @@ def seconds(recipe: Recipe, extras: Extras) -> float:
     return 2e-3 + n_x * n_y * 4e-6 + extras.seconds(n_x * n_y)
 
 
-Made_co = TypeVar("Made_co", covariant=True)
-
-
-class Work(Protocol[Made_co]):
-    """What is done for each of many maps in a folder, here or by workers."""
-
-    @property
-    def folder(self) -> Path:
-        """Where the maps go."""
-
-    @property
-    def seconds(self) -> float:
-        """About how long one takes."""
-
-    @property
-    def at_once(self) -> int:
-        """How many fit into memory together."""
-
-    def is_named(self, name: str) -> bool:
-        """Whether one of them is called so."""
-
-    def __call__(self, indices: Iterable[int], /) -> tuple[Made_co, ...]:
-        """What comes of some of them."""
-
-
-Made = TypeVar("Made")
-
-
-def carried_out(work: Work[Made], indices: Iterable[int], left: int, workers: int) -> Generator[Made, None, None]:
-    """What comes of `left` indices, in their order, made here or, where that is quicker, by workers."""
-    workers = min(workers, left, work.at_once)
-    if workers <= 1 or left * work.seconds < WORTHWHILE:
-        for index in indices:
-            yield from work([index])
-        return
-    batch = math.ceil(min(BATCH / work.seconds, left / workers / 4))
-    with told(work.folder), parent_of(work.folder / "map"):
-        try:
-            yield from shared_out(work, indices, batch=batch, workers=workers)
-        except BaseException:
-            clear_away(work.folder, work.is_named)  # what a worker left that was killed
-            raise
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Order:
     """Which maps to make, where and how: all that a worker is told."""
@@ -205,8 +144,8 @@ class _Order:
     def at_once(self) -> int:
         return maps_at_once(self.recipe, self.extras.bytes_a_cell)
 
-    def is_named(self, name: str) -> bool:
-        return is_map_of(self.recipe, name)
+    def map_name(self, index: int) -> str:
+        return self.recipe.map_name(index)
 
     def __call__(self, indices: Iterable[int]) -> tuple[GeneratedMap, ...]:
         return tuple(

@@ -8,10 +8,9 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
-from rsegen.codec import to_json
+from rsegen.codec import map_json
 from rsegen.errors import OutputError
 from rsegen.recipe import Recipe
 
@@ -21,10 +20,9 @@ def complete(recipe: Recipe, folder: Path, stand: Callable[[str], bool]) -> froz
 
     OutputError for the first folder that has a map's name and holds something else.
     """
-    expected = recipe_files(recipe)
     found = set()
     for index in _taken(recipe, folder):
-        if is_complete(os.path.join(folder, recipe.map_name(index)), expected(index), stand):
+        if is_complete(os.path.join(folder, recipe.map_name(index)), map_json(recipe, index), stand):
             found.add(index)
     return frozenset(found)
 
@@ -37,14 +35,6 @@ def is_complete(home: str, recipe_file: bytes, stand: Callable[[str], bool]) -> 
             "parameter or version of rsegen; give those of the run that was stopped, or another folder or --name"
         )
     return stand(home)
-
-
-def recipe_files(recipe: Recipe) -> Callable[[int], bytes]:
-    """What gives recipe.json of map `index`: the text of the first, in which only the index is another."""
-    first = recipe.first_map
-    line = b'\n  "first_map": %d,\n'
-    before, _, after = to_json(replace(recipe, maps=1)).encode().partition(line % first)
-    return lambda index: before + line % index + after
 
 
 def is_map_of(recipe: Recipe, name: str) -> bool:

@@ -25,6 +25,7 @@ from typing import NoReturn, TypeVar
 
 from rsegen.errors import WorkerLost
 
+Item = TypeVar("Item")
 Made = TypeVar("Made")
 
 AHEAD = 3
@@ -42,9 +43,9 @@ def cores() -> int:
 
 
 def shared_out(
-    work: Callable[[Sequence[int]], Sequence[Made]], indices: Iterable[int], *, batch: int, workers: int
+    work: Callable[[Sequence[Item]], Sequence[Made]], items: Iterable[Item], *, batch: int, workers: int
 ) -> Iterator[Made]:
-    """What `work` makes of the indices, in their order, `batch` of them at a time, each in one of the workers.
+    """What `work` makes of the items, in their order, `batch` of them at a time, each in one of the workers.
 
     What it raises is raised here; WorkerLost where a worker has ended. However this ends, no worker is left.
     """
@@ -52,7 +53,7 @@ def shared_out(
     told, tell = context.Pipe(duplex=False)
     pool = ProcessPoolExecutor(min(workers, MOST), context, _begin, (told,))
     try:
-        yield from _in_order(partial(_submit, pool, partial(_undisturbed, work)), _batches(indices, batch), workers)
+        yield from _in_order(partial(_submit, pool, partial(_undisturbed, work)), _batches(items, batch), workers)
     except BrokenProcessPool as error:
         raise WorkerLost("a worker was lost: it was killed, or ran out of memory; give fewer --workers") from error
     finally:
@@ -61,13 +62,13 @@ def shared_out(
         told.close()
 
 
-def _batches(indices: Iterable[int], batch: int) -> Iterator[tuple[int, ...]]:
-    rest = iter(indices)
+def _batches(items: Iterable[Item], batch: int) -> Iterator[tuple[Item, ...]]:
+    rest = iter(items)
     return iter(lambda: tuple(islice(rest, batch)), ())
 
 
 def _in_order(
-    submit: Callable[[Sequence[int]], Future[Sequence[Made]]], batches: Iterator[Sequence[int]], workers: int
+    submit: Callable[[Sequence[Item]], Future[Sequence[Made]]], batches: Iterator[Sequence[Item]], workers: int
 ) -> Iterator[Made]:
     waiting = deque(map(submit, islice(batches, AHEAD * workers)))
     while waiting:
@@ -83,7 +84,7 @@ def _result(future: Future[Sequence[Made]]) -> Sequence[Made]:
 
 
 def _submit(
-    pool: ProcessPoolExecutor, work: Callable[[Sequence[int]], Sequence[Made]], batch: Sequence[int]
+    pool: ProcessPoolExecutor, work: Callable[[Sequence[Item]], Sequence[Made]], batch: Sequence[Item]
 ) -> Future[Sequence[Made]]:
     with _unhurried(), _deaf():
         return pool.submit(work, batch)
@@ -142,7 +143,7 @@ def _listen(told: Connection) -> None:
     os._exit(1)
 
 
-def _undisturbed(work: Callable[[Sequence[int]], Sequence[Made]], batch: Sequence[int]) -> Sequence[Made]:
+def _undisturbed(work: Callable[[Sequence[Item]], Sequence[Made]], batch: Sequence[Item]) -> Sequence[Made]:
     """The work, which may be interrupted once; what is around it, and its clearing up, may not."""
 
     def stop(signal_: int, frame: object) -> NoReturn:

@@ -16,7 +16,7 @@ import pytest
 
 import rsegen
 from complaints import exit_code, snapshot, the_line
-from rsegen import Dataset, Placement, Recipe, make_dataset
+from rsegen import Dataset, Placement, Recipe, make_dataset, work
 from rsegen.dataset import making
 from rsegen.errors import OutputError, TooLarge
 from runs import contents, ended, started
@@ -43,7 +43,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 @pytest.mark.parametrize("metrics", ["npy", "parquet", "none"])
 def test_a_data_set_is_the_same_whoever_makes_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, metrics: str) -> None:
-    monkeypatch.setattr(making, "WORTHWHILE", 0.0)
+    monkeypatch.setattr(work, "WORTHWHILE", 0.0)
     for workers in (1, 2, 3):
         make_dataset(RECIPE, tmp_path / str(workers), metrics=metrics, shard_maps=3, workers=workers)
     assert contents(tmp_path / "1") == contents(tmp_path / "2") == contents(tmp_path / "3")
@@ -51,7 +51,7 @@ def test_a_data_set_is_the_same_whoever_makes_it(tmp_path: Path, monkeypatch: py
 
 
 def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(making, "shared_out", lambda *_, **__: pytest.fail("workers were started"))
+    monkeypatch.setattr(work, "shared_out", lambda *_, **__: pytest.fail("workers were started"))
     assert len(make_dataset(RECIPE, tmp_path, shard_maps=1, workers=8)) == 13
 
 

@@ -13,9 +13,9 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 
-from rsegen import Recipe, compose
+from rsegen import Placement, Random, Recipe, compose
 from rsegen.codec import decode, to_json
-from rsegen.export import MESH_TYPES, export
+from rsegen.export import MESH_TYPES, export, obj
 from rsegen.export.numbers import decimal
 from rsegen.params import parameters
 from rsegen.scene import Scene
@@ -41,6 +41,18 @@ def text_of(element: ET.Element, path: str) -> str:
 @given(recipes())
 def test_same_recipe_same_bytes(recipe: Recipe) -> None:
     assert files_of(compose(recipe)) == files_of(compose(decode(json.loads(to_json(recipe)))))
+
+
+@pytest.mark.parametrize("mesh", ["merged", "watertight", "blocks"])
+def test_a_mesh_has_the_same_bytes_however_many_lines_are_made_at_once(
+    monkeypatch: pytest.MonkeyPatch, mesh: str
+) -> None:
+    scene = compose(Recipe(seed=7, mesh=mesh, obstacles=(Placement(obstacle=Random(max_height=4)),)))
+    whole = files_of(scene)
+    assert whole["meshes/rse_0000.obj"].count(b"\ng ") == 4
+    for lines in (1, 7, 100):
+        monkeypatch.setattr(obj, "STRIP", lines)
+        assert files_of(scene) == whole
 
 
 @given(recipes())

@@ -1,4 +1,4 @@
-"""A progress bar that counts maps, one after the other."""
+"""A progress bar that counts maps, one after the other; and whether anyone would see one."""
 
 from __future__ import annotations
 
@@ -7,10 +7,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 
+def watched() -> bool:
+    """Whether there is a terminal for a progress bar."""
+    return bool(sys.stderr and sys.stderr.isatty())
+
+
 @contextmanager
 def counting(maps: int) -> Iterator[Callable[[object], None] | None]:
-    """What is told of each map that is done; None where there is no terminal."""
-    if not (sys.stderr and sys.stderr.isatty()):
+    """What is told of each map that is done; None where there is no terminal, or nothing to wait for."""
+    if maps == 1 or not watched():
         yield None
         return
     from tqdm import tqdm

@@ -5,17 +5,25 @@ from __future__ import annotations
 import argparse
 import json
 import shlex
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, flag, folder, given, recipe_from
+from rsegen.cli.bar import watched
+from rsegen.cli.flags import (
+    RECIPE_HELP,
+    Subparsers,
+    add_parameter_flags,
+    add_recipe_flags,
+    folder,
+    given,
+    recipe_from,
+)
 from rsegen.cli.generate import add_workers_flag, workers_from
 from rsegen.dataset import Dataset, make_dataset
 from rsegen.dataset.layout import Layout
 from rsegen.dataset.making import Progress, complete_maps
 from rsegen.errors import ParameterError
-from rsegen.params import Whole, parameters
+from rsegen.params import Whole
 from rsegen.recipe import Recipe
 
 _REBUILT = Whole(0, 10**9)
@@ -34,9 +42,7 @@ def add(commands: Subparsers) -> None:
     what = command.add_mutually_exclusive_group(required=True)
     what.add_argument("-o", "--output", type=folder, metavar="DIR", help="folder to make the data set in")
     what.add_argument("--verify", type=folder, metavar="DIR", help="check every file of the data set there instead")
-    for name, parameter in parameters(Layout).items():
-        text = f"{parameter.help} ({parameter.describe()})"
-        command.add_argument(flag(name), dest=name, metavar=name.rpartition("_")[2].upper(), help=text)
+    add_parameter_flags(command, Layout)
     there = command.add_mutually_exclusive_group()
     there.add_argument("--force", action="store_true", help="replace a data set that is there already")
     there.add_argument(
@@ -113,7 +119,7 @@ def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace) -> Iterato
 @contextmanager
 def _bar(recipe: Recipe) -> Iterator[Progress | None]:
     """A progress bar on a terminal; maps that are there already are of no weight in the time that is left."""
-    if not (sys.stderr and sys.stderr.isatty()):
+    if not watched():
         yield None
         return
     from tqdm import tqdm

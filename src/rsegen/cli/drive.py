@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, replace
@@ -12,9 +11,10 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from rsegen.chance import SEEDS, fresh_seed
+from rsegen.cli.bar import watched
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.worlds import World, world_of
-from rsegen.codec import to_json
+from rsegen.codec import map_json
 from rsegen.driving.crew import ROUTES, beyond, crew, easy
 from rsegen.driving.drive import Drive, Driver, driven
 from rsegen.driving.sketch import sketch
@@ -151,7 +151,7 @@ def _files(scene: Scene, drive: Drive, told: Mapping[str, object]) -> dict[PureP
     return {
         **tracks,
         PurePosixPath("contacts.csv"): [row.encode() for row in csv(drive.looks, drive.tracks)],
-        PurePosixPath("recipe.json"): [to_json(scene.alone).encode()],
+        PurePosixPath("recipe.json"): [map_json(scene.recipe, scene.index)],
         PurePosixPath("drive.json"): [json.dumps(told, indent=2).encode() + b"\n"],
         PurePosixPath("drive.png"): [sketch(scene, drive.tracks)],
     } | ({PurePosixPath("gazebo.jpg"): [drive.seen]} if drive.seen else {})
@@ -179,7 +179,7 @@ def _crossed(trip: Trip) -> str:
 @contextmanager
 def _bar(seconds: float) -> Iterator[Callable[[float], None]]:
     """A progress bar on a terminal."""
-    if not (sys.stderr and sys.stderr.isatty()):
+    if not watched():
         yield lambda _: None
         return
     from tqdm import tqdm

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from rsegen.cli.bar import watched
 from rsegen.cli.flags import Subparsers
 from rsegen.experiment.plan import PLANS, Cell, Plan, load_plan
 from rsegen.experiment.run import NOTEBOOK, experiment
@@ -45,7 +46,7 @@ def run(arguments: argparse.Namespace) -> None:
 def _bar(plan: Plan) -> Iterator[Callable[[int, Cell], None]]:
     """A progress bar on a terminal, with the time that is left; else a line for every trial."""
     trials = len(plan.cells) * plan.repeats
-    if not (sys.stderr and sys.stderr.isatty()):
+    if not watched():
         yield lambda done, cell: print(f"{done + 1} of {trials}: {cell.name}", file=sys.stderr, flush=True)
         return
     from tqdm import tqdm

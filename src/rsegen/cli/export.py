@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator
-from contextlib import nullcontext
 from typing import Any
 
 from rsegen.cli.bar import counting
 from rsegen.cli.flags import Subparsers, folder
 from rsegen.cli.formats import add_option_flags, formats_of, listed
+from rsegen.cli.generate import add_workers_flag, workers_from
 from rsegen.cli.targets import add_target_flags, found, recipe_files
 from rsegen.dataset.naming import recipe_in
 from rsegen.exporting import ExportedMap, export_maps
@@ -38,6 +38,7 @@ def add(commands: Subparsers) -> None:
     )
     command.add_argument("--force", action="store_true", help="replace what was exported there before")
     command.add_argument("--json", action="store_true", help="print a summary for programs")
+    add_workers_flag(command)
     add_option_flags(command)
     command.set_defaults(run=run)
 
@@ -46,9 +47,15 @@ def run(arguments: argparse.Namespace) -> None:
     """Export, and say what was written."""
     formats = formats_of("--to", arguments.to, arguments)
     recipes = _recipes(arguments.target, arguments.map)
-    maps = sum(recipe.maps for recipe in recipes)
-    with counting(maps) if maps > 1 else nullcontext() as progress:
-        made = export_maps(recipes, arguments.output, formats, force=arguments.force, progress=progress)
+    with counting(sum(recipe.maps for recipe in recipes)) as progress:
+        made = export_maps(
+            recipes,
+            arguments.output,
+            formats,
+            force=arguments.force,
+            workers=workers_from(arguments),
+            progress=progress,
+        )
     if arguments.json:
         print(json.dumps([_summary(one) for one in made], indent=2))
     else:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import argparse
 import os.path
 import shlex
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from rsegen.cli.inventory import inventory_in
@@ -37,13 +39,21 @@ def folder(text: str) -> Path:
 def add_recipe_flags(command: argparse.ArgumentParser, over: str = "RECIPE") -> None:
     """Every global parameter and `--obstacle`, over what a file of that name says."""
     group = command.add_argument_group("recipe", f"each overrides what {over} says")
+    untold = ("seed", "description") if over == "RECIPE" else parameters(Recipe)
     defaults = Recipe(seed=0)
-    for name, parameter in parameters(Recipe).items():
-        told = over == "RECIPE" and name not in ("seed", "description")
-        usual = f", {_plain(getattr(defaults, name))} by default" if told else ""
-        text = f"{parameter.help} ({parameter.describe()}{usual})".replace("%", "%%")
-        group.add_argument(flag(name), dest=name, metavar=_metavar(name), help=text)
+    usual = {name: getattr(defaults, name) for name in parameters(Recipe) if name not in untold}
+    add_parameter_flags(group, Recipe, usual)
     group.add_argument("--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=OBSTACLE_HELP)
+
+
+def add_parameter_flags(
+    command: argparse._ActionsContainer, owner: type, usual: Mapping[str, object] = MappingProxyType({})
+) -> None:
+    """Every parameter of a dataclass, with the value that it usually has, where that is to be told."""
+    for name, parameter in parameters(owner).items():
+        told = f", {_plain(usual[name])} by default" if name in usual else ""
+        text = f"{parameter.help} ({parameter.describe()}{told})".replace("%", "%%")
+        command.add_argument(flag(name), dest=name, metavar=_metavar(name), help=text)
 
 
 def flag(name: str) -> str:

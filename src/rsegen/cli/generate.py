@@ -5,20 +5,21 @@ from __future__ import annotations
 import argparse
 import json
 import shlex
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from rsegen.cli.bar import watched
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
 from rsegen.cli.formats import add_option_flags, formats_of
 from rsegen.extras import Extras
 from rsegen.formats import FORMATS
-from rsegen.pipeline import WORKERS, Generated, GeneratedMap, generate
+from rsegen.pipeline import Generated, GeneratedMap, generate
 from rsegen.proof import told
 from rsegen.recipe import Recipe
 from rsegen.resume import standing
 from rsegen.scene import compose
+from rsegen.work import WORKERS
 from rsegen.workers import cores
 
 _SHOWN = 10
@@ -179,7 +180,7 @@ def _how_to_open(one: GeneratedMap, folder: Path, simulator: str) -> Iterator[st
 @contextmanager
 def _bar(recipe: Recipe) -> Iterator[Callable[[GeneratedMap], None] | None]:
     """A progress bar on a terminal, where there is something to wait for; maps that are there already count as done."""
-    if recipe.maps == 1 or not (sys.stderr and sys.stderr.isatty()):
+    if recipe.maps == 1 or not watched():
         yield None
         return
     from tqdm import tqdm

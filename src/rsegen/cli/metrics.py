@@ -13,14 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from rsegen.chart import chart
-from rsegen.cli.flags import Subparsers, given
+from rsegen.cli.flags import Subparsers, add_parameter_flags, given
 from rsegen.cli.measured import Measured, report
 from rsegen.cli.targets import add_target_flags, every
 from rsegen.drawing import picture_format
 from rsegen.errors import ParameterError
 from rsegen.metrics import Climber, Metrics, metrics
 from rsegen.metrics.entry import entry, row
-from rsegen.params import parameters
 from rsegen.robots import ROBOTS, robot
 from rsegen.room import BYTES_A_CELL_OF_METRICS
 from rsegen.scene import Scene
@@ -41,9 +40,7 @@ def add(commands: Subparsers) -> None:
     add_target_flags(command, usual="all")
     group = command.add_argument_group("robot", "the figures of a kind, each overridden by a flag")
     group.add_argument("--robot", metavar="KIND", help="what a robot of rsegen climbs, and its width")
-    for name, parameter in parameters(Climber).items():
-        text = f"{parameter.help} ({parameter.describe()})"
-        group.add_argument(f"--{name.replace('_', '-')}", dest=name, metavar="CM", help=text)
+    add_parameter_flags(group, Climber)
     form = command.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print a list for programs, lengths in metres")
     form.add_argument("--csv", action="store_true", help="print a table for programs, lengths in metres")

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import asdict
 from pathlib import Path
 
-from rsegen.cli.flags import Subparsers, flag, given
+from rsegen.cli.flags import Subparsers, add_parameter_flags, given
 from rsegen.cli.targets import add_target_flags, found
 from rsegen.errors import ParameterError
-from rsegen.exporting import write_sheets
-from rsegen.params import parameters
-from rsegen.sheet import Saw, sheet_format
+from rsegen.sheet import Saw, sheet_format, write_sheets
 
 
 def add(commands: Subparsers) -> None:
@@ -26,11 +25,7 @@ def add(commands: Subparsers) -> None:
     command.add_argument("-o", "--output", required=True, metavar="FILE", help="pdf or csv, by its ending")
     command.add_argument("--csv", metavar="FILE", help="write the same as CSV, too: a row for each cell")
     command.add_argument("--force", action="store_true", help="replace files that are there already")
-    group = command.add_argument_group("sawing")
-    usual = Saw()
-    for name, parameter in parameters(Saw).items():
-        text = f"{parameter.help} ({parameter.describe()}, {getattr(usual, name):g} by default)"
-        group.add_argument(flag(name), dest=name, metavar=name.rpartition("_")[2].upper(), help=text)
+    add_parameter_flags(command.add_argument_group("sawing"), Saw, asdict(Saw()))
     command.set_defaults(run=run)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
@@ -38,11 +38,10 @@ from rsegen.dataset.reading import Dataset
 from rsegen.dataset.tables import arrow, npy, table
 from rsegen.errors import OutputError, ParameterError
 from rsegen.metrics.many import many
-from rsegen.pipeline import WORKERS, WORTHWHILE
 from rsegen.recipe import Recipe
 from rsegen.room import BYTES_A_CELL_OF_METRICS, maps_at_once, refuse_full, refuse_too_large
 from rsegen.stepfield import Levels
-from rsegen.workers import shared_out
+from rsegen.work import WORKERS, each
 from rsegen.writer import parent_of, refuse_not_a_folder, told, write_file
 
 _OURS = re.compile(r"(levels-[0-9]{5,}\.npy|metrics-[0-9]{5,}\.(npy|parquet)|manifest\.json)")
@@ -111,7 +110,12 @@ class Order:
         n_x, n_y = self.layout.recipe.grid.shape
         return self.layout.shard_maps * (3e-5 * len(self.layout.recipe.obstacles) + n_x * n_y * 1.5e-7)
 
-    def __call__(self, numbers: Sequence[int]) -> tuple[Shard, ...]:
+    @property
+    def at_once(self) -> int:
+        """How many fit into memory together."""
+        return maps_at_once(self.layout.recipe)
+
+    def __call__(self, numbers: Iterable[int]) -> tuple[Shard, ...]:
         """Shards, on disk."""
         return tuple(map(self.made, numbers))
 
@@ -233,10 +237,6 @@ _Maker = Callable[[Order, frozenset[int]], Generator[Shard, None, None]]
 def _made(order: Order, there: frozenset[int], *, workers: int, scheduler: str | None) -> Generator[Shard, None, None]:
     """The shards that are not there, made by a cluster, by workers where that is quicker, or here."""
     left = [number for number in range(order.layout.shards) if number not in there]
-    workers = min(workers, len(left), maps_at_once(order.layout.recipe))
-    if scheduler is not None and left:
-        yield from on_cluster(order.made, left, scheduler=scheduler, workers=workers)
-    elif workers <= 1 or len(left) * order.seconds < WORTHWHILE:
-        yield from map(order.made, left)
-    else:
-        yield from shared_out(order, left, batch=1, workers=workers)
+    if scheduler is None or not left:
+        return each(order, left, workers)
+    return on_cluster(order.made, left, scheduler=scheduler, workers=min(workers, len(left), order.at_once))

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import PurePosixPath
 from typing import Protocol
 
-from rsegen.codec import to_json
+from rsegen.codec import map_json
 from rsegen.export import multi, pallet, single
 from rsegen.export.levels import csv
 from rsegen.proof import proof
@@ -44,5 +44,5 @@ def export(scene: Scene) -> Bundle:
     files["levels.csv"] = csv(scene.field)
     if scene.recipe.is_constrained:
         files["constraints.json"] = [(json.dumps(proof(scene), indent=2) + "\n").encode()]
-    files["recipe.json"] = [to_json(scene.alone).encode()]
+    files["recipe.json"] = [map_json(scene.recipe, scene.index)]
     return {PurePosixPath(path): content for path, content in files.items()}

@@ -7,6 +7,7 @@ Coordinates come from few lines and indices from a count, so each text is made o
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from rsegen.export.numbers import decimal
 from rsegen.geometry import NORMALS, Mesh
 from rsegen.scene import Scene
+from rsegen.stepfield import Ints
 
 _Texts = NDArray[np.void]
 """Texts of one width, filled up with zero bytes, as items of that many bytes."""
@@ -55,20 +57,31 @@ def _vertices(mesh: Mesh) -> Iterator[bytes]:
     texts = [_texts([f" {decimal(value)}" for value in line.tolist()]) for line in mesh.lines]
     for strip in _strips(0, len(mesh.places)):
         columns = [text[at] for text, at in zip(texts, mesh.places[strip].T, strict=True)]
-        yield _lines([b"v", *columns, b"\n"], len(columns[0]))
+        yield _bare(_page([b"v", *columns, b"\n"], len(columns[0])))
 
 
 def _faces(mesh: Mesh, first: int) -> Iterator[bytes]:
     """A group for each material, in whose order the faces are; `first` is the number of the first vertex."""
     numbers = _counted(first, len(mesh.places))
     normals = _texts([f"//{number + 1}" for number in range(len(NORMALS))])
-    for material in np.flatnonzero(np.bincount(mesh.materials)).tolist():
-        name = material_name(material)
-        yield f"g {name}\nusemtl {name}\n".encode()
-        for strip in _strips(*np.searchsorted(mesh.materials, [material, material + 1]).tolist()):
-            normal = normals[mesh.normals[strip]]
-            corners = [part for corner in mesh.faces[strip].T for part in (b" ", numbers[corner], normal)]
-            yield _lines([b"f", *corners, b"\n"], len(normal))
+    before = -1
+    for strip in _strips(0, len(mesh.faces)):
+        normal = normals[mesh.normals[strip]]
+        corners = [part for corner in mesh.faces[strip].T for part in (b" ", numbers[corner], normal)]
+        page = _page([b"f", *corners, b"\n"], len(normal))
+        for material, lines in _groups(mesh.materials[strip]):
+            if material != before:
+                name = material_name(material)
+                yield f"g {name}\nusemtl {name}\n".encode()
+            yield _bare(page[lines])
+            before = material
+
+
+def _groups(materials: Ints) -> Iterator[tuple[int, slice]]:
+    """Each material, and where in the row it is."""
+    changes = np.flatnonzero(materials[1:] != materials[:-1]) + 1
+    for low, high in pairwise([0, *changes.tolist(), len(materials)]):
+        yield int(materials[low]), slice(low, high)
 
 
 def _strips(start: int, stop: int) -> Iterator[slice]:
@@ -94,10 +107,15 @@ _PADDED = np.array([f"{number:04d}" for number in range(10_000)], dtype="S4").vi
 _BARE = np.array([f"{number}" if number else "" for number in range(10_000)], dtype="S4").view(np.uint32)
 
 
-def _lines(parts: Sequence[_Texts | bytes], count: int) -> bytes:
+def _page(parts: Sequence[_Texts | bytes], count: int) -> _Texts:
     """`count` lines: in each the texts of all parts, one after the other; a part of bytes is the same in every line."""
     widths = [f"S{len(part)}" if isinstance(part, bytes) else part.dtype for part in parts]
     page = np.empty(count, dtype=[(str(number), width) for number, width in enumerate(widths)])
     for number, part in enumerate(parts):
         page[str(number)] = part
+    return page
+
+
+def _bare(page: _Texts) -> bytes:
+    """The lines as bytes, without what filled them up."""
     return page.tobytes().translate(None, b"\0")

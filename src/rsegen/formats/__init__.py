@@ -9,7 +9,7 @@ import json
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePosixPath
 
-from rsegen.codec import to_json
+from rsegen.codec import map_json
 from rsegen.errors import ParameterError
 from rsegen.export import Bundle
 from rsegen.formats.base import FORMATS, Extra, Format
@@ -51,7 +51,7 @@ def added(scene: Scene, formats: Sequence[Format]) -> Bundle:
 
 def exported(scene: Scene, formats: Sequence[Format]) -> Bundle:
     """The files of a map in these formats alone, with the recipe that makes it again."""
-    return {PurePosixPath("recipe.json"): [to_json(scene.alone).encode()], **added(scene, formats)}
+    return {PurePosixPath("recipe.json"): [map_json(scene.recipe, scene.index)], **added(scene, formats)}
 
 
 def bytes_a_cell(formats: Iterable[Format]) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import fsum
 from typing import NamedTuple
@@ -23,9 +24,13 @@ class Asked(NamedTuple):
     rms: float
 
 
-def mean(plan: Plan) -> float:
-    """The mean rms step of its fields as they are, metres; 0 where none has steps."""
-    found = [_rms(plan.whole(number)) for number in range(1 if plan.same_field else plan.recipe.maps)]
+def rms_full(plan: Plan, number: int) -> float | None:
+    """The rms step of the field of map `number` as it is, metres; None where it has no steps."""
+    return _rms(plan.whole(number))
+
+
+def mean(found: Sequence[float | None]) -> float:
+    """The mean of such rms steps, a field without steps counted as 0."""
     return fsum(each or 0 for each in found) / len(found)
 
 

@@ -37,6 +37,11 @@ class Plan:
             raise ParameterError("difficulty", f"{given} is for maps of one difficulty; give a series from and to")
         self.whole(self.recipe.maps - 1)
 
+    @property
+    def fields(self) -> range:
+        """A number of a map for each of its fields."""
+        return range(1 if self.same_field else self.recipe.maps)
+
     def difficulty(self, number: int) -> float:
         """The difficulty of map `number`, counted from 0, with the mean of the fields as 1."""
         return round(self.from_ + (self.to - self.from_) * number / (self.recipe.maps - 1), DIGITS)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import closing
 from dataclasses import dataclass, replace
+from math import prod
 from pathlib import Path
 
 from rsegen.codec import to_json
 from rsegen.errors import ParameterError
 from rsegen.extras import Extras
 from rsegen.formats import Format
-from rsegen.pipeline import WORKERS, GeneratedMap, carried_out, made, seconds
+from rsegen.pipeline import GeneratedMap, made, seconds
 from rsegen.recipe import Recipe
 from rsegen.resume import is_complete
 from rsegen.room import (
@@ -23,9 +23,10 @@ from rsegen.room import (
     refuse_too_many,
 )
 from rsegen.scene import compose
-from rsegen.series.line import asked, mean
+from rsegen.series.line import asked, mean, rms_full
 from rsegen.series.plan import Plan
 from rsegen.series.row import Row, measured, table
+from rsegen.work import WORKERS, carried_out, each
 from rsegen.writer import clear_away, refuse_not_a_folder, refuse_taken, refuse_taken_file, write_file
 
 TABLE, PICTURE = "series.csv", "series.png"
@@ -84,11 +85,30 @@ def series(  # noqa: PLR0913  # each is a flag of the command
     refuse_too_large(plan.recipe, _BYTES_A_CELL + extras.bytes_a_cell)
     refuse_not_a_folder(folder)
     refuse_too_many(plan.recipe.maps, folder)
-    work = _ordered(plan, folder, extras, force=force, resume=resume)
-    found = _done(work, workers, progress)
+    work = _Work(plan=plan, folder=folder, replace=force or resume, extras=extras, resume=resume)
+    work = _ready(work, workers)
+    found = carried_out(work, work.numbers, workers, progress and (lambda done: progress(done[0])))
     rows, made_ones = tuple(row for row, _ in found), tuple(one for _, one in found if one)
     _write_both(plan, rows, folder, force=force or resume)
     return Series(plan=plan, folder=folder, rows=rows, maps=made_ones)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Fields:
+    """What the fields of a series measure as they are."""
+
+    plan: Plan
+
+    @property
+    def seconds(self) -> float:
+        return 1.5e-4 + prod(self.plan.recipe.grid.shape) * 3e-8
+
+    @property
+    def at_once(self) -> int:
+        return maps_at_once(self.plan.recipe, _BYTES_A_CELL)
+
+    def __call__(self, numbers: Iterable[int], /) -> tuple[float | None, ...]:
+        return tuple(rms_full(self.plan, number) for number in numbers)
 
 
 Done = tuple[Row, GeneratedMap | None]
@@ -120,10 +140,10 @@ class _Work:
         return maps_at_once(self.plan.recipe, _BYTES_A_CELL + self.extras.bytes_a_cell)
 
     def home(self, number: int) -> Path:
-        return self.folder / self.plan.map_name(number)
+        return self.folder / self.map_name(number)
 
-    def is_named(self, name: str) -> bool:
-        return any(self.plan.map_name(number) == name for number in self.numbers)
+    def map_name(self, number: int) -> str:
+        return self.plan.map_name(number)
 
     def __call__(self, numbers: Iterable[int], /) -> tuple[Done, ...]:
         return tuple(map(self.done, numbers))
@@ -148,28 +168,17 @@ class _Work:
         return is_complete(str(home), to_json(recipe).encode(), self.extras.stand)
 
 
-def _ordered(plan: Plan, folder: Path, extras: Extras, *, force: bool, resume: bool) -> _Work:
-    """What is to be done, with nothing in its way."""
-    work = _Work(plan=plan, folder=folder, replace=force or resume, extras=extras, resume=resume)
+def _ready(work: _Work, workers: int) -> _Work:
+    """The same with its mean, and nothing in its way."""
     for name in (TABLE, PICTURE):
-        refuse_taken_file(folder / name, force=force or resume)
-    if not resume:
-        refuse_taken(map(work.home, work.numbers), force=force)
-    work = replace(work, mean=mean(plan))
-    if resume:
+        refuse_taken_file(work.folder / name, force=work.replace)
+    if not work.resume:
+        refuse_taken(map(work.home, work.numbers), force=work.replace)
+    work = replace(work, mean=mean(tuple(each(_Fields(plan=work.plan), work.plan.fields, workers))))
+    if work.resume:
         work.refuse_others()
-        clear_away(folder, work.is_named)
+        clear_away(work.folder, lambda name: name in map(work.map_name, work.numbers))
     return work
-
-
-def _done(work: _Work, workers: int, progress: Callable[[Row], None] | None) -> list[Done]:
-    found = []
-    with closing(carried_out(work, work.numbers, len(work.numbers), workers)) as maps:
-        for row, one in maps:
-            found.append((row, one))
-            if progress:
-                progress(row)
-    return found
 
 
 def _write_both(plan: Plan, rows: tuple[Row, ...], folder: Path, *, force: bool) -> None:

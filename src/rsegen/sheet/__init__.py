@@ -6,17 +6,19 @@ Scene --listing--> a row for each cell --> CSV, which `rsegen import` reads
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rsegen.drawing import saved_pages
 from rsegen.errors import FileError, ParameterError, UnknownName
 from rsegen.recipe import Recipe
-from rsegen.scene import Scene
+from rsegen.room import refuse_too_large
+from rsegen.scene import Scene, compose
 from rsegen.sheet.listing import listing
 from rsegen.sheet.order import in_order
 from rsegen.sheet.saw import Saw
+from rsegen.writer import refuse_taken_file, write_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,6 +48,33 @@ def sheet(
     if format == "csv":
         return "".join(listing(scene, saw)).encode()
     return saved_pages(_told(pages(scene, saw), progress), scene)
+
+
+def write_sheets(
+    recipe: Recipe,
+    index: int,
+    paths: Iterable[Path],
+    saw: Saw | None = None,
+    *,
+    force: bool = False,
+    progress: Callable[[object], None] | None = None,
+) -> Scene:
+    """Write the build sheet of one map into files, each in the format that its name asks for; gives the map.
+
+    Nothing is written before all of them are made; `progress` is told of each page of a PDF. Raises an OutputError
+    where a file is there already, unless `force`; TooLarge or a ParameterError where the map has no sheet.
+    """
+    saw = saw or Saw()
+    formats = {path: sheet_format(path) for path in paths}
+    for path in formats:
+        refuse_taken_file(path, force=force)
+    refuse_too_large(recipe)
+    refuse_unbuildable(recipe, saw)
+    scene = compose(recipe, index)
+    made = {path: sheet(scene, saw, format_, progress=progress) for path, format_ in formats.items()}
+    for path, content in made.items():
+        write_file([content], path, force=force)
+    return scene
 
 
 def pages(scene: Scene, saw: Saw) -> Iterator[Figure]:
@@ -87,7 +116,7 @@ def refuse_unbuildable(recipe: Recipe, saw: Saw) -> None:
     if m_x * m_y > MOST_PALLETS or n_x * n_y > MOST_BLOCKS:
         amiss = f"{m_x * m_y:,} pallets with {n_x * n_y:,} blocks are too many for a build sheet"
         raise ParameterError("chunks", f"{amiss}; give up to {MOST_PALLETS} with {MOST_BLOCKS:,}")
-    saw.check(recipe.top_level * recipe.unit_cm, "blocks of the highest level")
+    saw.check(recipe.highest_level * recipe.unit_cm, "blocks of the highest level")
 
 
 def _told(figures: Iterator[Figure], progress: Callable[[Figure], None] | None) -> Iterator[Figure]:
@@ -97,4 +126,4 @@ def _told(figures: Iterator[Figure], progress: Callable[[Figure], None] | None) 
             progress(figure)
 
 
-__all__ = ["FORMATS", "Saw", "page_count", "pages", "refuse_unbuildable", "sheet", "sheet_format"]
+__all__ = ["FORMATS", "Saw", "page_count", "pages", "refuse_unbuildable", "sheet", "sheet_format", "write_sheets"]
