@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from rsegen.export import MESH_TYPES, export
 from rsegen.export.obj import faces
 from rsegen.proof import missing
+from rsegen.recipe import Recipe
 from rsegen.scene import Scene
 
 MANY = 1000
@@ -62,6 +63,8 @@ def warnings(scene: Scene) -> tuple[str, ...]:
         found.append("every block is at level 0: there is nothing to see but frames and ground")
     if lacks := missing(scene):
         found.append(lacks)
+    if _is_lost_on_meshes(scene.recipe):
+        found.append("Gazebo Sim gives every mesh a friction of 1; for that of the recipe give collision boxes")
     mesh_type = MESH_TYPES[scene.recipe.mesh_type]
     models = mesh_type.models(scene)
     if models > MANY:
@@ -75,3 +78,9 @@ def warnings(scene: Scene) -> tuple[str, ...]:
             "load and to step, Gazebo Sim several times the CPU; collision mesh costs next to nothing"
         )
     return tuple(found)
+
+
+def _is_lost_on_meshes(recipe: Recipe) -> bool:
+    """Whether a simulator that the map is for takes no notice of its friction."""
+    is_mesh = recipe.collision == "mesh" and recipe.mesh_type != "multi"
+    return recipe.simulator == "both" and is_mesh and not (recipe.friction == 1 and recipe.is_of_one_friction)

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rsegen import Scene, compose
-from rsegen.account import account
+from rsegen.account import account, warnings
 from rsegen.cli import main
 from rsegen.codec import decode
 from rsegen.export import MESH_TYPES, export
@@ -226,3 +227,21 @@ def test_a_map_of_a_data_set_has_the_frictions_of_its_recipe(tmp_path: Path) -> 
     text = (tmp_path / "worlds" / world).read_text()
     assert text == (tmp_path / "plain" / world).read_text()
     assert [f"<mu>{friction}</mu>" in text for friction in ("1", "0.9", "0.1", "0.2")] == [True] * 4
+
+
+@pytest.mark.parametrize(
+    ("changes", "is_told"),
+    [
+        ({}, False),
+        ({"friction": 0.5}, True),
+        ({"level_friction": (0.5,)}, True),
+        ({"level_friction": (1.0,)}, False),
+        ({"friction": 0.5, "collision": "boxes"}, False),
+        ({"friction": 0.5, "mesh_type": "multi"}, False),
+        ({"friction": 0.5, "mesh_type": "pallet"}, True),
+        ({"friction": 0.5, "simulator": "classic"}, False),
+    ],
+)
+def test_friction_that_gazebo_sim_does_not_take_is_told(changes: dict[str, Any], is_told: bool) -> None:
+    scene = compose(decode({**SMALL, **changes}))
+    assert any("friction of 1" in text for text in warnings(scene)) == is_told
