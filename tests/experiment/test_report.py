@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv as reading
 import io
+from dataclasses import replace
 
 import pytest
 from PIL import Image
@@ -45,8 +46,18 @@ def test_the_page_has_medians_and_the_paper_s_figures_beside_them(results: Resul
         "0.99, 0.99, 0.99", "20 % of a core", "170 MB", "1.0 s", "4.0", "0.80", *FIGURES["burger"][80],
     ]  # fmt: skip
     assert found["20 x 20"][5] == "0.80"
+    assert "on the wall, in real time and at full speed." in text
     assert len(found["20 x 20"]) == 6
     assert "## 3 jackal, unit 1 cm, 5 levels, mesh blocks" in text
+
+
+def test_a_row_without_an_empty_world_is_held_against_that_of_the_same_robots(results: Results) -> None:
+    jackal = replace(PLAN.rows[1], sizes=(20,))
+    for number, (robots, found) in enumerate([(3, "0.80"), (2, "-")], 2):
+        plan = replace(PLAN, rows=(*PLAN.rows, *[replace(jackal, robots=robots)] * (number - 1)), paces=("free",))
+        outcomes = {**results, Cell(row=number, size=20, pace="free"): [outcome(4.0)]}
+        assert rows(page(plan, outcomes, MACHINE))["20 x 20"][5] == found
+        assert "on the wall, at full speed." in page(plan, outcomes, MACHINE)
 
 
 def test_a_page_of_nothing_yet_has_no_rows_of_figures() -> None:

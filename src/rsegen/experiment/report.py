@@ -8,9 +8,11 @@ from dataclasses import fields
 from statistics import median
 
 from rsegen.experiment.paper import COMPUTER, FIGURES
-from rsegen.experiment.plan import Cell, Plan
+from rsegen.experiment.plan import Cell, Plan, Row
 from rsegen.experiment.results import Results
 from rsegen.experiment.trial import Outcome
+
+_PACES = {"real": "in real time", "free": "at full speed"}
 
 
 def page(plan: Plan, results: Results, machine: Mapping[str, str]) -> str:
@@ -65,12 +67,17 @@ def middle(outcomes: Sequence[Outcome], name: str) -> float | None:
 
 def _head(plan: Plan, machine: Mapping[str, str]) -> Iterator[str]:
     yield f"# Experiment: {plan.name}\n"
-    yield f"Made by `rsegen experiment {plan.name}`: {plan.repeats} trials of each cell in mixed order, medians;"
-    yield f"robots wander for {plan.seconds:g} seconds by the clock on the wall, in real time and at full speed."
+    yield f"Made by `rsegen experiment {plan.name}`: {_trials(plan)} in mixed order;"
+    paces = " and ".join(_PACES[pace] for pace in plan.paces)
+    yield f"robots wander for {plan.seconds:g} seconds by the clock on the wall, {paces}."
     yield "No window, so no GPU load and no frames a second.\n"
     yield "| machine | |\n|---|---|"
     yield from (f"| {name} | {value} |" for name, value in machine.items())
     yield f"\nThe paper's computer: {COMPUTER}; with a window.\n"
+
+
+def _trials(plan: Plan) -> str:
+    return "one trial of each cell" if plan.repeats == 1 else f"medians of {plan.repeats} trials of each cell"
 
 
 def _row(plan: Plan, number: int, results: Results) -> Iterator[str]:
@@ -87,7 +94,7 @@ def _row(plan: Plan, number: int, results: Results) -> Iterator[str]:
             beside = printed.get(size, ("", "", ""))
             yield (
                 "| "
-                + " | ".join([*_cells(size, real, free, _of(results, number, 0, "free")), *(beside if printed else ())])
+                + " | ".join([*_cells(size, real, free, _empty(plan, results, row)), *(beside if printed else ())])
                 + " |"
             )
     yield ""
@@ -105,6 +112,12 @@ def _cells(size: int, real: Sequence[Outcome], free: Sequence[Outcome], empty: S
         _plain(speed, 1),
         f"{speed / usual:.2f}" if speed and usual else "-",
     ]
+
+
+def _empty(plan: Plan, results: Results, row: Row) -> Sequence[Outcome]:
+    """The same robots in an empty world at full speed, in whichever row they were."""
+    alike = (number for number, each in enumerate(plan.rows) if (each.robot, each.robots) == (row.robot, row.robots))
+    return next((found for number in alike if (found := _of(results, number, 0, "free"))), ())
 
 
 def _of(results: Results, row: int, size: int, pace: str) -> Sequence[Outcome]:
