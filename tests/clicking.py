@@ -2,12 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QMessageBox, QWidget
 
+    from rsegen.gui.window import Window
+
 Kind = TypeVar("Kind", bound="QWidget")
+
+
+@contextmanager
+def shown(window: Window) -> Iterator[None]:
+    """The window on the screen, as long as this lasts, and then closed without a question."""
+    from PySide6.QtTest import QTest
+
+    from rsegen.gui.session import Session
+
+    window.show()
+    QTest.qWaitForWindowExposed(window)
+    yield
+    window.take(Session.new())
+    window.close()
 
 
 def find(within: QWidget, kind: type[Kind], name: str) -> Kind:

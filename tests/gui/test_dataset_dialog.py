@@ -19,7 +19,7 @@ from PySide6.QtGui import QAction, QDropEvent, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox, QFileDialog, QLabel, QMenu, QMessageBox, QSpinBox
 
-from clicking import active, answer, find, typed
+from clicking import active, answer, find, shown, typed
 from rsegen import Dataset, Placement, Random, Recipe, build, compose, make_dataset
 from rsegen.gui.dataset_dialog import SIDE, DatasetDialog
 from rsegen.gui.files import fill_recent, open_file
@@ -38,11 +38,8 @@ Said = QMessageBox.StandardButton
 @pytest.fixture
 def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
-    window.show()
-    QTest.qWaitForWindowExposed(window)
-    yield window
-    window.take(Session.new())
-    window.close()
+    with shown(window):
+        yield window
 
 
 @pytest.fixture

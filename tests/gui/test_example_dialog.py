@@ -14,6 +14,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QListWidget
 
+from clicking import shown
 from rsegen import load
 from rsegen.examples import EXAMPLES
 from rsegen.gui.application import _session_of
@@ -29,12 +30,9 @@ CONTROL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftM
 @pytest.fixture
 def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
-    window.show()
     window.activateWindow()
-    QTest.qWaitForWindowExposed(window)
-    yield window
-    window.take(Session.new())
-    window.close()
+    with shown(window):
+        yield window
 
 
 @pytest.fixture

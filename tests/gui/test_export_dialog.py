@@ -20,7 +20,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QMessageBox, QPushButton, QWidget
 
-from clicking import active, answer, click, find, said, typed
+from clicking import active, answer, click, find, said, shown, typed
 from rsegen import build, compose, generate, save
 from rsegen.cli import main
 from rsegen.formats import FORMATS, base, summary
@@ -38,11 +38,8 @@ CONTROL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftM
 def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     window.session.add({"kind": "random", "max_height": 3})
-    window.show()
-    QTest.qWaitForWindowExposed(window)
-    yield window
-    window.take(Session.new())
-    window.close()
+    with shown(window):
+        yield window
 
 
 def opened(window: Window, folder: Path) -> ExportDialog:

@@ -11,9 +11,9 @@ import pytest
 pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]'")
 
 from PySide6.QtGui import QAction
-from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 
+from clicking import shown
 from rsegen import load
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
@@ -30,15 +30,12 @@ def programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @contextmanager
 def opened(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
-    window.show()
-    QTest.qWaitForWindowExposed(window)
-    run = next(menu for menu in window.menuBar().findChildren(QMenu) if menu.title() == "&Run")
-    run.popup(window.pos())
-    until(lambda: "looking for it" not in action(window, "Gazebo Sim").text())
-    run.close()
-    yield window
-    window.take(Session.new())
-    window.close()
+    with shown(window):
+        run = next(menu for menu in window.menuBar().findChildren(QMenu) if menu.title() == "&Run")
+        run.popup(window.pos())
+        until(lambda: "looking for it" not in action(window, "Gazebo Sim").text())
+        run.close()
+        yield window
 
 
 def action(window: Window, title: str) -> QAction:

@@ -14,6 +14,7 @@ from PySide6.QtCore import QObject, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QSpinBox
 
+from clicking import shown
 from rsegen import build
 from rsegen.gui.newest import Newest
 from rsegen.gui.session import Session
@@ -26,11 +27,8 @@ def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     window.resize(1280, 720)
     window.session.add({"kind": "random", "max_height": 5})
-    window.show()
-    QTest.qWaitForWindowExposed(window)
-    yield window
-    window.take(Session.new())
-    window.close()
+    with shown(window):
+        yield window
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from PySide6.QtGui import QAction, QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
+from clicking import shown
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
 
@@ -26,11 +27,8 @@ def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     for kind in KINDS:
         window.session.add({"kind": kind, "max_height": 3})
-    window.show()
-    QTest.qWaitForWindowExposed(window)
-    yield window
-    window.take(Session.new())
-    window.close()
+    with shown(window):
+        yield window
 
 
 def kinds(window: Window) -> list[str]:

@@ -15,7 +15,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox
 
-from clicking import active, answer, click, said, typed
+from clicking import active, answer, click, said, shown, typed
 from rsegen import Saw, build, compose, load, sheet
 from rsegen.cli import main
 from rsegen.gui.session import Session
@@ -33,11 +33,8 @@ def window(app: QApplication) -> Iterator[Window]:
     window.session.set("chunk_size", 4)
     window.session.set("maps", 3)
     window.session.add({"kind": "random", "max_height": 3})
-    window.show()
-    QTest.qWaitForWindowExposed(window)
-    yield window
-    window.take(Session.new())
-    window.close()
+    with shown(window):
+        yield window
 
 
 def opened(window: Window, folder: Path) -> SheetDialog:

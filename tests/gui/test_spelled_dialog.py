@@ -15,6 +15,7 @@ from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPlainTextEdit, QPushButton
 
+from clicking import shown
 from rsegen import generate
 from rsegen.cli import main
 from rsegen.gui.session import Session
@@ -29,12 +30,9 @@ def window(app: QApplication, tmp_path: Path) -> Iterator[Window]:
     window = Window(Session.new())
     window.session.add({"kind": "random", "max_height": 3})
     window.start_form.folder = tmp_path / "my worlds"
-    window.show()
     window.activateWindow()
-    QTest.qWaitForWindowExposed(window)
-    yield window
-    window.take(Session.new())
-    window.close()
+    with shown(window):
+        yield window
 
 
 @pytest.fixture
@@ -44,7 +42,7 @@ def dialog(window: Window) -> SpelledDialog:
     return found
 
 
-def shown(dialog: SpelledDialog, name: str) -> str:
+def spelled(dialog: SpelledDialog, name: str) -> str:
     (page,) = dialog.findChildren(QPlainTextEdit, name)
     assert page.isReadOnly()
     assert page.fontInfo().fixedPitch() or not page.fontInfo().exactMatch()
@@ -59,10 +57,10 @@ def test_the_command_and_the_program_make_what_start_makes(
     window: Window, dialog: SpelledDialog, tmp_path: Path
 ) -> None:
     generate(window.session.recipe, tmp_path / "expected")
-    assert main(shlex.split(shown(dialog, "command_line"))[1:]) == 0
+    assert main(shlex.split(spelled(dialog, "command_line"))[1:]) == 0
     assert files(tmp_path / "my worlds") == files(tmp_path / "expected")
     (tmp_path / "my worlds").rename(tmp_path / "first")
-    exec(shown(dialog, "python_code"), {})  # noqa: S102  # our own
+    exec(spelled(dialog, "python_code"), {})  # noqa: S102  # our own
     assert files(tmp_path / "my worlds") == files(tmp_path / "expected")
 
 
@@ -70,4 +68,4 @@ def test_the_command_and_the_program_make_what_start_makes(
 def test_either_is_copied_whole(dialog: SpelledDialog, name: str) -> None:
     (button,) = dialog.findChildren(QPushButton, f"copy_{name}")
     QTest.mouseClick(button, LEFT)
-    assert QGuiApplication.clipboard().text() == shown(dialog, name)
+    assert QGuiApplication.clipboard().text() == spelled(dialog, name)

@@ -15,6 +15,7 @@ from PySide6.QtGui import QAction, QDesktopServices
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QApplication, QCheckBox, QLabel, QLineEdit, QMessageBox, QPushButton
 
+from clicking import shown
 from rsegen import load
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
@@ -29,11 +30,8 @@ def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     window.resize(1280, 720)
     window.session.add({"kind": "random", "max_height": 3})
-    window.show()
-    QTest.qWaitForWindowExposed(window)
-    yield window
-    window.take(Session.new())
-    window.close()
+    with shown(window):
+        yield window
 
 
 def click(window: Window, name: str) -> None:

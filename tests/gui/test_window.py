@@ -29,6 +29,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from clicking import shown
 from rsegen import build, load
 from rsegen.gui.cells import fit
 from rsegen.gui.reading import Reading
@@ -46,11 +47,8 @@ USUAL = {"usual", "ScrollLeftButton", "ScrollRightButton"}
 def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     window.resize(1280, 720)
-    window.show()
-    QTest.qWaitForWindowExposed(window)
-    yield window
-    window.take(Session.new())
-    window.close()
+    with shown(window):
+        yield window
 
 
 Kind = TypeVar("Kind", bound=QWidget)
