@@ -73,6 +73,13 @@ def test_the_same_seed_gives_the_same_tracks_and_another_seed_others(
         assert first != third
 
 
+def test_a_rest_that_is_less_than_a_step_is_left_out(gazebo: Installation, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["drive", "turtlebot", "--duration", "1.0004", "--seed", "1", "--json"]) == 0
+    (robot,) = told(capsys)
+    assert robot["seconds"] == pytest.approx(1, abs=0.06)
+    assert robot["touched"]["base::caster"] == 0.5
+
+
 def test_wheels_touch_the_map_at_the_heights_of_its_blocks(gazebo: Installation, tmp_path: Path) -> None:
     assert main(["drive", str(course(tmp_path, 1)), "--duration", "15", "-o", str(tmp_path / "out")]) == 0
     with (tmp_path / "out" / "contacts.csv").open() as stream:

@@ -111,7 +111,7 @@ def drive_in_steps(
     routes = {driver.name: driver.route() for driver in drivers}
     period = min(route.period for route in routes.values())
     looks: list[tuple[float, Sequence[Contact]]] = []
-    for turn in range(ceil(seconds / period)):
+    for turn in range(ceil(round(seconds / step) / round(period / step))):
         poses = live.poses()
         if seen is not None:
             seen.append((turn * period, {driver.name: list(astuple(poses[driver.name])) for driver in drivers}))
