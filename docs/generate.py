@@ -60,6 +60,7 @@ def texts() -> dict[Path, str]:
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
         DOCS / "examples.md": "\n".join(_examples()) + "\n",
         DOCS / "experiment.md": experiments.page(*told(EXPERIMENT)) + PLOT,
+        DOCS / "burgers.md": experiments.page(*told(RESULTS / "burgers.json")),
         DOCS / "representations.md": experiments.page(*told(RESULTS / "representations.json")),
         DIFFICULTY: filled(DIFFICULTY.read_text("utf-8"), difficulty.table()),
         FORMATS_PAGE: filled(FORMATS_PAGE.read_text("utf-8"), _formats()),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv as reading
 import io
 from dataclasses import replace
+from math import pi, sqrt
 
 import pytest
 from PIL import Image
@@ -58,6 +59,16 @@ def test_a_row_without_an_empty_world_is_held_against_that_of_the_same_robots(re
         outcomes = {**results, Cell(row=number, size=20, pace="free"): [outcome(4.0)]}
         assert rows(page(plan, outcomes, MACHINE))["20 x 20"][5] == found
         assert "on the wall, at full speed." in page(plan, outcomes, MACHINE)
+
+
+def test_a_world_in_turns_with_an_empty_one_is_told_with_its_error(results: Results) -> None:
+    def beside(*shares: float) -> str:
+        outcomes = [replace(outcome(4.0), share=share) for share in shares]
+        text = page(PLAN, {**results, Cell(row=0, size=80, pace="beside"): outcomes}, MACHINE)
+        return rows(text)["80 x 80"][5]
+
+    assert beside(0.9) == "0.90"
+    assert beside(0.8, 0.9, 0.9, 1.0) == f"0.90 ± {sqrt(pi / 2 / 4 * 0.02 / 3):.2f}" == "0.90 ± 0.05"
 
 
 def test_a_page_of_nothing_yet_has_no_rows_of_figures() -> None:

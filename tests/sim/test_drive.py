@@ -17,6 +17,8 @@ from PIL import Image
 
 from rsegen import Matrix, Placement, Recipe, generate
 from rsegen.cli import main
+from rsegen.experiment.plan import Plan, Row
+from rsegen.experiment.trial import tried
 from rsegen.robots import ROBOTS
 from rsegen.simulators import Installation
 from sim.conftest import missing
@@ -54,7 +56,7 @@ def test_a_burger_crosses_steps_of_a_centimetre_and_no_higher_ones(
     assert (robot["stuck"] > 5) != crosses
     assert robot["tipped"] == 0
     assert robot["touched"]["base::caster"] > 0.5
-    assert ("base::hull" in robot["touched"]) != crosses
+    assert any(part.startswith("base::hull") for part in robot["touched"]) != crosses
     rows = np.loadtxt(tmp_path / "out" / "burger_0.csv", delimiter=",", skiprows=1)
     assert rows[:, 3].max() == pytest.approx(2 * unit_cm / 100 if crosses else 0, abs=0.015)
     with Image.open(tmp_path / "out" / "drive.png") as picture:
@@ -136,6 +138,14 @@ def test_an_experiment_goes_on_where_it_was_stopped(
         "summary.json",
         "plot.png",
     }
+
+
+def test_an_empty_world_in_turns_with_another_has_the_same_speed(gazebo: Installation) -> None:
+    plan = Plan(name="null", rows=(Row(robots=1, sizes=(0,)),), paces=("beside",), seconds=4)
+    outcome = tried(plan, plan.cells[0], 0, gazebo)
+    assert outcome.share == pytest.approx(1, abs=0.3)
+    assert outcome.cpu is outcome.rtf is None
+    assert outcome.speed > 0
 
 
 def test_gazebo_s_own_camera_shows_the_map_in_its_colours(gazebo: Installation, tmp_path: Path) -> None:

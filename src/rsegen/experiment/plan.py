@@ -17,8 +17,9 @@ from rsegen.recipe import Recipe
 from rsegen.recipe_file import content
 from rsegen.robots import ROBOTS
 
-PACES = ("real", "free")
-"""In real time, as people simulate, or as fast as the processor can, which shows what a map costs."""
+PACES = ("real", "free", "beside")
+"""In real time, as people simulate; as fast as the processor can, which shows what a map costs; so in turns, second by
+second, with an empty world, which tells the two apart on a noisy machine too."""
 
 PLANS = {path.name.removesuffix(".yaml"): path for path in files("rsegen.experiment").joinpath("plans").iterdir()}
 """The plans that come along, by name."""
@@ -92,10 +93,13 @@ class Plan:
 
     name: Annotated[str, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="of the experiment")]
     rows: tuple[Row, ...]
-    paces: Annotated[tuple[str, ...], Several(Choice(PACES), help="in real time, or as fast as can be")] = PACES
+    paces: Annotated[
+        tuple[str, ...],
+        Several(Choice(PACES), help="in real time, as fast as can be, or so beside an empty world"),
+    ] = ("real", "free")
     seconds: Annotated[float, Real(1, 1e5, unit="s", help="of each trial, once its world is there")] = 20.0
     repeats: Annotated[int, Whole(1, 1000, help="trials of each cell")] = 3
-    seed: Annotated[int, Whole(0, 2**63 - 1, help="of maps, places, routes and order")] = 1
+    seed: Annotated[int, Whole(0, 2**62, help="of maps, places, routes and order; the next one for each repeat")] = 1
 
     def __post_init__(self) -> None:
         settle(self)

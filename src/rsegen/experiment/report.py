@@ -5,14 +5,19 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
-from statistics import median
+from math import pi, sqrt
+from statistics import median, stdev
 
 from rsegen.experiment.paper import COMPUTER, FIGURES
-from rsegen.experiment.plan import Cell, Plan, Row
+from rsegen.experiment.plan import PACES, Cell, Plan, Row
 from rsegen.experiment.results import Results
 from rsegen.experiment.trial import Outcome
 
-_PACES = {"real": "in real time", "free": "at full speed"}
+_PACES = {
+    "real": "in real time",
+    "free": "at full speed",
+    "beside": "at full speed in turns with an empty world (± the standard error)",
+}
 
 
 def page(plan: Plan, results: Results, machine: Mapping[str, str]) -> str:
@@ -89,19 +94,19 @@ def _row(plan: Plan, number: int, results: Results) -> Iterator[str]:
     )
     yield "|---|---|---|---|---|---|---|" + ("---|---|---|" if printed else "")
     for size in row.sizes:
-        real, free = (_of(results, number, size, pace) for pace in ("real", "free"))
-        if real or free:
+        found = {pace: _of(results, number, size, pace) for pace in PACES}
+        if any(found.values()):
             beside = printed.get(size, ("", "", ""))
             yield (
                 "| "
-                + " | ".join([*_cells(size, real, free, _empty(plan, results, row)), *(beside if printed else ())])
+                + " | ".join([*_cells(size, found, _empty(plan, results, row)), *(beside if printed else ())])
                 + " |"
             )
     yield ""
 
 
-def _cells(size: int, real: Sequence[Outcome], free: Sequence[Outcome], empty: Sequence[Outcome]) -> list[str]:
-    speed, usual = middle(free, "speed"), middle(empty, "speed")
+def _cells(size: int, found: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -> list[str]:
+    real, free = found["real"], [*found["free"], *found["beside"]]
     cpu = middle(real, "cpu")
     return [
         f"{size} x {size}" if size else "empty",
@@ -109,9 +114,21 @@ def _cells(size: int, real: Sequence[Outcome], free: Sequence[Outcome], empty: S
         f"{cpu * 100:.0f} % of a core" if cpu is not None else "-",
         f"{_plain(middle([*real, *free], 'memory'), 0)} MB",
         f"{_plain(middle([*real, *free], 'load'), 1)} s",
-        _plain(speed, 1),
-        f"{speed / usual:.2f}" if speed and usual else "-",
+        _plain(middle(free, "speed"), 1),
+        _share(found["beside"]) or _quotient(middle(found["free"], "speed"), middle(empty, "speed")),
     ]
+
+
+def _share(beside: Sequence[Outcome]) -> str:
+    """Of the speed of the empty world in turns with which it was simulated, and how far that is sure."""
+    shares = [outcome.share for outcome in beside if outcome.share is not None]
+    if len(shares) < 2:
+        return "".join(f"{share:.2f}" for share in shares)
+    return f"{median(shares):.2f} ± {sqrt(pi / 2 / len(shares)) * stdev(shares):.2f}"
+
+
+def _quotient(speed: float | None, usual: float | None) -> str:
+    return f"{speed / usual:.2f}" if speed and usual else "-"
 
 
 def _empty(plan: Plan, results: Results, row: Row) -> Sequence[Outcome]:

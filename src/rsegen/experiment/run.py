@@ -32,7 +32,7 @@ def experiment(
     for number, (cell, repeat) in enumerate(plan.order()):
         progress(number, cell)
         if (cell, repeat) not in done:
-            notebook.add(cell, repeat, tried(plan, cell, here))
+            notebook.add(cell, repeat, tried(plan, cell, repeat, here))
     results = notebook.results()
     for name, content in _files(plan, results, machine).items():
         write_file([content], folder / name, force=True)
