@@ -25,7 +25,7 @@ SETTLED = 2.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Scene:
+class Setup:
     """A world file with robots in it; rest: seconds between what they are told, about a simulated one."""
 
     file: Path
@@ -60,12 +60,12 @@ def total(spans: Sequence[Span]) -> Span:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Stage:
-    """A server that took `load` seconds for a scene, and robots that know where they are going."""
+    """A server that took `load` seconds for a setup, and robots that know where they are going."""
 
     live: LiveWorld
     pid: int
     load: float
-    scene: Scene
+    setup: Setup
     routes: Mapping[str, Route]
 
     @property
@@ -88,8 +88,8 @@ class Stage:
         factors, end = [], time.monotonic() + 20 * seconds
         self.live.go()
         while getattr(last, hand) < getattr(start, hand) + seconds:
-            steer(self.live, self.scene.drivers, self.routes, self.live.poses())
-            time.sleep(self.scene.rest)
+            steer(self.live, self.setup.drivers, self.routes, self.live.poses())
+            time.sleep(self.setup.rest)
             now = self.live.clock()
             if time.monotonic() > end:
                 raise SimulatorFailed(f"{now.simulated - start.simulated:g} s simulated in {20 * seconds:g} s")
@@ -100,12 +100,12 @@ class Stage:
 
 
 @contextmanager
-def staged(scene: Scene, here: Installation) -> Iterator[Stage]:
+def staged(setup: Setup, here: Installation) -> Iterator[Stage]:
     """As long as this lasts, a server in which the robots have fallen to the ground, and gone."""
     began = time.monotonic()
-    with serving(here, scene.file, patience=PATIENCE) as server, server.live() as live:
+    with serving(here, setup.file, patience=PATIENCE) as server, server.live() as live:
         live.stop_recording()
-        load, routes = time.monotonic() - began, {driver.name: driver.route() for driver in scene.drivers}
-        stage = Stage(live=live, pid=server.pid, load=load, scene=scene, routes=routes)
+        load, routes = time.monotonic() - began, {driver.name: driver.route() for driver in setup.drivers}
+        stage = Stage(live=live, pid=server.pid, load=load, setup=setup, routes=routes)
         stage.go("simulated", SETTLED)
         yield stage

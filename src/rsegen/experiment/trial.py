@@ -14,7 +14,7 @@ from rsegen.driving.arena import arena
 from rsegen.driving.crew import crew
 from rsegen.driving.routes import Wandering
 from rsegen.experiment.plan import Cell, Plan
-from rsegen.experiment.stage import Scene, staged, total
+from rsegen.experiment.stage import Setup, staged, total
 from rsegen.export import sdf
 from rsegen.pipeline import generate
 from rsegen.robots import robot
@@ -52,12 +52,12 @@ def tried(plan: Plan, cell: Cell, repeat: int, here: Installation) -> Outcome:
     """A cell tried once, each repeat on a map and from places of its own; a server that is lost is tried again."""
     cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
     with ExitStack() as stack:
-        scenes = [stack.enter_context(_scene(plan, each, plan.seed + repeat, here)) for each in cells]
-        return attempted(lambda: _outcome(scenes, plan.seconds, here, real=cell.pace == "real"))
+        setups = [stack.enter_context(_setup(plan, each, plan.seed + repeat, here)) for each in cells]
+        return attempted(lambda: _outcome(setups, plan.seconds, here, real=cell.pace == "real"))
 
 
 @contextmanager
-def _scene(plan: Plan, cell: Cell, seed: int, here: Installation) -> Iterator[Scene]:
+def _setup(plan: Plan, cell: Cell, seed: int, here: Installation) -> Iterator[Setup]:
     """As long as this lasts, the world of a map, or one without a map, with robots in it."""
     row = plan.rows[cell.row]
     recipe = row.map_of(cell.size, seed)
@@ -71,13 +71,13 @@ def _scene(plan: Plan, cell: Cell, seed: int, here: Installation) -> Iterator[Sc
             world.write_bytes(b"".join(sdf.encoded(sdf.world(compose(recipe), ()))))
         file = world.with_name("experiment.world")
         file.write_text(arena(world, models, unthrottled=cell.pace != "real"), "utf-8")
-        yield Scene(file=file, drivers=drivers, rest=RESTS[cell.pace])
+        yield Setup(file=file, drivers=drivers, rest=RESTS[cell.pace])
 
 
-def _outcome(scenes: Sequence[Scene], seconds: float, here: Installation, *, real: bool) -> Outcome:
-    """Robots wander in the first scene, in turns with those in the second where there is one."""
+def _outcome(setups: Sequence[Setup], seconds: float, here: Installation, *, real: bool) -> Outcome:
+    """Robots wander in the first setup, in turns with those in the second where there is one."""
     with ExitStack() as stack:
-        stages = [stack.enter_context(staged(scene, here)) for scene in scenes]
+        stages = [stack.enter_context(staged(setup, here)) for setup in setups]
         turns = [seconds] if len(stages) == 1 else [TURN] * ceil(seconds / TURN)
         spans = [[stage.measured(turn) for stage in stages] for turn in turns]
         ours, *beside = (total(each) for each in zip(*spans, strict=True))
