@@ -96,10 +96,10 @@ def _row(plan: Plan, number: int, results: Results) -> Iterator[str]:
     for size in row.sizes:
         found = {pace: _of(results, number, size, pace) for pace in PACES}
         if any(found.values()):
-            beside = printed.get(size, ("", "", ""))
+            paper = printed.get(size, ("", "", ""))
             yield (
                 "| "
-                + " | ".join([*_cells(size, found, _empty(plan, results, row)), *(beside if printed else ())])
+                + " | ".join([*_cells(size, found, _empty(plan, results, row)), *(paper if printed else ())])
                 + " |"
             )
     yield ""

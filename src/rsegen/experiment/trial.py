@@ -61,14 +61,15 @@ def _setup(plan: Plan, cell: Cell, seed: int, here: Installation) -> Iterator[Se
     """As long as this lasts, the world of a map, or one without a map, with robots in it."""
     row = plan.rows[cell.row]
     recipe = row.map_of(cell.size, seed)
-    drivers = crew(compose(recipe).field, robot(row.robot), Wandering.name, count=row.robots, seed=seed)
+    scene = compose(recipe)
+    drivers = crew(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed)
     models = [driver.robot.model(driver.name, here.dialect, astuple(driver.start)) for driver in drivers]
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         if cell.size:
             world = generate(recipe, folder).maps[0].world
         else:
             world = Path(folder, "empty.world")
-            world.write_bytes(b"".join(sdf.encoded(sdf.world(compose(recipe), ()))))
+            world.write_bytes(b"".join(sdf.encoded(sdf.world(scene, ()))))
         file = world.with_name("experiment.world")
         file.write_text(arena(world, models, unthrottled=cell.pace != "real"), "utf-8")
         yield Setup(file=file, drivers=drivers, rest=RESTS[cell.pace])
@@ -80,7 +81,7 @@ def _outcome(setups: Sequence[Setup], seconds: float, here: Installation, *, rea
         stages = [stack.enter_context(staged(setup, here)) for setup in setups]
         turns = [seconds] if len(stages) == 1 else [TURN] * ceil(seconds / TURN)
         spans = [[stage.measured(turn) for stage in stages] for turn in turns]
-        ours, *beside = (total(each) for each in zip(*spans, strict=True))
+        ours, *others = (total(each) for each in zip(*spans, strict=True))
         return Outcome(
             load=round(stages[0].load, 3),
             memory=round(stages[0].memory, 1),
@@ -89,5 +90,5 @@ def _outcome(setups: Sequence[Setup], seconds: float, here: Installation, *, rea
             rtf_min=round(min(ours.factors), 3) if real else None,
             rtf=round(fmean(ours.factors), 3) if real else None,
             rtf_max=round(max(ours.factors), 3) if real else None,
-            share=round(ours.speed / empty.speed, 4) if (empty := next(iter(beside), None)) else None,
+            share=round(ours.speed / others[0].speed, 4) if others else None,
         )
