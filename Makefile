@@ -15,7 +15,7 @@ ARGS ?= --numprocesses=auto
 .PHONY: worlds test check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
-	for recipe in src/rsegen/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
+	for recipe in src/rsegen/recipe/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
 
 test: $(VENV)/developer gazebo screen
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest $(ARGS)
@@ -54,7 +54,7 @@ package: $(VENV)/developer
 	$(VENV)/package/bin/rsegen generate --seed 1 --obstacle 'random max_height=5' -o $(VENV)/package/worlds
 
 bench-contact: $(VENV)/developer gazebo
-	PYTHONPATH=tests $(BIN)/python -m benchmarks.contact $(QUICK)
+	$(BIN)/python -m benchmarks.contact $(QUICK)
 
 # The paper's tables on this machine, which should have nothing else to do: half an hour.
 bench-experiment: $(VENV)/developer gazebo

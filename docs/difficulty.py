@@ -9,11 +9,11 @@ from functools import partial
 import numpy as np
 
 from rsegen import KINDS, Placement, Recipe, build, load
-from rsegen.chance import generator
-from rsegen.difficulty import lowered, nearest, parts_of, roughness
-from rsegen.examples import EXAMPLES
-from rsegen.metrics.steps import steps
-from rsegen.stepfield import Levels
+from rsegen.field.metrics.steps import steps
+from rsegen.field.stepfield import Levels
+from rsegen.params.streams import generator
+from rsegen.recipe.difficulty import lowered, nearest, parts_of, roughness
+from rsegen.recipe.examples import EXAMPLES
 
 SHARES = [number / 20 for number in range(1, 21)]
 EXAMPLE = replace(load(EXAMPLES["mixed-course"]), maps=20)

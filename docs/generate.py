@@ -20,16 +20,16 @@ from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from docs import difficulty
 from rsegen import FORMATS, KINDS, Climber, Placement, Recipe, Saw, Scene, compose, load, metrics, schema, series
-from rsegen.chart import chart
-from rsegen.codec import encode, summary
-from rsegen.drawing import picture, saved
-from rsegen.examples import EXAMPLES
-from rsegen.experiment import report as experiments
-from rsegen.experiment.run import told
-from rsegen.formats import summary as format_summary
-from rsegen.params import Parameter, parameters
-from rsegen.robots import ROBOTS
-from rsegen.sheet import pages
+from rsegen.exporters.formats import summary as format_summary
+from rsegen.exporters.pictures.paths import chart
+from rsegen.exporters.pictures.preview import picture, saved
+from rsegen.exporters.sheet import pages
+from rsegen.params.sorts import Parameter, parameters
+from rsegen.recipe.codec import encode, summary
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.simulation.experiment import report as experiments
+from rsegen.simulation.experiment.run import told
+from rsegen.simulation.robots import ROBOTS
 
 DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"

@@ -9,9 +9,9 @@ from PySide6.QtCore import QCoreApplication, QSettings
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from rsegen.examples import EXAMPLES
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
+from rsegen.recipe.examples import EXAMPLES
 
 DOCS = Path(__file__).parent
 EXAMPLE = "mixed-course"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import json
+import pkgutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,20 +14,35 @@ import pytest
 import rsegen
 from rsegen import KINDS
 from rsegen.cli import main
-from rsegen.codec import schema
 from rsegen.errors import RsegenError
-from rsegen.examples import EXAMPLES
+from rsegen.recipe.codec import schema
+from rsegen.recipe.examples import EXAMPLES
 
 ROOT = Path(__file__).parents[1]
 
 
+def test_public_names_are_those_that_type_checkers_see() -> None:
+    """The names imported for type checkers only, with their modules, are those that are imported on use."""
+    tree = ast.parse(Path(rsegen.__file__).read_text("utf-8"))
+    (block,) = (node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")
+    seen = {(one.module, name.name) for one in block.body if isinstance(one, ast.ImportFrom) for name in one.names}
+    assert seen == {(home, name) for home, names in rsegen._HOMES.items() for name in names}
+
+
 def test_public_names_are_all_there() -> None:
-    assert all(hasattr(rsegen, name) for name in rsegen.__all__)
-    assert rsegen.__all__ == sorted(rsegen.__all__, key=lambda name: (not name.isupper(), not name[0].isupper(), name))
+    public = vars(rsegen)["__all__"]
+    assert all(hasattr(rsegen, name) for name in public)
+    assert set(public) <= set(dir(rsegen))
+
+
+def test_no_public_name_is_hidden_by_a_module() -> None:
+    """Importing any module of rsegen leaves `rsegen.build` and the like what they are: functions and classes."""
+    modules = {module.name for module in pkgutil.iter_modules(rsegen.__path__)}
+    assert not modules & set(vars(rsegen)["__all__"])
 
 
 def test_every_obstacle_class_is_public_by_name() -> None:
-    assert {cls.__name__ for cls in KINDS.values()} <= set(rsegen.__all__)
+    assert {cls.__name__ for cls in KINDS.values()} <= set(dir(rsegen))
 
 
 def test_error_tree_in_the_docstring_is_the_error_tree() -> None:

@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen import StepField
-from rsegen.stepfield import Levels
-from sim.bodies import SHAPES, SIZE
-from sim.burger import SPEED, Start
+from rsegen.field.stepfield import Levels
+from tests.simulation.real.bodies import SHAPES, SIZE
+from tests.simulation.real.burger import SPEED, Start
 
 HEADINGS = (0, 20, 45, 70, 90)
 GROUNDS = ("plain", "lane", "scattered")

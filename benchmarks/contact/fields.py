@@ -10,8 +10,8 @@ from benchmarks.contact import partitions
 from benchmarks.contact.partitions import Patch
 from benchmarks.contact.shapes import Box, Heights, Shape, Triangles
 from rsegen import StepField
+from rsegen.field.stepfield import Array
 from rsegen.geometry import surface, watertight
-from rsegen.stepfield import Array
 
 Shapes = Callable[[StepField], Iterable[Shape]]
 Partition = Callable[[Array], Iterable[Patch]]

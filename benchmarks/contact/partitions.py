@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rsegen.field.stepfield import Array, Mask
 from rsegen.geometry.rectangles import merge
-from rsegen.stepfield import Array, Mask
 
 
 class Patch(NamedTuple):

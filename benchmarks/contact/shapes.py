@@ -11,8 +11,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.export.numbers import decimal
-from rsegen.stepfield import Array
+from rsegen.exporters.numbers import decimal
+from rsegen.field.stepfield import Array
 
 Point = tuple[float, float, float]
 

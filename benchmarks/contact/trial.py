@@ -15,14 +15,14 @@ from benchmarks.contact.courses import SECONDS, Drop, drops
 from benchmarks.contact.worlds import field_of, robots_on, written
 from rsegen import StepField
 from rsegen.errors import SimulatorFailed
-from rsegen.experiment.machine import usage
-from rsegen.simulators import Installation
-from rsegen.simulators.classic_record import record, recording
-from rsegen.simulators.gazebo_classic import STATE
-from rsegen.simulators.live import Pose, Record
-from rsegen.simulators.server import attempted, serving
-from sim.bodies import SIZE
-from sim.burger import way
+from rsegen.simulation.experiment.machine import usage
+from rsegen.simulation.simulators import Installation
+from rsegen.simulation.simulators.classic_record import record, recording
+from rsegen.simulation.simulators.gazebo_classic import STATE
+from rsegen.simulation.simulators.live import Pose, Record
+from rsegen.simulation.simulators.server import attempted, serving
+from tests.simulation.real.bodies import SIZE
+from tests.simulation.real.burger import way
 
 PERIOD = 0.05
 """Seconds between two poses of the record."""

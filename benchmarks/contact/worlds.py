@@ -8,8 +8,8 @@ from pathlib import Path
 from benchmarks.contact.constructions import Construction
 from benchmarks.contact.courses import DROP, course, drops, nothing, starts
 from rsegen import StepField
-from sim.bodies import body
-from sim.burger import BURGER_WHEELS, RADIUS, Start, Wheels, burger
+from tests.simulation.real.bodies import body
+from tests.simulation.real.burger import BURGER_WHEELS, RADIUS, Start, Wheels, burger
 
 ROBOTS: Mapping[str, Wheels] = {
     "soft": BURGER_WHEELS,

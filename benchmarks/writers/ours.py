@@ -9,8 +9,8 @@ import numpy as np
 
 from benchmarks.grids import BLOCK, Levels
 from rsegen import Placement, Random, Recipe, Scene, StepField
-from rsegen.export import multi
-from rsegen.export.obj import faces, obj
+from rsegen.exporters.gazebo import multi
+from rsegen.exporters.gazebo.obj import faces, obj
 from rsegen.geometry import meshes
 
 

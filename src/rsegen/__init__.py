@@ -11,70 +11,97 @@ recipe = rsegen.Recipe(
 )
 field = rsegen.build(recipe, 0)           # integer levels in cells
 rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
+
+A name is imported when it is first used (PEP 562), so `import rsegen` takes no time.
 """
 
-from rsegen.build import build
-from rsegen.codec import schema
-from rsegen.dataset import Dataset, Tiles, make_dataset
-from rsegen.errors import RsegenError, UserError
-from rsegen.exporting import ExportedMap, export_maps
-from rsegen.formats import FORMATS
-from rsegen.importers import imported
-from rsegen.metrics import Climber, Metrics, metrics
-from rsegen.obstacles import KINDS, Obstacle
-from rsegen.obstacles.diagonal import DiagonalBarrier
-from rsegen.obstacles.horizontal import HorizontalBarrier
-from rsegen.obstacles.matrix import Matrix
-from rsegen.obstacles.normal import NormalRandom
-from rsegen.obstacles.pallet import Pallet
-from rsegen.obstacles.peak import Peak
-from rsegen.obstacles.random import Random
-from rsegen.pipeline import Generated, GeneratedMap, generate
-from rsegen.recipe import Placement, Recipe
-from rsegen.recipe_file import load, save
-from rsegen.scene import Scene, compose
-from rsegen.series import Series, series
-from rsegen.sheet import Saw, sheet
-from rsegen.stepfield import StepField
-from rsegen.version import __version__
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-__all__ = [
-    "FORMATS",
-    "KINDS",
-    "Climber",
-    "Dataset",
-    "DiagonalBarrier",
-    "ExportedMap",
-    "Generated",
-    "GeneratedMap",
-    "HorizontalBarrier",
-    "Matrix",
-    "Metrics",
-    "NormalRandom",
-    "Obstacle",
-    "Pallet",
-    "Peak",
-    "Placement",
-    "Random",
-    "Recipe",
-    "RsegenError",
-    "Saw",
-    "Scene",
-    "Series",
-    "StepField",
-    "Tiles",
-    "UserError",
-    "__version__",
-    "build",
-    "compose",
-    "export_maps",
-    "generate",
-    "imported",
-    "load",
-    "make_dataset",
-    "metrics",
-    "save",
-    "schema",
-    "series",
-    "sheet",
-]
+from rsegen.params.moved import find_old_names
+
+if TYPE_CHECKING:
+    from rsegen.errors import RsegenError as RsegenError
+    from rsegen.errors import UserError as UserError
+    from rsegen.exporters.formats import FORMATS as FORMATS
+    from rsegen.exporters.scene import Scene as Scene
+    from rsegen.exporters.scene import compose as compose
+    from rsegen.exporters.sheet import Saw as Saw
+    from rsegen.exporters.sheet import sheet as sheet
+    from rsegen.field.metrics import Climber as Climber
+    from rsegen.field.metrics import Metrics as Metrics
+    from rsegen.field.metrics import metrics as metrics
+    from rsegen.field.obstacles import KINDS as KINDS
+    from rsegen.field.obstacles import Obstacle as Obstacle
+    from rsegen.field.obstacles.diagonal import DiagonalBarrier as DiagonalBarrier
+    from rsegen.field.obstacles.horizontal import HorizontalBarrier as HorizontalBarrier
+    from rsegen.field.obstacles.matrix import Matrix as Matrix
+    from rsegen.field.obstacles.normal import NormalRandom as NormalRandom
+    from rsegen.field.obstacles.pallet import Pallet as Pallet
+    from rsegen.field.obstacles.peak import Peak as Peak
+    from rsegen.field.obstacles.random import Random as Random
+    from rsegen.field.stepfield import StepField as StepField
+    from rsegen.io.dataset import Dataset as Dataset
+    from rsegen.io.dataset import Tiles as Tiles
+    from rsegen.io.dataset import make_dataset as make_dataset
+    from rsegen.io.exports import ExportedMap as ExportedMap
+    from rsegen.io.exports import export_maps as export_maps
+    from rsegen.io.importers import imported as imported
+    from rsegen.io.recipe_file import load as load
+    from rsegen.io.recipe_file import save as save
+    from rsegen.io.series import Series as Series
+    from rsegen.io.series import series as series
+    from rsegen.io.worlds import Generated as Generated
+    from rsegen.io.worlds import GeneratedMap as GeneratedMap
+    from rsegen.io.worlds import generate as generate
+    from rsegen.recipe.building import build as build
+    from rsegen.recipe.codec import schema as schema
+    from rsegen.recipe.recipe import Placement as Placement
+    from rsegen.recipe.recipe import Recipe as Recipe
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "rsegen.errors": ("RsegenError", "UserError"),
+    "rsegen.exporters.formats": ("FORMATS",),
+    "rsegen.exporters.scene": ("Scene", "compose"),
+    "rsegen.exporters.sheet": ("Saw", "sheet"),
+    "rsegen.field.metrics": ("Climber", "Metrics", "metrics"),
+    "rsegen.field.obstacles": ("KINDS", "Obstacle"),
+    "rsegen.field.obstacles.diagonal": ("DiagonalBarrier",),
+    "rsegen.field.obstacles.horizontal": ("HorizontalBarrier",),
+    "rsegen.field.obstacles.matrix": ("Matrix",),
+    "rsegen.field.obstacles.normal": ("NormalRandom",),
+    "rsegen.field.obstacles.pallet": ("Pallet",),
+    "rsegen.field.obstacles.peak": ("Peak",),
+    "rsegen.field.obstacles.random": ("Random",),
+    "rsegen.field.stepfield": ("StepField",),
+    "rsegen.io.dataset": ("Dataset", "Tiles", "make_dataset"),
+    "rsegen.io.exports": ("ExportedMap", "export_maps"),
+    "rsegen.io.importers": ("imported",),
+    "rsegen.io.recipe_file": ("load", "save"),
+    "rsegen.io.series": ("Series", "series"),
+    "rsegen.io.worlds": ("Generated", "GeneratedMap", "generate"),
+    "rsegen.recipe.building": ("build",),
+    "rsegen.recipe.codec": ("schema",),
+    "rsegen.recipe.recipe": ("Placement", "Recipe"),
+}
+"""Where each public name is; the imports above say the same to type checkers, and a test holds both together."""
+
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+if not TYPE_CHECKING:  # type checkers take what the block above imports, and know of no other name
+    __all__ = ["__version__", *sorted(_HOME_OF)]  # noqa: PLE0604  # they are texts
+
+    def __getattr__(name: str) -> Any:
+        """Import a public name when it is first used."""
+        if name not in _HOME_OF:
+            raise AttributeError(f"module 'rsegen' has no attribute {name!r}")
+        globals()[name] = value = getattr(import_module(_HOME_OF[name]), name)
+        return value
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *_HOME_OF})
+
+
+find_old_names()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from complaints import (
+from tests.support.complaints import (
     Refused,
     exit_code,
     snapshot,

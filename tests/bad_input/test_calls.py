@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import rsegen
-from complaints import (
-    MORE_DIGITS_THAN_PYTHON_WRITES,
-)
 from rsegen import Placement, Recipe
 from rsegen.errors import FileError, ParameterError, UserError
+from tests.support.complaints import (
+    MORE_DIGITS_THAN_PYTHON_WRITES,
+)
 
 CALLS: Mapping[str, tuple[Callable[[], object], str]] = {
     "a number that cannot be written": (

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from complaints import (
+from rsegen.cli import COMMANDS
+from tests.support.complaints import (
     OBSTACLE,
     Refused,
     exit_code,
     recipe,
 )
-from rsegen.cli import COMMANDS
 
 COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "maps beyond every index": (

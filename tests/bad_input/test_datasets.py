@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from complaints import MANY_DIGITS, OBSTACLE, Refused, exit_code, the_line
 from rsegen import Dataset
 from rsegen.errors import FileError
+from tests.support.complaints import MANY_DIGITS, OBSTACLE, Refused, exit_code, the_line
 
 MADE = ["dataset", *OBSTACLE, "--maps", "10", "--shard-maps", "4"]
 

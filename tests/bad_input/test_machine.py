@@ -14,7 +14,8 @@ from typing import Any
 
 import pytest
 
-from complaints import (
+from rsegen.io import writer
+from tests.support.complaints import (
     OBSTACLE,
     Refused,
     exit_code,
@@ -22,8 +23,7 @@ from complaints import (
     snapshot,
     the_line,
 )
-from rsegen import writer
-from runs import ended, started, started_with_small_files, whole_maps_only
+from tests.support.runs import ended, started, started_with_small_files, whole_maps_only
 
 
 def test_a_mistake_of_ours_is_one_line_that_asks_for_a_report(

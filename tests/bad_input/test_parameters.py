@@ -10,15 +10,15 @@ from typing import Any
 
 import pytest
 
-from complaints import (
+from rsegen import KINDS, Placement, Recipe
+from rsegen.params.places import AtCell, Pair
+from rsegen.params.sorts import Choice, Parameter, Real, Several, Text, Whole, parameters
+from tests.support.complaints import (
     MANY_DIGITS,
     NO_WORD,
     Refused,
     recipe,
 )
-from rsegen import KINDS, Placement, Recipe
-from rsegen.params import Choice, Parameter, Real, Several, Text, Whole, parameters
-from rsegen.places import AtCell, Pair
 
 
 def wrong_values(parameter: Parameter) -> Iterator[object]:

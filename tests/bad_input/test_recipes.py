@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 
 import pytest
 
-from complaints import (
+from rsegen import KINDS, Recipe
+from rsegen.params.sorts import parameters
+from tests.support.complaints import (
     BOMB,
     Refused,
     recipe,
 )
-from rsegen import KINDS, Recipe
-from rsegen.params import parameters
 
 OBSTACLES: Mapping[str, tuple[str, Sequence[str]]] = {
     "nothing": ("", ["give a kind and then KEY=VALUE"]),

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from geometry.grids import GRIDS
 from rsegen import StepField
 from rsegen.geometry import Boxes, boxes, single_boxes
-from strategies import fields
+from tests.geometry.grids import GRIDS
+from tests.support.strategies import fields
 
 
 def stacked(found: Boxes, field: StepField) -> np.ndarray:

@@ -9,11 +9,11 @@ import pytest
 import trimesh
 from hypothesis import example, given, settings
 
-from geometry.grids import GRIDS
 from rsegen import Placement, Random, Recipe, StepField, build
 from rsegen.geometry import Mesh, blocks, meshes, surface, watertight
-from rsegen.params import parameters
-from strategies import fields
+from rsegen.params.sorts import parameters
+from tests.geometry.grids import GRIDS
+from tests.support.strategies import fields
 
 MESHES = parameters(Recipe)["mesh"].schema()["enum"]
 

@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from geometry.grids import GRIDS
-from geometry.minimum import counted, searched
+from rsegen.field.stepfield import StepField
 from rsegen.geometry import surface
 from rsegen.geometry.rectangles import Rectangles, merge, merge_hanging
-from rsegen.stepfield import StepField
+from tests.geometry.grids import GRIDS
+from tests.geometry.minimum import counted, searched
 
 
 def grids(top: int, side: int) -> st.SearchStrategy[np.ndarray]:

@@ -9,7 +9,7 @@ from hypothesis import given
 
 from rsegen import Placement, Random, Recipe, StepField, build
 from rsegen.geometry import NORMALS, Mesh, surface, windows
-from strategies import fields
+from tests.support.strategies import fields
 
 
 def as_trimesh(mesh: Mesh) -> trimesh.Trimesh:

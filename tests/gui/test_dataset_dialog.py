@@ -19,14 +19,14 @@ from PySide6.QtGui import QAction, QDropEvent, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox, QFileDialog, QLabel, QMenu, QMessageBox, QSpinBox
 
-from clicking import active, answer, find, shown, typed
 from rsegen import Dataset, Placement, Random, Recipe, build, compose, make_dataset
 from rsegen.gui.dataset_dialog import SIDE, DatasetDialog
 from rsegen.gui.files import fill_recent, open_file
 from rsegen.gui.session import Session
 from rsegen.gui.sheet import square_image
 from rsegen.gui.window import Window
-from waiting import until
+from tests.support.clicking import active, answer, find, shown, typed
+from tests.support.waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
 CONTROL = Qt.KeyboardModifier.ControlModifier

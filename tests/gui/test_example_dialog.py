@@ -14,14 +14,14 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QListWidget
 
-from clicking import shown
 from rsegen import load
-from rsegen.examples import EXAMPLES
+from rsegen.exporters.scene import FRAME_COLOUR
 from rsegen.gui.application import _session_of
 from rsegen.gui.example_dialog import SIDE, ExampleDialog
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
-from rsegen.scene import FRAME_COLOUR
+from rsegen.recipe.examples import EXAMPLES
+from tests.support.clicking import shown
 
 LEFT = Qt.MouseButton.LeftButton
 CONTROL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier

@@ -20,15 +20,15 @@ from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QMessageBox, QPushButton, QWidget
 
-from clicking import active, answer, click, find, said, shown, typed
 from rsegen import build, compose, generate, save
 from rsegen.cli import main
-from rsegen.formats import FORMATS, base, summary
-from rsegen.formats.arrays import Arrays
+from rsegen.exporters.formats import FORMATS, base, summary
+from rsegen.exporters.formats.arrays import Arrays
 from rsegen.gui.export_dialog import ExportDialog
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
-from waiting import until
+from tests.support.clicking import active, answer, click, find, said, shown, typed
+from tests.support.waiting import until
 
 Said = QMessageBox.StandardButton
 CONTROL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier

@@ -13,12 +13,12 @@ pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QApplication, QMenu
 
-from clicking import shown
 from rsegen import load
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
-from simulators.standins import PROGRAMS, alone_on_path, put, start
-from waiting import until
+from tests.simulation.simulators.standins import PROGRAMS, alone_on_path, put, start
+from tests.support.clicking import shown
+from tests.support.waiting import until
 
 
 @pytest.fixture

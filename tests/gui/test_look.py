@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 
 from rsegen import Peak, Placement, Random, Recipe, compose
-from rsegen.account import account
+from rsegen.exporters.map_summary import account
 from rsegen.gui.colours import GROUND, cells, palette
 from rsegen.gui.look import SHOWN, is_quick, look_at, look_of
 from rsegen.gui.numbers import COUNTED, costs, in_numbers, largest_step, shares
-from strategies import recipes
+from tests.support.strategies import recipes
 
 ROUGH = Recipe(seed=1, obstacles=[Placement(obstacle=Random(max_height=5))])
 

@@ -14,12 +14,12 @@ from PySide6.QtCore import QObject, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QSpinBox
 
-from clicking import shown
 from rsegen import build
 from rsegen.gui.newest import Newest
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
-from waiting import until
+from tests.support.clicking import shown
+from tests.support.waiting import until
 
 
 @pytest.fixture

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rsegen import Recipe, build
-from rsegen.codec import decode
 from rsegen.gui.painting import BARE, beside, paintable, painted, stroke
+from rsegen.recipe.codec import decode
 
 CELLS = st.tuples(st.integers(0, 9), st.integers(0, 9))
 

@@ -21,7 +21,7 @@ from rsegen.gui.cells import fit
 from rsegen.gui.painting import BARE
 from rsegen.gui.plan import Handle, PlanView
 from rsegen.gui.sheet import room
-from rsegen.places import Cell
+from rsegen.params.places import Cell
 
 LEFT = Qt.MouseButton.LeftButton
 RECIPE = Recipe(seed=1, chunk_size=5, chunks=(2, 2), obstacles=[Placement(obstacle=Random(max_height=5))])

@@ -13,9 +13,9 @@ from PySide6.QtGui import QAction, QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from clicking import shown
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
+from tests.support.clicking import shown
 
 LEFT = Qt.MouseButton.LeftButton
 KINDS = ["random", "peak", "diagonal_barrier"]

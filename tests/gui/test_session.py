@@ -13,7 +13,7 @@ from rsegen.cli.commands import parser
 from rsegen.cli.flags import recipe_from
 from rsegen.gui.session import Session, drafted, straightened
 from rsegen.gui.spelled import command_line, python_code
-from strategies import recipes
+from tests.support.strategies import recipes
 
 PEAK = {"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]}
 RANDOM = {"kind": "random", "max_height": 3}

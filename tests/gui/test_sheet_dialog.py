@@ -15,14 +15,14 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox
 
-from clicking import active, answer, click, said, shown, typed
 from rsegen import Saw, build, compose, load, sheet
 from rsegen.cli import main
 from rsegen.gui.session import Session
 from rsegen.gui.sheet_dialog import SheetDialog
 from rsegen.gui.spelled import command_line, python_code
 from rsegen.gui.window import Window
-from waiting import until
+from tests.support.clicking import active, answer, click, said, shown, typed
+from tests.support.waiting import until
 
 Said = QMessageBox.StandardButton
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from rsegen import Placement, Random, Recipe, Scene, compose
-from rsegen.coarse import coarse, coarse_window, coarseness
+from rsegen.field.coarse import coarse, coarse_window, coarseness
+from rsegen.field.stepfield import Array
 from rsegen.geometry import NORMALS, surface
 from rsegen.gui.axes import marks, numbered
 from rsegen.gui.colours import GROUND, bright, cells, legend, palette
 from rsegen.gui.sight import SOUTH_EAST, VIEW_ANGLE, viewpoint
 from rsegen.gui.solid import block_edges, box_edges, solid
-from rsegen.stepfield import Array
 
 BOUNDS = (-2.0, 2.0, -1.0, 1.0, 0.0, 0.4)
 

@@ -15,12 +15,12 @@ from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPlainTextEdit, QPushButton
 
-from clicking import shown
 from rsegen import generate
 from rsegen.cli import main
 from rsegen.gui.session import Session
 from rsegen.gui.spelled_dialog import SpelledDialog
 from rsegen.gui.window import Window
+from tests.support.clicking import shown
 
 LEFT = Qt.MouseButton.LeftButton
 

@@ -15,11 +15,11 @@ from PySide6.QtGui import QAction, QDesktopServices
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QApplication, QCheckBox, QLabel, QLineEdit, QMessageBox, QPushButton
 
-from clicking import shown
 from rsegen import load
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
-from waiting import until
+from tests.support.clicking import shown
+from tests.support.waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
 Said = QMessageBox.StandardButton

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from rsegen.scene import FRAME_COLOUR, level_colour
+from rsegen.exporters.scene import FRAME_COLOUR, level_colour
 
 HERE = Path(__file__).parent
 BOX = (0.95, 0.0, 0.75)

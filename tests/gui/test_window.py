@@ -29,14 +29,14 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from clicking import shown
 from rsegen import build, load
 from rsegen.gui.cells import fit
 from rsegen.gui.reading import Reading
 from rsegen.gui.session import Session
 from rsegen.gui.sheet import room
 from rsegen.gui.window import Window
-from waiting import until
+from tests.support.clicking import shown
+from tests.support.waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
 USUAL = {"usual", "ScrollLeftButton", "ScrollRightButton"}

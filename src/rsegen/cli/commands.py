@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any, NoReturn
 
+from rsegen import __version__
 from rsegen.cli import (
     dataset,
     drive,
@@ -28,7 +29,6 @@ from rsegen.cli import (
     spawn,
 )
 from rsegen.errors import UnknownName, shown
-from rsegen.version import __version__
 
 COMMANDS = (
     generate,

@@ -19,12 +19,12 @@ from rsegen.cli.flags import (
     recipe_from,
 )
 from rsegen.cli.generate import add_workers_flag, workers_from
-from rsegen.dataset import Dataset, make_dataset
-from rsegen.dataset.layout import Layout
-from rsegen.dataset.making import Progress, complete_maps
 from rsegen.errors import ParameterError
-from rsegen.params import Whole
-from rsegen.recipe import Recipe
+from rsegen.io.dataset import Dataset, make_dataset
+from rsegen.io.dataset.layout import Layout
+from rsegen.io.dataset.making import Progress, complete_maps
+from rsegen.params.sorts import Whole
+from rsegen.recipe.recipe import Recipe
 
 _REBUILT = Whole(0, 10**9)
 

@@ -10,26 +10,26 @@ from dataclasses import asdict, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from rsegen.chance import SEEDS, fresh_seed
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.worlds import World, world_of
-from rsegen.codec import map_json
-from rsegen.driving.crew import ROUTES, beyond, crew, easy
-from rsegen.driving.drive import Drive, Driver, driven
-from rsegen.driving.sketch import sketch
-from rsegen.driving.touches import csv, shares
-from rsegen.driving.trip import Trip, measured
 from rsegen.errors import FileError, NoSimulator, ParameterError, shown
-from rsegen.params import Choice, Parameter, Real, Several, Whole
-from rsegen.robots import ROBOTS, robot
-from rsegen.robots.base import Driven
-from rsegen.robots.own import from_file
-from rsegen.room import refuse_too_large
-from rsegen.scene import Scene, compose
-from rsegen.simulators import Installation
-from rsegen.simulators.opening import fitting, has_screen
-from rsegen.writer import write
+from rsegen.exporters.scene import Scene, compose
+from rsegen.io.resources import refuse_too_large
+from rsegen.io.writer import write
+from rsegen.params.sorts import Choice, Parameter, Real, Several, Whole
+from rsegen.params.streams import SEEDS, fresh_seed
+from rsegen.recipe.codec import map_json
+from rsegen.simulation.driving.contacts import csv, shares
+from rsegen.simulation.driving.drive import Drive, Driver, driven
+from rsegen.simulation.driving.drive_metrics import Trip, measured
+from rsegen.simulation.driving.runs import ROUTES, beyond, crew, easy
+from rsegen.simulation.driving.trajectory_plot import sketch
+from rsegen.simulation.robots import ROBOTS, robot
+from rsegen.simulation.robots.base import Driven
+from rsegen.simulation.robots.own import from_file
+from rsegen.simulation.simulators import Installation
+from rsegen.simulation.simulators.opening import fitting, has_screen
 
 COUNT, SECONDS, SEED = Whole(1, 100), Real(0.1, 1e5, unit="s"), Whole(0, SEEDS - 1)
 _SAID = 5

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rsegen.cli.flags import Subparsers, folder
-from rsegen.examples import EXAMPLES
-from rsegen.recipe_file import load
-from rsegen.writer import refuse_taken_file, write_file
+from rsegen.io.recipe_file import load
+from rsegen.io.writer import refuse_taken_file, write_file
+from rsegen.recipe.examples import EXAMPLES
 
 
 def add(commands: Subparsers) -> None:

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import Subparsers
-from rsegen.experiment.plan import PLANS, Cell, Plan, load_plan
-from rsegen.experiment.run import NOTEBOOK, experiment
-from rsegen.simulators.opening import fitting
+from rsegen.simulation.experiment.plan import PLANS, Cell, Plan, load_plan
+from rsegen.simulation.experiment.run import NOTEBOOK, experiment
+from rsegen.simulation.simulators.opening import fitting
 
 
 def add(commands: Subparsers) -> None:

@@ -12,14 +12,14 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from rsegen.cli.inventory import inventory_in
-from rsegen.codec import decode_placement
-from rsegen.dataset.naming import recipe_in
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.examples import or_example
-from rsegen.obstacles import kind
-from rsegen.params import parameters
-from rsegen.recipe import Placement, Recipe
-from rsegen.robots import robot
+from rsegen.field.obstacles import kind
+from rsegen.io.dataset.naming import recipe_in
+from rsegen.params.sorts import parameters
+from rsegen.recipe.codec import decode_placement
+from rsegen.recipe.examples import or_example
+from rsegen.recipe.recipe import Placement, Recipe
+from rsegen.simulation.robots import robot
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 
 from rsegen.cli.flags import flag, given
 from rsegen.errors import ParameterError
-from rsegen.formats import FORMATS, Format, format_named, summary
-from rsegen.params import Flag, Parameter, parameters
+from rsegen.exporters.formats import FORMATS, Format, format_named, summary
+from rsegen.params.sorts import Flag, Parameter, parameters
 
 
 def add_option_flags(command: argparse.ArgumentParser) -> None:

@@ -12,15 +12,15 @@ from pathlib import Path
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
 from rsegen.cli.formats import add_option_flags, formats_of
-from rsegen.extras import Extras
-from rsegen.formats import FORMATS
-from rsegen.pipeline import Generated, GeneratedMap, generate
-from rsegen.proof import told
-from rsegen.recipe import Recipe
-from rsegen.resume import standing
-from rsegen.scene import compose
-from rsegen.work import WORKERS
-from rsegen.workers import cores
+from rsegen.exporters.constraint_report import told
+from rsegen.exporters.formats import FORMATS
+from rsegen.exporters.scene import compose
+from rsegen.io.existing import standing
+from rsegen.io.sidecars import Extras
+from rsegen.io.work import WORKERS
+from rsegen.io.workers import cores
+from rsegen.io.worlds import Generated, GeneratedMap, generate
+from rsegen.recipe.recipe import Recipe
 
 _SHOWN = 10
 

@@ -8,7 +8,7 @@ import sys
 
 from rsegen.cli.flags import Subparsers
 from rsegen.errors import FileError
-from rsegen.examples import or_example
+from rsegen.recipe.examples import or_example
 
 
 def add(commands: Subparsers) -> None:

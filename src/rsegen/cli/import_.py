@@ -9,9 +9,9 @@ from pathlib import Path
 from rsegen.cli.flags import Subparsers, add_recipe_flags, flag, given, with_flags
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.errors import ParameterError
-from rsegen.importers import FORMATS, Format, format_of, imported
-from rsegen.params import Flag, Parameter, parameters
-from rsegen.recipe import Recipe
+from rsegen.io.importers import FORMATS, Format, format_of, imported
+from rsegen.params.sorts import Flag, Parameter, parameters
+from rsegen.recipe.recipe import Recipe
 
 
 def add(commands: Subparsers) -> None:

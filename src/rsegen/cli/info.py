@@ -6,9 +6,9 @@ import argparse
 import json
 from collections.abc import Iterator
 
-from rsegen.account import Account, account
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.targets import add_target_flags, chosen
+from rsegen.exporters.map_summary import Account, account
 
 
 def add(commands: Subparsers) -> None:

@@ -7,8 +7,8 @@ from collections import Counter
 from pathlib import Path
 
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.params import Real, Whole
-from rsegen.texts import text_of
+from rsegen.io.text_files import text_of
+from rsegen.params.sorts import Real, Whole
 
 COLUMNS = ["height_cm", "count"]
 _MOST_MIB = 1

@@ -7,9 +7,9 @@ import os.path
 from pathlib import Path
 
 from rsegen.cli.targets import found, recipe_files
-from rsegen.dataset.naming import recipe_in
-from rsegen.simulators import SIMULATORS
-from rsegen.spawning.maps import Map, made
+from rsegen.io.dataset.naming import recipe_in
+from rsegen.simulation.simulators import SIMULATORS
+from rsegen.simulation.spawning.maps import Map, made
 
 
 def add_running_flags(command: argparse.ArgumentParser) -> None:

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator
 from itertools import chain
 from typing import TypeAlias
 
-from rsegen.chart import described
-from rsegen.export.numbers import decimal
-from rsegen.metrics import Crossing, Metrics, Reach, Scale, Spread, Steps
-from rsegen.scene import Scene
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.pictures.paths import described
+from rsegen.exporters.scene import Scene
+from rsegen.field.metrics import Crossing, Metrics, Reach, Scale, Spread, Steps
 
 Measured: TypeAlias = tuple[Scene, Metrics]
 

@@ -12,18 +12,18 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from rsegen.chart import chart
 from rsegen.cli.flags import Subparsers, add_parameter_flags, given
 from rsegen.cli.measured import Measured, report
 from rsegen.cli.targets import add_target_flags, every
-from rsegen.drawing import picture_format
 from rsegen.errors import ParameterError
-from rsegen.metrics import Climber, Metrics, metrics
-from rsegen.metrics.entry import entry, row
-from rsegen.robots import ROBOTS, robot
-from rsegen.room import BYTES_A_CELL_OF_METRICS
-from rsegen.scene import Scene
-from rsegen.writer import refuse_taken_file, write_file
+from rsegen.exporters.pictures.paths import chart
+from rsegen.exporters.pictures.preview import picture_format
+from rsegen.exporters.scene import Scene
+from rsegen.field.metrics import Climber, Metrics, metrics
+from rsegen.field.metrics.entry import entry, row
+from rsegen.io.resources import BYTES_A_CELL_OF_METRICS
+from rsegen.io.writer import refuse_taken_file, write_file
+from rsegen.simulation.robots import ROBOTS, robot
 
 _NO_ROBOT = "give a robot, as in --robot burger or --climb-cm 10"
 

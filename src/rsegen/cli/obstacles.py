@@ -7,10 +7,10 @@ import json
 from collections.abc import Iterator, Mapping
 
 from rsegen.cli.flags import Subparsers
-from rsegen.codec import schema, summary
-from rsegen.obstacles import KINDS
-from rsegen.params import Parameter, parameters
-from rsegen.recipe import Placement
+from rsegen.field.obstacles import KINDS
+from rsegen.params.sorts import Parameter, parameters
+from rsegen.recipe.codec import schema, summary
+from rsegen.recipe.recipe import Placement
 
 
 def add(commands: Subparsers) -> None:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.targets import add_target_flags, chosen
-from rsegen.drawing import picture, picture_format
-from rsegen.writer import refuse_taken_file, write_file
+from rsegen.exporters.pictures.preview import picture, picture_format
+from rsegen.io.writer import refuse_taken_file, write_file
 
 
 def add(commands: Subparsers) -> None:

@@ -8,7 +8,7 @@ import json
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.maps import add_running_flags
 from rsegen.errors import UnknownName
-from rsegen.simulators.joining import joined
+from rsegen.simulation.simulators.connecting import joined
 
 
 def add(commands: Subparsers) -> None:

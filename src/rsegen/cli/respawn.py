@@ -12,17 +12,17 @@ from dataclasses import asdict
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.maps import add_output_flag, add_running_flags, map_of, maps_in
 from rsegen.cli.targets import recipe_files
-from rsegen.dataset.naming import recipe_in
 from rsegen.errors import ParameterError, shown
-from rsegen.export.sdf import numbers
-from rsegen.recipe import Recipe
-from rsegen.scene import compose
-from rsegen.simulators.joining import joined
-from rsegen.simulators.live import Pose
-from rsegen.spawning.change import put
-from rsegen.spawning.maps import Map, known, made
-from rsegen.spawning.placed import Placed
-from rsegen.stepfield import StepField
+from rsegen.exporters.gazebo.sdf import numbers
+from rsegen.exporters.scene import compose
+from rsegen.field.stepfield import StepField
+from rsegen.io.dataset.naming import recipe_in
+from rsegen.recipe.recipe import Recipe
+from rsegen.simulation.simulators.connecting import joined
+from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.spawning.change import put
+from rsegen.simulation.spawning.maps import Map, known, made
+from rsegen.simulation.spawning.spawned_map import Placed
 
 
 def add(commands: Subparsers) -> None:

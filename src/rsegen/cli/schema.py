@@ -6,7 +6,7 @@ import argparse
 import json
 
 from rsegen.cli.flags import Subparsers
-from rsegen.codec import schema
+from rsegen.recipe.codec import schema
 
 
 def add(commands: Subparsers) -> None:

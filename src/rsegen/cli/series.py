@@ -12,10 +12,10 @@ from rsegen.cli.bar import counting
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, recipe_from
 from rsegen.cli.formats import formats_of
 from rsegen.cli.generate import add_output_flags, workers_from
-from rsegen.export.numbers import decimal
-from rsegen.params import parameters
-from rsegen.recipe import Recipe
-from rsegen.series import Plan, Row, Series, series
+from rsegen.exporters.numbers import decimal
+from rsegen.io.series import Plan, Row, Series, series
+from rsegen.params.sorts import parameters
+from rsegen.recipe.recipe import Recipe
 
 _SHOWN = 12
 

@@ -9,7 +9,8 @@ from pathlib import Path
 from rsegen.cli.flags import Subparsers, add_parameter_flags, given
 from rsegen.cli.targets import add_target_flags, found
 from rsegen.errors import ParameterError
-from rsegen.sheet import Saw, sheet_format, write_sheets
+from rsegen.exporters.sheet import Saw, sheet_format
+from rsegen.io.sheets import write_sheets
 
 
 def add(commands: Subparsers) -> None:

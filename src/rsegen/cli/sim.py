@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator, Mapping
 
 from rsegen.cli.flags import Subparsers
-from rsegen.simulators import SIMULATORS, Installation, Simulator
+from rsegen.simulation.simulators import SIMULATORS, Installation, Simulator
 
 
 def add(commands: Subparsers) -> None:

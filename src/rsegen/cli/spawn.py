@@ -11,20 +11,20 @@ from pathlib import Path
 
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.maps import add_output_flag, add_running_flags, map_of
-from rsegen.driving.spots import DROP
 from rsegen.errors import ParameterError, UnknownName, shown
-from rsegen.examples import EXAMPLES
-from rsegen.export.sdf import numbers
-from rsegen.params import Real, parameters
-from rsegen.recipe import Recipe
-from rsegen.robots import ROBOTS, Robot
-from rsegen.simulators import Simulator
-from rsegen.simulators.joining import joined
-from rsegen.simulators.live import LiveWorld, Pose
-from rsegen.spawning.change import freed, put, reach_of, taken
-from rsegen.spawning.maps import Map, known
-from rsegen.spawning.placed import Placed
-from rsegen.spawning.room import free
+from rsegen.exporters.gazebo.sdf import numbers
+from rsegen.params.sorts import Real, parameters
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe import Recipe
+from rsegen.simulation.driving.start_poses import DROP
+from rsegen.simulation.robots import ROBOTS, Robot
+from rsegen.simulation.simulators import Simulator
+from rsegen.simulation.simulators.connecting import joined
+from rsegen.simulation.simulators.live import LiveWorld, Pose
+from rsegen.simulation.spawning.change import freed, put, reach_of, taken
+from rsegen.simulation.spawning.maps import Map, known
+from rsegen.simulation.spawning.placement import free
+from rsegen.simulation.spawning.spawned_map import Placed
 
 METRES = Real(-1e6, 1e6)
 

@@ -8,12 +8,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from rsegen.dataset.naming import recipe_in
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.examples import or_example
-from rsegen.recipe import Recipe
-from rsegen.room import refuse_too_large
-from rsegen.scene import Scene, compose
+from rsegen.exporters.scene import Scene, compose
+from rsegen.io.dataset.naming import recipe_in
+from rsegen.io.resources import refuse_too_large
+from rsegen.recipe.examples import or_example
+from rsegen.recipe.recipe import Recipe
 
 
 def add_target_flags(command: argparse.ArgumentParser, usual: str = "the first") -> None:

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from rsegen.cli.targets import found
 from rsegen.errors import FileError
-from rsegen.pipeline import generate
-from rsegen.recipe import Recipe
-from rsegen.recipe_file import load
+from rsegen.io.recipe_file import load
+from rsegen.io.worlds import generate
+from rsegen.recipe.recipe import Recipe
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 
+from rsegen.field.stepfield import StepField, Window
 from rsegen.geometry.blocks import blocks
 from rsegen.geometry.boxes import Boxes, boxes, single_boxes
 from rsegen.geometry.mesh import NORMALS, Mesh
 from rsegen.geometry.relief import windows
 from rsegen.geometry.surface import surface
 from rsegen.geometry.watertight import watertight
-from rsegen.stepfield import StepField, Window
 
 __all__ = [
     "NORMALS",

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from rsegen.field.stepfield import StepField, Window
 from rsegen.geometry.mesh import Mesh
 from rsegen.geometry.relief import relief
-from rsegen.stepfield import StepField, Window
 
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
 """Of a cube, by x, y and z."""

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.geometry.rectangles import merge
 from rsegen.geometry.relief import Relief, relief
-from rsegen.stepfield import Array, Ints, StepField
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

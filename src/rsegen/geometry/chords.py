@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.stepfield import Ints, Mask
+from rsegen.field.stepfield import Ints, Mask
 
 
 class _Runs(NamedTuple):

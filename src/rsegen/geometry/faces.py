@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsegen.field.stepfield import Array, Ints
 from rsegen.geometry.mesh import Mesh
 from rsegen.geometry.rectangles import Rectangles
-from rsegen.stepfield import Array, Ints
 
 
 class Faces(NamedTuple):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.stepfield import Array, Mask
+from rsegen.field.stepfield import Array, Mask
 
 NORMALS = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
 """The directions that a face may look in: +x, -x, +y, -y, +z, -z."""

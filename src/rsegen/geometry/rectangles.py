@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsegen.field.stepfield import Ints
 from rsegen.geometry.chords import walls
-from rsegen.stepfield import Ints
 
 
 class Rectangles(NamedTuple):

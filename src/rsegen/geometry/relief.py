@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Ints, StepField, Window
 from rsegen.geometry.faces import Lattice
-from rsegen.stepfield import NANOMETRE_DIGITS, Array, Ints, StepField, Window
 
 
 class Relief(NamedTuple):

@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.geometry.chords import spread
 from rsegen.geometry.faces import Faces
 from rsegen.geometry.mesh import NORMALS
-from rsegen.stepfield import Array, Ints, Mask
 
 _FLAT = 1e-6
 """A triangle of less than this share of the smallest at first, twice its area, is a line."""

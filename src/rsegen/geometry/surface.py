@@ -12,11 +12,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from rsegen.field.stepfield import Ints, StepField, Window
 from rsegen.geometry.faces import Faces
 from rsegen.geometry.mesh import Mesh
 from rsegen.geometry.rectangles import Rectangles, merge, merge_hanging
 from rsegen.geometry.relief import Relief, relief
-from rsegen.stepfield import Ints, StepField, Window
 
 
 def surface(field: StepField, window: Window | None = None) -> Mesh:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rsegen.field.stepfield import Ints, Mask, StepField
 from rsegen.geometry.chords import spread
 from rsegen.geometry.faces import Faces, Lattice, welded
 from rsegen.geometry.mesh import Mesh
@@ -21,7 +22,6 @@ from rsegen.geometry.rectangles import merge
 from rsegen.geometry.relief import Relief, relief
 from rsegen.geometry.sparing import without_needless
 from rsegen.geometry.surface import risers, tops
-from rsegen.stepfield import Ints, Mask, StepField
 
 
 class _Outlines(NamedTuple):

@@ -9,12 +9,12 @@ from pathlib import Path
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
-from rsegen.dataset.manifest import read_manifest
-from rsegen.dataset.naming import dataset_at
-from rsegen.examples import EXAMPLES
 from rsegen.gui.files import choose_map
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
+from rsegen.io.dataset.manifest import read_manifest
+from rsegen.io.dataset.naming import dataset_at
+from rsegen.recipe.examples import EXAMPLES
 
 
 def run(recipe: Path | None) -> int:

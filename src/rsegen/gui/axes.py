@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.export.numbers import decimal
+from rsegen.exporters.numbers import decimal
+from rsegen.field.stepfield import Array
 from rsegen.gui.solid import Lines
-from rsegen.stepfield import Array
 
 Bounds = tuple[float, float, float, float, float, float]
 """Smallest and largest x, y and z, metres."""

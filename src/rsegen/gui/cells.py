@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rsegen.places import Cell
-from rsegen.stepfield import StepField
+from rsegen.field.stepfield import StepField
+from rsegen.params.places import Cell
 
 Point = tuple[float, float]
 """x to the right and y downward, in pixels."""

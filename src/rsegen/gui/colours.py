@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.export.numbers import decimal
-from rsegen.scene import Scene
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.scene import Scene
 
 Bytes = NDArray[np.uint8]
 Rgb = tuple[int, int, int]

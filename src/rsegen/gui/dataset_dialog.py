@@ -18,12 +18,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from rsegen.dataset.manifest import read_manifest
+from rsegen.exporters.scene import compose
 from rsegen.gui.editors import named
 from rsegen.gui.newest import Newest
 from rsegen.gui.sheet import square_image
-from rsegen.room import refuse_too_large
-from rsegen.scene import compose
+from rsegen.io.dataset.manifest import read_manifest
+from rsegen.io.resources import refuse_too_large
 
 SIDE = 200
 """Of the picture, in pixels."""

@@ -18,9 +18,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from rsegen.obstacles.matrix import Rows
-from rsegen.params import Choice, Flag, Json, Parameter, Real, Whole, parameters
-from rsegen.places import Pair
+from rsegen.field.obstacles.matrix import Rows
+from rsegen.params.places import Pair
+from rsegen.params.sorts import Choice, Flag, Json, Parameter, Real, Whole, parameters
 
 _MOST = 2**31 - 1
 

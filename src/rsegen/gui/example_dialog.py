@@ -17,11 +17,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from rsegen.examples import EXAMPLES
+from rsegen.exporters.scene import compose
 from rsegen.gui.editors import named
 from rsegen.gui.sheet import square_image
-from rsegen.recipe_file import load
-from rsegen.scene import compose
+from rsegen.io.recipe_file import load
+from rsegen.recipe.examples import EXAMPLES
 
 SIDE = 150
 """Of a picture, in pixels."""

@@ -9,7 +9,7 @@ from rsegen.gui.format_list import FormatList
 from rsegen.gui.job_dialog import JobDialog
 from rsegen.gui.jobs import Exports
 from rsegen.gui.run_form import Words
-from rsegen.recipe import Recipe
+from rsegen.recipe.recipe import Recipe
 
 _WORDS = Words("export_folder", "exported", "maps", "Export", "write the maps in the formats that are ticked")
 

@@ -11,13 +11,13 @@ from PySide6.QtCore import QSettings
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QFileDialog, QMenu, QMessageBox
 
-from rsegen.dataset.manifest import MANIFEST
-from rsegen.dataset.naming import dataset_at
 from rsegen.errors import RsegenError
 from rsegen.gui.dataset_dialog import DatasetDialog
 from rsegen.gui.reading import Reading
 from rsegen.gui.session import Session
-from rsegen.importers import FORMATS
+from rsegen.io.dataset.manifest import MANIFEST
+from rsegen.io.dataset.naming import dataset_at
+from rsegen.io.importers import FORMATS
 
 if TYPE_CHECKING:
     from rsegen.gui.window import Window

@@ -6,11 +6,11 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QFormLayout, QGridLayout, QLabel, QWidget
 
 from rsegen.errors import ParameterError, UserError
-from rsegen.formats import FORMATS, Format, summary
+from rsegen.exporters.formats import FORMATS, Format, summary
 from rsegen.gui.editors import named
 from rsegen.gui.notice import Notice
 from rsegen.gui.options_form import OptionsForm
-from rsegen.params import parameters
+from rsegen.params.sorts import parameters
 
 
 class FormatList(QWidget):

@@ -13,9 +13,9 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu
 
 from rsegen.gui.newest import Newest
-from rsegen.pipeline import generate
-from rsegen.recipe import Recipe
-from rsegen.simulators import SIMULATORS, Installation, Launch, Opening
+from rsegen.io.worlds import generate
+from rsegen.recipe.recipe import Recipe
+from rsegen.simulation.simulators import SIMULATORS, Installation, Launch, Opening
 
 
 class InGazebo(QObject):

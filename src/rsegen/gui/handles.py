@@ -8,11 +8,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from rsegen.field.stepfield import StepField, Window
 from rsegen.gui.cells import Layout, Point
 from rsegen.gui.session import Row
-from rsegen.params import Json
-from rsegen.places import Cell
-from rsegen.stepfield import StepField, Window
+from rsegen.params.places import Cell
+from rsegen.params.sorts import Json
 
 End = Literal["first", "last"]
 ENDS: tuple[End, End] = ("first", "last")

@@ -7,12 +7,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from rsegen.exporting import export_maps
-from rsegen.extras import Extras
-from rsegen.formats import Format, refuse_unready
-from rsegen.pipeline import generate
-from rsegen.recipe import Recipe
-from rsegen.sheet import FORMATS, Saw, page_count, refuse_unbuildable, write_sheets
+from rsegen.exporters.formats import Format, refuse_unready
+from rsegen.exporters.sheet import FORMATS, Saw, page_count, refuse_unbuildable
+from rsegen.io.exports import export_maps
+from rsegen.io.sheets import write_sheets
+from rsegen.io.sidecars import Extras
+from rsegen.io.worlds import generate
+from rsegen.recipe.recipe import Recipe
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

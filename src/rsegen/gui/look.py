@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from rsegen.coarse import coarse, coarseness
+from rsegen.exporters.scene import Scene, compose
+from rsegen.field.coarse import coarse, coarseness
 from rsegen.gui.colours import Rgb, legend
 from rsegen.gui.numbers import Share, in_numbers, shares
 from rsegen.gui.solid import Solid, solid
-from rsegen.recipe import Recipe
-from rsegen.room import refuse_too_large
-from rsegen.scene import Scene, compose
+from rsegen.io.resources import refuse_too_large
+from rsegen.recipe.recipe import Recipe
 
 SHOWN = 400
 """Maps of more than about so many cells a side are shown coarser, by the highest of several cells."""

@@ -7,11 +7,11 @@ from html import escape
 
 from PySide6.QtWidgets import QDialog, QTextBrowser, QVBoxLayout, QWidget
 
-from rsegen.codec import summary
+from rsegen.field.obstacles import KINDS
 from rsegen.gui.editors import named
-from rsegen.obstacles import KINDS
-from rsegen.params import parameters
-from rsegen.recipe import Recipe
+from rsegen.params.sorts import parameters
+from rsegen.recipe.codec import summary
+from rsegen.recipe.recipe import Recipe
 
 _HOW = """
 <h2>Random step environments</h2>

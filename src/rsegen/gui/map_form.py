@@ -11,8 +11,8 @@ from rsegen.errors import ParameterError
 from rsegen.gui.editors import Editor, editor, named
 from rsegen.gui.notice import Notice
 from rsegen.gui.session import Entry
-from rsegen.params import parameters
-from rsegen.recipe import Recipe
+from rsegen.params.sorts import parameters
+from rsegen.recipe.recipe import Recipe
 
 OFTEN = ("maps", "chunk_size", "chunks", "unit_cm", "boundary", "mesh_type", "seed")
 """The paper's parameters, and the seed."""

@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.account import account, warnings
+from rsegen.exporters.map_summary import account, warnings
+from rsegen.exporters.scene import Scene
+from rsegen.field.metrics.reach import reach
+from rsegen.field.stepfield import StepField
 from rsegen.gui.colours import GROUND, Rgb, centimetres, rgb
-from rsegen.metrics.reach import reach
-from rsegen.robots import ROBOTS
-from rsegen.scene import Scene
-from rsegen.stepfield import StepField
+from rsegen.simulation.robots import ROBOTS
 
 COUNTED = 100_000
 """The files of maps of up to so many cells are made to be counted."""

@@ -8,12 +8,12 @@ from itertools import pairwise
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QGridLayout, QLabel, QSlider, QVBoxLayout, QWidget
 
-from rsegen.codec import summary
+from rsegen.field.obstacles import KINDS, Grid
 from rsegen.gui.editors import Editor, editor, named
 from rsegen.gui.session import Entry
-from rsegen.obstacles import KINDS, Grid
-from rsegen.params import Json, parameters
-from rsegen.recipe import Placement
+from rsegen.params.sorts import Json, parameters
+from rsegen.recipe.codec import summary
+from rsegen.recipe.recipe import Placement
 
 START = {"kind": "horizontal_barrier", "max_height": 5, "softness": 0}
 

@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 from PySide6.QtWidgets import QFormLayout, QLabel, QWidget
 
 from rsegen.gui.editors import Editor, editor
-from rsegen.params import parameters
+from rsegen.params.sorts import parameters
 
 Owner = TypeVar("Owner")
 

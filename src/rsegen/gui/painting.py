@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rsegen.codec import decode_placement
 from rsegen.errors import ParameterError
+from rsegen.field.obstacles.matrix import Matrix
+from rsegen.field.stepfield import Ints, Mask
 from rsegen.gui.session import Entry
-from rsegen.obstacles.matrix import Matrix
-from rsegen.params import Json
-from rsegen.places import Cell
-from rsegen.stepfield import Ints, Mask
+from rsegen.params.places import Cell
+from rsegen.params.sorts import Json
+from rsegen.recipe.codec import decode_placement
 
 BARE = -1
 """The level of a cell from which paint is taken off."""

@@ -8,13 +8,13 @@ from PySide6.QtCore import QEvent, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QApplication, QSizePolicy, QWidget
 
+from rsegen.exporters.scene import Scene
 from rsegen.gui import sheet
 from rsegen.gui.cells import Layout, fit
 from rsegen.gui.colours import centimetres
 from rsegen.gui.handles import ENDS, Grip, Handle, cell_of, grip_at, moved
 from rsegen.gui.painting import BARE, beside, stroke
-from rsegen.places import Cell
-from rsegen.scene import Scene
+from rsegen.params.places import Cell
 
 __all__ = ["Handle", "PlanView", "spoken"]
 

@@ -10,9 +10,9 @@ from rsegen.errors import RsegenError
 from rsegen.gui.editors import TextEditor, named
 from rsegen.gui.notice import Notice
 from rsegen.gui.options_form import OptionsForm
-from rsegen.importers import format_of, imported
-from rsegen.params import parameters
-from rsegen.recipe import Recipe
+from rsegen.io.importers import format_of, imported
+from rsegen.params.sorts import parameters
+from rsegen.recipe.recipe import Recipe
 
 
 class Reading(QDialog):

@@ -12,12 +12,12 @@ from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalett
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QTableWidget, QTableWidgetItem, QWidget
 
 from rsegen.errors import ParameterError
+from rsegen.field.obstacles import KINDS
 from rsegen.gui.editors import named
 from rsegen.gui.notice import ink
 from rsegen.gui.session import Row
-from rsegen.obstacles import KINDS
-from rsegen.params import Json, parameters
-from rsegen.recipe import Placement
+from rsegen.params.sorts import Json, parameters
+from rsegen.recipe.recipe import Placement
 
 COLUMNS = ("ID", "Type", "Height", "Softness", "First", "Last")
 TIP = "drag a row to move it (Alt+Up, Alt+Down); Ctrl+D duplicates, Del removes; double click to edit"

@@ -27,7 +27,7 @@ from rsegen.gui.jobs import Job
 from rsegen.gui.layout import row_of
 from rsegen.gui.notice import Notice
 from rsegen.gui.running import Run
-from rsegen.writer import refuse_not_a_folder
+from rsegen.io.writer import refuse_not_a_folder
 
 _LOOKED_FOR = 10_000
 """So many files are looked for, to ask before they are replaced."""

@@ -10,12 +10,12 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Signal
 
 from rsegen.gui.newest import Newest
-from rsegen.recipe import Recipe
-from rsegen.simulators.joining import joined
-from rsegen.simulators.live import Pose
-from rsegen.spawning.change import freed, put
-from rsegen.spawning.maps import made
-from rsegen.spawning.placed import Placed
+from rsegen.recipe.recipe import Recipe
+from rsegen.simulation.simulators.connecting import joined
+from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.spawning.change import freed, put
+from rsegen.simulation.spawning.maps import made
+from rsegen.simulation.spawning.spawned_map import Placed
 
 _ORIGIN = Pose(x=0, y=0, z=0)
 

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 
-from rsegen.chance import fresh_seed
-from rsegen.codec import decode, decode_placement
-from rsegen.dataset.naming import recipe_in
 from rsegen.errors import ParameterError
-from rsegen.params import Json
-from rsegen.recipe import Recipe
-from rsegen.recipe_file import load, save
+from rsegen.io.dataset.naming import recipe_in
+from rsegen.io.recipe_file import load, save
+from rsegen.params.sorts import Json
+from rsegen.params.streams import fresh_seed
+from rsegen.recipe.codec import decode, decode_placement
+from rsegen.recipe.recipe import Recipe
 
 Entry = Mapping[str, Json]
 """One obstacle as a recipe file has it."""

@@ -8,12 +8,12 @@ import numpy as np
 from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QImage, QPainter, QPen
 
-from rsegen.export.numbers import decimal
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.scene import Scene
 from rsegen.gui.cells import Box, Layout, ticks
 from rsegen.gui.colours import bright, cells
 from rsegen.gui.handles import ENDS, GRIP, End, Handle
-from rsegen.places import Cell
-from rsegen.scene import Scene
+from rsegen.params.places import Cell
 
 RULER = 26
 """Pixels that a ruler takes."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
+from rsegen.exporters.sheet import Saw, page_count
 from rsegen.gui.job_dialog import JobDialog
 from rsegen.gui.jobs import Sheet
 from rsegen.gui.options_form import OptionsForm
 from rsegen.gui.run_form import Words
-from rsegen.recipe import Recipe
-from rsegen.sheet import Saw, page_count
+from rsegen.recipe.recipe import Recipe
 
 _WORDS = Words("sheet_folder", "sheets", "build sheet", "Write", "write the build sheet as PDF and CSV")
 

@@ -6,8 +6,8 @@ import itertools
 
 import numpy as np
 
+from rsegen.field.stepfield import Array
 from rsegen.gui.axes import Bounds
-from rsegen.stepfield import Array
 
 SOUTH_EAST: Array = np.array([0.45, -0.85, 0.75])
 """The direction from a map to who looks at it, unless they choose another."""

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Array, StepField, Window
 from rsegen.geometry import surface
 from rsegen.gui.colours import Bytes, palette
-from rsegen.scene import Scene
-from rsegen.stepfield import Array, StepField, Window
 
 _LIT = np.array([0.80, 0.70, 0.55, 0.62, 1.0, 0.5])
 """How bright faces are, by the row of NORMALS that they look along; tops have the colour of the legend itself."""

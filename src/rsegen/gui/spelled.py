@@ -5,10 +5,10 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterator
 
+from rsegen.field.obstacles import KINDS
 from rsegen.gui.session import Entry, drafted
-from rsegen.obstacles import KINDS
-from rsegen.params import Json, parameters
-from rsegen.recipe import Placement, Recipe
+from rsegen.params.sorts import Json, parameters
+from rsegen.recipe.recipe import Placement, Recipe
 
 
 def command_line(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Array, Window
 from rsegen.gui.axes import Bounds, marks
 from rsegen.gui.colours import GROUND
 from rsegen.gui.sight import SOUTH_EAST, VIEW_ANGLE, viewpoint
 from rsegen.gui.solid import Lines, Solid, block_edges, box_edges
-from rsegen.scene import Scene
-from rsegen.stepfield import Array, Window
 
 if TYPE_CHECKING:
     from pyvista import Actor, PolyData

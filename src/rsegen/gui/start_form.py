@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QCheckBox, QPushButton
 from rsegen.gui.editors import named
 from rsegen.gui.jobs import Worlds
 from rsegen.gui.run_form import RunForm, Words
-from rsegen.recipe import Recipe
+from rsegen.recipe.recipe import Recipe
 
 _WORDS = Words("folder", "worlds", "maps", "Start", "write the maps into the folder (F5)")
 

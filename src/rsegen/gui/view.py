@@ -20,13 +20,13 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
-from rsegen.coarse import coarse_window
 from rsegen.errors import FileError
+from rsegen.exporters.scene import Scene
+from rsegen.field.coarse import coarse_window
+from rsegen.field.stepfield import Window
 from rsegen.gui.legend import Legend
 from rsegen.gui.look import Look, look_of
 from rsegen.gui.stage import Plotter, Stage
-from rsegen.scene import Scene
-from rsegen.stepfield import Window
 
 _WITHOUT_GL = ("offscreen", "minimal", "linuxfb", "vnc")
 _OPENGL = (3, 2)

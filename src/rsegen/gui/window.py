@@ -18,6 +18,8 @@ from PySide6.QtWidgets import (
     QSpinBox,
 )
 
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Window as Window_
 from rsegen.gui.brushes import Brushes
 from rsegen.gui.editors import named
 from rsegen.gui.files import dropped, take_dropped
@@ -39,10 +41,8 @@ from rsegen.gui.sending import Sending
 from rsegen.gui.session import Session, straightened
 from rsegen.gui.start_form import StartForm
 from rsegen.gui.view import FieldView
-from rsegen.places import Cell
-from rsegen.robots import ROBOTS
-from rsegen.scene import Scene
-from rsegen.stepfield import Window as Window_
+from rsegen.params.places import Cell
+from rsegen.simulation.robots import ROBOTS
 
 PAUSE = 25
 """Milliseconds without a change after which the field is made anew."""

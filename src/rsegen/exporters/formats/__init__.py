@@ -1,0 +1,81 @@
+"""A map in the formats of other programs: every file of this folder with a `@register` is one, found by being there.
+
+Scene --Format.files--> files in a folder of the format's name
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import PurePosixPath
+
+from rsegen.errors import ParameterError
+from rsegen.exporters.formats.base import FORMATS, Extra, Format
+from rsegen.exporters.gazebo import Bundle
+from rsegen.exporters.scene import Scene
+from rsegen.params.sorts import Json
+from rsegen.recipe.codec import map_json
+
+FORMATS.gather(__name__, __path__)
+
+
+def format_named(name: str, where: str = "formats") -> type[Format]:
+    """The format of a name, or an UnknownName that lists the known ones."""
+    return FORMATS.named(name, where)
+
+
+def summary(cls: type[Format]) -> str:
+    """What a format is, in one line."""
+    return (cls.__doc__ or "").strip().splitlines()[0]
+
+
+def refuse_unready(formats: Iterable[Format]) -> None:
+    """Raise a UserError where one of the formats is there twice, or needs what is not installed."""
+    seen = set()
+    for each in formats:
+        if each.name in seen:
+            raise ParameterError("formats", f"{each.name} is given twice")
+        seen.add(each.name)
+        each.refuse_missing()
+
+
+def options(formats: Sequence[Format]) -> dict[str, Json]:
+    """What formats.json of a map says: the options of each format that is there."""
+    return {each.name: each.options for each in formats}
+
+
+def added(scene: Scene, formats: Sequence[Format]) -> Bundle:
+    """What formats add to the files of a map; nothing where there are none."""
+    return dict(_added(scene, formats))
+
+
+def exported(scene: Scene, formats: Sequence[Format]) -> Bundle:
+    """The files of a map in these formats alone, with the recipe that makes it again."""
+    return {PurePosixPath("recipe.json"): [map_json(scene.recipe, scene.index)], **added(scene, formats)}
+
+
+def bytes_a_cell(formats: Iterable[Format]) -> int:
+    """Of memory for every cell of a map: they are made one after the other."""
+    return max((each.bytes_a_cell for each in formats), default=0)
+
+
+def _added(scene: Scene, formats: Sequence[Format]) -> Iterator[tuple[PurePosixPath, Iterable[bytes]]]:
+    for each in formats:
+        for path, content in each.files(scene).items():
+            yield PurePosixPath(each.name) / path, content
+    if formats:
+        yield PurePosixPath("formats.json"), [(json.dumps(options(formats), indent=2) + "\n").encode()]
+
+
+__all__ = [
+    "FORMATS",
+    "Extra",
+    "Format",
+    "added",
+    "bytes_a_cell",
+    "exported",
+    "format_named",
+    "options",
+    "refuse_unready",
+    "summary",
+]

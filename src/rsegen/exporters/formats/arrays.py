@@ -1,0 +1,53 @@
+"""Levels, heights and frames as arrays: for numpy, MATLAB and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from rsegen.exporters.formats.base import MAT, Extra, Format, register
+from rsegen.exporters.formats.encoded import as_json, facts, mat, npy, recipe_of
+from rsegen.exporters.levels import csv
+from rsegen.exporters.scene import Scene
+
+_FILES = {
+    "levels.npy": "int16 (n_x, n_y), level of each block in units, 0 in frame cells",
+    "heights.npy": "float64 (n_x, n_y), height of each cell above the ground, metres, frames too",
+    "frame.npy": "bool (n_x, n_y), where a frame stands",
+    "levels.csv": "levels of the blocks alone, frames left out, north up: the top row is the largest y",
+    "levels.mat": "levels, heights, frame as above, unit, block_width and frame_height in metres, seed and name",
+}
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Arrays(Format):
+    """Levels, heights and frame as arrays for numpy (NPY) and MATLAB (MAT), levels as a table, and what they mean."""
+
+    name: ClassVar[str] = "arrays"
+    extra: ClassVar[Extra | None] = MAT
+
+    def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
+        """Arrays have shape (n_x, n_y), frames included."""
+        field = scene.field
+        variables = {
+            "levels": field.levels,
+            "heights": field.heights,
+            "frame": field.frame,
+            "unit": field.unit,
+            "block_width": field.block_width,
+            "frame_height": field.frame_height,
+            "seed": np.int64(scene.recipe.seed),
+            "name": scene.name,
+        }
+        return {
+            "levels.npy": [npy(field.levels)],
+            "heights.npy": [npy(field.heights)],
+            "frame.npy": [npy(field.frame)],
+            "levels.csv": csv(field),
+            "levels.mat": [mat(variables)],
+            "meta.json": [as_json({**facts(scene), "files": _FILES, "recipe": recipe_of(scene)})],
+        }

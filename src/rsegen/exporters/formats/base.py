@@ -1,0 +1,72 @@
+"""What a format is: options with their bounds, and the files that it makes of a scene.
+
+A format is one file of this folder with one class: a frozen dataclass whose annotated fields are its options, under
+`@register`. Nothing else needs to know of it. Its files are in a folder of its name, inside the map's own.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import ClassVar, NamedTuple, TypeVar
+
+from rsegen.errors import UserError
+from rsegen.exporters.scene import Scene
+from rsegen.params.registry import Registry
+from rsegen.params.sorts import Json, parameters, settle
+
+
+class Extra(NamedTuple):
+    """What a format needs beyond rsegen itself: pip installs rsegen[name], and the module is there."""
+
+    name: str
+    module: str
+
+
+MESH = Extra("mesh", "trimesh")
+MAT = Extra("mat", "scipy")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Format(ABC):
+    """A way to write a map, with its options. Its docstring says in one line what it is."""
+
+    name: ClassVar[str]
+    extra: ClassVar[Extra | None] = None
+
+    def __post_init__(self) -> None:
+        settle(self)
+
+    @property
+    def bytes_a_cell(self) -> int:
+        """Of memory for every cell of a map, at the most, while its files are made."""
+        return 300
+
+    @property
+    def options(self) -> dict[str, Json]:
+        """The value of each option."""
+        return {name: getattr(self, name) for name in parameters(type(self))}
+
+    @abstractmethod
+    def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
+        """The files by their path in the format's folder, each to be read once; the same scene gives the same bytes."""
+
+    def refuse_missing(self) -> None:
+        """Raise a UserError where what it needs is not installed."""
+        if self.extra and find_spec(self.extra.module) is None:
+            needed = f"{self.name} needs {self.extra.module}, which is not installed"
+            raise UserError(f"{needed}; pip install 'rsegen[{self.extra.name}]'")
+
+
+FORMATS: Registry[type[Format]] = Registry("format")
+"""Every format by its name."""
+
+_Format = TypeVar("_Format", bound=type[Format])
+
+
+def register(cls: _Format) -> _Format:
+    """Make a format known by its name."""
+    FORMATS.add(cls.name, cls)
+    return cls

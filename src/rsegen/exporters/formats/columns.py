@@ -1,0 +1,32 @@
+"""A map as boxes of one colour each, which stand on the ground: what programs can both show and touch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from rsegen.field.stepfield import StepField
+from rsegen.geometry.rectangles import merge
+from rsegen.geometry.relief import relief
+
+
+class Column(NamedTuple):
+    """A box from the ground up: its middle and its size along x, y and z, metres, and its material."""
+
+    centre: tuple[float, float, float]
+    size: tuple[float, float, float]
+    material: int
+
+
+def columns(field: StepField) -> Iterator[Column]:
+    """Few boxes that are together the blocks and frames of a field; no two of them overlap."""
+    ground = relief(field)
+    found = merge(ground.cells)
+    rank, material = np.divmod(found.label, ground.kinds)
+    x, y, z = ground.lattice.lines
+    low = np.stack([x[found.u0], y[found.v0], np.zeros(len(rank))], axis=1)
+    high = np.stack([x[found.u1], y[found.v1], z[rank]], axis=1)
+    rows = zip(((low + high) / 2).tolist(), (high - low).tolist(), material.tolist(), strict=True)
+    return (Column(tuple(centre), tuple(size), kind) for centre, size, kind in rows)

@@ -1,0 +1,74 @@
+"""Numbers and facts as the bytes of files: numpy's arrays, MATLAB's, tables of text, JSON. No dates are in them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsegen import __version__
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Array
+from rsegen.params.sorts import Json
+from rsegen.recipe.codec import encode
+
+AXES = "axis 0 along +x, axis 1 along +y, cell (0, 0) in the corner of smallest x and y; z up, the ground is z = 0"
+
+_MAT_HEAD = b"MATLAB 5.0 MAT-file, written by rsegen".ljust(116)
+"""A text of 116 bytes that MATLAB shows and does not use; scipy puts the date there."""
+
+
+def npy(array: NDArray[Any]) -> bytes:
+    """An array as numpy saves it."""
+    buffer = BytesIO()
+    np.lib.format.write_array(buffer, np.ascontiguousarray(array), allow_pickle=False)
+    return buffer.getvalue()
+
+
+def mat(variables: Mapping[str, object]) -> bytes:
+    """Variables as MATLAB saves them (version 5); one axis is a column."""
+    from scipy.io import savemat
+
+    buffer = BytesIO()
+    savemat(buffer, dict(variables), oned_as="column")
+    return _MAT_HEAD + buffer.getvalue()[len(_MAT_HEAD) :]
+
+
+def north_up(values: Array, head: str, repeat: int = 1) -> Iterator[bytes]:
+    """Values of shape (n_x, n_y) as a table: the top row is the largest y. Each is there `repeat` times either way."""
+    yield f"# {head}; north up: the top row is the largest y, x grows to the right\n".encode()
+    for row in values.T[::-1]:
+        line = ",".join(text for value in row.tolist() for text in [decimal(value)] * repeat)
+        yield f"{line}\n".encode() * repeat
+
+
+def as_json(content: Mapping[str, Json]) -> bytes:
+    """The text of a JSON file."""
+    return (json.dumps(content, indent=2) + "\n").encode()
+
+
+def facts(scene: Scene) -> dict[str, Json]:
+    """What belongs to every map that leaves rsegen: lengths in metres, how to make it again."""
+    field = scene.field
+    return {
+        "name": scene.name,
+        "seed": scene.recipe.seed,
+        "generator": f"rsegen {__version__}",
+        "unit_m": field.unit,
+        "block_width_m": field.block_width,
+        "frame_height_m": field.frame_height,
+        "cells": list(field.shape),
+        "size_m": list(field.extent),
+        "axes": AXES,
+        "origin": "the middle of the map",
+    }
+
+
+def recipe_of(scene: Scene) -> dict[str, Json]:
+    """The content of the recipe of the map alone."""
+    return encode(scene.alone)

@@ -1,0 +1,91 @@
+"""A grey image of 16 bits whose greys are exact multiples of one height."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from rsegen.errors import ParameterError
+from rsegen.exporters.formats.base import Format, register
+from rsegen.exporters.formats.encoded import as_json, facts, recipe_of
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Ints, StepField
+from rsegen.params.sorts import Json, Whole
+
+WHITE = 65535
+
+_STEPS = [step for step in range(WHITE, 0, -1) if WHITE % step == 0]
+"""Greys that a level may be: what divides white, so that white is a whole number of levels too."""
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Heightmap(Format):
+    """A grey image of the heights (PNG, 16 bits), exact to the level, north up, and what its greys and pixels mean."""
+
+    name: ClassVar[str] = "heightmap"
+
+    pixels: Annotated[int, Whole(1, 100, help="pixels along each side of a cell")] = 1
+
+    @property
+    def bytes_a_cell(self) -> int:
+        """Its pixels, and what the image library keeps of them."""
+        return 100 + 16 * self.pixels**2
+
+    def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
+        """The image and what it means."""
+        step = grey_step(scene.field)
+        said = {**facts(scene), **self._meaning(scene, step), "recipe": recipe_of(scene)}
+        return {f"{scene.name}.png": self._png(scene.field, step), "heightmap.json": [as_json(said)]}
+
+    def _png(self, field: StepField, step: int) -> Iterator[bytes]:
+        from PIL import Image
+
+        rows = greys(field, step).T[::-1].repeat(self.pixels, axis=0).repeat(self.pixels, axis=1)
+        buffer = BytesIO()
+        Image.fromarray(rows).save(buffer, "png")
+        yield buffer.getvalue()
+
+    def _meaning(self, scene: Scene, step: int) -> dict[str, Json]:
+        field = scene.field
+        frame_error = np.abs(greys(field, step) * (field.unit / step) - field.heights).max()
+        return {
+            "image": f"{scene.name}.png",
+            "rows": "north up: the top row is the largest y, x grows to the right",
+            "metres_per_pixel": field.block_width / self.pixels,
+            "pixels_per_cell": self.pixels,
+            "lower_left_corner_m": [-side / 2 for side in field.extent],
+            "metres_per_grey": field.unit / step,
+            "greys_per_level": step,
+            "white_m": WHITE // step * field.unit,
+            "largest_error_m": round(float(frame_error), 9),
+            "import": _import_command(scene, step),
+        }
+
+
+def grey_step(field: StepField) -> int:
+    """How many greys a level is: the most that divide white and leave nothing whiter than white."""
+    frames = field.frame_height if field.frame.any() else 0.0
+    levels = max(int(field.levels.max()), int(np.ceil(frames / field.unit - 1e-9)), 1)
+    if levels > WHITE:
+        problem = f"frames of {decimal(field.frame_height * 100)} cm are more than {WHITE} units of "
+        raise ParameterError("frame_height_cm", f"{problem}{decimal(field.unit * 100)} cm, so no heightmap can be made")
+    return next(step for step in _STEPS if step * levels <= WHITE)
+
+
+def greys(field: StepField, step: int) -> Ints:
+    """The grey of every cell, uint16 (n_x, n_y): level * step in a block, the nearest in a frame."""
+    frame = int(np.floor(field.frame_height / field.unit * step + 0.5)) if field.frame.any() else 0
+    return np.where(field.frame, frame, field.levels.astype(np.int64) * step).astype(np.uint16)
+
+
+def _import_command(scene: Scene, step: int) -> str:
+    """What reads the image again; frames become blocks."""
+    field, (n_x, n_y) = scene.field, scene.field.shape
+    lengths = f"--unit-cm {decimal(field.unit * 100)} --block-width-cm {decimal(field.block_width * 100)}"
+    return f"rsegen import {scene.name}.png --max-height {WHITE // step + 1} --size {n_x}x{n_y} {lengths} -o DIR"

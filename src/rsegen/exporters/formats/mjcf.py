@@ -1,0 +1,213 @@
+"""MJCF: the map as one static body of MuJoCo, and a scene with light, ground and camera that includes it.
+
+MuJoCo takes a mesh for its convex hull where things touch, so nothing here is touched as a mesh: boxes are exact, and a
+height field slopes from each sample to the next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import chain
+from math import hypot
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from rsegen.errors import ParameterError
+from rsegen.exporters.formats.base import Format, register
+from rsegen.exporters.formats.coloured import coloured_objs
+from rsegen.exporters.formats.columns import Column, columns
+from rsegen.exporters.gazebo.obj import material_name
+from rsegen.exporters.gazebo.sdf import encoded, numbers
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Array, StepField
+from rsegen.params.sorts import Choice, Whole
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Mjcf(Format):
+    """A static body for MuJoCo (MJCF), of boxes, of a height field, or of a mesh with boxes, and a scene around it."""
+
+    name: ClassVar[str] = "mjcf"
+
+    shape: Annotated[
+        str,
+        Choice(
+            ("boxes", "hfield", "mesh"),
+            help="boxes that are seen and touched; a height field, which slopes between its samples; "
+            "or a mesh that is seen, with boxes that are touched",
+        ),
+    ] = "boxes"
+    pixels: Annotated[int, Whole(1, 100, help="samples along each side of a cell, in a height field")] = 10
+
+    @property
+    def bytes_a_cell(self) -> int:
+        """A few boxes or faces, or the samples."""
+        return 24 * self.pixels**2 + 300 if self.shape == "hfield" else 600
+
+    def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
+        """The map by its own name, the scene, and what the map is made of where that is not in it."""
+        body = self._body(scene)
+        return {
+            f"{scene.name}.xml": encoded(_map(scene, body)),
+            "scene.xml": encoded(_scene(scene)),
+            **body.files,
+        }
+
+    def _body(self, scene: Scene) -> _Body:
+        if self.shape == "hfield" and not scene.recipe.is_of_one_friction:
+            problem = "'hfield' has one coefficient of friction, and the recipe gives several; give boxes or mesh"
+            raise ParameterError("shape", problem)
+        if not scene.field.stands():
+            return _Body()
+        if self.shape == "hfield":
+            return _height_field(scene, self.pixels)
+        return _meshes(scene) if self.shape == "mesh" else _boxes(scene)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Body:
+    """What a body is made of: assets, <geom> elements, the files that they need, and defaults of what is touched."""
+
+    assets: Iterable[str] = ()
+    geoms: Iterable[str] = ()
+    files: Mapping[str, Iterable[bytes]] = field(default_factory=dict)
+    touched: str = ""
+
+
+def _boxes(scene: Scene) -> _Body:
+    """What is seen is what is touched."""
+    found = list(columns(scene.field))
+    geoms = (_box(scene, column, f' material="{_material(scene, column.material)}"') for column in found)
+    return _Body(assets=_materials(scene, {column.material for column in found}), geoms=geoms)
+
+
+def _meshes(scene: Scene) -> _Body:
+    """A mesh for each colour to be seen, and boxes in group 3, which viewers hide, to be touched."""
+    objs = coloured_objs(scene)
+    named = {_material(scene, material): content for material, content in objs.items()}
+    meshes = (f'    <mesh name="{name}" file="{name}.obj" inertia="shell"/>\n' for name in named)
+    seen = (
+        f'      <geom type="mesh" mesh="{name}" material="{name}" contype="0" conaffinity="0" group="2"/>\n'
+        for name in named
+    )
+    touched = (_box(scene, column) for column in columns(scene.field))
+    return _Body(
+        assets=chain(_materials(scene, objs), meshes),
+        geoms=chain(seen, touched),
+        files={f"{name}.obj": content for name, content in named.items()},
+        touched=' group="3"',
+    )
+
+
+def _height_field(scene: Scene, pixels: int) -> _Body:
+    """Samples in the middle of small squares, `pixels` along each side of a cell; half a sample of the rim is lost.
+
+    MuJoCo stretches samples to 0..1, so the lowest of them is said by the place of the geom; and it lays the first and
+    the last of a row on the sides of the field, which are therefore those of the outermost samples.
+    """
+    heights = _sampled(scene.field, pixels)
+    low, high = float(heights.min()), float(heights.max())
+    sides = ((extent - extent / count) / 2 for extent, count in zip(scene.field.extent, heights.shape, strict=True))
+    size = numbers((*sides, high - low or 1.0, low or _BASE))
+    return _Body(
+        assets=[
+            *_materials(scene, {scene.recipe.top_level}),
+            f'    <hfield name="{scene.name}" file="{scene.name}.hfield" size="{size}"/>\n',
+        ],
+        geoms=[
+            f'      <geom type="hfield" hfield="{scene.name}" pos="0 0 {decimal(low)}" '
+            f'material="{_material(scene, scene.recipe.top_level)}"/>\n'
+        ],
+        files={f"{scene.name}.hfield": _samples((heights - low) / (high - low or 1.0))},
+    )
+
+
+_BASE = 0.01
+"""Metres that a height field reaches into the ground, where MuJoCo wants it to have a bottom."""
+
+
+def _sampled(field: StepField, pixels: int) -> Array:
+    """The heights of small squares; along an axis of one cell at least two, which is the least that there may be."""
+    heights = field.heights
+    for axis, cells in enumerate(field.shape):
+        heights = heights.repeat(max(pixels, 3 - cells), axis=axis)
+    return heights
+
+
+def _samples(heights: Array) -> Iterator[bytes]:
+    """A height field's own binary file: rows and columns, then rows of single precision from the smallest y on."""
+    yield np.array(heights.shape[::-1], dtype="<i4").tobytes()
+    yield heights.T.astype("<f4").tobytes()
+
+
+def _map(scene: Scene, body: _Body) -> Iterator[str]:
+    """The body alone, to be included or attached."""
+    name = scene.name
+    yield f"""\
+<!-- made by rsegen: metres, z up, the middle of the map at 0 0 0, the ground at z = 0 -->
+<mujoco model="{name}">
+  <default>
+    <default class="{name}">
+      <geom type="box" {_friction(scene.friction)}{body.touched}/>
+    </default>
+  </default>
+  <asset>
+"""
+    yield from body.assets
+    yield f"""\
+  </asset>
+  <worldbody>
+    <body name="{name}" childclass="{name}">
+"""
+    yield from body.geoms
+    yield "    </body>\n  </worldbody>\n</mujoco>\n"
+
+
+def _scene(scene: Scene) -> Iterator[str]:
+    """Light, a ground plane and a camera; the free camera of viewers sees the whole map."""
+    across = hypot(*scene.field.extent)
+    top = float(scene.field.heights.max())
+    yield f"""\
+<!-- made by rsegen -->
+<mujoco model="{scene.name} scene">
+  <include file="{scene.name}.xml"/>
+  <statistic center="0 0 {decimal(top / 2)}" extent="{decimal(0.8 * across)}"/>
+  <visual>
+    <headlight ambient="0.3 0.3 0.3" diffuse="0.4 0.4 0.4" specular="0 0 0"/>
+    <global azimuth="60" elevation="-35"/>
+  </visual>
+  <worldbody>
+    <light name="sun" directional="true" castshadow="false" dir="-0.4 0.3 -0.86" diffuse="0.6 0.6 0.6"/>
+    <camera name="overview" pos="0 {decimal(-across)} {decimal(across)}" xyaxes="1 0 0 0 1 1"/>
+    <geom name="ground" type="plane" size="0 0 1" {_friction(scene.friction)} rgba="0.6 0.6 0.6 1"/>
+  </worldbody>
+</mujoco>
+"""
+
+
+def _materials(scene: Scene, materials: Iterable[int]) -> Iterator[str]:
+    for material in sorted(materials):
+        rgba = numbers((*scene.colour(material), 1))
+        yield f'    <material name="{_material(scene, material)}" rgba="{rgba}" specular="0.1"/>\n'
+
+
+def _material(scene: Scene, material: int) -> str:
+    """With the map's name, so that two maps can be in one scene."""
+    return f"{scene.name}_{material_name(material)}"
+
+
+def _box(scene: Scene, column: Column, paint: str = "") -> str:
+    """It has the map's friction by default."""
+    friction = scene.friction_of(column.material)
+    own = "" if friction == scene.friction else f" {_friction(friction)}"
+    place = f'pos="{numbers(column.centre)}" size="{numbers(side / 2 for side in column.size)}"'
+    return f"      <geom {place}{own}{paint}/>\n"
+
+
+def _friction(sliding: float) -> str:
+    """Spin and rolling are MuJoCo's own."""
+    return f'friction="{decimal(sliding)} 0.005 0.0001"'

@@ -1,0 +1,58 @@
+"""An occupancy map of ROS: what is too high for a robot is occupied."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from rsegen.exporters.formats.base import Format, register
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import NANOMETRE_DIGITS
+from rsegen.params.sorts import Real, Whole
+
+_OCCUPIED, _FREE = 0, 254
+"""Greys as map_server writes them."""
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Occupancy(Format):
+    """A map of ROS (map.yaml and map.pgm, for map_server and Nav2): cells higher than a robot climbs are occupied."""
+
+    name: ClassVar[str] = "occupancy"
+
+    climb_cm: Annotated[
+        float | None,
+        Real(0, 100_000, unit="cm", help="cells higher above the ground are occupied, by default those above one unit"),
+    ] = None
+    pixels: Annotated[int, Whole(1, 100, help="pixels along each side of a cell")] = 1
+
+    @property
+    def bytes_a_cell(self) -> int:
+        """Its pixels, twice."""
+        return 100 + 2 * self.pixels**2
+
+    def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
+        """The image, north up, and where it lies: the map's middle is the origin of the world."""
+        field = scene.field
+        climb = field.unit if self.climb_cm is None else self.climb_cm / 100
+        occupied = field.heights > round(climb, NANOMETRE_DIGITS)
+        grey = np.where(occupied, _OCCUPIED, _FREE).astype(np.uint8).T[::-1]
+        rows = grey.repeat(self.pixels, axis=0).repeat(self.pixels, axis=1)
+        x, y = (decimal(-side / 2) for side in field.extent)
+        lines = [
+            f"# {scene.name}: cells higher than {decimal(climb)} m above the ground are occupied; made by rsegen",
+            "image: map.pgm",
+            "mode: trinary",
+            f"resolution: {decimal(field.block_width / self.pixels)}",
+            f"origin: [{x}, {y}, 0]",
+            "negate: 0",
+            "occupied_thresh: 0.65",
+            "free_thresh: 0.196",
+        ]
+        head = f"P5\n{rows.shape[1]} {rows.shape[0]}\n255\n"
+        return {"map.yaml": ["\n".join([*lines, ""]).encode()], "map.pgm": [head.encode(), rows.tobytes()]}

@@ -1,0 +1,161 @@
+"""What a search over postures needs: a fine raster without smoothed edges, the edges, start and goal, and tags.
+
+After what Magid and Tsubouchi's work on static balance in a Random Step Environment asks of a field (2010 on): there a
+block is 5 x 5 cells of the raster, or 10 x 10. The files are ours; they follow no standard.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from typing import Annotated, ClassVar, NamedTuple
+
+import numpy as np
+
+from rsegen.exporters.formats.base import MAT, Extra, Format, register
+from rsegen.exporters.formats.edges import COLUMNS, edges
+from rsegen.exporters.formats.encoded import as_json, facts, mat, north_up, npy, recipe_of
+from rsegen.exporters.formats.tags import Shape, peaks_and_pits, shapes
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Ints, Mask, StepField
+from rsegen.params.sorts import Json, Real, Whole
+
+_RASTER = "float64 (n_x, n_y) * cells_per_block, height above the ground, metres; every sub-cell has its block's height"
+
+_TAGS = {
+    "i, j": "the cell, from 0 along x and y, frames counted",
+    "level": "its level in the end",
+    "tag": "a kind of obstacle, or peak or pit",
+    "from": "recipe: cells where the obstacle's own level is 1 or more, whatever stands there in the end; field: found "
+    "in the heights, as said under peak and pit",
+    "number": "recipe: the obstacle's place in the recipe's list; field: the plateau; both from 0",
+    "plateau": "all blocks of one height that hang together by their sides",
+    "peak": "a plateau that stands above each of its neighbours by more than limit_m",
+    "pit": "a plateau that lies below each of its neighbours by more than limit_m",
+    "neighbours": "cells that share a side with it, frames and the ground around the map included",
+}
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Posture(Format):
+    """For searches over postures: heights in sub-cells, every edge, start and goal, tags; NPY, CSV, MAT and JSON."""
+
+    name: ClassVar[str] = "posture"
+    extra: ClassVar[Extra | None] = MAT
+
+    per_block: Annotated[int, Whole(1, 100, help="cells of the raster along each side of a block")] = 5
+    climb_cm: Annotated[
+        float | None,
+        Real(0, 100_000, unit="cm", help="peaks and pits have steps above this all around, by default above one unit"),
+    ] = None
+    clearance_cm: Annotated[
+        float, Real(0, 100_000, unit="cm", help="from the map's rim to the start, and to the goal, on flat ground")
+    ] = 100.0
+
+    @property
+    def bytes_a_cell(self) -> int:
+        """Its part of the raster in several copies, its edges, and what finds plateaus."""
+        return 3000 + 40 * self.per_block**2
+
+    def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
+        """Arrays have axis 0 along x; tables of heights are north up; lengths are metres."""
+        found = self._found(scene)
+        raster = scene.field.heights.repeat(self.per_block, axis=0).repeat(self.per_block, axis=1)
+        head = f"heights in metres, {self.per_block} x {self.per_block} cells for each block"
+        return {
+            "raster.npy": [npy(raster)],
+            "raster.csv": north_up(scene.field.heights, head, self.per_block),
+            "edges.csv": _table(COLUMNS, (map(decimal, row) for row in found.edges.tolist())),
+            "tags.csv": _table(["i", "j", "level", "tag", "from", "number"], found.tagged()),
+            "posture.mat": [mat({"raster": raster, **self._variables(found)})],
+            "posture.json": [as_json(self._meaning(found))],
+        }
+
+    def _found(self, scene: Scene) -> _Found:
+        field = scene.field
+        limit = field.unit if self.climb_cm is None else self.climb_cm / 100
+        peaks, pits = peaks_and_pits(field, limit)
+        return _Found(scene, limit, edges(field), tuple(shapes(scene)), peaks, pits)
+
+    def _pose(self, field: StepField, side: int) -> dict[str, Json]:
+        """Level with the map's middle, heading east: in the west of it at side -1, in the east at side 1."""
+        x = side * (field.extent[0] / 2 + self.clearance_cm / 100)
+        return {"x": round(x, NANOMETRE_DIGITS), "y": 0.0, "z": 0.0, "yaw": 0.0}
+
+    def _variables(self, found: _Found) -> dict[str, object]:
+        """For MATLAB: plateaus are counted from 1 there, and 0 is none."""
+        field = found.scene.field
+        return {
+            "levels": field.levels,
+            "heights": field.heights,
+            "frame": field.frame,
+            "cells_per_block": self.per_block,
+            "unit": field.unit,
+            "block_width": field.block_width,
+            "edges": found.edges,
+            "edge_columns": np.array(list(COLUMNS), dtype=object),
+            "start": [list(self._pose(field, -1).values())],
+            "goal": [list(self._pose(field, 1).values())],
+            "shapes": _stacked([shape.cells for shape in found.shapes], field),
+            "shape_kinds": np.array([shape.kind for shape in found.shapes], dtype=object),
+            "peaks": found.peaks + 1,
+            "pits": found.pits + 1,
+            "limit": found.limit,
+            "seed": np.int64(found.scene.recipe.seed),
+            "name": found.scene.name,
+        }
+
+    def _meaning(self, found: _Found) -> dict[str, Json]:
+        scene = found.scene
+        plateaus = {tag: int(where.max()) + 1 for tag, where in (("peaks", found.peaks), ("pits", found.pits))}
+        return {
+            **facts(scene),
+            "cells_per_block": self.per_block,
+            "cell_m": scene.field.block_width / self.per_block,
+            "raster": _RASTER,
+            "start": self._pose(scene.field, -1),
+            "goal": self._pose(scene.field, 1),
+            "poses": "metres and radians; on the flat ground, which goes on around the map; yaw 0 heads along +x",
+            "edges": {"count": len(found.edges), "columns": COLUMNS},
+            "tags": {
+                "columns": _TAGS,
+                "limit_m": found.limit,
+                "recipe": [shape.entry() for shape in found.shapes],
+                "field": plateaus,
+            },
+            "recipe": recipe_of(scene),
+        }
+
+
+class _Found(NamedTuple):
+    """What is found in a map, once for all files; limit: metres."""
+
+    scene: Scene
+    limit: float
+    edges: Array
+    shapes: tuple[Shape, ...]
+    peaks: Ints
+    pits: Ints
+
+    def tagged(self) -> Iterator[tuple[str, ...]]:
+        """Every tag of every cell: those of the recipe by obstacle, then peaks, then pits."""
+        levels = self.scene.field.levels
+        for shape in self.shapes:
+            for i, j in np.argwhere(shape.cells).tolist():
+                yield str(i), str(j), str(levels[i, j]), shape.kind, "recipe", str(shape.number)
+        for tag, where in (("peak", self.peaks), ("pit", self.pits)):
+            for i, j in np.argwhere(where >= 0).tolist():
+                yield str(i), str(j), str(levels[i, j]), tag, "field", str(where[i, j])
+
+
+def _stacked(masks: Sequence[Mask], field: StepField) -> Mask:
+    """(n_x, n_y, number of masks), also where there are none."""
+    return np.moveaxis(np.array(masks, dtype=bool).reshape(len(masks), *field.shape), 0, 2)
+
+
+def _table(columns: Iterable[str], rows: Iterable[Iterable[str]]) -> Iterator[bytes]:
+    for row in chain([columns], rows):
+        yield (",".join(row) + "\n").encode()

@@ -1,0 +1,33 @@
+"""STL: triangles alone, for printers, slicers and every mesh program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rsegen.exporters.formats.base import MESH, Extra, Format, register
+from rsegen.exporters.formats.solid import BYTES_A_CELL, solid
+from rsegen.exporters.scene import Scene
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Stl(Format):
+    """A closed mesh without colours (STL, binary), in metres, z up."""
+
+    name: ClassVar[str] = "stl"
+    extra: ClassVar[Extra | None] = MESH
+
+    @property
+    def bytes_a_cell(self) -> int:
+        """That of a closed surface."""
+        return BYTES_A_CELL
+
+    def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
+        """One."""
+        return {f"{scene.name}.stl": _stl(scene)}
+
+
+def _stl(scene: Scene) -> Iterator[bytes]:
+    yield solid(scene.field).mesh.export(file_type="stl")

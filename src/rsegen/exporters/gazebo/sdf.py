@@ -1,0 +1,167 @@
+"""SDF text that Gazebo Classic 11 and Gazebo Sim read alike: version 1.6, no plug-in, nothing from the internet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.scene import Colour, Scene
+
+VERSION = "1.6"
+
+HEAD = f'<?xml version="1.0"?>\n<!-- made by rsegen -->\n<sdf version="{VERSION}">\n'
+TAIL = "</sdf>\n"
+
+_WORLD = """\
+  <world name="{name}">
+    <physics type="ode">
+      <max_step_size>0.001</max_step_size>
+      <real_time_factor>1</real_time_factor>
+      <real_time_update_rate>1000</real_time_update_rate>
+    </physics>
+    <scene>
+      <ambient>0.5 0.5 0.5 1</ambient>
+      <background>0.75 0.8 0.85 1</background>
+      <shadows>false</shadows>
+    </scene>
+    <light name="sun" type="directional">
+      <cast_shadows>false</cast_shadows>
+      <pose>0 0 10 0 0 0</pose>
+      <diffuse>0.7 0.7 0.7 1</diffuse>
+      <specular>0.1 0.1 0.1 1</specular>
+      <direction>-0.4 0.3 -0.86</direction>
+    </light>
+    <model name="ground_plane">
+      <static>true</static>
+      <link name="link">
+        <collision name="collision">
+          <geometry><plane><normal>0 0 1</normal><size>{side} {side}</size></plane></geometry>
+          <surface>{friction}</surface>
+        </collision>
+        <visual name="visual">
+          <geometry><plane><normal>0 0 1</normal><size>{side} {side}</size></plane></geometry>
+          <material><ambient>0.6 0.6 0.6 1</ambient><diffuse>0.6 0.6 0.6 1</diffuse></material>
+        </visual>
+      </link>
+    </model>
+"""
+
+
+def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
+    """A world file: physics, light, a ground plane that reaches well beyond the map, and `models`."""
+    side = max(100.0, 2 * max(scene.field.extent))
+    yield HEAD + _WORLD.format(name=scene.name, side=decimal(side), friction=_friction(scene.friction))
+    yield from models
+    yield "  </world>\n" + TAIL
+
+
+class Shape(NamedTuple):
+    """A <geometry> as SDF has it, what it is called, where its middle is, metres, its paint where it is seen, and its
+    coefficient of friction where it is touched.
+    """
+
+    name: str
+    geometry: str
+    centre: Sequence[float] = ()
+    paint: str = ""
+    friction: float = 1.0
+
+
+def mesh(name: str, uri: str) -> Shape:
+    """The mesh of a file."""
+    return Shape(name, f"<mesh><uri>{uri}</uri></mesh>")
+
+
+def box(name: str, size: Iterable[float], centre: Sequence[float] = ()) -> Shape:
+    """A box along the axes, its size in metres."""
+    return Shape(name, f"<box><size>{numbers(size)}</size></box>", centre)
+
+
+def model(name: str, seen: Iterable[Shape], touched: Iterable[Shape], place: str = "0 0 0") -> Iterator[str]:
+    """A static model of shapes to be seen and shapes to be touched, piece by piece; `place` is x, y and z, metres."""
+    yield f"""\
+    <model name="{name}">
+      <static>true</static>
+      <pose>{place} 0 0 0</pose>
+      <link name="link">
+"""
+    yield from _shapes(seen, touched)
+
+
+def body(name: str, seen: Iterable[Shape], touched: Iterable[Shape]) -> Iterator[str]:
+    """The same as a body that nothing moves, for Gazebo Classic alone (decision 8)."""
+    yield f"""\
+    <model name="{name}">
+      <link name="link">
+        <gravity>false</gravity>
+        <kinematic>true</kinematic>
+        <inertial>
+          <mass>1000000</mass>
+          <inertia><ixx>1000000</ixx><iyy>1000000</iyy><izz>1000000</izz></inertia>
+        </inertial>
+"""
+    yield from _shapes(seen, map(_lifted, touched))
+
+
+def _shapes(seen: Iterable[Shape], touched: Iterable[Shape]) -> Iterator[str]:
+    yield from map(_touched, touched)
+    yield from map(_seen, seen)
+    yield "      </link>\n    </model>\n"
+
+
+def numbers(values: Iterable[float]) -> str:
+    """Numbers as SDF has them."""
+    return " ".join(map(decimal, values))
+
+
+def paint(colour: Colour) -> str:
+    """A material of one colour."""
+    rgba = numbers((*colour, 1))
+    return f"<material><ambient>{rgba}</ambient><diffuse>{rgba}</diffuse></material>"
+
+
+def encoded(texts: Iterable[str]) -> Iterator[bytes]:
+    """Text as bytes, piece by piece."""
+    return (text.encode() for text in texts)
+
+
+LIFT = 0.00001
+"""Metres: a body that stood on the ground plane would touch it, at the foot of every wall and in every step."""
+
+
+def _lifted(shape: Shape) -> Shape:
+    x, y, z = shape.centre or (0, 0, 0)
+    return shape._replace(centre=(x, y, z + LIFT))
+
+
+def _touched(shape: Shape) -> str:
+    """`kd` 1000 lets soft wheels roll over the seams between coplanar triangles, which ODE would take for bumps."""
+    return f"""\
+        <collision name="{shape.name}">{_pose(shape)}
+          <geometry>{shape.geometry}</geometry>
+          <surface>
+            <contact><ode><kd>1000</kd></ode></contact>
+            {_friction(shape.friction)}
+          </surface>
+        </collision>
+"""
+
+
+def _seen(shape: Shape) -> str:
+    return f"""\
+        <visual name="{shape.name}">{_pose(shape)}
+          <geometry>{shape.geometry}</geometry>{shape.paint and _LINE + shape.paint}
+        </visual>
+"""
+
+
+def _pose(shape: Shape) -> str:
+    return f"{_LINE}<pose>{numbers(shape.centre)} 0 0 0</pose>" if shape.centre else ""
+
+
+_LINE = "\n" + " " * 10
+
+
+def _friction(mu: float) -> str:
+    return f"<friction><ode><mu>{decimal(mu)}</mu><mu2>{decimal(mu)}</mu2></ode></friction>"

@@ -1,0 +1,52 @@
+"""Mesh type `single`: the map is one model, as a package that any world can include."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import chain
+
+from rsegen.exporters.gazebo import sdf, shapes
+from rsegen.exporters.scene import Scene
+
+
+def files(scene: Scene) -> dict[str, Iterable[bytes]]:
+    """The model package, and a world with this model in it."""
+    name = scene.name
+    return {
+        "model.config": [_config(name).encode()],
+        "model.sdf": sdf.encoded(chain([sdf.HEAD], _model(scene, f"model://{name}/"), [sdf.TAIL])),
+        f"{name}.world": sdf.encoded(sdf.world(scene, _model(scene))),
+        **shapes.mesh_files(scene, scene.field, name),
+    }
+
+
+def models(scene: Scene) -> int:
+    """One."""
+    return 1
+
+
+def collisions(scene: Scene) -> int:
+    """Its mesh, or its tiles, or parts of one friction each, or its boxes."""
+    return shapes.collisions(scene, scene.field)
+
+
+def _model(scene: Scene, root: str = "") -> Iterator[str]:
+    """The map as a model; a recipe's URIs start with `root`."""
+    seen, touched = (shape(scene, scene.field, scene.name, root) for shape in (shapes.seen, shapes.touched))
+    model = sdf.body if scene.recipe.simulator == "classic" else sdf.model
+    return model(scene.name, seen, touched)
+
+
+def _config(name: str) -> str:
+    return f"""\
+<?xml version="1.0"?>
+<model>
+  <name>{name}</name>
+  <version>1.0</version>
+  <sdf version="{sdf.VERSION}">model.sdf</sdf>
+  <author>
+    <name>rsegen</name>
+  </author>
+  <description>A Random Step Environment; recipe.json makes it again.</description>
+</model>
+"""

@@ -1,0 +1,1 @@
+"""Maps as pictures: previews, and the paths of a robot."""

@@ -1,0 +1,82 @@
+"""What a robot can do on a map, as a picture: its ways on the plan, and what it costs to get to each cell."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.pictures.preview import draw_plan, saved
+from rsegen.exporters.scene import Scene
+from rsegen.field.metrics import Climber, Crossing, Reach
+from rsegen.field.stepfield import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_WAYS = {"west to east": "#ff2d95", "south to north": "#ff8c00"}
+
+
+def chart(scene: Scene, reach: Reach, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+    """The picture as the bytes of a file, which carries the map's recipe."""
+    from matplotlib.figure import Figure
+
+    along_x, along_y = scene.field.extent
+    height = float(np.clip(6 * along_y / along_x + 1, 3, 14))
+    figure = Figure(figsize=(14, height), dpi=100, layout="constrained")
+    plan, heat = figure.subplots(1, 2, sharex=True, sharey=True)
+    draw_plan(plan, scene)
+    for (name, colour), crossing in zip(_WAYS.items(), (reach.west_east, reach.south_north), strict=True):
+        _draw_way(plan, scene, crossing, name, colour)
+    figure.legend(loc="outside lower center", ncols=2, frameon=False)
+    _draw_costs(heat, scene, reach)
+    figure.suptitle(f"{scene.name}: {described(reach.climber)}")
+    return saved(figure, scene, format)
+
+
+def described(climber: Climber) -> str:
+    """A robot in words."""
+    up, down = (decimal(limit / 1e7) for limit in climber.limits)
+    wide = f", {decimal(climber.width_cm)} cm wide" if climber.width_cm else ""
+    return f"a robot that climbs {up} cm and gets down {down} cm{wide}"
+
+
+def _draw_way(axes: Axes, scene: Scene, crossing: Crossing, name: str, colour: str) -> None:
+    """From a ring to a dot; where there is no way, the legend says so."""
+    if not crossing.crosses:
+        axes.plot([], [], color=colour, label=f"no way from {name}")
+        return
+    x, y = ((crossing.path + 0.5 - np.array(scene.field.shape) / 2) * scene.field.block_width).T
+    label = f"{name}: {crossing.length_ratio:.2f} times as long as straight, {crossing.cost_ratio:.2f} with its rises"
+    axes.plot(x, y, color="white", linewidth=8, alpha=0.35, solid_joinstyle="round")
+    axes.plot(x, y, color=colour, linewidth=4, alpha=0.75, solid_joinstyle="round", label=label)
+    axes.plot(x[:1], y[:1], "o", color=colour, markersize=9, markerfacecolor="white", markeredgewidth=2)
+    axes.plot(x[-1:], y[-1:], "o", color=colour, markersize=9, markeredgecolor="white")
+
+
+def _draw_costs(axes: Axes, scene: Scene, reach: Reach) -> None:
+    """The cost of the cheapest way from the west to each cell; outlined the largest region."""
+    edges_x, edges_y = scene.field.edges()
+    extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
+    costs = np.ma.masked_invalid(reach.west_east.costs.T)
+    axes.imshow(np.full((1, 1, 3), 0.86), extent=extent)
+    if costs.count():
+        image = axes.imshow(costs, origin="lower", extent=extent, interpolation="nearest", cmap="viridis")
+        axes.figure.colorbar(image, ax=axes, shrink=0.8, label="cost of the way there [m]; grey: none")
+    outlined = f"outlined: {reach.cover:.0%} of the blocks in one region"
+    axes.set(aspect="equal", xlabel="x [m]", title=f"in reach from the west; {outlined}")
+    _outline(axes, reach, edges_x, edges_y)
+
+
+def _outline(axes: Axes, reach: Reach, edges_x: Array, edges_y: Array) -> None:
+    """Along every cell's edge that the region ends at."""
+    from matplotlib.collections import LineCollection
+
+    region = np.pad(reach.region, 1)
+    i, j = np.nonzero(region[1:, 1:-1] != region[:-1, 1:-1])
+    upright = np.stack([np.stack([edges_x[i], edges_y[j + side]], axis=-1) for side in (0, 1)], axis=1)
+    i, j = np.nonzero(region[1:-1, 1:] != region[1:-1, :-1])
+    level = np.stack([np.stack([edges_x[i + side], edges_y[j]], axis=-1) for side in (0, 1)], axis=1)
+    width = float(np.clip(200 / max(reach.region.shape), 0.1, 2.5))
+    axes.add_collection(LineCollection(list(np.concatenate([upright, level])), colors="#ff2d95", linewidths=width))

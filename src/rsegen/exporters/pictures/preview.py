@@ -1,0 +1,203 @@
+"""A map as a picture: a plan with its heights, and a view of it in three dimensions; needs no screen.
+
+The view is exact, not a sketch: columns on a grid, drawn from the farthest to the nearest, hide one another as the
+blocks themselves do.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsegen.errors import FileError
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.scene import Scene
+from rsegen.field.coarse import coarse
+from rsegen.field.stepfield import Array
+from rsegen.recipe.codec import to_json
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FORMATS = ("png", "svg", "pdf", "jpg", "webp")
+LEGIBLE = 26
+"""Heights are written into the cells of a plan of up to so many cells a side."""
+DRAWN = 200
+"""A view of more cells a side is drawn coarser, by the highest of several cells."""
+
+_AZIMUTH, _ELEVATION = np.radians(-62), np.radians(38)
+_LIT = {"top": 1.0, "x": 0.8, "y": 0.62}
+
+
+def picture(scene: Scene, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+    """The picture as the bytes of a file."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(14, 6.6), dpi=100, layout="constrained")
+    left, right = figure.subplots(1, 2)
+    draw_plan(left, scene)
+    _view(right, scene)
+    _legend(figure, scene)
+    figure.suptitle(_title(scene))
+    return saved(figure, scene, format)
+
+
+def saved(figure: Figure, scene: Scene, format: str) -> bytes:  # noqa: A002  # matplotlib's word
+    """A figure about a map as the bytes of a file, which carries the map's recipe."""
+    from matplotlib import rc_context
+
+    stream = io.BytesIO()
+    with rc_context({"svg.hashsalt": "rsegen"}):
+        figure.savefig(stream, format=format, metadata=_metadata(scene, format))
+    return stream.getvalue()
+
+
+def saved_pages(figures: Iterable[Figure], scene: Scene) -> bytes:
+    """Figures about a map as the pages of a PDF, which carries the map's recipe."""
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    stream = io.BytesIO()
+    with PdfPages(stream, metadata={"Title": scene.name, **(_metadata(scene, "pdf") or {})}) as pages:
+        for figure in figures:
+            pages.savefig(figure)
+    return stream.getvalue()
+
+
+def picture_format(path: Path) -> str:
+    """The format that a file's name asks for, or a FileError that lists the known ones."""
+    name = path.suffix.lower().removeprefix(".").replace("jpeg", "jpg")
+    if name not in FORMATS:
+        raise FileError(f"{path}: not a picture's name; end it in one of .{', .'.join(FORMATS)}")
+    return name
+
+
+def draw_plan(axes: Axes, scene: Scene) -> None:
+    """From above, north up, with heights in centimetres where there is room for them."""
+    colours = draw_cells(axes, scene)
+    legible = max(scene.field.shape) <= LEGIBLE
+    axes.set(xlabel="x [m]", ylabel="y [m]", title="plan, heights in cm" if legible else "plan")
+    if legible:
+        _write_heights(axes, scene, colours)
+
+
+def draw_cells(axes: Axes, scene: Scene) -> Array:
+    """The colours of a plan alone, (n_x, n_y, 3), which it gives."""
+    field = scene.field
+    edges_x, edges_y = field.edges()
+    colours = _colours(scene, field.frame, field.levels)
+    extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
+    axes.imshow(colours.transpose(1, 0, 2), origin="lower", extent=extent, interpolation="nearest")
+    return colours
+
+
+def _write_heights(axes: Axes, scene: Scene, colours: Array) -> None:
+    middle_x, middle_y = ((line[:-1] + line[1:]) / 2 for line in scene.field.edges())
+    size = min(11.0, 150 / max(scene.field.shape))
+    heights = scene.field.heights
+    for i, j in zip(*np.nonzero(~scene.field.frame), strict=True):
+        ink = "white" if colours[i, j] @ (0.3, 0.59, 0.11) < 0.5 else "black"
+        text = decimal(round(heights[i, j] * 100, 4))
+        axes.text(middle_x[i], middle_y[j], text, ha="center", va="center", fontsize=size, color=ink)
+
+
+def _view(axes: Axes, scene: Scene) -> None:
+    """From the south-east, above."""
+    from matplotlib.collections import PolyCollection
+
+    factor = min(-(-max(scene.field.shape) // DRAWN), *scene.field.shape)
+    field = coarse(scene.field, factor)
+    shapes, colours = _polygons(field.heights, _colours(scene, field.frame, field.levels), field.block_width)
+    line = 0.35 if max(field.shape) <= 60 else 0.0
+    axes.add_collection(PolyCollection(list(shapes), facecolors=colours, edgecolors=colours * 0.55, linewidths=line))
+    axes.set_aspect("equal")
+    axes.autoscale_view()
+    axes.set_axis_off()
+    how = f" (each column the highest of {factor} x {factor} cells)" if factor > 1 else ""
+    axes.set_title(f"seen from the south-east{how}")
+    _arrows(axes, scene)
+
+
+def _polygons(heights: Array, colours: Array, width: float) -> tuple[Array, Array]:
+    """Tops and the two visible sides of every column, the farthest first: (m, 4, 2) on the picture, (m, 3) colours."""
+    n_x, n_y = heights.shape
+    padded = np.pad(heights, 1)
+    i, j = (np.ravel(index) for index in np.meshgrid(np.arange(n_x), np.arange(n_y)[::-1], indexing="ij"))
+    x0, y0 = (i - n_x / 2) * width, (j - n_y / 2) * width
+    x1, y1, top = x0 + width, y0 + width, heights[i, j]
+    east, south = (np.minimum(top, beside) for beside in (padded[i + 2, j + 1], padded[i + 1, j]))
+    faces = {
+        "top": ((x0, y0, top), (x1, y0, top), (x1, y1, top), (x0, y1, top)),
+        "x": ((x1, y0, east), (x1, y1, east), (x1, y1, top), (x1, y0, top)),
+        "y": ((x0, y0, south), (x1, y0, south), (x1, y0, top), (x0, y0, top)),
+    }
+    shapes = np.stack([np.stack([_projected(*corner) for corner in corners], axis=1) for corners in faces.values()], 1)
+    lit = np.stack([_level_ground_is_grey(colours[i, j], top) * _LIT[face] for face in faces], axis=1)
+    seen = np.stack([np.ones(len(i), dtype=bool), east < top, south < top], axis=1)
+    return shapes[seen], lit[seen]
+
+
+def _level_ground_is_grey(colours: Array, top: Array) -> Array:
+    return np.where(top[:, None] > 0, colours, 0.86)
+
+
+def _projected(x: Array, y: Array, z: Array) -> Array:
+    """Places in the picture's plane, seen without perspective."""
+    across = -x * np.sin(_AZIMUTH) + y * np.cos(_AZIMUTH)
+    away = -x * np.cos(_AZIMUTH) - y * np.sin(_AZIMUTH)
+    return np.stack([across, z * np.cos(_ELEVATION) + away * np.sin(_ELEVATION)], axis=-1)
+
+
+def _arrows(axes: Axes, scene: Scene) -> None:
+    """x and y, from the corner of smallest x and y."""
+    corner = np.array([-side / 2 for side in scene.field.extent])
+    length = max(scene.field.extent) / 4
+    for name, along in (("x", (1, 0)), ("y", (0, 1))):
+        start = corner - 0.06 * np.array(scene.field.extent)
+        end = start + length * np.array(along)
+        points = _projected(*np.array([[*start, 0], [*end, 0]]).T)
+        text = axes.annotate(name, xy=points[0], xytext=points[1], arrowprops={"arrowstyle": "<-"})
+        text.set(ha="center", va="center", annotation_clip=False)
+
+
+def _legend(figure: Figure, scene: Scene) -> None:
+    """A swatch for every height that the map has, up to 24 of them."""
+    from matplotlib.patches import Patch
+
+    levels = [level for level in scene.field.level_counts() if level]
+    shown = levels[:: -(-len(levels) // 24) or 1]
+    unit = scene.field.unit * 100
+    swatches = [Patch(facecolor=scene.colour(level), label=f"{decimal(level * unit)} cm") for level in shown]
+    if scene.field.frame.any():
+        frame = decimal(scene.field.frame_height * 100)
+        swatches.append(Patch(facecolor=scene.colour(0), label=f"frame, {frame} cm"))
+    if swatches:
+        figure.legend(handles=swatches, loc="outside right center", frameon=False)
+
+
+def _title(scene: Scene) -> str:
+    n_x, n_y = scene.field.shape
+    along_x, along_y = map(decimal, scene.field.extent)
+    return f"{scene.name}: {n_x} x {n_y} cells, {along_x} x {along_y} m, seed {scene.recipe.seed}"
+
+
+def _colours(scene: Scene, frame: NDArray[np.bool_], levels: NDArray[np.int16]) -> Array:
+    """(n_x, n_y, 3): the colour of each cell; level ground is light grey."""
+    palette = np.array([scene.colour(level) for level in range(scene.recipe.highest_level + 1)])
+    return np.where((levels == 0)[..., None] & ~frame[..., None], 0.86, palette[np.where(frame, 0, levels)])
+
+
+def _metadata(scene: Scene, format: str) -> dict[str, Any] | None:  # noqa: A002  # matplotlib's word
+    """The recipe of the map, where the format has a place for it, and no date: the same map gives the same bytes."""
+    recipe = to_json(scene.alone)
+    known: dict[str, dict[str, Any]] = {
+        "png": {"Description": recipe},
+        "svg": {"Description": recipe, "Date": None},
+        "pdf": {"Subject": recipe, "CreationDate": None},
+    }
+    return known.get(format)

@@ -1,0 +1,106 @@
+"""All that an exporter may know: a map, its geometry, its colours, its friction.
+
+StepField --compose--> Scene
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField, Window
+from rsegen.recipe.building import build
+from rsegen.recipe.recipe import Recipe
+
+Colour = tuple[float, float, float]
+_Value = TypeVar("_Value")
+
+FRAME_COLOUR: Colour = (0.75, 0.1, 0.08)
+_LOW_TO_HIGH: tuple[Colour, ...] = (
+    (0.22, 0.20, 0.42),
+    (0.19, 0.39, 0.55),
+    (0.16, 0.57, 0.55),
+    (0.45, 0.74, 0.38),
+    (0.93, 0.85, 0.30),
+)
+"""From dark to light, so that heights can be told apart in grey too."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Scene:
+    """Map `index` of a recipe, as it stands in a world."""
+
+    recipe: Recipe
+    index: int
+    field: StepField
+
+    @property
+    def friction(self) -> float:
+        """Coulomb's coefficient of the ground, and of all that the recipe says no other of."""
+        return self.recipe.friction
+
+    @property
+    def name(self) -> str:
+        """What the map is called, on disk and in the simulator."""
+        return self.recipe.map_name(self.index)
+
+    @property
+    def alone(self) -> Recipe:
+        """The recipe of this map and no other."""
+        return self.recipe.alone(self.index)
+
+    def colour(self, material: int) -> Colour:
+        """The colour of a material: 0 is the frame, any other the level."""
+        said = _said(material, self.recipe.frame_colour, self.recipe.level_colours)
+        if said is not None:
+            return _colour(said)
+        return level_colour(material, self.recipe.top_level) if material else FRAME_COLOUR
+
+    def friction_of(self, material: int) -> float:
+        """Coulomb's coefficient of a material: 0 is the frame, any other the level."""
+        said = _said(material, self.recipe.frame_friction, self.recipe.level_friction)
+        return self.friction if said is None else said
+
+    def by_friction(
+        self, field: StepField, window: Window | None = None
+    ) -> Sequence[tuple[float, Sequence[int] | None]]:
+        """Every coefficient in a field of it, or in a window of that, the lowest first, and the materials that have it.
+
+        None stands for all materials that are there. Two coefficients that are written alike are one.
+        """
+        if self.recipe.is_of_one_friction:
+            return [(self.friction, None)]
+        found: dict[float, list[int]] = {}
+        for material in field.materials(window):
+            found.setdefault(round(self.friction_of(material), NANOMETRE_DIGITS), []).append(material)
+        return sorted(found.items()) if len(found) > 1 else [(next(iter(found), self.friction), None)]
+
+
+def compose(recipe: Recipe, index: int = 0) -> Scene:
+    """The scene of map `index`."""
+    return Scene(recipe=recipe, index=index, field=build(recipe, index))
+
+
+def level_colour(level: int, top_level: int) -> Colour:
+    """A level's colour, from the lowest to the highest that obstacles have; of higher ones that of the highest."""
+    at = min(level / max(top_level, 1), 1) * (len(_LOW_TO_HIGH) - 1)
+    low = min(int(at), len(_LOW_TO_HIGH) - 2)
+    share = at - low
+    red, green, blue = (
+        round(a + share * (b - a), 3) for a, b in zip(_LOW_TO_HIGH[low], _LOW_TO_HIGH[low + 1], strict=True)
+    )
+    return red, green, blue
+
+
+def _said(material: int, frame: _Value | None, levels: Sequence[_Value] | None) -> _Value | None:
+    """What a recipe says of a material, if anything: of the frame, or of levels 1, 2, ..."""
+    if not material:
+        return frame
+    return levels[material - 1] if levels and material <= len(levels) else None
+
+
+def _colour(said: str) -> Colour:
+    """The colour that `#rrggbb` says."""
+    red, green, blue = (round(part / 255, 3) for part in bytes.fromhex(said[1:]))
+    return red, green, blue

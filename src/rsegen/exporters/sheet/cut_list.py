@@ -1,0 +1,77 @@
+"""The blocks of a map or of a pallet as a list on a page: their lengths, numbers and timber."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rsegen.exporters.scene import Scene
+from rsegen.exporters.sheet.order import length
+from rsegen.exporters.sheet.page import GREY, ROW, Page
+from rsegen.exporters.sheet.plan import EMPTY
+from rsegen.exporters.sheet.saw import centimetres
+from rsegen.field.stepfield import StepField
+
+COLUMN = 82.0
+"""Its width, millimetres."""
+
+_HALF = 5_000_000
+"""Of a centimetre, nanometres."""
+
+_ABREAST = 3
+"""Lists that are too long for one column are set in so many narrow ones."""
+
+
+def draw_cut_list(page: Page, scene: Scene, field: StepField, place: tuple[float, float], bottom: float) -> float:
+    """Into a column that ends at `bottom`; gives where the next line is. What does not fit is counted."""
+    x, y = place
+    y = page.heading(x, y, "Blocks to cut", COLUMN)
+    counts = {level: count for level, count in field.level_counts().items() if level}
+    room = max(1, int((bottom - y) / ROW) - 2)
+    draw = _draw_table if len(counts) < room else _draw_narrow
+    y = draw(page, scene, counts, (x, y), room)
+    whole = sum(length(level, field) * count for level, count in counts.items())
+    page.line((x, x + COLUMN), (y - 3.6, y - 3.6))
+    total = ("together", f"{sum(counts.values()):,}", f"{metres(whole)} m")
+    y = page.table(y, _columns(x)[1:], [total], fontweight="bold")
+    page.swatch(x, y, EMPTY)
+    page.text(x + 3, y, "0", 8, ha="center", color=GREY)
+    empty = field.level_counts().get(0, 0)
+    page.text(x + 9, y, f"no block: {empty:,} cell{'s'[: empty != 1]}", 9)
+    return y + ROW
+
+
+def metres(length: int) -> str:
+    """A length in nanometres, to the centimetre, half of one rounded up."""
+    return f"{(length + _HALF) // (2 * _HALF) / 100:,.2f}"
+
+
+def _columns(x: float) -> list[float]:
+    return [x + 20, x + 40, x + 60, x + COLUMN]
+
+
+def _draw_table(page: Page, scene: Scene, counts: Mapping[int, int], place: tuple[float, float], room: int) -> float:
+    """A line for each level."""
+    x, y = place
+    y = page.table(y, _columns(x), [("level", "length cm", "number", "timber")], size=8, color=GREY)
+    for level, count in counts.items():
+        page.swatch(x, y, scene.colour(level))
+        one = length(level, scene.field)
+        y = page.table(y, _columns(x), [(str(level), centimetres(one), f"{count:,}", f"{metres(one * count)} m")])
+    return y
+
+
+def _draw_narrow(page: Page, scene: Scene, counts: Mapping[int, int], place: tuple[float, float], room: int) -> float:
+    """Several levels a line, down one narrow column after the other."""
+    (x, y), width = place, (COLUMN + 4) / _ABREAST
+    page.text(x, y, "number x length in cm", 8, color=GREY)
+    rows = max(1, min(room - 2, -(-len(counts) // _ABREAST)))
+    for at, (level, count) in enumerate(list(counts.items())[: rows * _ABREAST]):
+        here = x + at // rows * width, y + (at % rows + 1) * ROW
+        page.swatch(*here, scene.colour(level))
+        page.text(here[0] + 8, here[1], f"{count:,} x {centimetres(length(level, scene.field))}", 8)
+    y += (rows + 1) * ROW
+    if len(counts) > rows * _ABREAST:
+        more = len(counts) - rows * _ABREAST
+        page.text(x, y, f"and {more} more lengths, which the sheet as CSV has", 8, color=GREY)
+        y += ROW
+    return y

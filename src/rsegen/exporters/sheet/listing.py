@@ -1,0 +1,57 @@
+"""The build sheet as a table: what to cut in its head, and below it a row for every cell, in the order of placing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.scene import Scene
+from rsegen.exporters.sheet.frames import frames
+from rsegen.exporters.sheet.order import Numbered, in_order, length, lengths, placing
+from rsegen.exporters.sheet.saw import Saw, centimetres, sawn
+
+COLUMNS = ("pallet", "order", "x", "y", "height_cm")
+"""Of its rows; x and y count the block cells of the map, and a cell without a block has no order."""
+
+SAID = ("chunk_size", "unit_cm", "block_width_cm", "boundary", "frame_height_cm")
+"""Parameters of the recipe that its head says, so that the map can be made again of it."""
+
+
+def listing(scene: Scene, saw: Saw) -> Iterator[str]:
+    """Its lines; `#` starts a comment, and no comment has a comma."""
+    yield f"# build sheet of {scene.name} with seed {scene.recipe.seed}\n"
+    for name in SAID:
+        value = getattr(scene.recipe, name)
+        yield f"# {name}: {decimal(value) if isinstance(value, float) else value}\n"
+    yield from _timber(scene, saw)
+    yield "# x (to the east) and y (to the north) count the cells of the map from 0 on with frames left out\n"
+    yield "# order of placing in each pallet: row by row from the north-west; a cell without a block has none\n"
+    yield ",".join(COLUMNS) + "\n"
+    for pallet in in_order(scene):
+        yield from _rows(pallet, scene)
+
+
+def _timber(scene: Scene, saw: Saw) -> Iterator[str]:
+    counts = lengths(scene.field)
+    for one, count in counts.items():
+        yield f"# cut: {count} blocks of {centimetres(one)} cm\n"
+    sawing = sawn(counts, saw)
+    stock = f"{sawing.pieces} pieces of {decimal(saw.stock_cm)} cm"
+    yield f"# stock for the blocks: {stock} with a kerf of {decimal(saw.kerf_mm)} mm\n"
+    for pattern in sawing.patterns:
+        parts = " + ".join(f"{count} x {centimetres(one)} cm" for one, count in pattern.parts)
+        yield f"# saw: {pattern.pieces} pieces into {parts}\n"
+    known = frames(scene.recipe)
+    for one, count in known.all_boards.items() if known else ():
+        yield f"# frames: {count} boards of {centimetres(one)} cm\n"
+
+
+def _rows(numbered: Numbered, scene: Scene) -> Iterator[str]:
+    levels, order = numbered.levels, placing(numbered.levels)
+    for j in range(levels.shape[1])[::-1]:
+        for i in range(levels.shape[0]):
+            x, y = np.add(numbered.corner, (i, j)).tolist()
+            height = centimetres(length(int(levels[i, j]), scene.field))
+            yield f"{numbered.name},{order[i, j] or ''},{x},{y},{height}\n"

@@ -1,0 +1,168 @@
+"""The first page: how the pallets stand beside each other, what to buy and how to saw it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from textwrap import wrap
+
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.scene import Scene
+from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list, metres
+from rsegen.exporters.sheet.frames import Frames, frames
+from rsegen.exporters.sheet.order import Numbered, length, lengths
+from rsegen.exporters.sheet.page import GREY, POINT, ROW, Page
+from rsegen.exporters.sheet.plan import Plan
+from rsegen.exporters.sheet.saw import Pattern, Saw, Sawing, centimetres, sawn
+
+_PLAN_HEIGHT = 112.0
+_SMALLEST = 4.0
+"""Points of a name that can still be read."""
+
+_LONGEST = 160
+"""Letters of a description that are shown."""
+
+_BROAD = 30
+"""Letters of a line that says how a piece is cut."""
+
+_RIGHT = 113.0
+"""Where the right column begins."""
+
+
+def draw_overview(page: Page, scene: Scene, pallets: Sequence[Numbered], saw: Saw) -> None:
+    """All of it."""
+    _draw_head(page, scene, len(pallets))
+    y = _draw_map(page, scene, pallets) + 12
+    below = draw_cut_list(page, scene, scene.field, (page.left, y), page.bottom)
+    below = max(below, _draw_sawing(page, scene, saw, y))
+    _draw_boxes(page, scene, pallets, below + 6)
+
+
+def _draw_head(page: Page, scene: Scene, pallets: int) -> None:
+    n_x, n_y = scene.field.shape
+    along_x, along_y = map(decimal, scene.field.extent)
+    page.fitted((page.left, 22), f"Build sheet: {scene.name}", 20, page.across - 12, fontweight="bold")
+    many = f"{pallets} pallet{'s'[: pallets > 1]}"
+    cells = "cells with frames" if scene.field.frame.any() else "cells"
+    size = f"{along_x} x {along_y} m, {n_x} x {n_y} {cells}, {many}, seed {scene.recipe.seed}"
+    page.text(page.left, 29, size, 10)
+    page.fitted((page.left, 35), scene.recipe.description[:_LONGEST], 9, page.across, color=GREY)
+    page.compass(page.right - 4, 23)
+
+
+def _draw_map(page: Page, scene: Scene, pallets: Sequence[Numbered]) -> float:
+    """From above, each pallet with its name and its number in the order of building; gives where it ends."""
+    n_x, n_y = scene.field.shape
+    cell = min(page.across / n_x, _PLAN_HEIGHT / n_y)
+    left, bottom = page.left + (page.across - n_x * cell) / 2, 42 + n_y * cell
+    side = scene.field.block_width
+    for each in pallets:
+        field = each.pallet.field
+        (cells_x, cells_y), (x, y) = field.shape, each.pallet.centre
+        plan = Plan(
+            page=page,
+            scene=scene,
+            field=field,
+            left=left + (x / side + (n_x - cells_x) / 2) * cell,
+            top=bottom - (y / side + (n_y + cells_y) / 2) * cell,
+            cell=cell,
+        )
+        plan.draw(min(0.4, cell / 25))
+        page.rectangle((plan.left, plan.top), (cells_x * cell, cells_y * cell), linewidth=1.2)
+        if len(pallets) > 1:
+            _draw_name(plan, each)
+    if len(pallets) == 1:
+        return bottom
+    rule = "Pallets are built row by row from the north-west; A1 is the one of smallest x and y, as on a chess board."
+    page.text(page.left, bottom + 5, rule, 8, color=GREY)
+    return bottom
+
+
+def _draw_name(plan: Plan, each: Numbered) -> None:
+    """On a white card in the middle; the number goes first where there is no room for it."""
+    n_x, n_y = plan.field.shape
+    x, y = plan.middle((n_x - 1) / 2, (n_y - 1) / 2)
+    room = n_x * plan.cell / POINT
+    text = f"{each.number}: {each.name}"
+    if _size(text, room) < _SMALLEST:
+        text = each.name
+    card = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "black", "linewidth": 0.5}
+    plan.page.text(x, y, text, _size(text, room), ha="center", va="center", fontweight="bold", bbox=card)
+
+
+def _size(text: str, room: float) -> float:
+    """Points in which a text and its card fit into so many points."""
+    return min(15.0, room / (0.72 * len(text) + 1))
+
+
+def _draw_sawing(page: Page, scene: Scene, saw: Saw, y: float) -> float:
+    """What to buy, and how every piece of it is cut; gives where the next line is."""
+    counts = lengths(scene.field)
+    sawing = sawn(counts, saw)
+    y = page.heading(_RIGHT, y, "Timber to buy", COLUMN)
+    for text, amount in _timber(scene, sawing):
+        page.text(_RIGHT, y, text)
+        page.text(_RIGHT + COLUMN, y, amount, ha="right")
+        y += ROW
+    y = page.heading(_RIGHT, y + 4, f"Cutting {decimal(saw.stock_cm)} cm of stock", COLUMN)
+    rows = [_cut(pattern, saw) for pattern in sawing.patterns]
+    for number, (pieces, parts, offcut) in enumerate(rows):
+        if y + len(parts) * ROW > page.bottom:
+            page.text(_RIGHT, y, f"and {len(rows) - number} more ways, which the sheet as CSV has", 8, color=GREY)
+            return y + ROW
+        page.text(_RIGHT + 10, y, pieces, ha="right")
+        for at, line in enumerate(parts):
+            page.text(_RIGHT + 13, y + at * ROW, line)
+        page.text(_RIGHT + COLUMN, y, offcut, 8, ha="right", color=GREY)
+        y += len(parts) * ROW
+    return y
+
+
+def _timber(scene: Scene, sawing: Sawing) -> Iterator[tuple[str, str]]:
+    """Lines of a text and an amount."""
+    side, saw = decimal(scene.recipe.block_width_cm), sawing.saw
+    yield f"blocks: {decimal(saw.stock_cm)} cm of {side} x {side} cm", _pieces(sawing.pieces)
+    yield "  blocks together", f"{metres(sawing.timber)} m"
+    yield f"  lost to the saw, {decimal(saw.kerf_mm)} mm a cut", f"{metres(sawing.sawdust)} m"
+    yield "  left over", f"{metres(sawing.offcuts)} m"
+    known = frames(scene.recipe)
+    if known:
+        yield "frame boards", _stock(known, saw)
+        high = decimal(scene.recipe.frame_height_cm)
+        yield f"  {side} cm wide, {high} cm high", f"{metres(known.timber)} m"
+        for one, count in known.all_boards.items():
+            yield f"  {count:,} of {centimetres(one)} cm", f"{metres(one * count)} m"
+
+
+def _stock(known: Frames, saw: Saw) -> str:
+    """Pieces of stock for the boards, where it is long enough for them."""
+    return (
+        f"longer than {decimal(saw.stock_cm)} cm"
+        if max(known.boards) > saw.stock
+        else _pieces(sawn(known.all_boards, saw).pieces)
+    )
+
+
+def _pieces(count: int) -> str:
+    """Of stock."""
+    return f"{count:,} piece{'s'[: count != 1]}"
+
+
+def _cut(pattern: Pattern, saw: Saw) -> tuple[str, list[str], str]:
+    """How often a piece is cut so, into what in a few lines, and what is left."""
+    parts = " + ".join(f"{count}\xa0x\xa0{centimetres(one)}" for one, count in pattern.parts)
+    return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{centimetres(pattern.offcut(saw))} left"
+
+
+def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[Numbered], y: float) -> None:
+    """Which blocks go to which pallet, where there is room for the table."""
+    levels = [level for level in scene.field.level_counts() if level]
+    if not levels or len(levels) > 8 or len(pallets) < 2 or y + (len(pallets) + 3) * ROW > page.bottom:
+        return
+    y = page.heading(page.left, y, "Blocks for each pallet", page.across)
+    columns = [page.left + 8, page.left + 24, *(page.left + 44 + 17 * at for at in range(len(levels)))]
+    heads = [f"{centimetres(length(level, scene.field))} cm" for level in levels]
+    y = page.table(y, columns, [("", "pallet", *heads)], size=8, color=GREY)
+    for each in pallets:
+        counts = each.pallet.field.level_counts()
+        row = (str(each.number), each.name, *(str(counts.get(level, 0)) for level in levels))
+        y = page.table(y, columns, [row])

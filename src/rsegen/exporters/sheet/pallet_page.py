@@ -1,0 +1,140 @@
+"""A page for one pallet: every cell with the height of its block, and what to cut for it."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+
+from rsegen.exporters.scene import Scene
+from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list
+from rsegen.exporters.sheet.order import Numbered, length, placing
+from rsegen.exporters.sheet.page import GREY, INK, POINT, Page
+from rsegen.exporters.sheet.plan import Plan, block_colour, ink
+from rsegen.exporters.sheet.saw import centimetres
+
+ORDERED = 12
+"""Pallets of up to so many blocks a side have the order of placing in their cells."""
+
+_TOP, _SIDE = 40.0, 172.0
+_SMALLEST = 4.0
+"""Points of a height that can still be read."""
+
+_LINED = 1.5
+"""Millimetres from which on the pallets beside this one are told apart."""
+
+_NOTES = 113.0
+"""Where the right column begins, millimetres."""
+
+_PLACING = (
+    "Place row by row from the north-west corner, as one",
+    "reads: stand at the south side and fill the far row first.",
+    "Cells with their corners marked have no block.",
+)
+_RULE = (
+    "x and y count the cells of the map from 0 in its",
+    "south-west corner, x to the east, y to the north, frames",
+    "left out, as in the recipe.",
+)
+
+
+def draw_pallet(page: Page, scene: Scene, numbered: Numbered, pallets: int) -> None:
+    """All of it."""
+    _draw_head(page, scene, numbered, pallets)
+    field = numbered.pallet.field
+    cell = _SIDE / max(field.shape)
+    left = page.left + (page.across - field.shape[0] * cell) / 2
+    plan = Plan(page=page, scene=scene, field=field, left=left, top=_TOP, cell=cell)
+    plan.draw(0.5)
+    _draw_rulers(plan, numbered)
+    told = _draw_blocks(plan, numbered)
+    y = _TOP + field.shape[1] * cell + 14
+    draw_cut_list(page, scene, field, (page.left, y), page.bottom + 3)
+    _draw_notes(page, told, y)
+
+
+def _draw_head(page: Page, scene: Scene, numbered: Numbered, pallets: int) -> None:
+    (x, y), (n_x, n_y) = numbered.corner, numbered.levels.shape
+    page.text(page.left, 22, f"Pallet {numbered.name}", 20, fontweight="bold")
+    where = f"cells {x}..{x + n_x - 1} along x, {y}..{y + n_y - 1} along y"
+    order = f"{scene.name}, {numbered.number} of {pallets} in the order of building; {where}"
+    page.fitted((page.left, 29), order, 9, page.across - (52 if pallets > 1 else 12))
+    page.compass(page.right - 4, 23)
+    if pallets > 1:
+        _draw_whereabouts(page, scene, numbered)
+
+
+def _draw_whereabouts(page: Page, scene: Scene, numbered: Numbered) -> None:
+    """Where the pallet stands among the others, beside the compass."""
+    m_x, m_y = scene.recipe.chunks
+    i, j = numbered.pallet.chunk
+    cell = min(36 / m_x, 18 / m_y, 6)
+    left, top, right, bottom = page.right - 12 - m_x * cell, 29 - m_y * cell, page.right - 12, 29.0
+    if cell > _LINED:
+        for column in range(1, m_x):
+            page.line((left + column * cell,) * 2, (top, bottom))
+        for row in range(1, m_y):
+            page.line((left, right), (top + row * cell,) * 2)
+    page.rectangle((left, top), (right - left, bottom - top))
+    page.rectangle((left + i * cell, bottom - (j + 1) * cell), (cell, cell), facecolor=INK)
+
+
+def _draw_rulers(plan: Plan, numbered: Numbered) -> None:
+    """Cell numbers on all four sides: every one, or every fifth where they would touch."""
+    cells_x, cells_y = (plan.field.inside(axis).nonzero()[0].tolist() for axis in (0, 1))
+    far_x, far_y = (cells * plan.cell for cells in plan.field.shape)
+    size, each = (8, 1) if plan.cell > 5 else (6, 5)
+    style = {"color": GREY, "ha": "center", "va": "center"}
+    for at, i in enumerate(cells_x):
+        if (numbered.corner[0] + at) % each == 0:
+            for y in (plan.top - 3, plan.top + far_y + 3):
+                plan.page.text(plan.middle(i, 0)[0], y, str(numbered.corner[0] + at), size, **style)
+    for at, j in enumerate(cells_y):
+        if (numbered.corner[1] + at) % each == 0:
+            for x in (plan.left - 4, plan.left + far_x + 4):
+                plan.page.text(x, plan.middle(0, j)[1], str(numbered.corner[1] + at), size, **style)
+    plan.page.text(plan.left + far_x / 2, plan.top + far_y + 8, "x", 9, color=GREY, ha="center", va="center")
+    plan.page.text(plan.left - 10, plan.top + far_y / 2, "y", 9, color=GREY, ha="center", va="center")
+
+
+def _draw_blocks(plan: Plan, numbered: Numbered) -> tuple[str, ...]:
+    """What stands in every cell, and when it is placed where there is room for it; gives how that is to be read."""
+    levels, order = numbered.levels, placing(numbered.levels)
+    texts, told = _spelled(plan)
+    size, ordered = _size(plan.cell, texts), max(levels.shape) <= ORDERED
+    cells = product(*(plan.field.inside(axis).nonzero()[0].tolist() for axis in (0, 1)))
+    for at, cell in zip(np.ndindex(levels.shape), cells, strict=True):
+        level, (x, y) = int(levels[at]), plan.middle(*cell)
+        style = {"color": ink(block_colour(plan.scene, level)) if level else GREY}
+        plan.page.text(x, y, texts[level], size, ha="center", va="center", **style)
+        if ordered and level:
+            corner = 0.44 * plan.cell
+            plan.page.text(x - corner, y - corner, str(order[at]), min(7.0, size / 2), va="top", **style)
+    last = "Small numbers are the order of placing." if ordered else "The sheet as CSV has the order of placing."
+    return (*told, last)
+
+
+def _spelled(plan: Plan) -> tuple[dict[int, str], tuple[str, ...]]:
+    """What each level is called in the cells, and how that is to be read."""
+    field = plan.field
+    heights = {level: centimetres(length(level, field)) for level in field.level_counts()}
+    if _size(plan.cell, heights) >= _SMALLEST:
+        return heights, ("Large numbers are heights in cm.",)
+    unit = centimetres(length(1, field))
+    told = "Numbers are levels, for want of room: a block of", f"level n is n x {unit} cm long."
+    return {level: str(level) for level in heights}, told
+
+
+def _size(cell: float, texts: dict[int, str]) -> float:
+    """Points in which the longest of the texts fits into a cell."""
+    widest = max(map(len, texts.values()))
+    return min(18.0, 0.85 * cell / POINT / (0.64 * max(widest, 2)))
+
+
+def _draw_notes(page: Page, told: tuple[str, ...], y: float) -> None:
+    """How the plan is read, and how the blocks are placed."""
+    x = _NOTES
+    y = page.heading(x, y, "How to build it", COLUMN)
+    for text in (*_PLACING, "", *told, "", *_RULE):
+        page.text(x, y, text, 8.2)
+        y += 4.4 if text else 2

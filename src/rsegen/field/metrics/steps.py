@@ -1,0 +1,47 @@
+"""The steps between neighbouring blocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rsegen.field.metrics.climber import NANOMETRES
+from rsegen.field.metrics.pairs import differences
+from rsegen.field.stepfield import StepField
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Steps:
+    """Of the steps |dh| between 4-neighbours, in metres; None where no block has a neighbour.
+
+    counts: how many there are of so many units   mean: sum |dh| / n   rms: sqrt(sum dh^2 / n)
+    """
+
+    unit: float
+    counts: dict[int, int]
+    mean: float | None
+    rms: float | None
+    highest: float | None
+
+    def share_above(self, limit: float) -> float | None:
+        """P(|dh| > limit), for a limit in metres."""
+        if not self.counts:
+            return None
+        above = sum(count for step, count in self.counts.items() if round((step * self.unit - limit) * NANOMETRES) > 0)
+        return above / sum(self.counts.values())
+
+
+def steps(field: StepField) -> Steps:
+    """The steps of a field: two blocks with a frame between them are no neighbours."""
+    found = np.bincount(differences(field))
+    if not len(found):
+        return Steps(unit=field.unit, counts={}, mean=None, rms=None, highest=None)
+    sizes, share = np.arange(len(found)), found / found.sum()
+    return Steps(
+        unit=field.unit,
+        counts={int(size): int(found[size]) for size in np.flatnonzero(found)},
+        mean=float(sizes @ share) * field.unit,
+        rms=float(np.sqrt(sizes**2 @ share)) * field.unit,
+        highest=float(sizes[-1]) * field.unit,
+    )

@@ -1,0 +1,61 @@
+"""The cheapest ways over heights: all at once, by rings of growing cost."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsegen.field.metrics.ground import Ground, Heights
+
+FAR = np.iinfo(np.int64).max
+_WALL = 2**62
+
+
+class Ways(NamedTuple):
+    """Of each cell: what it costs to get there from the first row, FAR where nothing leads; and the cell before."""
+
+    costs: Heights
+    before: NDArray[np.int64]
+
+    def to(self, place: int) -> NDArray[np.int64]:
+        """The way to a cell, as indices along both axes: (n, 2)."""
+        cells = [place]
+        while (place := int(self.before.flat[place])) >= 0:
+            cells.append(place)
+        return np.stack(np.unravel_index(cells[::-1], self.before.shape), axis=1)
+
+
+def ways(ground: Ground, tread: int, limits: tuple[int, int]) -> Ways:
+    """From the first row to each cell; a move costs tread + |dh|, all in one unit, and keeps to (climb, drop).
+
+    No move costs less than a tread, so all that costs less than the cheapest + tread is settled, and moved on at once.
+    """
+    flat, row = np.pad(ground.heights, 1, constant_values=_WALL).ravel(), ground.heights.shape[1] + 2
+    rows, columns = (np.pad(open_, 1) for open_ in (ground.rows, ground.columns))
+    costs, before = np.full(flat.size, FAR), np.full(flat.size, -1)
+    front = np.arange(row + 1, 2 * row - 1)
+    costs[front] = 0
+    while len(front):
+        settled = costs[front] < costs[front].min() + tread
+        nodes, fronts = np.unique(front[settled]), [front[~settled]]
+        may_go = {row: rows[nodes % row], 1: columns[nodes // row]}
+        for side in (-row, -1, 1, row):
+            rise = flat[nodes + side] - flat[nodes]
+            cost = costs[nodes] + tread + np.abs(rise)
+            better = may_go[abs(side)] & (rise <= limits[0]) & (-rise <= limits[1]) & (cost < costs[nodes + side])
+            reached = nodes[better] + side
+            costs[reached], before[reached] = cost[better], nodes[better]
+            fronts.append(reached)
+        front = np.concatenate(fronts)
+    return Ways(_inner(costs, row), _unpadded(_inner(before, row), row))
+
+
+def _inner(values: NDArray[np.int64], row: int) -> NDArray[np.int64]:
+    return values.reshape(-1, row)[1:-1, 1:-1]
+
+
+def _unpadded(places: NDArray[np.int64], row: int) -> NDArray[np.int64]:
+    """Places in the padded flat array as places in the one without its rim."""
+    return np.where(places < 0, -1, (places // row - 1) * (row - 2) + places % row - 1)

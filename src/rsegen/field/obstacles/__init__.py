@@ -1,0 +1,15 @@
+"""The obstacle kinds: every file of this folder is one, and is found by being there."""
+
+from __future__ import annotations
+
+from rsegen.field.obstacles.base import KINDS, Grid, Obstacle, Patch
+
+KINDS.gather(__name__, __path__)
+
+
+def kind(name: str, where: str = "kind") -> type[Obstacle]:
+    """The obstacle class of a kind, or an UnknownName that lists the kinds."""
+    return KINDS.named(name, where)
+
+
+__all__ = ["KINDS", "Grid", "Obstacle", "Patch", "kind"]

@@ -1,0 +1,166 @@
+"""What an obstacle kind is: parameters with their bounds, and how they become levels.
+
+A kind is one file of this folder with one class: a frozen dataclass whose annotated fields are its parameters, under
+`@register`. Nothing else needs to know of it.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, NamedTuple, TypeVar
+
+import numpy as np
+
+from rsegen.field.stepfield import Array, Levels, Mask
+from rsegen.params.places import ANYWHERE, Cell, Place
+from rsegen.params.registry import Registry
+from rsegen.params.sorts import Real, Whole, settle
+from rsegen.params.streams import pick
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """The block cells of a map, frames left out."""
+
+    n_x: int
+    n_y: int
+    chunk_size: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Cells along x and y."""
+        return self.n_x, self.n_y
+
+
+class Patch(NamedTuple):
+    """The levels that an obstacle proposes in a window of the map, and where in it they count."""
+
+    window: tuple[slice, slice]
+    levels: Levels
+    footprint: Mask
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Obstacle(ABC):
+    """One entry of a recipe's list, without its place."""
+
+    kind: ClassVar[str]
+    unplaced: ClassVar[str] = "place left to chance"
+    """What it means that a recipe gives no place."""
+
+    max_height: Annotated[
+        int,
+        Whole(2, 32767, unit="units", help="number of levels: 5 units of 10 cm give the heights 0, 10, 20, 30, 40 cm"),
+    ]
+    softness: Annotated[
+        float, Real(0, 100, unit="%", help="run-out of the sides, 0 for vertical; takes as much off a random kind")
+    ] = 0.0
+
+    def __post_init__(self) -> None:
+        settle(self)
+
+    def check(self, first: Place, last: Place) -> None:  # noqa: B027  # most kinds lie anywhere
+        """Raise a ParameterError where this kind cannot lie between these two places."""
+
+    def check_room(self, grid: Grid, first: Place | None, last: Place | None) -> None:  # noqa: B027  # most kinds fit
+        """Raise a ParameterError where this kind is too large for its place in a map."""
+
+    def usual_ends(self, grid: Grid) -> tuple[Place, Place]:
+        """The places that stand in where a recipe gives none: left to chance."""
+        return ANYWHERE, ANYWHERE
+
+    def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
+        """The two cells; what is left to chance is uniform over the map."""
+        (x1, y1), (x2, y2), n_x, n_y = first, last, grid.n_x, grid.n_y
+        x1 = pick(rng, 0, n_x - 1) if x1 == "random" else x1
+        y1 = pick(rng, 0, n_y - 1) if y1 == "random" else y1
+        x2 = pick(rng, 0, n_x - 1) if x2 == "random" else x2
+        y2 = pick(rng, 0, n_y - 1) if y2 == "random" else y2
+        return (x1, y1), (x2, y2)
+
+    @abstractmethod
+    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
+        """Its levels between the two cells."""
+
+
+class Shaped(Obstacle):
+    """A barrier or peak: a profile in [0, 1] that stands only where its level is 1 or more."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def reach(self, grid: Grid) -> float:
+        """How far it may stand beyond the rectangle of its ends, in cells."""
+
+    @abstractmethod
+    def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
+        """f in [0, 1] at the cell centres x of shape (n, 1) and y of shape (1, m)."""
+
+    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
+        """The level on the axis or apex alone is the top one; the sides go down in steps (method: floor((n-1) f))."""
+        window = _window(grid, first, last, int(np.ceil(self.reach(grid))))
+
+        def part(rows: slice) -> Levels:
+            x, y = np.ogrid[rows, window[1]]
+            with np.errstate(over="ignore"):  # a run-out of next to nothing
+                f = self.profile(x.astype(float), y.astype(float), first, last, grid)
+            return np.floor((self.max_height - 1) * f + 1e-9).astype(np.int16)
+
+        levels = _by_rows(window, part)
+        return Patch(window, levels, levels >= 1)
+
+
+class Region(Obstacle):
+    """A random kind: every cell of the rectangle first..last, by default of the whole map."""
+
+    __slots__ = ()
+    unplaced: ClassVar[str] = "on the whole map"
+
+    def usual_ends(self, grid: Grid) -> tuple[Place, Place]:
+        """Two opposite corners of the map."""
+        return (0, 0), (grid.n_x - 1, grid.n_y - 1)
+
+    @abstractmethod
+    def drawn(self, uniform: Array) -> Levels:
+        """Levels from numbers in [0, 1), one each."""
+
+    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
+        """Each cell by a number of its own."""
+        window = _window(grid, first, last, 0)
+        width = window[1].stop - window[1].start
+        levels = _by_rows(window, lambda rows: self.drawn(rng.random((rows.stop - rows.start, width))))
+        return Patch(window, levels, np.ones(levels.shape, dtype=bool))
+
+
+def _window(grid: Grid, first: Cell, last: Cell, margin: int) -> tuple[slice, slice]:
+    """The rectangle of both cells, wider by `margin` on every side, as far as the map goes."""
+    parts = [
+        slice(max(0, min(a, b) - margin), min(n, max(a, b) + margin + 1))
+        for a, b, n in zip(first, last, grid.shape, strict=True)
+    ]
+    return parts[0], parts[1]
+
+
+def _by_rows(window: tuple[slice, slice], part: Callable[[slice], Levels]) -> Levels:
+    """The levels of a window, made of so many rows at once that the numbers behind them need no memory to speak of."""
+    rows, columns = window
+    step = max(_CELLS_AT_ONCE // (columns.stop - columns.start), 1)
+    if rows.stop - rows.start <= step:
+        return part(rows)
+    return np.concatenate([part(slice(low, min(low + step, rows.stop))) for low in range(rows.start, rows.stop, step)])
+
+
+_CELLS_AT_ONCE = 2**18
+
+KINDS: Registry[type[Obstacle]] = Registry("obstacle kind")
+"""Every obstacle class by the name of its kind."""
+
+_Kind = TypeVar("_Kind", bound=type[Obstacle])
+
+
+def register(cls: _Kind) -> _Kind:
+    """Make a kind known by its name."""
+    KINDS.add(cls.kind, cls)
+    return cls

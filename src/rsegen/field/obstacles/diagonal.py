@@ -1,0 +1,30 @@
+"""The diagonal barrier of the paper's figure 2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from rsegen.field.obstacles.barrier import Barrier
+from rsegen.field.obstacles.base import Grid, register
+from rsegen.params.places import ANYWHERE, Cell, Place
+from rsegen.params.streams import pick
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DiagonalBarrier(Barrier):
+    """A ridge along any straight segment; left to chance, between two opposite boundaries of the map."""
+
+    kind: ClassVar[str] = "diagonal_barrier"
+
+    def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
+        """Wholly left to chance: a random cell on each of two opposite boundaries; else what is left is uniform."""
+        if first == last == ANYWHERE:
+            across = pick(rng, 0, 1)
+            opposite: tuple[Place, Place] = ((0, "random"), (grid.n_x - 1, "random"))
+            upright: tuple[Place, Place] = (("random", 0), ("random", grid.n_y - 1))
+            first, last = upright if across else opposite
+        return Barrier.ends(self, grid, first, last, rng)

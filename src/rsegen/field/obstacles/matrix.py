@@ -1,0 +1,135 @@
+"""Given levels: a real pallet measured cell by cell, a picture, cells painted by hand."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+
+from rsegen.errors import ParameterError, shown
+from rsegen.field.obstacles.base import Grid, Obstacle, Patch, register
+from rsegen.field.obstacles.span import side
+from rsegen.field.stepfield import Ints
+from rsegen.params.places import ANYWHERE, Cell, Place
+from rsegen.params.sorts import Json, whole
+
+_ROW = r"([0-9]{1,5}|\.)( ([0-9]{1,5}|\.))*"
+_SCHEMA_ROW = r"^[0-9. ,]*[0-9.][0-9. ,]*$"
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Levels in rows of text, as in `["0 1 2", ". 1 ."]`: the top row is the largest y, a dot leaves its cell alone."""
+
+    help: str = ""
+
+    def check(self, where: str, value: object) -> tuple[str, ...]:
+        if not isinstance(value, (list, tuple)) or not value:
+            raise ParameterError(where, f"{shown(value)} is not a list of rows; give {self.describe()}")
+        rows = tuple(self._row(f"{where}[{number}]", row) for number, row in enumerate(value))
+        lengths = [row.count(" ") + 1 for row in rows]
+        for number, length in enumerate(lengths):
+            if length != lengths[0]:
+                raise ParameterError(f"{where}[{number}]", f"has {length} cells, and {where}[0] {lengths[0]}")
+        return rows
+
+    def _row(self, where: str, value: object) -> str:
+        row = value.replace(",", " ") if isinstance(value, str) else _joined(value)
+        row = " ".join(row.split())
+        if not re.fullmatch(_ROW, row):
+            raise ParameterError(where, f"{shown(value)} is not a row of levels and dots, as in '0 1 . 2'")
+        return row
+
+    def parse(self, text: str) -> object:
+        return text.split("/")
+
+    def spell(self, value: Any) -> str:
+        return "/".join(row.replace(" ", ",") for row in value)
+
+    def schema(self) -> dict[str, Json]:
+        cells = {"type": "array", "items": {"type": ["integer", "null"], "minimum": 0}, "minItems": 1}
+        return {"type": "array", "items": {"anyOf": [{"type": "string", "pattern": _SCHEMA_ROW}, cells]}, "minItems": 1}
+
+    def describe(self) -> str:
+        return 'rows of levels, as in ["0 1 2", ". 1 ."]'
+
+
+def _joined(row: object) -> str:
+    """A list of whole numbers, in which None is a dot, as a text; an empty one for anything else."""
+    cells = row if isinstance(row, (list, tuple)) else ()
+    return " ".join("." if cell is None else str(whole(cell)) for cell in cells)
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Matrix(Obstacle):
+    """Given levels, a cell each, or stretched over the rectangle first..last; softness scales it down."""
+
+    kind: ClassVar[str] = "matrix"
+    unplaced: ClassVar[str] = "in its own size, from the corner 0, 0"
+
+    rows: Annotated[
+        tuple[str, ...], Rows(help="levels of its cells, the top row the largest y; a dot leaves a cell as it is")
+    ] = ("1",)
+
+    def __post_init__(self) -> None:
+        Obstacle.__post_init__(self)
+        highest = self.levels().max()
+        if highest >= self.max_height:
+            raise ParameterError(
+                "max_height", f"{self.max_height} has the levels 0..{self.max_height - 1}, and rows has a {highest}"
+            )
+
+    @classmethod
+    def of(cls, levels: Ints) -> Matrix:
+        """The matrix of levels of shape (n_x, n_y); a negative one leaves its cell as it is."""
+        rows = (" ".join("." if level < 0 else str(level) for level in row) for row in levels.T[::-1].tolist())
+        return cls(max_height=max(int(levels.max()) + 1, 2), rows=tuple(rows))
+
+    @property
+    def size(self) -> Cell:
+        """Its own cells along x and y."""
+        return self.rows[0].count(" ") + 1, len(self.rows)
+
+    def levels(self) -> Ints:
+        """Its own levels, shape (n_x, n_y); -1 where a cell is left as it is."""
+        text = " ".join(self.rows).replace(".", "-1")
+        n_x, n_y = self.size
+        return np.fromstring(text, dtype=np.int32, sep=" ").reshape(n_y, n_x)[::-1].T
+
+    def check_room(self, grid: Grid, first: Place | None, last: Place | None) -> None:
+        """In its own size it must end on the map."""
+        for axis, (own, cells) in enumerate(zip(self.size, grid.shape, strict=True)):
+            start = (first or (0, 0))[axis]
+            low = 0 if start == "random" else start
+            if (last or ANYWHERE)[axis] == "random" and low + own > cells:
+                raise ParameterError(
+                    "rows", f"{own} cells along {'xy'[axis]} from {low} on do not fit into 0..{cells - 1}; give last"
+                )
+
+    def usual_ends(self, grid: Grid) -> tuple[Place, Place]:
+        """From the corner of smallest x and y on, in its own size."""
+        return (0, 0), ANYWHERE
+
+    def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
+        """What is left to chance makes a rectangle of its own size inside the map."""
+        (x1, x2), (y1, y2) = (
+            side(a, b, own - 1, cells, rng) for a, b, own, cells in zip(first, last, self.size, grid.shape, strict=True)
+        )
+        return (x1, y1), (x2, y2)
+
+    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
+        """Each cell of the rectangle takes the level that lies under its centre; from last to first it is mirrored."""
+        own = self.levels()[np.ix_(*(_under(*along) for along in zip(first, last, self.size, strict=True)))]
+        levels = np.floor(own * (1 - self.softness / 100) + 1e-9).astype(np.int16)
+        window = tuple(slice(min(ends), max(ends) + 1) for ends in zip(first, last, strict=True))
+        return Patch((window[0], window[1]), np.maximum(levels, np.int16(0)), own >= 0)
+
+
+def _under(first: int, last: int, own: int) -> Ints:
+    """Which of `own` cells lies under the centre of each cell from the lower to the higher end."""
+    cells = abs(last - first) + 1
+    under = (2 * np.arange(cells) + 1) * own // (2 * cells)
+    return under if first <= last else under[::-1]

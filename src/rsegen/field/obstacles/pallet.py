@@ -1,0 +1,136 @@
+"""Pallets after NIST's patterns, with the statistics of the one real pallet that could be measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from rsegen.errors import ParameterError
+from rsegen.field.obstacles.arranged import arranged
+from rsegen.field.obstacles.base import Grid, Obstacle, Patch, register
+from rsegen.field.stepfield import Ints, Levels, Mask
+from rsegen.params.places import Cell, Place
+from rsegen.params.sorts import Choice, Several, Whole
+
+_BEYOND = (9, 27, 24, 12)
+"""How many posts of each length the measured pallet has beyond its ridge of 4 units and the shoulders beside it."""
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Pallet(Obstacle):
+    """Pallets of posts in one of NIST's patterns, flat, hill or diagonal, one for each chunk."""
+
+    kind: ClassVar[str] = "pallet"
+    unplaced: ClassVar[str] = "on every chunk"
+
+    pattern: Annotated[
+        tuple[str, ...],
+        Several(
+            Choice(("flat", "hill", "diagonal")),
+            help="no ridge, one across x, or one from corner to corner; "
+            "several are taken in turn, chunk by chunk along x",
+        ),
+    ] = ("diagonal",)
+    symmetry: Annotated[
+        str, Choice(("random", "symmetric"), help="whether both sides of the ridge are drawn, or one mirrors the other")
+    ] = "random"
+    turns: Annotated[
+        tuple[int, ...], Several(Whole(0, 3), help="quarter turns counterclockwise; several are taken in turn")
+    ] = (0,)
+    step: Annotated[
+        int,
+        Whole(
+            1,
+            32767,
+            unit="units",
+            help="from one length of posts to the next: 2 for full-cubic pallets where "
+            "the unit is half a post's width, as beside half-cubic ones",
+        ),
+    ] = 1
+
+    def __post_init__(self) -> None:
+        Obstacle.__post_init__(self)
+        if self.step >= self.max_height:
+            raise ParameterError("step", f"{self.step} is more than the highest level, {self.max_height - 1}")
+
+    def usual_ends(self, grid: Grid) -> tuple[Place, Place]:
+        """Two opposite corners of the map."""
+        return (0, 0), (grid.n_x - 1, grid.n_y - 1)
+
+    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
+        """A pallet for each square of a chunk's size of the rectangle, and for what is left of one at its end."""
+        (x1, x2), (y1, y2) = (sorted(ends) for ends in zip(first, last, strict=True))
+        levels = np.zeros((x2 - x1 + 1, y2 - y1 + 1), dtype=np.int16)
+        for number, tile in enumerate(_tiles(levels.shape, grid.chunk_size)):
+            pattern, turns = self.pattern[number % len(self.pattern)], self.turns[number % len(self.turns)]
+            n_x, n_y = levels[tile].shape[:: -1 if turns % 2 else 1]
+            levels[tile] = np.rot90(self._pallet(pattern, (n_x, n_y), rng), turns)
+        levels = np.floor(levels * self.step * (1 - self.softness / 100) + 1e-9).astype(np.int16)
+        return Patch((slice(x1, x2 + 1), slice(y1, y2 + 1)), levels, np.ones(levels.shape, dtype=bool))
+
+    def _pallet(self, pattern: str, shape: Cell, rng: np.random.Generator) -> Levels:
+        """Levels in steps, with a ridge that is not turned: always the same blocks, in another order."""
+        top = (self.max_height - 1) // self.step
+        limit = max(-(-top // 2), 1)
+        zones = np.minimum(_off_the_ridge(pattern, shape), 2)
+        drawn = _half(pattern, shape) if self.symmetry == "symmetric" else np.ones(shape, dtype=bool)
+        shoulders = dict.fromkeys(range(max(top - 2, top - limit), top), 1.0)
+        levels = np.full(shape, -1)
+        for zone, wanted in enumerate(({top: 1.0}, shoulders, _beyond(top))):
+            cells = np.flatnonzero(drawn & (zones == zone))
+            levels.flat[cells[np.argsort(rng.random(len(cells)), kind="stable")]] = _shared(len(cells), wanted)
+        zones = np.where(drawn & (zones > 0), zones, -1)
+        orders = (arranged(levels, most, rng, zones) for most in range(limit, top + 1))
+        found = next(order for order in orders if order is not None)  # small pallets of many levels have higher steps
+        return np.asarray(np.where(drawn, found, _mirrored(pattern, found)))
+
+
+def _tiles(shape: Cell, side: int) -> Iterator[tuple[slice, slice]]:
+    """Squares of so many cells, along x first."""
+    for y in range(0, shape[1], side):
+        for x in range(0, shape[0], side):
+            yield slice(x, x + side), slice(y, y + side)
+
+
+def _off_the_ridge(pattern: str, shape: Cell) -> Ints:
+    """How many lines of posts each is away from the ridge; on flat pallets as if it were far away."""
+    n_x, n_y = shape
+    i, j = np.ogrid[:n_x, :n_y]
+    if pattern == "diagonal":
+        return np.asarray(np.abs((2 * i + 1) * n_y - (2 * j + 1) * n_x) * max(shape) // (2 * n_x * n_y))
+    far = max(shape) if pattern == "flat" else 0
+    return np.broadcast_to(np.abs(2 * i + 1 - n_x) // 2 + far, shape)
+
+
+def _half(pattern: str, shape: Cell) -> Mask:
+    """The ridge and one side of it."""
+    n_x, n_y = shape
+    i, j = np.ogrid[:n_x, :n_y]
+    if pattern == "diagonal":
+        return np.asarray((2 * i + 1) * n_y >= (2 * j + 1) * n_x)
+    return np.broadcast_to(2 * i + 1 <= n_x, shape)
+
+
+def _mirrored(pattern: str, levels: Levels) -> Levels:
+    """The other side at each cell: across the ridge; of a diagonal that is no square's, half a turn on."""
+    if pattern != "diagonal":
+        return levels[::-1]
+    return levels.T if levels.shape[0] == levels.shape[1] else levels[::-1, ::-1]
+
+
+def _beyond(top: int) -> dict[int, float]:
+    """How often each level comes beyond the shoulders, for posts of up to `top` steps."""
+    at = np.linspace(0, len(_BEYOND) - 1, top) if top > 1 else np.zeros(top)
+    return dict(enumerate(np.interp(at, range(len(_BEYOND)), _BEYOND).tolist()))
+
+
+def _shared(blocks: int, wanted: dict[int, float]) -> Ints:
+    """So many blocks, of each level as often as wanted; what is left over goes to the largest remainders."""
+    exact = np.array(list(wanted.values())) / sum(wanted.values()) * blocks
+    counts = np.floor(exact + 1e-9).astype(np.int64)
+    counts[np.argsort(counts - exact, kind="stable")[: blocks - counts.sum()]] += 1
+    return np.repeat(np.array(list(wanted)), counts)

@@ -1,0 +1,134 @@
+"""The random profile of the paper's figure 4; or just the blocks that there are, in an order that chance gives."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import accumulate
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+
+from rsegen.errors import ParameterError, shown
+from rsegen.field.obstacles.arranged import arranged
+from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Region, register
+from rsegen.field.stepfield import Array, Levels
+from rsegen.params.places import Cell, Place
+from rsegen.params.sorts import Json, Real, Whole, integer
+
+
+@dataclass(frozen=True)
+class Weights:
+    """A weight for each level, lowest first: any numbers from 0 on, not all of them 0."""
+
+    help: str = ""
+
+    def check(self, where: str, value: object) -> tuple[float, ...]:
+        if not isinstance(value, (list, tuple)) or not value:
+            raise ParameterError(where, f"{shown(value)} is not a list of weights; give {self.describe()}")
+        weights = tuple(Real(0, 1e12).check(f"{where}[{level}]", one) for level, one in enumerate(value))
+        if not any(weights):
+            raise ParameterError(where, "all weights are 0; give at least one above 0")
+        return weights
+
+    def parse(self, text: str) -> object:
+        return [Real().parse(part) for part in text.split(",")]
+
+    def spell(self, value: Any) -> str:
+        return ",".join(map(str, value))
+
+    def schema(self) -> dict[str, Json]:
+        return {"type": "array", "items": Real(0, 1e12).schema(), "minItems": 1}
+
+    def describe(self) -> str:
+        return "one number from 0 on for each level, lowest level first, as in [1, 2, 2, 1, 1]"
+
+
+@dataclass(frozen=True)
+class Counts(Weights):
+    """A number of blocks for each level, lowest first: whole numbers from 0 on, not all of them 0."""
+
+    def check(self, where: str, value: object) -> tuple[int, ...]:
+        if not isinstance(value, (list, tuple)) or not value:
+            raise ParameterError(where, f"{shown(value)} is not a list of counts; give {self.describe()}")
+        counts = tuple(Whole(0, 10**9).check(f"{where}[{level}]", one) for level, one in enumerate(value))
+        if not any(counts):
+            raise ParameterError(where, "all counts are 0; give at least one above 0")
+        return counts
+
+    def parse(self, text: str) -> object:
+        return [integer(part) for part in text.split(",")]
+
+    def schema(self) -> dict[str, Json]:
+        return {"type": "array", "items": Whole(0, 10**9).schema(), "minItems": 1}
+
+    def describe(self) -> str:
+        return "a number of blocks for each level, lowest level first, as in [9, 27, 33, 21, 10]"
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Random(Region):
+    """Every cell drawn by itself, all levels equally likely or as `weights` says; softness scales it down."""
+
+    kind: ClassVar[str] = "random"
+
+    weights: Annotated[
+        tuple[float, ...] | None, Weights(help="how often each level should come, in any scale; default: all alike")
+    ] = None
+    counts: Annotated[
+        tuple[int, ...] | None,
+        Counts(help="exactly so many blocks of each level, lowest first, as many in all as the region has cells"),
+    ] = None
+    max_step: Annotated[
+        int | None,
+        Whole(1, 32767, unit="units", help="largest step between neighbours in it: the same blocks in another order"),
+    ] = None
+
+    def __post_init__(self) -> None:
+        Obstacle.__post_init__(self)
+        for name in ("weights", "counts"):
+            given = getattr(self, name)
+            if given is not None and len(given) != self.max_height:
+                raise ParameterError(name, f"{len(given)} {name} for {self.max_height} levels; give one for each level")
+        if self.counts is not None and (self.weights is not None or self.softness):
+            raise ParameterError("counts", "say how many blocks there are of each level; give no weights or softness")
+
+    def check_room(self, grid: Grid, first: Place | None, last: Place | None) -> None:
+        """Blocks that are counted need a region of just so many cells."""
+        if self.counts is None:
+            return
+        low, high = (given or usual for given, usual in zip((first, last), self.usual_ends(grid), strict=True))
+        if "random" in (*low, *high):
+            raise ParameterError("counts", "need a region of a known size; give first and last")
+        cells = math.prod(abs(a - b) + 1 for a, b in zip(low, high, strict=True))  # type: ignore[operator]  # no "random"
+        if cells != sum(self.counts):
+            raise ParameterError("counts", f"are {sum(self.counts)} blocks for {cells} cells; give as many as cells")
+
+    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
+        """Drawn cell by cell, or counted blocks shuffled; then swapped until no step is too high."""
+        patch = Region.patch(self, grid, first, last, rng)
+        if self.counts is None and self.max_step is None:
+            return patch
+        levels = patch.levels if self.counts is None else self._shuffled(patch.levels.shape, rng)
+        if self.max_step is not None:
+            order = arranged(levels, self.max_step, rng)
+            if order is None:
+                raise ParameterError(
+                    "max_step", f"{self.max_step}: no order of these blocks was found; give more, or more middle levels"
+                )
+            levels = order
+        return patch._replace(levels=levels)
+
+    def _shuffled(self, shape: tuple[int, ...], rng: np.random.Generator) -> Levels:
+        blocks = np.repeat(np.arange(self.max_height, dtype=np.int16), self.counts or ())
+        return blocks[np.argsort(rng.random(len(blocks)), kind="stable")].reshape(shape)
+
+    def drawn(self, uniform: Array) -> Levels:
+        """floor(n f) with f = u (1 - s/100); with weights, the level whose share of [0, 1) holds f."""
+        f = uniform * (1 - self.softness / 100)
+        if self.weights is None:
+            return (self.max_height * f).astype(np.int16)  # f is never below 0, so this is the floor
+        shares = np.array(list(accumulate(self.weights))) / math.fsum(self.weights)
+        top = max(level for level, weight in enumerate(self.weights) if weight)
+        return np.minimum(np.searchsorted(shares, f, side="right"), top).astype(np.int16)

@@ -1,0 +1,25 @@
+"""Ends that are so many cells apart, where chance or the other end leaves them free."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rsegen.params.places import Cell, Coordinate
+from rsegen.params.streams import pick
+
+
+def side(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:
+    """Both coordinates on one axis, `span` apart where one of them is left to chance."""
+    if first == "random" and last == "random":
+        low = pick(rng, 0, cells - 1 - span)
+        return low, low + span
+    if first == "random":
+        return _beside(last, span, cells), last  # type: ignore[arg-type,return-value]  # last is given
+    if last == "random":
+        return first, _beside(first, span, cells)
+    return first, last
+
+
+def _beside(at: int, span: int, cells: int) -> int:
+    """A coordinate `span` cells on, or back where the map ends; never off the map."""
+    return at + span if at + span < cells else max(at - span, 0)

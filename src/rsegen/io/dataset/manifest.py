@@ -1,0 +1,160 @@
+"""The manifest of a data set: what it is, and the size and checksum of every file. It may come from a stranger.
+
+While a data set is being made, the same stands line by line in a record, to which a line is added for each shard; when
+the last one is there, the manifest takes its place.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rsegen.errors import FileError, ParameterError, shown
+from rsegen.io.dataset.layout import Layout
+from rsegen.io.recipe_file import content
+from rsegen.io.text_files import text_of
+from rsegen.params.sorts import Text, Whole
+from rsegen.recipe.codec import decode, encode
+
+MANIFEST = "manifest.json"
+RECORD = "unfinished.jsonl"
+FORMAT = 1
+AXES = "levels[k, i, j]: map k, cell i along +x, cell j along +y, frames left out; height = level * unit_cm"
+LARGEST_MIB = 256
+"""Of a record: that of a hundred million small maps has 5 MiB."""
+
+_SHA256 = Text(r"[0-9a-f]{64}", "64 hexadecimal digits")
+_SIZE = Whole(0, unit="bytes")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Part:
+    """One file: its size, and its checksum."""
+
+    bytes: int
+    sha256: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Shard:
+    """The files of one shard by what they hold: levels and, unless there are none, metrics."""
+
+    number: int
+    parts: Mapping[str, Part]
+
+
+def head(layout: Layout) -> dict[str, Any]:
+    """All of a manifest but the shards."""
+    return {
+        "dataset": FORMAT,
+        "recipe": encode(layout.recipe),
+        "maps": layout.recipe.maps,
+        "shape": list(layout.recipe.grid.shape),
+        "dtype": layout.dtype.name,
+        "axes": AXES,
+        "shard_maps": layout.shard_maps,
+        "metrics": layout.metrics,
+    }
+
+
+def manifest(layout: Layout, shards: Iterable[Shard]) -> bytes:
+    """The text of a manifest, a shard a line."""
+    lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in head(layout).items()]
+    rows = ",\n".join(f"    {json.dumps(_entry(layout, shard))}" for shard in shards)
+    return ("{\n" + ",\n".join([*lines, f'  "shards": [\n{rows}\n  ]']) + "\n}\n").encode()
+
+
+def first_line(layout: Layout) -> str:
+    """The line that a record starts with."""
+    return f"{json.dumps(head(layout))}\n"
+
+
+def next_line(layout: Layout, shard: Shard) -> str:
+    """The line of a record for one more shard."""
+    return f"{json.dumps({'shard': shard.number, **_entry(layout, shard)})}\n"
+
+
+def read_manifest(folder: Path) -> tuple[Layout, list[Shard]]:
+    """What the manifest of a data set says; FileError where there is none, ParameterError where a value is wrong."""
+    path = folder / MANIFEST
+    if not path.is_file():
+        unfinished = (folder / RECORD).is_file()
+        why = "is not finished; the command that began it goes on with --resume" if unfinished else "has no " + MANIFEST
+        raise FileError(f"{folder}: {why}" + ("" if unfinished else ", so it is no data set of rsegen"))
+    found = content(path)
+    try:
+        if not isinstance(found, Mapping) or found.get("dataset") != FORMAT:
+            raise ParameterError("", f"is no manifest of a data set in format {FORMAT}")
+        layout = _layout(found)
+        return layout, _shards(layout, found["shards"])
+    except ParameterError as error:
+        raise error.of(str(path)) from None
+
+
+def read_record(folder: Path, layout: Layout) -> list[Shard] | None:
+    """The shards in the record of a run that was stopped; None where it was to make something else.
+
+    A last line that was cut off does not count, nor does a first one.
+    """
+    path = folder / RECORD
+    start, *lines = text_of(path, LARGEST_MIB, "a record of a data set").split("\n")
+    if not lines:
+        return []
+    if f"{start}\n" != first_line(layout):
+        return None
+    try:
+        found = [json.loads(line) for line in lines[:-1]]
+        return [_shard(layout, entry.get("shard"), entry) for entry in found]
+    except (AttributeError, ValueError) as error:
+        raise FileError(f"{path}: was changed by something else: {error}") from None
+
+
+def _entry(layout: Layout, shard: Shard) -> dict[str, object]:
+    names = layout.names(shard.number)
+    return {
+        what: {"file": names[what], "bytes": part.bytes, "sha256": part.sha256} for what, part in shard.parts.items()
+    }
+
+
+def _layout(found: Mapping[str, Any]) -> Layout:
+    """The layout that a manifest names; ParameterError where the rest of it says otherwise."""
+    for key in ("recipe", "shard_maps", "metrics", "shards"):
+        if key not in found:
+            raise ParameterError(key, "is missing")
+    try:
+        recipe = decode(found["recipe"])
+    except ParameterError as error:
+        raise error.inside("recipe") from None
+    layout = Layout(recipe=recipe, shard_maps=found["shard_maps"], metrics=found["metrics"])
+    expected = head(layout)
+    for key in ("maps", "shape", "dtype", "axes", "shard_maps"):
+        if found.get(key) != expected[key]:
+            raise ParameterError(
+                key, f"{shown(found.get(key))} is at odds with the recipe, by which it is {shown(expected[key])}"
+            )
+    return layout
+
+
+def _shards(layout: Layout, entries: object) -> list[Shard]:
+    if not isinstance(entries, Sequence) or len(entries) != layout.shards:
+        raise ParameterError("shards", f"are not the {layout.shards} that {layout.recipe.maps} maps need")
+    return [_shard(layout, number, entry) for number, entry in enumerate(entries)]
+
+
+def _shard(layout: Layout, number: object, entry: object) -> Shard:
+    """One shard, whose files have the names that they must have and a size that they can have."""
+    number = Whole(0, layout.shards - 1).check("shard", number)
+    where, names = f"shards[{number}]", layout.names(number)
+    parts = {}
+    for what, name in names.items():
+        found = entry.get(what) if isinstance(entry, Mapping) else None
+        if not isinstance(found, Mapping) or found.get("file") != name:
+            raise ParameterError(f"{where}.{what}", f"{shown(found)} is not the file {name}")
+        parts[what] = Part(
+            bytes=_SIZE.check(f"{where}.{what}.bytes", found.get("bytes")),
+            sha256=_SHA256.check(f"{where}.{what}.sha256", found.get("sha256")),
+        )
+    return Shard(number=number, parts=parts)

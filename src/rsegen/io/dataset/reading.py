@@ -1,0 +1,175 @@
+"""A data set as learning reads it: levels mapped into memory, any map by its place, metrics as columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsegen.errors import DatasetDamaged
+from rsegen.field.metrics.many import many
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.io.dataset.checking import drawn, refuse_other_checksums, refuse_other_sizes
+from rsegen.io.dataset.layout import ROW, Layout
+from rsegen.io.dataset.manifest import read_manifest
+from rsegen.io.dataset.tables import mapped, read_parquet
+from rsegen.io.dataset.tiles import Tiles, tiles
+from rsegen.recipe.building import blocks
+from rsegen.recipe.recipe import Recipe
+
+OPEN = 256
+"""Shards that are mapped at once, at the most."""
+
+
+class LevelsOfMaps:
+    """The block levels of all maps as one array (maps, n_x, n_y) that is read only where it is looked at."""
+
+    def __init__(self, layout: Layout, folder: Path) -> None:
+        self._layout = layout
+        self._folder = folder
+        self._shard = lru_cache(OPEN)(self._mapped)
+        self.shape = (layout.recipe.maps, *layout.recipe.grid.shape)
+        self.dtype = layout.dtype
+
+    def _mapped(self, number: int) -> Ints:
+        path = self._folder / self._layout.names(number)["levels"]
+        return mapped(path, self._layout.shape(number), self._layout.dtype)
+
+    def __reduce__(self) -> tuple[type[LevelsOfMaps], tuple[Layout, Path]]:
+        return LevelsOfMaps, (self._layout, self._folder)
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __iter__(self) -> Iterator[Ints]:
+        for number in range(self._layout.shards):
+            yield from self._shard(number)
+
+    def __getitem__(self, maps: int | slice | Ints | Mask | list[int]) -> Ints:
+        """One map (n_x, n_y); or those of a slice, or of a list of places, (maps, n_x, n_y)."""
+        if isinstance(maps, slice):
+            return self._several(np.arange(*maps.indices(len(self))))
+        if isinstance(maps, (list, np.ndarray)):
+            return self._several(self._places(np.asarray(maps)))
+        place = maps + len(self) if maps < 0 else maps
+        if not 0 <= place < len(self):
+            raise IndexError(f"there is no map {maps}; the data set has {len(self)}")
+        number, row = divmod(place, self._layout.shard_maps)
+        found: Ints = self._shard(number)[row]
+        return found
+
+    def _places(self, maps: Ints | Mask) -> Ints:
+        """Places from 0 on of maps that are counted from either end, or marked true."""
+        if maps.dtype == bool and maps.shape == (len(self),):
+            return np.flatnonzero(maps)
+        if maps.ndim != 1 or (maps.size and not np.issubdtype(maps.dtype, np.integer)):
+            raise IndexError("give whole numbers in a row, or true or false for every map")
+        beyond = maps[(maps < -len(self)) | (maps >= len(self))]
+        if beyond.size:
+            raise IndexError(f"there is no map {beyond[0]}; the data set has {len(self)}")
+        return np.where(maps < 0, maps + len(self), maps).astype(np.intp)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:  # noqa: FBT001  # as numpy calls it
+        return np.asarray(self[:], dtype=dtype)
+
+    def _several(self, places: Ints) -> Ints:
+        """Shard by shard, whatever their order."""
+        found = np.empty((len(places), *self.shape[1:]), dtype=self.dtype)
+        numbers, rows = np.divmod(places, self._layout.shard_maps)
+        for number in np.unique(numbers):
+            here = numbers == number
+            found[here] = self._shard(int(number))[rows[here]]
+        return found
+
+
+class Dataset:
+    """The maps of a recipe in a folder, as `rsegen dataset` makes it; maps are counted from 0.
+
+    `recipe.indices[place]` is what the recipe calls the map at a place: the same, unless it has a `first_map`. It may
+    come from a stranger: no name is taken from its manifest. Raises DatasetDamaged where a file has another size than
+    it says, FileError where there is no data set.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+        self.layout, self.shards = read_manifest(self.folder)
+        refuse_other_sizes(self.folder, self.layout, self.shards)
+
+    def __reduce__(self) -> tuple[type[Dataset], tuple[Path]]:
+        return Dataset, (self.folder,)
+
+    def __repr__(self) -> str:
+        return (
+            f"Dataset({str(self.folder)!r}: {len(self)} maps of {' x '.join(map(str, self.recipe.grid.shape))} blocks)"
+        )
+
+    @property
+    def recipe(self) -> Recipe:
+        """What all of it is made of."""
+        return self.layout.recipe
+
+    @property
+    def bytes(self) -> int:
+        """What its shards take on the disk."""
+        return sum(part.bytes for shard in self.shards for part in shard.parts.values())
+
+    @cached_property
+    def levels(self) -> LevelsOfMaps:
+        """The block levels of all maps, mapped into memory: (maps, n_x, n_y)."""
+        return LevelsOfMaps(self.layout, self.folder)
+
+    def __len__(self) -> int:
+        return self.recipe.maps
+
+    def __getitem__(self, maps: int | slice | Ints | Mask | list[int]) -> Ints:
+        return self.levels[maps]
+
+    def __iter__(self) -> Iterator[Ints]:
+        return iter(self.levels)
+
+    def field(self, place: int) -> StepField:
+        """One map with its frames and metres: what `build` gives for it."""
+        return self.layout.field(self[place])
+
+    def heights(self, place: int) -> Array:
+        """Height of every cell of one map, frames counted, in metres: (n_x, n_y)."""
+        return self.field(place).heights
+
+    @cached_property
+    def metrics(self) -> dict[str, NDArray[Any]]:
+        """A column for each metric, a row a map: read, or measured where the data set has no table.
+
+        `map` is its index in the recipe; all else is named as in `rsegen metrics --csv`, in metres, NaN for none.
+        """
+        tables = [self._table(number) for number in range(self.layout.shards)]
+        return {name: np.concatenate([table[name] for table in tables]) for name in ROW.names or ()}
+
+    def _table(self, number: int) -> Mapping[str, NDArray[Any]]:
+        maps, name = self.layout.indices(number), self.layout.names(number).get("metrics")
+        if name is None:
+            places = self.layout.places(number)
+            return {"map": np.array(maps, dtype=np.int64), **many(self[places.start : places.stop], self.layout.like)}
+        if self.layout.metrics == "parquet":
+            return read_parquet(self.folder / name, len(maps))
+        rows = mapped(self.folder / name, (len(maps),), ROW)
+        return {column: rows[column] for column in ROW.names or ()}
+
+    def tiles(self, rows: int, columns: int, by: str = "steps.rms") -> Tiles:
+        """A terrain of rows x columns maps that gets harder from row to row, by any metric."""
+        return tiles(self, rows, columns, by)
+
+    def verify(self, rebuild: int = 8) -> None:
+        """Raise DatasetDamaged for the first file whose checksum is another, or of so many maps that build otherwise.
+
+        Those maps are drawn anew each time.
+        """
+        refuse_other_checksums(self.folder, self.layout, self.shards)
+        for place in drawn(len(self), rebuild):
+            if not np.array_equal(self[place], blocks(self.recipe, self.recipe.indices[place])):
+                raise DatasetDamaged(
+                    f"{self.folder}#{place}: is not the map that this version of rsegen makes of the recipe"
+                )

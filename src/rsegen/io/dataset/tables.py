@@ -1,0 +1,76 @@
+"""Arrays and tables of metrics as files: the same bytes for the same values."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsegen.errors import FileError, ParameterError
+from rsegen.field.metrics.many import COLUMNS, Table
+from rsegen.io.dataset.layout import ROW
+
+
+def npy(array: NDArray[Any]) -> bytes:
+    """An array as a file."""
+    file = io.BytesIO()
+    np.save(file, array, allow_pickle=False)
+    return file.getvalue()
+
+
+def table(form: str, maps: range, figures: Table) -> bytes:
+    """The metrics of maps, whose indices in their recipe are given, as a file: a row of ROW for each, or Parquet."""
+    if form == "parquet":
+        return _parquet(maps, figures)
+    rows = np.empty(len(maps), dtype=ROW)
+    rows["map"] = maps
+    for name in COLUMNS:
+        rows[name] = figures[name]
+    return npy(rows)
+
+
+def _parquet(maps: range, figures: Table) -> bytes:
+    pyarrow, parquet = arrow()
+    columns = {"map": np.array(maps, dtype=np.int64), **figures}
+    file = io.BytesIO()
+    parquet.write_table(pyarrow.table(columns), file)
+    return file.getvalue()
+
+
+def mapped(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
+    """The array in a file, not read but mapped into memory; FileError where it is another, or there is none."""
+    try:
+        found = np.lib.format.open_memmap(path, mode="r")
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from None
+    except Exception as error:  # numpy fails in many ways at files that are none of its own
+        raise FileError(f"{path}: not an array of numpy: {error}") from None
+    if found.shape != shape or found.dtype != dtype:
+        raise FileError(f"{path}: has shape {found.shape} of {found.dtype}; {shape} of {dtype} should be there")
+    return np.asarray(found)
+
+
+def read_parquet(path: Path, maps: int) -> dict[str, NDArray[Any]]:
+    """The columns of a table in Parquet; FileError where it is another, or there is none."""
+    pyarrow, parquet = arrow()
+    try:
+        file = parquet.ParquetFile(path)
+        if file.metadata.num_rows != maps or set(file.schema_arrow.names) != set(ROW.names or ()):
+            raise FileError(f"{path}: is not the metrics of {maps} maps")
+        found = file.read()
+    except (OSError, pyarrow.ArrowException) as error:
+        raise FileError(f"{path}: not a table in Parquet: {error}") from None
+    return {name: found[name].to_numpy() for name in ROW.names or ()}
+
+
+def arrow() -> tuple[Any, Any]:
+    """pyarrow and its Parquet; a ParameterError that says how to get it where it is not installed."""
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        raise ParameterError("metrics", "parquet needs pyarrow: pip install 'rsegen[dataset]'; or give npy") from None
+    return pyarrow, parquet

@@ -1,0 +1,70 @@
+"""A terrain of many maps side by side, row by row harder: what curricula of learning robots walk on.
+
+rows (+x): from the easiest map to the hardest       columns (+y): maps of about the same difficulty
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsegen.errors import ParameterError, UnknownName
+from rsegen.field.metrics.many import COLUMNS
+from rsegen.field.stepfield import Array, Ints
+from rsegen.params.sorts import Whole
+
+if TYPE_CHECKING:
+    from rsegen.io.dataset.reading import Dataset
+
+
+class Tiles(NamedTuple):
+    """A terrain, as IsaacLab, mjlab and legged_gym lay theirs out: difficulty rises along x, from row to row.
+
+    levels: (rows, columns, n_x, n_y), block levels, frames left out
+    heights: (rows, columns, cells_x, cells_y), metres, frames counted
+    origins: (rows, columns, 3), metres: the middle of each tile, all together centred on x = y = 0; z is the highest of
+    the cells that meet in the middle, so that nothing is put into a block
+    places: (rows, columns), which map of the data set it is; difficulty: (rows, columns), its metric
+    size: metres of one tile along x and y, frames counted
+    """
+
+    levels: Ints
+    heights: Array
+    origins: Array
+    places: NDArray[np.intp]
+    difficulty: NDArray[np.float32]
+    size: tuple[float, float]
+
+
+def tiles(dataset: Dataset, rows: int, columns: int, by: str) -> Tiles:
+    """The maps at evenly spaced ranks of a metric, from least to greatest; those without a figure are left out."""
+    rows, columns = (Whole(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
+    if by not in COLUMNS:
+        raise UnknownName.among("by", "metric", by, COLUMNS)
+    figures = dataset.metrics[by]
+    ranked = np.argsort(figures, kind="stable")[: np.count_nonzero(~np.isnan(figures))]
+    if rows * columns > len(ranked):
+        raise ParameterError("rows", f"{rows} x {columns} tiles need as many maps, and {len(ranked)} have a {by}")
+    spaced = np.linspace(0, len(ranked) - 1, rows * columns).round().astype(np.intp)
+    places = ranked[spaced].reshape(rows, columns)
+    levels = dataset[places.ravel()]
+    heights = np.array([dataset.layout.field(one).heights for one in levels])
+    size = dataset.layout.like.extent
+    return Tiles(
+        levels=levels.reshape(rows, columns, *levels.shape[1:]),
+        heights=heights.reshape(rows, columns, *heights.shape[1:]),
+        origins=_origins(heights, (rows, columns), size),
+        places=places,
+        difficulty=figures[places],
+        size=size,
+    )
+
+
+def _origins(heights: Array, shape: tuple[int, int], size: tuple[float, float]) -> Array:
+    n_x, n_y = heights.shape[1:]
+    amid = heights[:, (n_x - 1) // 2 : n_x // 2 + 1, (n_y - 1) // 2 : n_y // 2 + 1]
+    x, y = ((np.arange(n) - (n - 1) / 2) * metres for n, metres in zip(shape, size, strict=True))
+    xy = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    return np.concatenate([xy, amid.max(axis=(1, 2)).reshape(*shape, 1)], axis=-1)

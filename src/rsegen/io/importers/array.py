@@ -1,0 +1,41 @@
+"""Heights in an array that numpy saved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from rsegen.errors import FileError
+from rsegen.io.importers.base import USUAL_UNIT_CM, Format, Heights, refuse_too_many_cells, register, whole_units
+from rsegen.io.importers.table import centimetres
+from rsegen.params.sorts import Choice, Flag
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Saved(Format):
+    """An array of shape (n_x, n_y), as StepField.levels is: axis 0 along x, axis 1 along y, no pickles."""
+
+    name: ClassVar[str] = "array"
+    suffixes: ClassVar[tuple[str, ...]] = (".npy",)
+
+    values: Annotated[str, Choice(("cm", "m", "levels"), help="what its numbers are; default: cm")] = "cm"
+    rounded: Annotated[bool, Flag(help="round heights that are no whole units, which are refused otherwise")] = False
+
+    def read(self, path: Path, unit_cm: float | None) -> Heights:
+        """The shape is looked at before anything else is."""
+        try:
+            found = np.load(path, mmap_mode="r", allow_pickle=False)
+        except OSError as error:
+            raise FileError(f"{path}: {error.strerror or error}") from None
+        except (ValueError, EOFError, TypeError):
+            raise FileError(f"{path}: not an array of numbers that numpy saved (.npy)") from None
+        if not isinstance(found, np.ndarray) or found.ndim != 2 or found.dtype.kind not in "biuf":
+            raise FileError(f"{path}: {found.ndim} axes of {found.dtype}; give an array of numbers with two axes")
+        refuse_too_many_cells(path, *found.shape)
+        unit = unit_cm or USUAL_UNIT_CM
+        heights = np.asarray(found, dtype=np.float64) * centimetres(self.values, unit)
+        return Heights(levels=whole_units(path, heights, unit, rounded=self.rounded), unit_cm=unit)

@@ -1,0 +1,93 @@
+"""What a format of heights is: options with their bounds, and how a file becomes levels.
+
+A format is one file of this folder with one class: a frozen dataclass whose annotated fields are its options, under
+`@register`. Nothing else needs to know of it. Files come from strangers: nothing in them is trusted.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar, TypeVar
+
+import numpy as np
+
+from rsegen.errors import FileError
+from rsegen.field.stepfield import Array, Ints
+from rsegen.params.registry import Registry
+from rsegen.params.sorts import settle
+
+MOST_CELLS = 2**24
+"""Of a file that is read: 4096 x 4096."""
+
+USUAL_UNIT_CM = 10.0
+"""Of heights where neither the file nor a person says another."""
+
+_HIGHEST = 32766
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Heights:
+    """What a file says: levels of shape (n_x, n_y), their unit [cm], and what it says of a recipe."""
+
+    levels: Ints
+    unit_cm: float
+    said: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Format(ABC):
+    """A way to read heights, with its options."""
+
+    name: ClassVar[str]
+    suffixes: ClassVar[tuple[str, ...]]
+
+    def __post_init__(self) -> None:
+        settle(self)
+
+    @abstractmethod
+    def read(self, path: Path, unit_cm: float | None) -> Heights:
+        """The heights in a file, in units of so many centimetres where that is said; a FileError where it has none."""
+
+
+def refuse_too_many_cells(path: Path, n_x: int, n_y: int) -> None:
+    """Raise a FileError where a file has too many cells to be read, or none: asked before they are."""
+    if not 0 < n_x * n_y <= MOST_CELLS:
+        raise FileError(f"{path}: {n_x} x {n_y} cells; from 1 up to {MOST_CELLS:,} can be read")
+
+
+def whole_units(path: Path, heights_cm: Array, unit_cm: float, *, rounded: bool) -> Ints:
+    """Heights [cm], shape (n_x, n_y), as levels; a FileError for the first that is none, if it is not to be rounded."""
+    units = heights_cm / unit_cm
+    levels = np.floor(units + 0.5)
+    bad = ~np.isfinite(units) | (levels < 0) | (levels > _HIGHEST)
+    if not rounded:
+        with np.errstate(invalid="ignore"):
+            bad |= np.abs(units - levels) > 1e-3
+    if bad.any():
+        column, row = (int(at) for at in np.argwhere(bad[:, ::-1])[0])
+        amiss = f"{heights_cm[:, ::-1][column, row]:g} cm is not 0..{_HIGHEST} whole units of {unit_cm:g} cm"
+        raise FileError(
+            f"{path}: row {row + 1} from the top, column {column + 1}: {amiss}{_others(int(bad.sum()) - 1)}; "
+            "is it another unit_cm, other values (cm, m, levels), or to be rounded?"
+        )
+    return levels.astype(np.int32)
+
+
+def _others(count: int) -> str:
+    return f" ({count} more such cell{'s'[: count > 1]})" if count else ""
+
+
+FORMATS: Registry[type[Format]] = Registry("format of heights")
+"""Every format by the suffixes of its files."""
+
+_Format = TypeVar("_Format", bound=type[Format])
+
+
+def register(cls: _Format) -> _Format:
+    """Make a format known by the suffixes of its files."""
+    for suffix in cls.suffixes:
+        FORMATS.add(suffix, cls)
+    return cls

@@ -1,0 +1,97 @@
+"""Grey images: a pixel a cell, with vertical risers between them."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+
+from rsegen.errors import FileError
+from rsegen.field.stepfield import Array, Ints
+from rsegen.io.importers.base import USUAL_UNIT_CM, Format, Heights, refuse_too_many_cells, register
+from rsegen.params.places import Cell, Pair
+from rsegen.params.sorts import Flag, Real, Whole
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Picture(Format):
+    """A grey image of 8 or 16 bits, white the highest; colours count by brightness, transparent parts as black."""
+
+    name: ClassVar[str] = "image"
+    suffixes: ClassVar[tuple[str, ...]] = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp")
+
+    max_height: Annotated[int, Whole(2, 32767, unit="units", help="number of levels that grey is rounded to")] = 5
+    invert: Annotated[bool, Flag(help="black is the highest")] = False
+    threshold: Annotated[
+        float | None, Real(0, 100, unit="%", help="only two levels: the highest from this grey on, else 0")
+    ] = None
+    size: Annotated[Cell | None, Pair(help="cells along x and y that it is resampled to; default: a pixel a cell")] = (
+        None
+    )
+
+    def read(self, path: Path, unit_cm: float | None) -> Heights:
+        """Its size is looked at before it is decoded."""
+        grey = brightness(path, self.size)
+        return Heights(levels=self._levels(1 - grey if self.invert else grey), unit_cm=unit_cm or USUAL_UNIT_CM)
+
+    def _levels(self, grey: Array) -> Ints:
+        top = self.max_height - 1
+        if self.threshold is not None:
+            return np.where(grey * 100 >= self.threshold, top, 0)
+        return np.floor(grey * top + 0.5 + 1e-9).astype(np.int32)
+
+
+def brightness(path: Path, size: Cell | None = None) -> Array:
+    """The brightness of an image, 0 black and 1 white, shape (n_x, n_y), resampled to a size if one is given."""
+    with _opened(path) as image:
+        refuse_too_many_cells(path, *image.size)
+        refuse_too_many_cells(path, *(size or image.size))
+        grey, white = _grey(image)
+        grey = grey.resize(size, _box()) if size else grey
+        return (np.asarray(grey, dtype=np.float64) / white)[::-1].T
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Image]:
+    """An image of which only the head is read yet; what goes wrong with it, then or later, is a FileError."""
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # its size is judged by us
+            with Image.open(path) as image:
+                yield image
+    except UnidentifiedImageError:
+        raise FileError(f"{path}: not an image") from None
+    except Image.DecompressionBombError:
+        raise FileError(f"{path}: an image too large to be read") from None
+    except (OSError, SyntaxError, ValueError) as error:
+        raise FileError(f"{path}: {getattr(error, 'strerror', None) or f'not a whole image: {error}'}") from None
+
+
+def _grey(image: Image) -> tuple[Image, float]:
+    """The image in numbers, and the one that is white. Resampling needs whole 32-bit numbers or floats."""
+    if image.mode.startswith("I"):
+        return image.convert("I").convert("F"), 65535.0
+    if "A" in image.getbands() or "transparency" in image.info:
+        from PIL import Image
+
+        image = image.convert("RGBA")
+        image = Image.alpha_composite(Image.new("RGBA", image.size, "black"), image)
+    return image.convert("L").convert("F"), 255.0
+
+
+def _box() -> int:
+    """The mean of the pixels in a cell."""
+    from PIL import Image
+
+    return Image.Resampling.BOX

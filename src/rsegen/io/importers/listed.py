@@ -1,0 +1,91 @@
+"""Heights in a list, a row for each cell with its x and y: a build sheet, as it was or as a spreadsheet saved it."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterable, Iterator
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rsegen.errors import FileError, ParameterError, shown
+from rsegen.exporters.sheet.listing import COLUMNS, SAID
+from rsegen.field.stepfield import Array
+from rsegen.params.places import Cell
+from rsegen.params.sorts import parameters
+from rsegen.recipe.recipe import Recipe
+
+_HEAD = re.compile(r"^" + r"([,;\t])".join(f'"?{name}"?' for name in COLUMNS) + r"[,;\t]*\r?$", re.MULTILINE)
+_SAID = re.compile(rf'^"?# *({"|".join(SAID)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
+_MOST_ROWS = 1_000_000
+
+
+def is_list(text: str) -> bool:
+    """Whether a text has the head of such a list."""
+    return bool(_HEAD.search(text))
+
+
+def said(path: Path, text: str) -> dict[str, Any]:
+    """The parameters of a recipe that its comments say; a FileError for one that cannot be."""
+    sorts = parameters(Recipe)
+    try:
+        return {name: sorts[name].check(name, sorts[name].parse(value)) for name, value in _SAID.findall(text)}
+    except ParameterError as error:
+        raise FileError(f"{path}: {error}") from None
+
+
+def heights_cm(path: Path, text: str) -> Array:
+    """Of shape (n_x, n_y), each cell given once; a FileError where one is missing, or is no number."""
+    cells: dict[Cell, float] = {}
+    for line, cell, height in _rows(path, text):
+        if cell in cells:
+            raise FileError(f"{path}: line {line}: the cell x {cell[0]}, y {cell[1]} is there twice")
+        cells[cell] = height
+    if not cells:
+        raise FileError(f"{path}: no cell below the head {','.join(COLUMNS)}")
+    n_x, n_y = (max(cell[axis] for cell in cells) + 1 for axis in (0, 1))
+    if len(cells) < n_x * n_y:
+        x, y = next(cell for cell in product(range(n_x), range(n_y)) if cell not in cells)
+        raise FileError(f"{path}: the cell x {x}, y {y} is missing of {n_x} x {n_y}; one without a block has height 0")
+    heights = np.empty((n_x, n_y))
+    heights[tuple(np.array(list(cells)).T)] = list(cells.values())
+    return heights
+
+
+def _rows(path: Path, text: str) -> Iterator[tuple[int, Cell, float]]:
+    """Line, cell and height of each row; comments and rows of blanks are left out."""
+    head = _HEAD.search(text)
+    if not head:
+        return
+    first = text.count("\n", 0, head.end()) + 2
+    lines = text[head.end() :].splitlines()[1:]
+    if len(lines) > _MOST_ROWS:
+        raise FileError(f"{path}: {len(lines):,} rows; up to {_MOST_ROWS:,} can be read")
+    for line, row in enumerate(_parted(path, lines, head[1]), first):
+        if any(row) and not row[0].startswith("#"):
+            yield line, *_cell(f"{path}: line {line}", row, head[1])
+
+
+def _parted(path: Path, lines: Iterable[str], joint: str) -> Iterator[list[str]]:
+    try:
+        for row in csv.reader(lines, delimiter=joint, quoting=csv.QUOTE_NONE):
+            yield [cell.strip(' "') for cell in row]
+    except csv.Error as error:
+        raise FileError(f"{path}: {error}") from None
+
+
+def _cell(where: str, row: list[str], joint: str) -> tuple[Cell, float]:
+    """Where semicolons part the cells, a comma is a decimal point."""
+    if len(row) < len(COLUMNS):
+        raise FileError(f"{where}: {len(row)} cells, and {len(COLUMNS)} in the head")
+    x, y, height = row[2 : len(COLUMNS)]
+    for name, text in (("x", x), ("y", y)):
+        if not (text.isascii() and text.isdecimal() and len(text) < 8):
+            raise FileError(f"{where}: {name} {shown(text)} is not the number of a cell, from 0 on")
+    try:
+        return (int(x), int(y)), float(height.replace(",", ".") if joint == ";" else height)
+    except ValueError:
+        raise FileError(f"{where}: height_cm {shown(height)} is not a number") from None

@@ -1,0 +1,104 @@
+"""How a series rises, as a picture: the rms step of every map, and plans of some of them."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rsegen.exporters.pictures.preview import draw_cells
+from rsegen.exporters.scene import Scene, compose
+from rsegen.field.stepfield import Array
+from rsegen.io.series.plan import Plan
+from rsegen.io.series.row import Row
+from rsegen.recipe.codec import to_json
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PLANS = 8
+"""At most so many plans, evenly spaced."""
+_INK, _LINE, _PALE = "#2b2b33", "#d6336c", "#a9a9b5"
+
+
+def chart(plan: Plan, rows: Sequence[Row]) -> bytes:
+    """A PNG, which carries the recipe at difficulty 1."""
+    from matplotlib.figure import Figure
+
+    shown = _shown(len(rows))
+    scenes = [_scene(plan, rows[number]) for number in shown]
+    figure = Figure(figsize=(13, 7.4), dpi=100, layout="constrained")
+    grid = figure.add_gridspec(2, len(shown), height_ratios=(2.6, 1))
+    _draw_rise(figure.add_subplot(grid[0, :]), plan, rows, shown)
+    for column, scene in enumerate(scenes):
+        _draw_plan(figure.add_subplot(grid[1, column]), scene, rows[shown[column]])
+    _legend(figure, scenes)
+    fields = "one field" if plan.same_field else f"{len(rows)} fields"
+    figure.suptitle(f"{plan.recipe.name}: {fields}, difficulty {plan.from_:g} to {plan.to:g}, seed {plan.recipe.seed}")
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", metadata={"Description": to_json(plan.recipe)})
+    return stream.getvalue()
+
+
+def _shown(maps: int) -> list[int]:
+    """The numbers of the maps that are drawn: the first, the last, and some between them."""
+    return [int(number) for number in np.unique(np.rint(np.linspace(0, maps - 1, PLANS)))]
+
+
+def _scene(plan: Plan, row: Row) -> Scene:
+    recipe = replace(plan.whole(row.number), difficulty=row.recipe_difficulty)
+    return compose(recipe, recipe.first_map)
+
+
+def _draw_rise(axes: Axes, plan: Plan, rows: Sequence[Row], shown: Sequence[int]) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    numbers = np.array([row.number for row in rows])
+    asked, reached, full = (_centimetres(rows, name) for name in ("rms_asked", "rms", "rms_full"))
+    of = "the rms step of the field as it is" if plan.same_field else "the mean rms step of the fields as they are"
+    mean = float(np.nan_to_num(full).mean())
+    axes.plot(numbers, asked, color=_LINE, linewidth=2, label=f"asked for: difficulty x {mean:.3g} cm, {of}")
+    if not plan.same_field:
+        axes.plot(numbers, full, "_", color=_PALE, markersize=9, label="the field as it is: it gets no rougher")
+    axes.vlines(numbers, asked, reached, color=_INK, linewidth=1)
+    size = float(np.clip(260 / len(rows), 2, 7))
+    axes.plot(numbers, reached, "o", color=_INK, markersize=size, label="reached", zorder=3)
+    marked = np.isin(numbers, shown)
+    axes.plot(numbers[marked], reached[marked], "o", color="white", markersize=size * 0.45, zorder=4)
+    axes.set(xlabel="map (light in the middle: its plan is below)", ylabel="rms step between neighbouring blocks [cm]")
+    axes.set_ylim(bottom=0)
+    axes.margins(x=0.02)
+    axes.grid(visible=True, alpha=0.25)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.legend(frameon=False, loc="lower right")
+
+
+def _centimetres(rows: Sequence[Row], name: str) -> Array:
+    """A column of the table; not a number where it has no value."""
+    found = (getattr(row, name) for row in rows)
+    return np.array([np.nan if value is None else value * 100 for value in found], dtype=float)
+
+
+def _draw_plan(axes: Axes, scene: Scene, row: Row) -> None:
+    draw_cells(axes, scene)
+    reached = "" if row.rms is None else f"\n{row.rms * 100:.3g} cm"
+    axes.set_title(f"{row.number}: difficulty {row.difficulty:.3g}{reached}", fontsize=9, color=_INK)
+    axes.set(xticks=[], yticks=[])
+    for spine in axes.spines.values():
+        spine.set(color=_INK, linewidth=0.5)
+
+
+def _legend(figure: Figure, scenes: Sequence[Scene]) -> None:
+    """A swatch for every height in the plans, up to 12 of them."""
+    from matplotlib.patches import Patch
+
+    levels = sorted({level for scene in scenes for level in scene.field.level_counts() if level})
+    few, unit = levels[:: -(-len(levels) // 12) or 1], scenes[0].field.unit * 100
+    swatches = [Patch(facecolor=scenes[0].colour(level), label=f"{level * unit:g} cm") for level in few]
+    if swatches:
+        figure.legend(handles=swatches, loc="outside lower center", ncols=len(swatches), frameon=False)

@@ -1,0 +1,63 @@
+"""Which maps a series has: one recipe for each, with a difficulty of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+from rsegen.errors import ParameterError, shown
+from rsegen.params.sorts import Flag, Real, settle
+from rsegen.recipe.recipe import Recipe
+
+DIGITS = 6
+"""Of a difficulty, so that recipes stay short."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Plan:
+    """As many maps as the recipe has, of difficulty `from_` to `to` in equal steps.
+
+    What they are asked to measure lies on a straight line: difficulty * the mean rms step of all their fields as they
+    are. So a field that is rougher than others is eased more, and one that is less rough less.
+    """
+
+    recipe: Recipe
+    from_: Annotated[float, Real(0, 1, help="difficulty of the first map")] = 0.1
+    to: Annotated[float, Real(0, 1, help="difficulty of the last map")] = 1.0
+    same_field: Annotated[bool, Flag(help="one field at rising difficulty; else every map is another field")] = False
+
+    def __post_init__(self) -> None:
+        settle(self)
+        if self.from_ > self.to:
+            raise ParameterError("from", f"{shown(self.from_)} is above to, {shown(self.to)}; a series rises")
+        if self.recipe.maps < 2:
+            raise ParameterError("maps", f"{self.recipe.maps} is no series; give 2 or more")
+        if self.recipe.difficulty != 1:
+            given = shown(self.recipe.difficulty)
+            raise ParameterError("difficulty", f"{given} is for maps of one difficulty; give a series from and to")
+        self.whole(self.recipe.maps - 1)
+
+    @property
+    def fields(self) -> range:
+        """A number of a map for each of its fields."""
+        return range(1 if self.same_field else self.recipe.maps)
+
+    def difficulty(self, number: int) -> float:
+        """The difficulty of map `number`, counted from 0, with the mean of the fields as 1."""
+        return round(self.from_ + (self.to - self.from_) * number / (self.recipe.maps - 1), DIGITS)
+
+    def whole(self, number: int) -> Recipe:
+        """The recipe of map `number` and no other, at difficulty 1.
+
+        Maps of one field have one index, for what is drawn goes by it; so each has its number in the recipe's name.
+        """
+        if self.same_field:
+            return replace(self.recipe, name=f"{self.recipe.name}-{number:04d}", maps=1)
+        return self.recipe.alone(self.recipe.first_map + number)
+
+    def map_name(self, number: int) -> str:
+        """What map `number` is called."""
+        recipe = self.recipe
+        if self.same_field:
+            return f"{recipe.name}-{number:04d}_{recipe.first_map:04d}"
+        return recipe.map_name(recipe.first_map + number)

@@ -1,0 +1,67 @@
+"""What one map of a series was to measure, and what it measures: a line of series.csv, lengths in metres."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
+
+from rsegen.exporters.scene import Scene
+from rsegen.field.metrics.opening import opening
+from rsegen.field.metrics.spread import spread
+from rsegen.field.metrics.steps import steps
+from rsegen.field.stepfield import NANOMETRE_DIGITS
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Row:
+    """One map; what has no value, such as the steps of a single block, is None.
+
+    difficulty: its place between the first and the last   rms_asked: difficulty * the mean rms_full of all maps
+    rms: the step that it has   rms_full: the step that its field has as it is   recipe_difficulty: what its recipe says
+    highest_step: between neighbouring blocks   opening_...: the climb at which it opens   mean_height: of its blocks
+    """
+
+    number: int
+    map: str
+    difficulty: float
+    rms_asked: float | None
+    rms: float | None
+    rms_full: float | None
+    recipe_difficulty: float
+    highest_step: float | None
+    opening_west_east: float
+    opening_south_north: float
+    mean_height: float
+
+
+def measured(number: int, difficulty: float, scene: Scene, asked: float, full: float | None) -> Row:
+    """The row of a map."""
+    own, ways = steps(scene.field), opening(scene.field)
+    return Row(
+        number=number,
+        map=scene.name,
+        difficulty=difficulty,
+        rms_asked=None if own.rms is None else _rounded(asked),
+        rms=_rounded(own.rms),
+        rms_full=_rounded(full),
+        recipe_difficulty=scene.recipe.difficulty,
+        highest_step=_rounded(own.highest),
+        opening_west_east=ways.west_east,
+        opening_south_north=ways.south_north,
+        mean_height=round(spread(scene.field).mean, NANOMETRE_DIGITS),
+    )
+
+
+def table(rows: Sequence[Row]) -> bytes:
+    """The rows as a CSV file; what is None is left empty."""
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, [field.name for field in fields(Row)], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(map(asdict, rows))
+    return stream.getvalue().encode()
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(value, NANOMETRE_DIGITS)

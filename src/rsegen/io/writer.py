@@ -1,0 +1,169 @@
+"""Bundle -> folder: the one place that writes.
+
+A folder appears whole or not at all: its files are written beside it under a hidden name, then it is renamed. A folder
+that is there already is left alone unless the caller says otherwise, and even then only one that rsegen made.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import secrets
+import shutil
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path, PurePosixPath
+
+from rsegen.errors import REFUSED, OutputError, RsegenError, WriteError, shown
+from rsegen.exporters.gazebo import Bundle
+
+_MARK = "recipe.json"
+_OLD = ".old"
+_HIDDEN = re.compile(rf"\.(?P<name>.+)\.[0-9a-f]{{8}}(?P<old>{re.escape(_OLD)})?")
+
+
+def refuse_not_a_folder(folder: Path) -> None:
+    """Raise an OutputError where something else than a folder stands there, or none can have that name."""
+    try:
+        taken = folder.exists() and not folder.is_dir()
+    except (OSError, ValueError) as error:
+        name = str(folder) if isinstance(error, OSError) else shown(str(folder))
+        raise OutputError(f"{name}: {getattr(error, 'strerror', error)}") from None
+    if taken:
+        raise OutputError(f"{folder}: is a file; give a folder")
+
+
+def refuse_taken(folders: Iterable[str | Path], *, force: bool) -> None:
+    """Raise an OutputError for the first folder that exists, or that with `force` is not rsegen's to replace."""
+    for folder in map(Path, filter(os.path.lexists, folders)):
+        if not force:
+            raise OutputError(f"{folder}: is there already; give --force to replace it, or another folder or --name")
+        if folder.is_symlink():
+            raise OutputError(f"{folder}: is a link, so it is not replaced; give another folder or --name")
+        if not (folder / _MARK).is_file():
+            raise OutputError(f"{folder}: was not made by rsegen (it has no {_MARK}), so it is not replaced")
+
+
+def write(bundle: Bundle, folder: Path, *, force: bool = False) -> tuple[str, ...]:
+    """Write every file of a bundle into a new folder; gives their names inside it, sorted as paths are.
+
+    OutputError where the folder is taken or may not be written; WriteError where the disk fails in the middle.
+    """
+    refuse_taken([folder], force=force)
+    with told(folder), parent_of(folder):
+        hidden = _hidden(folder)
+        try:
+            os.mkdir(hidden)
+            _fill_folder(hidden, bundle)
+            _put_in_place(hidden, folder, force=force)
+        except BaseException:
+            shutil.rmtree(hidden, ignore_errors=True)
+            raise
+    return tuple(map(str, sorted(bundle)))
+
+
+def clear_away(folder: Path, names: Callable[[str], bool]) -> None:
+    """Clear away what a killed run left of the maps called so: half a map goes, a map half replaced comes back.
+
+    Only real folders with a hidden name just as `write` makes them are taken for such.
+    """
+    with told(folder), suppress(FileNotFoundError), os.scandir(folder) as entries:
+        for entry in entries:
+            match = _HIDDEN.fullmatch(entry.name)
+            if match and names(match["name"]) and entry.is_dir(follow_symlinks=False):
+                _clear(Path(entry.path), folder / match["name"], replaced=bool(match["old"]))
+
+
+def refuse_taken_file(path: Path, *, force: bool) -> None:
+    """Raise an OutputError where something stands there that is not a file, or is not to be replaced."""
+    if not os.path.lexists(path):
+        return
+    if not path.is_file():
+        raise OutputError(f"{path}: is there already and is not a file; give another name")
+    if not force:
+        raise OutputError(f"{path}: is there already; give --force to replace it, or another name")
+
+
+def write_file(content: Iterable[bytes], path: Path, *, force: bool = False) -> None:
+    """Write one file, whole or not at all; an OutputError where it is there already, unless `force`."""
+    refuse_taken_file(path, force=force)
+    with told(path), parent_of(path):
+        hidden = _hidden(path)
+        try:
+            _fill(hidden, content)
+            hidden.replace(path)
+        finally:
+            hidden.unlink(missing_ok=True)
+
+
+def _inside(path: PurePosixPath) -> PurePosixPath:
+    if path.is_absolute() or ".." in path.parts or not path.parts:
+        raise OutputError(f"{path}: leaves the output folder")
+    return path
+
+
+def _fill(path: str | Path, content: Iterable[bytes]) -> None:
+    with open(path, "wb") as file:
+        file.writelines(content)
+
+
+def _fill_folder(folder: Path, bundle: Bundle) -> None:
+    made = {PurePosixPath()}
+    for path, content in bundle.items():
+        above = _inside(path).parent
+        if above not in made:
+            os.makedirs(folder / above, exist_ok=True)
+            made.add(above)
+        _fill(os.path.join(folder, path), content)
+
+
+def _hidden(path: Path) -> Path:
+    return path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+
+
+def _put_in_place(hidden: Path, folder: Path, *, force: bool) -> None:
+    """Rename; a folder that stands there goes only when the new one is in its place, wherever it is interrupted."""
+    if not (force and folder.exists()):
+        os.rename(hidden, folder)
+        return
+    old = folder.with_name(hidden.name + _OLD)
+    try:
+        folder.rename(old)
+        hidden.rename(folder)
+    finally:
+        _clear(old, folder, replaced=True)
+
+
+def _clear(hidden: Path, folder: Path, *, replaced: bool) -> None:
+    if replaced and hidden.exists() and not folder.exists():
+        hidden.rename(folder)
+    shutil.rmtree(hidden, ignore_errors=True)
+
+
+@contextmanager
+def parent_of(folder: Path) -> Iterator[None]:
+    """Make the folders above; where what is tried in them was in vain, take the new ones away again."""
+    if os.path.isdir(folder.parent):
+        yield
+        return
+    missing = [above for above in folder.parents if not above.exists()]
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException:
+        with suppress(OSError):  # it was not made, or something else is in it by now
+            for above in missing:
+                above.rmdir()
+        raise
+
+
+@contextmanager
+def told(folder: Path) -> Iterator[None]:
+    """What the system says, as one line of ours."""
+    try:
+        yield
+    except RsegenError:
+        raise
+    except OSError as error:
+        kind = OutputError if error.errno in REFUSED else WriteError
+        raise kind(f"{folder}: cannot be written: {error.strerror or error}; nothing was left there") from error

@@ -1,0 +1,97 @@
+"""From a recipe to a map.
+
+    Recipe --build--> StepField
+
+Each obstacle is asked once for its levels, with its own generator, and is imposed on those before it; then the map is
+eased to its difficulty; then come frames, and what the map is to keep to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsegen.errors import ParameterError, TooLarge
+from rsegen.field.obstacles import Grid, Patch
+from rsegen.field.stepfield import Levels, StepField, framed
+from rsegen.params.places import Cell
+from rsegen.params.sorts import Whole
+from rsegen.params.streams import SEEDS, generator
+from rsegen.recipe.constraints import constrained
+from rsegen.recipe.difficulty import eased
+from rsegen.recipe.recipe import Placement, Recipe
+
+INDEX = Whole(0, SEEDS - 1, help="index of a map")
+
+
+def build(recipe: Recipe, index: int = 0) -> StepField:
+    """Map `index` of a recipe: the same, whichever other maps are made; `index` is 0 or more."""
+    index = INDEX.check("index", index)
+    levels, frame = framed(_eased(recipe, index), recipe.chunk_size, recipe.boundary)
+    field = StepField(
+        levels=levels,
+        frame=frame,
+        block_width=recipe.block_width_cm / 100,
+        unit=recipe.unit_cm / 100,
+        frame_height=recipe.frame_height_cm / 100,
+    )
+    return constrained(field, recipe, index)
+
+
+def blocks(recipe: Recipe, index: int) -> Levels:
+    """The levels of map `index` alone, frames left out, shape (n_x, n_y): the `blocks` of what `build` gives."""
+    return build(recipe, index).blocks if recipe.is_constrained else _eased(recipe, INDEX.check("index", index))
+
+
+def placed(recipe: Recipe, placement: Placement, index: int) -> tuple[Cell, Cell, Patch]:
+    """Where the ends of a recipe's obstacle are in map `index`, and the levels that it proposes."""
+    return _placed(recipe.grid, placement, generator(recipe.seed, index, placement.key or ""))
+
+
+def _eased(recipe: Recipe, index: int) -> Levels:
+    """All obstacles as the map's difficulty has them."""
+    return eased(_imposed(recipe, index), recipe, index)
+
+
+def _imposed(recipe: Recipe, index: int) -> Levels:
+    """All obstacles, one after the other, on level ground."""
+    grid, top_level = recipe.grid, recipe.top_level
+    levels = _level_ground(grid)
+    for number, placement in enumerate(recipe.obstacles):
+        rng = generator(recipe.seed, index, placement.key or "")
+        try:
+            *_, patch = _placed(grid, placement, rng)
+        except ParameterError as error:
+            raise error.inside(f"obstacles[{number}]") from None
+        _impose(levels, patch, placement.blend, top_level)
+    return levels
+
+
+def _level_ground(grid: Grid) -> Levels:
+    try:
+        return np.zeros(grid.shape, dtype=np.int16)
+    except (MemoryError, OverflowError, ValueError):
+        raise TooLarge(f"chunks: a map of {grid.n_x} x {grid.n_y} blocks is more than this machine's memory") from None
+
+
+def _placed(grid: Grid, placement: Placement, rng: np.random.Generator) -> tuple[Cell, Cell, Patch]:
+    obstacle = placement.obstacle
+    usual_first, usual_last = obstacle.usual_ends(grid)
+    first, last = obstacle.ends(grid, placement.first or usual_first, placement.last or usual_last, rng)
+    return first, last, obstacle.patch(grid, first, last, rng)
+
+
+def _impose(levels: Levels, patch: Patch, blend: str, top_level: int) -> None:
+    below = levels[patch.window]
+    np.copyto(below, _BLENDS[blend](below, patch.levels, top_level), where=patch.footprint)
+
+
+_Blend = Callable[[NDArray[np.int16], NDArray[np.int16], int], NDArray[np.integer]]
+_BLENDS: dict[str, _Blend] = {
+    "replace": lambda below, own, top: own,
+    "max": lambda below, own, top: np.maximum(below, own),
+    "min": lambda below, own, top: np.minimum(below, own),
+    "add": lambda below, own, top: np.minimum(below.astype(np.int32) + own, top).astype(np.int16),
+}

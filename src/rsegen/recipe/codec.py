@@ -1,0 +1,132 @@
+"""Recipe <-> the content of a recipe file; and its JSON Schema.
+
+A file has the words of `Recipe`, and `version` (of this format), `generator` (what wrote it), `$schema` (for editors).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
+
+from rsegen import __version__
+from rsegen.errors import ParameterError, refuse_unknown, shown
+from rsegen.field.obstacles import KINDS, Obstacle, kind
+from rsegen.params.sorts import Json, Parameter, Text, Whole, parameters
+from rsegen.recipe.recipe import Placement, Recipe
+
+FORMAT = 1
+SCHEMA_ID = "urn:rsegen:recipe:1"
+_ENVELOPE: dict[str, Parameter] = {
+    "version": Whole(FORMAT, FORMAT, help="version of the recipe format"),
+    "generator": Text(r"[^\x00-\x1f]{0,100}", "a short text", help="what wrote the file"),
+    "$schema": Text(r"[^\x00-\x1f]{0,500}", "the address of a schema", help="for editors"),
+}
+
+
+def decode(content: object) -> Recipe:
+    """The recipe that a file's content stands for."""
+    if not isinstance(content, Mapping):
+        raise ParameterError("", f"{shown(content)} is not a recipe; give keys such as obstacles: and chunk_size:")
+    known = [*parameters(Recipe), "obstacles", *_ENVELOPE]
+    refuse_unknown("key", content, known)
+    for key in _ENVELOPE.keys() & content.keys():
+        _ENVELOPE[key].check(key, content[key])
+    values = {key: value for key, value in content.items() if key not in _ENVELOPE}
+    values["obstacles"] = decode_placements(values.get("obstacles", []))
+    return Recipe(**values)
+
+
+def decode_placements(entries: object) -> tuple[Placement, ...]:
+    """The placements of a file's list of obstacles."""
+    if not isinstance(entries, (list, tuple)):
+        raise ParameterError("obstacles", f"{shown(entries)} is not a list; start every obstacle with '- kind: '")
+    return tuple(_placement(f"obstacles[{number}]", entry) for number, entry in enumerate(entries))
+
+
+def _placement(where: str, entry: object) -> Placement:
+    if not isinstance(entry, Mapping):
+        raise ParameterError(where, f"{shown(entry)} is not an obstacle; give kind: and its parameters")
+    try:
+        return decode_placement(entry)
+    except ParameterError as error:
+        raise error.inside(where) from None
+
+
+def decode_placement(entry: Mapping[str, Any]) -> Placement:
+    """The placement of one row: `{"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]}`."""
+    if "kind" not in entry:
+        raise ParameterError("kind", f"is missing (known: {', '.join(KINDS)})")
+    cls = kind(entry["kind"])
+    own, common = parameters(cls), parameters(Placement)
+    given = {key: value for key, value in entry.items() if key != "kind"}
+    refuse_unknown(f"parameter of {cls.kind}", given, [*own, *common])
+    if "max_height" not in given:
+        raise ParameterError("max_height", f"is missing; give {own['max_height'].describe()}")
+    obstacle = cls(**{key: value for key, value in given.items() if key in own})
+    return Placement(obstacle=obstacle, **{key: value for key, value in given.items() if key in common})
+
+
+def encode(recipe: Recipe) -> dict[str, Json]:
+    """The complete content of a recipe's file, with the seed and the generator's version."""
+    return {"version": FORMAT, "generator": f"rsegen {__version__}"} | recipe.entry()
+
+
+def to_json(recipe: Recipe) -> str:
+    """The recipe as the text of a JSON file, an obstacle a line."""
+    content = encode(recipe)
+    rows = [f"    {json.dumps(row)}" for row in content.pop("obstacles")]
+    lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in content.items()]
+    obstacles = "[\n" + ",\n".join(rows) + "\n  ]" if rows else "[]"
+    return "{\n" + ",\n".join([*lines, f'  "obstacles": {obstacles}']) + "\n}\n"
+
+
+def map_json(recipe: Recipe, index: int) -> bytes:
+    """The JSON file of map `index` of a recipe and no other."""
+    before, after = _around_index(recipe)
+    return before + str(index).encode() + after
+
+
+@lru_cache(maxsize=8)
+def _around_index(recipe: Recipe) -> tuple[bytes, bytes]:
+    """The JSON files of all maps of a recipe are one text, but for the index: what stands before it, and after it."""
+    first, key = recipe.first_map, b'\n  "first_map": '
+    before, _, after = to_json(recipe.alone(first)).encode().partition(b"%s%d,\n" % (key, first))
+    return before + key, b",\n" + after
+
+
+def schema() -> dict[str, Json]:
+    """The JSON Schema (2020-12) of a recipe file."""
+    properties = {name: _property(parameter) for name, parameter in {**_ENVELOPE, **parameters(Recipe)}.items()}
+    rows = {"type": "array", "items": {"oneOf": [_row_schema(cls) for cls in KINDS.values()]}}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": SCHEMA_ID,
+        "title": "rsegen recipe",
+        "description": (Recipe.__doc__ or "").strip(),
+        "type": "object",
+        "properties": properties | {"obstacles": rows},
+        "additionalProperties": False,
+    }
+
+
+def _row_schema(cls: type[Obstacle]) -> dict[str, Json]:
+    own = {name: _property(parameter) for name, parameter in {**parameters(cls), **parameters(Placement)}.items()}
+    return {
+        "title": cls.kind,
+        "description": summary(cls),
+        "type": "object",
+        "properties": {"kind": {"const": cls.kind}} | own,
+        "required": ["kind", "max_height"],
+        "additionalProperties": False,
+    }
+
+
+def _property(parameter: Parameter) -> dict[str, Json]:
+    return {"description": parameter.help} | parameter.schema()
+
+
+def summary(cls: type[Obstacle]) -> str:
+    """A kind's meaning in one line."""
+    return (cls.__doc__ or "").strip().splitlines()[0]

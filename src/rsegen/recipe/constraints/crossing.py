@@ -1,0 +1,47 @@
+"""A robot gets across, from west to east and from south to north: what is in its way is lowered."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rsegen.field.metrics.climber import NANOMETRES, Climber, cells_aside
+from rsegen.field.metrics.ground import lane
+from rsegen.field.metrics.opening import opening
+from rsegen.field.metrics.reach import crossing
+from rsegen.field.stepfield import Ints, StepField
+
+_ANYTHING = 2**30
+
+
+def caps(field: StepField, climber: Climber) -> Ints | None:
+    """The highest levels that a way has which the robot gets along; None where it gets across both ways already."""
+    for axis in (0, 1):
+        if not crossing(field, climber, axis).crosses:
+            return _along(field, climber, axis)
+    return None
+
+
+def _along(field: StepField, climber: Climber, axis: int) -> Ints:
+    """Of the cheapest way of those whose highest step is least."""
+    opens = opening(field, climber.width)
+    step = (opens.west_east, opens.south_north)[axis]
+    path = crossing(field, Climber.of(step, climber.width), axis).path
+    aside = cells_aside(field, climber.width)
+    found = np.full(field.shape, _ANYTHING)
+    for (i, j), top in zip(path, _tops(field, climber, axis, path), strict=True):
+        under = slice(max(i - aside, 0), max(i + aside + 1, 0)), slice(max(j - aside, 0), max(j + aside + 1, 0))
+        found[under] = np.minimum(found[under], top)
+    return found
+
+
+def _tops(field: StepField, climber: Climber, axis: int, path: Ints) -> Ints:
+    """The highest level for all that is under the robot at each cell of its path, so that it gets on from each."""
+    margin = cells_aside(field, climber.width) + 1
+    along = (path if axis == 0 else path[:, ::-1]) + (margin, 0)
+    tops = lane(field, climber.width, axis).heights[along[:, 0], along[:, 1]]
+    climb, drop = climber.limits
+    for k in range(1, len(tops)):
+        tops[k] = min(tops[k], tops[k - 1] + climb)
+    for k in range(len(tops) - 2, -1, -1):
+        tops[k] = min(tops[k], tops[k + 1] + drop)
+    return np.asarray(tops // round(field.unit * NANOMETRES))

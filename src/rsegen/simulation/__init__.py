@@ -1,0 +1,1 @@
+"""Robots and simulators: worlds opened, maps spawned, robots driven and measured."""

@@ -1,0 +1,47 @@
+"""A camera of Gazebo's own that looks at a map, and what it saw."""
+
+from __future__ import annotations
+
+from math import atan2, hypot, pi, sqrt
+from pathlib import Path
+
+from rsegen.errors import SimulatorFailed
+from rsegen.exporters.gazebo.sdf import numbers
+
+_AZIMUTH = pi / 4
+
+
+def camera(extent: tuple[float, float], frames: Path) -> str:
+    """A model that looks at a map of so many metres along x and y from the south-west, and saves a picture a second.
+
+    Its server needs a screen, if only a virtual one.
+    """
+    away = (1.1 * hypot(*extent) + 1.0) / sqrt(2)
+    high = 0.8 * away
+    pose = numbers((-away, -away, high, 0, round(atan2(high, away * sqrt(2)), 4), round(_AZIMUTH, 4)))
+    return f"""\
+<model name="eye">
+  <static>true</static>
+  <pose>{pose}</pose>
+  <link name="link">
+    <sensor name="camera" type="camera">
+      <always_on>1</always_on>
+      <update_rate>1</update_rate>
+      <camera>
+        <horizontal_fov>0.9</horizontal_fov>
+        <image><width>1280</width><height>720</height></image>
+        <clip><near>0.05</near><far>1000</far></clip>
+        <save enabled="true"><path>{frames}</path></save>
+      </camera>
+    </sensor>
+  </link>
+</model>
+"""
+
+
+def last_frame(frames: Path) -> bytes:
+    """The last picture that was saved, a JPEG."""
+    found = sorted(frames.glob("*.jpg"), key=lambda path: (len(path.name), path.name))
+    if not found:
+        raise SimulatorFailed("the camera saw nothing: the simulator could not draw (is there a screen with OpenGL?)")
+    return found[-1].read_bytes()

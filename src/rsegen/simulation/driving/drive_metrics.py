@@ -1,0 +1,87 @@
+"""What came of a drive: the track of a robot, and what is measured on it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import radians
+
+import numpy as np
+
+from rsegen.field.stepfield import Array
+
+TIPPED = radians(75)
+"""Radians between a robot's upright and the vertical, beyond which it has tipped over."""
+
+SLOW = 0.1
+"""A robot is stuck while it comes on less than this share of its speed, taken over a second."""
+
+COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Track:
+    """Where a robot was: rows of COLUMNS, seconds, metres and radians, shape (n, 7)."""
+
+    rows: Array
+
+    @property
+    def tilt(self) -> Array:
+        """Radians between the robot's upright and the vertical, shape (n,)."""
+        return np.asarray(np.arccos(np.clip(np.cos(self.rows[:, 4]) * np.cos(self.rows[:, 5]), -1, 1)))
+
+    @property
+    def has_tipped(self) -> bool:
+        """Whether it lies at the end."""
+        return bool(self.tilt[-1] > TIPPED)
+
+    def csv(self) -> Iterator[str]:
+        """Its rows as text."""
+        yield ",".join(COLUMNS) + "\n"
+        for row in self.rows.tolist():
+            yield ",".join(f"{number:.4f}".rstrip("0").rstrip(".") for number in row) + "\n"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Trip:
+    """What is measured on a track.
+
+    distance: metres along the way; crossed: seconds until the whole robot was beyond the map, None where it never was
+    stuck: seconds; tipped: how often it tipped over; tilt: the most, radians; climbed: the most above its start, metres
+    touched: the share of the looks at which each part, LINK::COLLISION, touched anything; none where nobody tells
+    """
+
+    seconds: float
+    distance: float
+    crossed: float | None
+    stuck: float
+    tipped: int
+    tilt: float
+    climbed: float
+    touched: Mapping[str, float]
+
+
+def measured(
+    track: Track, speed: float, beyond: float | None = None, touched: Mapping[str, float] | None = None
+) -> Trip:
+    """What a track comes to, of a robot that was told to go at a speed, m/s; `beyond` is the x that ends a crossing."""
+    t, x, y, z = track.rows[:, :4].T
+    over = np.flatnonzero(x > beyond) if beyond is not None else np.array([], dtype=int)
+    fallen = track.tilt > TIPPED
+    return Trip(
+        seconds=round(float(t[-1] - t[0]), 3),
+        distance=round(float(np.hypot(np.diff(x), np.diff(y)).sum()), 3),
+        crossed=round(float(t[over[0]] - t[0]), 3) if len(over) else None,
+        stuck=round(_stuck(t, x, y, speed), 3),
+        tipped=int(fallen[0]) + int((np.diff(fallen.astype(int)) == 1).sum()),
+        tilt=round(float(track.tilt.max()), 3),
+        climbed=round(float((z - z[0]).max()), 3),
+        touched=touched or {},
+    )
+
+
+def _stuck(t: Array, x: Array, y: Array, speed: float) -> float:
+    """Seconds, in steps of one, in which it came on by less than SLOW of what it should have."""
+    marks = np.arange(t[0], t[-1] + 1e-6, 1.0)
+    on_x, on_y = (np.diff(np.interp(marks, t, along)) for along in (x, y))
+    return float((np.hypot(on_x, on_y) < SLOW * speed).sum())

@@ -1,0 +1,108 @@
+"""Where a robot drives: asked at every turn for a speed and a turn rate, from where it is."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from math import atan2, hypot, pi, sin
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from rsegen.simulation.simulators.live import Pose
+
+
+class Motion(NamedTuple):
+    """Metres a second forward, radians a second counterclockwise."""
+
+    v: float
+    w: float
+
+
+STANDING = Motion(0.0, 0.0)
+
+_AHEAD = 0.5
+"""Metres."""
+
+_HARDLY = 0.2
+"""Of the way that a robot should have come."""
+
+
+class Route(ABC):
+    """A way to drive; `period`: seconds from one decision to the next."""
+
+    name: ClassVar[str]
+    period: ClassVar[float]
+
+    @abstractmethod
+    def motion(self, at: Pose) -> Motion:
+        """What to do for the next period."""
+
+    def is_done(self, at: Pose) -> bool:
+        """Whether there is nothing more to drive."""
+        return False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Straight(Route):
+    """Eastward along the line y = line, back to it where the ground turns the robot, as far as x = goal; metres."""
+
+    name: ClassVar[str] = "straight"
+    period: ClassVar[float] = 0.5
+
+    speed: float
+    turn: float
+    line: float
+    goal: float
+
+    def motion(self, at: Pose) -> Motion:
+        """Along an arc to a point of the line ahead (pure pursuit, Coulter 1992)."""
+        if at.x >= self.goal:
+            return STANDING
+        ahead = max(_AHEAD, 3 * self.speed * self.period)
+        aside = atan2(self.line - at.y, ahead) - at.yaw
+        return Motion(self.speed, _clipped(2 * self.speed * sin(aside) / ahead, self.turn))
+
+    def is_done(self, at: Pose) -> bool:
+        """Once it is there."""
+        return at.x >= self.goal
+
+
+@dataclass(kw_only=True, slots=True)
+class Wandering(Route):
+    """At random over a rectangle about the origin, of half a length and a width in metres; at its rim back in.
+
+    Speeds are uniform between a half and the whole, turn rates up to a half of what the robot can. Where it has hardly
+    come on since the last decision, it backs away.
+    """
+
+    name: ClassVar[str] = "random"
+    period: ClassVar[float] = 1.0
+
+    speed: float
+    turn: float
+    half: tuple[float, float]
+    rng: np.random.Generator
+    before: Pose | None = None
+
+    def motion(self, at: Pose) -> Motion:
+        """Two numbers are drawn each time, whether they count or not."""
+        quick, aside = self.rng.random(2)
+        v, w = self.speed * (0.5 + 0.5 * quick), self.turn * (aside - 0.5)
+        before, self.before = self.before, at
+        if before and hypot(at.x - before.x, at.y - before.y) < _HARDLY * self.speed * self.period:
+            self.before = None
+            return Motion(-v, w)
+        if abs(at.x) > self.half[0] or abs(at.y) > self.half[1]:
+            away = _turned(atan2(-at.y, -at.x) - at.yaw)
+            return Motion(v / 2, _clipped(away / self.period, self.turn))
+        return Motion(v, w)
+
+
+def _turned(angle: float) -> float:
+    """The same angle between -pi and pi."""
+    return (angle + pi) % (2 * pi) - pi
+
+
+def _clipped(value: float, most: float) -> float:
+    return max(-most, min(most, value))

@@ -1,0 +1,158 @@
+"""What is tried: rows of robots and maps, each in several sizes, at some paces, so many times."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from itertools import product
+from pathlib import Path
+from typing import Annotated
+
+from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown, shown
+from rsegen.io.recipe_file import content
+from rsegen.params.sorts import Choice, Json, Real, Several, Text, Whole, parameters, settle
+from rsegen.recipe.codec import decode
+from rsegen.recipe.recipe import Recipe
+from rsegen.simulation.robots import ROBOTS
+
+PACES = ("real", "free", "beside")
+"""In real time, as people simulate; as fast as the processor can, which shows what a map costs; so in turns, second by
+second, with an empty world, which tells the two apart on a noisy machine too."""
+
+PLANS = {
+    path.name.removesuffix(".yaml"): path for path in files("rsegen.simulation.experiment").joinpath("plans").iterdir()
+}
+"""The plans that come along, by name."""
+
+_BLOCKS = 10
+"""A map's chunks are of so many blocks a side."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Row:
+    """Robots of a kind on random maps of several sizes; `recipe` holds more parameters of these maps."""
+
+    robot: Annotated[str, Choice(tuple(ROBOTS), help="kind of robot")] = "burger"
+    robots: Annotated[int, Whole(1, 100, help="how many of them")] = 3
+    sizes: Annotated[
+        tuple[int, ...],
+        Several(Whole(0, 4000, unit="blocks"), help="sides of the maps in blocks, 0 for an empty world"),
+    ] = (0, 10, 20, 40, 60, 80)
+    max_height: Annotated[int, Whole(2, 1000, unit="units", help="number of levels")] = 5
+    unit_cm: Annotated[float, Real(0.001, 1000, unit="cm", help="height discretization step")] = 1.0
+    recipe: Mapping[str, Json] | None = None
+
+    def __post_init__(self) -> None:
+        settle(self)
+        for size in self.sizes:
+            if size % _BLOCKS:
+                raise ParameterError("sizes", f"{size} is no multiple of {_BLOCKS} blocks")
+        self.map_of(_BLOCKS, 0)
+
+    def map_of(self, size: int, seed: int) -> Recipe:
+        """The recipe of its map of so many blocks a side."""
+        given = {
+            "name": f"random-{size}",
+            "chunk_size": _BLOCKS,
+            "chunks": [max(size // _BLOCKS, 1)] * 2,
+            "unit_cm": self.unit_cm,
+            "boundary": "none",
+            "seed": seed,
+            "obstacles": [{"kind": "random", "max_height": self.max_height}] if size else [],
+        }
+        try:
+            return decode({**given, **(self.recipe or {})})
+        except ParameterError as error:
+            raise error.inside("recipe") from None
+
+    @property
+    def label(self) -> str:
+        """In a few words."""
+        shape = ", ".join(f"{key} {value}" for key, value in (self.recipe or {}).items())
+        what = f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm, {self.max_height} levels"
+        return what + (f", {shape}" if shape else "")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Cell:
+    """One field of the table: a row at a size and a pace."""
+
+    row: int
+    size: int
+    pace: str
+
+    @property
+    def name(self) -> str:
+        """Of it among those of its plan."""
+        return f"row {self.row + 1}, {self.size or 'empty'}, {self.pace}"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Plan:
+    """What an experiment tries, and how often; `seconds` by the clock on the wall each, whatever the pace."""
+
+    name: Annotated[str, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="of the experiment")]
+    rows: tuple[Row, ...]
+    paces: Annotated[
+        tuple[str, ...],
+        Several(Choice(PACES), help="in real time, as fast as can be, or so beside an empty world"),
+    ] = ("real", "free")
+    seconds: Annotated[float, Real(1, 1e5, unit="s", help="of each trial, once its world is there")] = 20.0
+    repeats: Annotated[int, Whole(1, 1000, help="trials of each cell")] = 3
+    seed: Annotated[int, Whole(0, 2**62, help="of maps, places, routes and order; the next one for each repeat")] = 1
+
+    def __post_init__(self) -> None:
+        settle(self)
+
+    @property
+    def cells(self) -> tuple[Cell, ...]:
+        """All fields of the table, row by row."""
+        return tuple(
+            Cell(row=number, size=size, pace=pace)
+            for pace, (number, row) in product(self.paces, enumerate(self.rows))
+            for size in row.sizes
+        )
+
+    def order(self) -> Iterator[tuple[Cell, int]]:
+        """Each cell and the number of its repeat, mixed, so that a noisy hour does not favour one cell."""
+        for repeat in range(self.repeats):
+            cells = list(self.cells)
+            random.Random(f"{self.seed}/{repeat}").shuffle(cells)  # noqa: S311  # an order, no secret
+            yield from ((cell, repeat) for cell in cells)
+
+
+def load_plan(name: str) -> Plan:
+    """The plan of that name, or in a YAML file."""
+    if name in PLANS:
+        return _plan(Path(str(PLANS[name])))
+    path = Path(name)
+    if not path.suffix:
+        raise UnknownName.among("", "plan", name, PLANS)
+    return _plan(path)
+
+
+def _plan(path: Path) -> Plan:
+    said = content(path)
+    if not isinstance(said, Mapping) or not isinstance(said.get("rows"), list):
+        raise FileError(f"{path}: not a plan of an experiment; it has name: and a list of rows:")
+    try:
+        known = [*parameters(Plan), "rows"]
+        refuse_unknown("key", said, known)
+        rows = tuple(_row(number, row) for number, row in enumerate(said["rows"]))
+        values = {"name": path.stem, **{key: value for key, value in said.items() if key != "rows"}}
+        return Plan(rows=rows, **values)
+    except ParameterError as error:
+        raise error.of(str(path)) from None
+
+
+def _row(number: int, said: object) -> Row:
+    where = f"rows[{number}]"
+    if not isinstance(said, Mapping):
+        raise ParameterError(where, f"{shown(said)} is not a row, such as {{robot: burger, sizes: [0, 80]}}")
+    try:
+        refuse_unknown("key of a row", said, [*parameters(Row), "recipe"])
+        return Row(**said)
+    except ParameterError as error:
+        raise error.inside(where) from None

@@ -1,0 +1,74 @@
+"""Outcomes on disk, a line each, so that an experiment that was stopped goes on where it was."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from rsegen.errors import FileError
+from rsegen.simulation.experiment.plan import Cell
+from rsegen.simulation.experiment.trial import Outcome
+
+Results = Mapping[Cell, list[Outcome]]
+"""The outcomes of every cell, in the order of its repeats."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Notebook:
+    """A file to which each outcome is added as it comes, under a plan that is written on its first line."""
+
+    path: Path
+
+    def begin(self, plan: Mapping[str, object]) -> None:
+        """A new one; or go on with one of the same plan. FileError where it is of another."""
+        if not self.path.exists():
+            self._add({"plan": plan})
+            return
+        self._mend()
+        if self._first() != json.loads(json.dumps({"plan": plan})):
+            raise FileError(f"{self.path}: has the outcomes of another plan; give another folder, or --force")
+
+    def add(self, cell: Cell, repeat: int, outcome: Outcome) -> None:
+        """One more."""
+        self._add({"cell": asdict(cell), "repeat": repeat, "outcome": asdict(outcome)})
+
+    def entries(self) -> Iterator[tuple[Cell, int, Outcome]]:
+        """All that are whole: a line that broke off is none."""
+        for line in self._lines()[1:]:
+            yield Cell(**line["cell"]), line["repeat"], Outcome(**line["outcome"])
+
+    def results(self) -> Results:
+        """By cell."""
+        found: dict[Cell, list[Outcome]] = {}
+        for cell, _, outcome in self.entries():
+            found.setdefault(cell, []).append(outcome)
+        return found
+
+    def _mend(self) -> None:
+        """Take away the line that broke off when a run was stopped."""
+        whole, _, broken = self.path.read_bytes().rpartition(b"\n")
+        if broken:
+            with self.path.open("r+b") as file:
+                file.truncate(len(whole) + 1 if whole else 0)
+
+    def _first(self) -> object:
+        lines = self._lines()
+        return lines[0] if lines else None
+
+    def _lines(self) -> list[dict[str, Any]]:
+        try:
+            text = self.path.read_text("utf-8")
+            return [json.loads(line) for line in text.splitlines(keepends=True) if line.endswith("\n")]
+        except (OSError, ValueError):
+            raise FileError(f"{self.path}: not a notebook of an experiment") from None
+
+    def _add(self, entry: Mapping[str, object]) -> None:
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        with self.path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(entry) + "\n")
+            file.flush()
+            os.fsync(file.fileno())

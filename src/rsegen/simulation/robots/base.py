@@ -1,0 +1,163 @@
+"""What a robot is: links, joints, a drive, and the facts about it.
+
+A robot is one file of this folder that makes one Robot and registers it. Nothing else needs to know of it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from rsegen.errors import ParameterError, UnknownName, shown
+from rsegen.exporters.gazebo.sdf import HEAD, TAIL, numbers
+from rsegen.field.metrics import Climber
+from rsegen.params.registry import Registry
+from rsegen.simulation.robots.commands import SIMULATORS, Command
+from rsegen.simulation.robots.drives import Drive
+from rsegen.simulation.robots.lidar import Lidar
+from rsegen.simulation.robots.links import HERE, Joint, Link, Place
+from rsegen.simulation.robots.plugins import element, system
+from rsegen.simulation.robots.servos import Servo, servo_plugins
+from rsegen.simulation.robots.solids import Vector
+
+
+class Driven(Protocol):
+    """What can be driven over a map: one of ours, or a person's own.
+
+    size: length, width and height over all, metres; speed, turn: the most that it goes and turns, m/s and rad/s.
+    """
+
+    @property
+    def kind(self) -> str: ...  # noqa: D102  # the class says it
+    @property
+    def size(self) -> Vector: ...  # noqa: D102  # the class says it
+    @property
+    def speed(self) -> float: ...  # noqa: D102  # the class says it
+    @property
+    def turn(self) -> float: ...  # noqa: D102  # the class says it
+    def model(self, name: str, simulator: str = "classic", at: Place = HERE) -> str:
+        """Its <model>, with its origin put there."""
+
+    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
+        """What the robot of a name is told to go forward at v, m/s, and to turn at w, rad/s, counterclockwise."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Robot:
+    """A robot whose model's origin is on the ground below its middle; the first link is its body.
+
+    size, clearance: length, width and height over all, and room below its body, metres
+    climbs: the highest step that it drives up in Gazebo Classic, measured, metres
+    source: where its figures come from, and which are ours
+    """
+
+    kind: str
+    title: str
+    source: str
+    size: Vector
+    clearance: float
+    climbs: float
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+    drive: Drive
+    servos: tuple[Servo, ...] = ()
+    lidar: Lidar | None = None
+
+    @property
+    def speed(self) -> float:
+        """The most that it goes forward, m/s."""
+        return self.drive.speed
+
+    @property
+    def turn(self) -> float:
+        """The most that it turns, rad/s."""
+        return self.drive.turn
+
+    @property
+    def climber(self) -> Climber:
+        """The robot as the metrics see it."""
+        return Climber.of(self.climbs, self.size[1])
+
+    @property
+    def mass(self) -> float:
+        """Of all its links, kg."""
+        return sum(link.mass for link in self.links)
+
+    def model(self, name: str, simulator: str = "classic", at: Place = HERE, *, lidar: bool = False) -> str:
+        """Its <model> for a simulator, with its lidar if so wanted; `at` is where its origin is put."""
+        inside = (
+            f"      <pose>{numbers(at)}</pose>\n{_AWAKE}",
+            *(
+                link.sdf(sensors)
+                for link, sensors in zip(self.links, self._sensors(simulator, lidar=lidar), strict=True)
+            ),
+            *(joint.sdf for joint in self.joints),
+            self.drive.plugins(_known(simulator)),
+            servo_plugins(self.servos, simulator),
+            "" if simulator == "classic" else self._told(simulator),
+        )
+        return f'    <model name="{_named(name)}">\n' + "".join(inside) + "    </model>\n"
+
+    def file(self, name: str, simulator: str = "classic", *, lidar: bool = False) -> str:
+        """The same as the text of an SDF file."""
+        return HEAD + self.model(name, simulator, lidar=lidar) + TAIL
+
+    def holding(self, angles: Mapping[str, float]) -> Robot:
+        """The robot whose servos go to these angles, radians, as soon as the world runs."""
+        for joint in angles.keys() - {servo.joint for servo in self.servos}:
+            raise UnknownName.among("joint", "joint with a motor", joint, (servo.joint for servo in self.servos))
+        servos = (replace(servo, rest=angles.get(servo.joint, servo.rest)) for servo in self.servos)
+        return replace(self, servos=tuple(servos))
+
+    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
+        """What the robot `name` is told to go forward at v, m/s, and to turn at w, rad/s, counterclockwise."""
+        for what, value, most, unit in (("v", v, self.drive.speed, "m/s"), ("w", w, self.drive.turn, "rad/s")):
+            if not abs(value) <= most:
+                raise ParameterError(what, f"{shown(value)} is outside -{numbers([most])}..{numbers([most])} {unit}")
+        return self.drive.command(name, v, w, _known(simulator))
+
+    def servo_command(self, name: str, joint: str, angle: float, simulator: str = "classic") -> Command:
+        """What the robot `name` is told to turn a joint to an angle, radians."""
+        servos = {servo.joint: servo for servo in self.servos}
+        if joint not in servos:
+            raise UnknownName.among("joint", "joint with a motor", joint, servos)
+        return servos[joint].command(name, angle, _known(simulator))
+
+    def _sensors(self, simulator: str, *, lidar: bool) -> list[str]:
+        seeing = self.lidar.sdf(simulator) if self.lidar and lidar else ""
+        return [seeing, *[""] * (len(self.links) - 1)]
+
+    def _told(self, simulator: str) -> str:
+        """Gazebo Sim's odometry and poses; Classic tells them unasked."""
+        frame = element("robot_base_frame", self.links[0].name) + element("dimensions", 3)
+        pose = element("publish_link_pose", "false") + element("publish_model_pose", "true")
+        return system("OdometryPublisher", simulator, frame) + system("PosePublisher", simulator, pose)
+
+
+_AWAKE = "      <allow_auto_disable>false</allow_auto_disable>\n"
+"""Gazebo Classic would put a robot to sleep that pushes against a wall, and no command wakes its tracks."""
+
+
+def _known(simulator: str) -> str:
+    if simulator not in SIMULATORS:
+        raise UnknownName.among("simulator", "simulator", simulator, SIMULATORS)
+    return simulator
+
+
+def _named(name: str) -> str:
+    """A name that can stand in a topic."""
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
+        raise ParameterError("name", f"{shown(name)} is not letters, digits and _, with no digit first")
+    return name
+
+
+ROBOTS: Registry[Robot] = Registry("robot")
+"""Every robot by its kind."""
+
+
+def register(robot: Robot) -> Robot:
+    """Make a robot known by its kind."""
+    ROBOTS.add(robot.kind, robot)
+    return robot

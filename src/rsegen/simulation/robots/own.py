@@ -1,0 +1,102 @@
+"""A user's own robot: one SDF model from a file, which comes from strangers."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+from rsegen.errors import FileError, ParameterError, shown
+from rsegen.exporters.gazebo.sdf import numbers
+from rsegen.io.text_files import elements, text_of
+from rsegen.simulation.robots.commands import Command, pose, published, twist
+from rsegen.simulation.robots.links import HERE, Place
+from rsegen.simulation.robots.solids import Vector
+
+MAX_MIB = 4
+"""The largest file that is read: a second's work for the parser."""
+
+_CLASSIC = {"libDiffDrivePlugin": "vel_cmd", "libSkidSteerDrivePlugin": "vel_cmd"} | dict.fromkeys(
+    ("libSimpleTrackedVehiclePlugin", "libWheelTrackedVehiclePlugin"), "cmd_vel_twist"
+)
+_SYSTEM = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-(?:diff-drive|tracked-vehicle)-system(?:\.so)?")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class OwnRobot:
+    """A model as it was found: its name, its <model> as text, the simulator and the topic that it is driven by.
+
+    its_simulator and topic are None where no drive in it is a known one; it then stands in the world and is not
+    commanded. {name} in the topic stands for the name that it is given. size, speed and turn are what a person says.
+    """
+
+    kind: str
+    text: str
+    its_simulator: str | None = None
+    topic: str | None = None
+    size: Vector = (0.5, 0.5, 0.5)
+    speed: float = 0.2
+    turn: float = 0.5
+
+    def model(self, name: str, simulator: str = "classic", at: Place = HERE) -> str:
+        """Its <model> under a name, with its origin put there."""
+        model = ElementTree.fromstring(self.text)  # noqa: S314  # was found to be plain elements
+        model.set("name", name)
+        place = model.find("pose")
+        place = ElementTree.Element("pose") if place is None else place
+        if place not in list(model):
+            model.insert(0, place)
+        place.text = numbers(at)
+        return _outer(model)
+
+    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
+        """What the robot of a name is told to go forward at v, m/s, and to turn at w, rad/s."""
+        if self.topic is None or self.its_simulator is None:
+            raise ParameterError(self.kind, "no drive that rsegen knows, so it cannot be commanded")
+        if self.its_simulator != simulator:
+            raise ParameterError(self.kind, f"its drive is for {self.its_simulator}, not for {simulator}")
+        topic = self.topic.replace("{name}", name)
+        if topic.endswith("vel_cmd") and simulator == "classic":
+            return published(topic, "Pose", pose(v, w), "classic")
+        return published(topic, "Twist", twist(v, w), simulator)
+
+
+def from_file(path: str | Path) -> OwnRobot:
+    """The one model in an SDF file; FileError, in one line, where the file holds anything else."""
+    return parsed(text_of(Path(path), MAX_MIB, "a robot"), str(path))
+
+
+def parsed(text: str, where: str) -> OwnRobot:
+    """The one model in a text of SDF; a document type and entities are refused, as bombs are made of them."""
+    model = _model(elements(text, where), where)
+    simulator, topic = _drive(model)
+    return OwnRobot(kind=model.get("name", ""), text=_outer(model), its_simulator=simulator, topic=topic)
+
+
+def _model(root: ElementTree.Element, where: str) -> ElementTree.Element:
+    found = root.findall("model")
+    if root.tag != "sdf" or len(found) != 1 or root.find("world") is not None:
+        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>")
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", found[0].get("name", "")):
+        raise FileError(f"{where}: the model's name {shown(found[0].get('name'))} is not letters, digits and _")
+    if found[0].find("link") is None and found[0].find("include") is None and found[0].find("model") is None:
+        raise FileError(f"{where}: the model has no <link>")
+    return found[0]
+
+
+def _drive(model: ElementTree.Element) -> tuple[str | None, str | None]:
+    """Simulator and topic of the first drive that is known."""
+    for plugin in model.iter("plugin"):
+        file = plugin.get("filename", "")
+        if told := _CLASSIC.get(file.removesuffix(".so")):
+            return "classic", f"~/{plugin.findtext('robot_namespace', '{name}').strip()}/{told}"
+        if _SYSTEM.fullmatch(file):
+            topic = plugin.findtext("topic", "/model/{name}/cmd_vel").strip()
+            return "fortress" if "ignition" in file else "sim", topic
+    return None, None
+
+
+def _outer(model: ElementTree.Element) -> str:
+    model.tail = "\n"
+    return ElementTree.tostring(model, encoding="unicode")

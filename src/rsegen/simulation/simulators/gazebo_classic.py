@@ -1,0 +1,134 @@
+"""Gazebo Classic 11: gzserver, gzclient, and gazebo that starts both."""
+
+from __future__ import annotations
+
+import re
+import socket
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import ClassVar
+
+from rsegen.errors import ParameterError, shown
+from rsegen.simulation.simulators.base import Installation, Launch, Opening, Simulator, on_path, register
+from rsegen.simulation.simulators.classic_live import classic_world
+from rsegen.simulation.simulators.classic_record import record, recording
+from rsegen.simulation.simulators.live import LiveWorld, Record
+from rsegen.simulation.simulators.process import printed
+
+SET_UP = Path(".cache", "rsegen", "gazebo-classic")
+"""Where scripts/gazebo-classic sets it up, below the user's home."""
+
+MASTER = "http://localhost:11345"
+"""Where Gazebo Classic looks for its server."""
+
+STATE = Path("record", "state.log")
+"""The record of a server, below its home."""
+
+
+@register
+class GazeboClassic(Simulator):
+    """Gazebo 11, the last of its line."""
+
+    name: ClassVar[str] = "classic"
+    title: ClassVar[str] = "Gazebo Classic"
+    generation: ClassVar[int] = 1
+    remedy: ClassVar[tuple[str, ...]] = (
+        "Ubuntu 22.04, Debian 11: apt-get install gazebo gazebo-plugin-base",
+        "Debian 12 and later, headless: scripts/gazebo-classic in a clone of rsegen (1.3 GB, as root)",
+    )
+    address: ClassVar[tuple[str, ...]] = ("GAZEBO_MASTER_URI",)
+    harmless: ClassVar[tuple[str, ...]] = (
+        "Can't open display",
+        "Unable to open audio device",
+        # What a server says whom a `gz` command has just left.
+        "Header is empty",
+        "Data was empty, try again",
+        # What a server that keeps a record says of every model that is put in while time runs.
+        "Unable to call parseURDF on robot model",
+        "parse as old deprecated model file failed",
+    )
+    unloaded: ClassVar[tuple[str, ...]] = ("Falling back on worlds/empty.world", "Unable to start server[bind")
+
+    def found(self) -> Installation | None:
+        """The one on PATH, else the one that scripts/gazebo-classic has set up."""
+        home = Path.home() / SET_UP
+        elsewhere = [home / "bin"] if (home / "complete").exists() else []
+        server = on_path("gzserver", *elsewhere)
+        version = re.search(r"version (11\.\S+)", printed([server, "--version"])) if server else None
+        if not server or not version:
+            return None
+        names = ("gzserver", "gz", "gazebo", "gzclient")
+        there = {name: server.with_name(name) for name in names if server.with_name(name).exists()}
+        return Installation(simulator=self, version=version[1], commands=MappingProxyType(there))
+
+    def windowed(self, here: Installation, opening: Opening) -> Launch | None:
+        """By `gazebo`, which starts server and window."""
+        if "gazebo" not in here.commands or "gzclient" not in here.commands:
+            return None
+        return _launch(here.commands["gazebo"], opening, {})
+
+    def headless(self, here: Installation, opening: Opening) -> Launch:
+        """By `gzserver`, without a screen if it needs none."""
+        blind = {} if opening.screen else {"DISPLAY": ""}
+        return _launch(here.commands["gzserver"], opening, blind | opening.home_variables)
+
+    def standing(self, here: Installation, opening: Opening, home: Path) -> Launch:
+        """The same, paused, with a record in its home."""
+        options = ("--pause", "--record", "--record_path", str(home / STATE.parent))
+        return self.headless(here, replace(opening, home=home)).with_options(*options)
+
+    def is_loaded(self, home: Path, log: str) -> bool:
+        """A paused server begins its record when its world is complete."""
+        return (home / STATE).exists()
+
+    def dialect(self, here: Installation) -> str:
+        """There is one."""
+        return "classic"
+
+    def live(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
+        """Through its own transport, so it may run on another machine, and need not be installed on this one."""
+        return classic_world(_address(environment.get("GAZEBO_MASTER_URI") or MASTER))
+
+    def recording(self, period: float) -> tuple[str, ...]:
+        """The record is a text."""
+        return recording(period)
+
+    def record(self, home: Path) -> Record | None:
+        """Complete when the server has ended."""
+        return record((home / STATE).read_text())
+
+
+def _address(master: str) -> tuple[str, int]:
+    """Host and port of a GAZEBO_MASTER_URI."""
+    found = re.fullmatch(r"(?:http://)?([^/:]+):(\d{1,5})/?", master)
+    if not found:
+        raise ParameterError("GAZEBO_MASTER_URI", f"{shown(master)} is not a host and a port, as in {MASTER}")
+    return found[1], int(found[2])
+
+
+def _launch(command: Path, opening: Opening, more: Mapping[str, str]) -> Launch:
+    """In the world's folder: Gazebo 11.1 looks for meshes there."""
+    return Launch(
+        command=(str(command), "--verbose", opening.world.name),
+        environment=MappingProxyType(_environment(opening) | dict(more)),
+        folder=opening.folder,
+    )
+
+
+def _environment(opening: Opening) -> dict[str, str]:
+    """No model database in the internet; an address of its own, unless it is to be shared."""
+    own = {"GAZEBO_IP": "127.0.0.1", "GAZEBO_MASTER_URI": f"http://127.0.0.1:{_free_port()}"}
+    return {
+        "GAZEBO_MODEL_DATABASE_URI": "",
+        "GAZEBO_MODEL_PATH": opening.model_path("GAZEBO_MODEL_PATH"),
+    } | ({} if opening.shared else own)
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port

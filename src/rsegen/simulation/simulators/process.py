@@ -1,0 +1,112 @@
+r"""Programs in sessions of their own, which end with all that they have started, however rsegen itself ends.
+
+    rsegen --starts--> program (and what it starts)
+       |  \--starts--> watch.py
+       pipe ------------^   closed: by rsegen, or by the system when rsegen is gone
+
+There is one way to end a program: the pipe closes, and the watch ends the program's session. The program is started by
+a shell that names itself to the watch through the same pipe before it becomes the program, so there is no moment in
+which anything runs that the watch will not end.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+from rsegen.errors import SimulatorFailed
+from rsegen.simulation.simulators.base import Launch
+
+_WATCH = Path(__file__).with_name("watch.py")
+_NAMED = ("/bin/sh", "-c", 'echo $$ >&0; exec "$@" </dev/null', "sh")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Running:
+    """A program that runs, or has run."""
+
+    process: subprocess.Popen[str]
+    watch: subprocess.Popen[str]
+
+    @property
+    def code(self) -> int | None:
+        """Its exit code; None while it runs."""
+        return self.process.poll()
+
+    def end(self) -> None:
+        """Have it end, with all that it has started: asked first, and killed after some seconds."""
+        if self.watch.stdin:
+            self.watch.stdin.close()
+        self.watch.wait()
+        if self.process.poll() is None:  # somebody has killed the watch
+            os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.wait()
+        if self.process.stdout:
+            self.process.stdout.close()
+
+
+@contextmanager
+def running(launch: Launch, output: IO[str] | int) -> Iterator[Running]:
+    """A program that runs as long as this does; both of its outputs go to `output`."""
+    watch = subprocess.Popen(
+        [sys.executable, str(_WATCH)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
+    )
+    with _closed_in_the_end(watch):
+        started = Running(process=_started(launch, output, watch), watch=watch)
+        try:
+            yield started
+        finally:
+            started.end()
+
+
+def answer(launch: Launch, patience: float) -> str:
+    """Both outputs of a program that ends by itself; SimulatorFailed where it takes longer than `patience` seconds."""
+    with running(launch, subprocess.PIPE) as started:
+        try:
+            return started.process.communicate(timeout=patience)[0]
+        except subprocess.TimeoutExpired:
+            raise SimulatorFailed(f"{launch.command[0]}: no answer in {patience:g} s") from None
+
+
+def printed(command: Sequence[str | Path]) -> str:
+    """Both outputs of a command that says a version; nothing where there is no such command or it does not end."""
+    try:
+        return answer(Launch(command=tuple(map(str, command)), environment={}, folder=Path.cwd()), patience=30)
+    except (OSError, SimulatorFailed):
+        return ""
+
+
+def _started(launch: Launch, output: IO[str] | int, watch: subprocess.Popen[str]) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        (*_NAMED, *launch.command),
+        env=os.environ | dict(launch.environment),
+        cwd=launch.folder,
+        stdin=watch.stdin,
+        stdout=output,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        start_new_session=True,
+    )
+
+
+@contextmanager
+def _closed_in_the_end(watch: subprocess.Popen[str]) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        if watch.stdin:
+            watch.stdin.close()
+        watch.wait()

@@ -1,0 +1,151 @@
+"""A world in a running Gazebo Sim, through the services and topics that its commands reach.
+
+    gz service -s /world/NAME/control --reqtype gz.msgs.WorldControl --reptype gz.msgs.Boolean --timeout MS --req TEXT
+    gz topic -e -t /world/NAME/stats -n 1
+
+In Fortress the same with `ign` and ignition.msgs.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Iterator, Mapping, Set
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from rsegen.errors import SimulatorFailed
+from rsegen.simulation.robots.commands import Command, typed
+from rsegen.simulation.simulators.base import Launch
+from rsegen.simulation.simulators.live import Clock, LiveWorld, Pose, name_in
+from rsegen.simulation.simulators.process import answer
+from rsegen.simulation.simulators.sim_messages import Message, parse, spelled
+from rsegen.simulation.simulators.turning import heard, nearer, told
+
+PATIENCE = 20.0
+"""Seconds for an answer."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SimWorld(LiveWorld):
+    """By one command for each question, which takes about half a second."""
+
+    program: Path
+    dialect: str
+    environment: Mapping[str, str]
+    world: str = ""
+
+    def tell(self, command: Command) -> None:
+        """By its topic."""
+        self.printed("topic", "-t", command.topic, "-m", command.type, "-p", command.text)
+
+    def advance(self, steps: int) -> None:
+        """Waits as long as steps are being done."""
+        target = self.clock().steps + steps
+        self._order("control", "WorldControl", {"pause": True, "multi_step": steps})
+        done, end = 0, time.monotonic() + PATIENCE
+        while done < target:
+            before, done = done, self.clock().steps
+            end = time.monotonic() + PATIENCE if done > before else end
+            if time.monotonic() > end:
+                raise SimulatorFailed(f"Gazebo Sim: it stands still at step {done} of {target}")
+
+    def go(self) -> None:
+        """Not paused, once it says so."""
+        self._order("control", "WorldControl", {"pause": False})
+        self._wait("time stands still", lambda: not self.clock().stands)
+
+    def stand(self) -> None:
+        """Paused, once it says so."""
+        self._order("control", "WorldControl", {"pause": True})
+        self._wait("time does not stand still", lambda: self.clock().stands)
+
+    def clock(self) -> Clock:
+        """As it tells it next."""
+        now = self._topic("stats")
+        return Clock(
+            simulated=_seconds(now, "sim_time"),
+            real=_seconds(now, "real_time"),
+            steps=int(now.values.get("iterations", 0)),
+            stands=now.values.get("paused") == "true",
+        )
+
+    def poses(self) -> Mapping[str, Pose]:
+        """The scene says which entities are models, and where they were at first; a topic, where they are now."""
+        moved = {pose.values["id"]: pose for pose in self._topic("pose/info").parts["pose"]}
+        return {name: _pose(moved.get(model.values["id"]) or model.parts["pose"][0]) for name, model in self._models()}
+
+    def movable(self) -> Set[str]:
+        """A topic of its own tells of those that are not static."""
+        moving = {pose.values["id"] for pose in self._topic("dynamic_pose/info").parts["pose"]}
+        return frozenset(name for name, model in self._models() if model.values["id"] in moving)
+
+    def move(self, name: str, pose: Pose) -> None:
+        """By its name."""
+        before = self.poses().get(name)
+        if before is None:
+            raise SimulatorFailed(f"Gazebo Sim: no {name} to be moved")
+        self._order("set_pose", "Pose", {"name": name, **told(pose)})
+        self._wait(f"{name} stays where it was", lambda: nearer(self.poses()[name], pose, before))
+
+    def put(self, sdf: str, pose: Pose) -> None:
+        """Its name is the text's own."""
+        name = name_in(sdf)
+        self._order("create", "EntityFactory", {"sdf": sdf, "pose": told(pose)})
+        self._wait(f"{name} does not appear", lambda: name in dict(self._models()))
+
+    def take(self, name: str) -> None:
+        """As a model."""
+        self._order("remove", "Entity", {"name": name, "type": 2})
+        self._wait(f"{name} is still there", lambda: name not in dict(self._models()))
+
+    def printed(self, *arguments: str) -> str:
+        """What its program prints."""
+        command = (str(self.program), *arguments)
+        return answer(Launch(command=command, environment=self.environment, folder=Path.cwd()), PATIENCE)
+
+    def _models(self) -> list[tuple[str, Message]]:
+        scene = self._service("scene/info", "Empty", {}, "Scene")
+        return [(model.values["name"], model) for model in scene.parts["model"]]
+
+    def _topic(self, name: str) -> Message:
+        return parse(self.printed("topic", "-e", "-t", f"/world/{self.world}/{name}", "-n", "1"))
+
+    def _order(self, name: str, type_name: str, message: Mapping[str, object]) -> None:
+        if self._service(name, type_name, message, "Boolean").values.get("data") != "true":
+            raise SimulatorFailed(f"Gazebo Sim: /world/{self.world}/{name} refuses")
+
+    def _service(self, name: str, asked: str, message: Mapping[str, object], answered: str) -> Message:
+        types = ("--reqtype", typed(asked, self.dialect), "--reptype", typed(answered, self.dialect))
+        wait = ("--timeout", f"{PATIENCE / 2 * 1000:.0f}")
+        said = self.printed("service", "-s", f"/world/{self.world}/{name}", *types, *wait, "--req", spelled(message))
+        if "timed out" in said:
+            raise SimulatorFailed(f"Gazebo Sim: /world/{self.world}/{name} does not answer")
+        return parse(said)
+
+    def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
+        end = time.monotonic() + PATIENCE
+        while not until():
+            if time.monotonic() > end:
+                raise SimulatorFailed(f"Gazebo Sim: {otherwise}")
+
+
+@contextmanager
+def sim_world(program: Path, dialect: str, environment: Mapping[str, str]) -> Iterator[SimWorld]:
+    """The first world that a program, `gz` or `ign`, finds with these variables; nothing stays open."""
+    asking = SimWorld(program=program, dialect=dialect, environment=environment)
+    found = re.search(r"^/world/([^/\s]+)/control\s*$", asking.printed("service", "-l"), re.MULTILINE)
+    if not found:
+        partition = environment.get("GZ_PARTITION") or environment.get("IGN_PARTITION")
+        raise SimulatorFailed("Gazebo Sim: no world is there" + f" in GZ_PARTITION={partition}" * bool(partition))
+    yield SimWorld(program=program, dialect=dialect, environment=environment, world=found[1])
+
+
+def _seconds(now: Message, name: str) -> float:
+    parts = now.parts[name]
+    return int(parts[0].values.get("sec", 0)) + int(parts[0].values.get("nsec", 0)) / 1e9 if parts else 0.0
+
+
+def _pose(message: Message) -> Pose:
+    return heard({name: inner[0].values for name, inner in message.parts.items() if inner})

@@ -1,3 +1,0 @@
-"""The version of rsegen."""
-
-__version__ = "0.1.0"

@@ -1,0 +1,393 @@
+"""The command line as people and programs use it; what they do wrong is in test_bad_input.py."""
+
+from __future__ import annotations
+
+import io
+import json
+import signal
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+import yaml
+
+import rsegen
+from rsegen import KINDS, Recipe
+from rsegen.cli import COMMANDS, main
+from rsegen.params.sorts import parameters
+from rsegen.recipe.codec import decode
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe import Placement
+
+COURSE = EXAMPLES["mixed-course"]
+SMALL = ["--obstacle", "random max_height=5", "--chunk-size", "4", "--seed", "7"]
+
+OVERRIDES: Mapping[str, tuple[str, object]] = {
+    "name": ("course", "course"),
+    "description": ("rough & <wild>", "rough & <wild>"),
+    "maps": ("1", 1),
+    "first_map": ("3", 3),
+    "chunk_size": ("5", 5),
+    "chunks": ("2x3", [2, 3]),
+    "unit_cm": ("2.5", 2.5),
+    "block_width_cm": ("8", 8),
+    "boundary": ("outer", "outer"),
+    "frame_height_cm": ("0", 0),
+    "difficulty": ("0.5", 0.5),
+    "mesh_type": ("pallet", "pallet"),
+    "simulator": ("classic", "classic"),
+    "mesh": ("watertight", "watertight"),
+    "collision": ("boxes", "boxes"),
+    "tile": ("2", 2),
+    "friction": ("0.65", 0.65),
+    "frame_friction": ("0.4", 0.4),
+    "level_friction": ("0.9,0.2,1", [0.9, 0.2, 1]),
+    "frame_colour": ("#3a0F10", "#3a0F10"),
+    "level_colours": ("#ffffff,#102030", ["#ffffff", "#102030"]),
+    "max_step": ("2", 2),
+    "crossable_by": ("10,12.5,30", [10, 12.5, 30]),
+    "inventory": ("5,0,7", [5, 0, 7]),
+    "seed": ("9223372036854775807", 2**63 - 1),
+}
+"""For every global parameter, a flag's text that differs from `recipe_file`, and what the map's recipe then says."""
+
+
+@pytest.fixture
+def recipe_file(tmp_path: Path) -> Path:
+    path = tmp_path / "recipe.yaml"
+    path.write_text("maps: 2\nchunk_size: 4\nseed: 7\nobstacles:\n  - {kind: peak, max_height: 3}\n")
+    return path
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def generated(*arguments: str | Path) -> int:
+    return main(["generate", *map(str, arguments)])
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
+    """What a command that succeeds prints; it says nothing on stderr."""
+    capsys.readouterr()
+    assert main([str(argument) for argument in arguments]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return out
+
+
+def read(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> Any:
+    return json.loads(printed(capsys, *arguments, "--json"))
+
+
+def helped(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    with pytest.raises(SystemExit) as end:
+        main([*arguments, "--help"])
+    assert end.value.code == 0
+    return " ".join(capsys.readouterr().out.split())
+
+
+def test_every_global_parameter_has_an_override_here() -> None:
+    assert list(OVERRIDES) == list(parameters(Recipe))
+
+
+@pytest.mark.parametrize("name", OVERRIDES)
+def test_a_flag_overrides_the_file(tmp_path: Path, recipe_file: Path, name: str) -> None:
+    text, value = OVERRIDES[name]
+    flag = f"--{name.replace('_', '-')}"
+    assert generated(recipe_file, flag, text, "--maps", "1", "-o", tmp_path / "out") == 0
+    (made,) = (tmp_path / "out").iterdir()
+    content = json.loads((made / "recipe.json").read_text("utf-8"))
+    assert content[name] == value
+    assert [row["kind"] for row in content["obstacles"]] == ["peak"]
+    assert content["seed"] == (value if name == "seed" else 7)
+
+
+def test_obstacles_of_flags_come_after_those_of_the_file(tmp_path: Path, recipe_file: Path) -> None:
+    added = ["random max_height=4 weights=1,0,0,2", "horizontal_barrier max_height=5 softness=30 first=0,2 last=3,2"]
+    flags = [part for text in added for part in ("--obstacle", text)]
+    assert generated(recipe_file, *flags, "-o", tmp_path / "out") == 0
+    rows = rsegen.load(tmp_path / "out" / "rse_0001" / "recipe.json").obstacles
+    assert [row.obstacle.kind for row in rows] == ["peak", "random", "horizontal_barrier"]
+    assert rows[1].obstacle == rsegen.Random(max_height=4, weights=(1, 0, 0, 2))
+    assert (rows[2].first, rows[2].last) == ((0, 2), (3, 2))
+
+
+def test_every_map_is_a_folder_of_its_own(tmp_path: Path) -> None:
+    assert generated(*SMALL, "--maps", "3", "-o", tmp_path / "a" / "b") == 0
+    folders = sorted((tmp_path / "a" / "b").iterdir())
+    assert [folder.name for folder in folders] == ["rse_0000", "rse_0001", "rse_0002"]
+    levels = {(folder / "levels.csv").read_bytes() for folder in folders}
+    assert len(levels) == 3
+
+
+def test_the_report_names_every_world_and_the_seed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = printed(capsys, "generate", *SMALL, "--maps", "2", "-o", tmp_path)
+    assert "2 maps of 6 x 6 cells, seed 7" in out
+    for name in ("rse_0000", "rse_0001"):
+        assert str(tmp_path / name / f"{name}.world") in out
+
+
+def test_an_obstacle_of_nothing_is_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "warning: every block is at level 0" in printed(capsys, "generate", "-o", tmp_path)
+
+
+def test_force_replaces_a_map(tmp_path: Path) -> None:
+    assert generated(*SMALL, "-o", tmp_path) == 0
+    before = contents(tmp_path)
+    assert generated(*SMALL, "-o", tmp_path, "--force", "--seed", "8") == 0
+    after = contents(tmp_path)
+    assert after.keys() == before.keys()
+    assert after["rse_0000/levels.csv"] != before["rse_0000/levels.csv"]
+
+
+def test_force_leaves_other_maps_alone(tmp_path: Path) -> None:
+    assert generated(*SMALL, "--maps", "2", "-o", tmp_path) == 0
+    before = contents(tmp_path / "rse_0001")
+    assert generated(*SMALL, "--force", "--seed", "8", "-o", tmp_path) == 0
+    assert contents(tmp_path / "rse_0001") == before
+
+
+def test_a_preview_is_the_picture_that_the_preview_command_draws(tmp_path: Path) -> None:
+    assert generated(*SMALL, "--preview", "-o", tmp_path / "out") == 0
+    made = tmp_path / "out" / "rse_0000" / "preview.png"
+    assert made.read_bytes().startswith(b"\x89PNG\r\n")
+    assert main(["preview", str(made.parent), "-o", str(tmp_path / "again.png")]) == 0
+    assert (tmp_path / "again.png").read_bytes() == made.read_bytes()
+
+
+@pytest.mark.parametrize(("boundary", "side"), [("none", 20), ("divided", 24), ("outer", 22)])
+def test_json_says_what_was_made(tmp_path: Path, capsys: pytest.CaptureFixture[str], boundary: str, side: int) -> None:
+    flags = ["--obstacle", "random max_height=3", "--chunks", "2", "--boundary", boundary, "--seed", "7"]
+    told = read(capsys, "generate", *flags, "-o", tmp_path)
+    assert set(told) == {"folder", "seed", "maps"}
+    assert (told["folder"], told["seed"]) == (str(tmp_path), 7)
+    (one,) = told["maps"]
+    assert one["size"] == [side, side]
+    assert one["size_m"] == [side / 10, side / 10]
+    assert one["levels"] == [0, 1, 2]
+    assert sum(one["level_counts"].values()) == 400
+    assert one["warnings"] == []
+    assert sorted(one["files"]) == sorted(str(path) for path in tmp_path.rglob("*") if path.is_file())
+    assert Path(one["world"]).is_file()
+    assert Path(one["folder"]).name == one["name"] == "rse_0000"
+    assert one["index"] == 0
+
+
+def test_json_is_all_that_is_printed_even_with_warnings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    told = read(capsys, "generate", "--chunk-size", "2", "--maps", "2", "-o", tmp_path)
+    assert all("level 0" in one["warnings"][0] for one in told["maps"])
+
+
+def test_a_map_of_very_many_models_is_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    flags = ["--obstacle", "random max_height=2 weights=0,1", "--chunk-size", "32", "--mesh-type", "multi"]
+    (one,) = read(capsys, "generate", *flags, "-o", tmp_path)["maps"]
+    assert "models: Gazebo Classic needs about" in one["warnings"][0]
+
+
+def test_the_recipe_of_a_map_makes_its_bytes_again(tmp_path: Path) -> None:
+    assert generated(COURSE, "-o", tmp_path / "all") == 0
+    for made in sorted((tmp_path / "all").iterdir()):
+        assert generated(made / "recipe.json", "-o", tmp_path / "file") == 0
+        assert generated(made, "-o", tmp_path / "folder") == 0
+        assert contents(tmp_path / "file" / made.name) == contents(made)
+        assert contents(tmp_path / "folder" / made.name) == contents(made)
+
+
+def test_one_map_alone_is_the_same_as_among_all(tmp_path: Path) -> None:
+    assert generated(COURSE, "-o", tmp_path / "all") == 0
+    assert generated(COURSE, "--first-map", "2", "--maps", "1", "-o", tmp_path / "one") == 0
+    (alone,) = (tmp_path / "one").iterdir()
+    assert alone.name == "mixed-course_0002"
+    assert contents(alone) == contents(tmp_path / "all" / alone.name)
+
+
+def test_a_seed_that_was_drawn_is_shown_and_makes_the_same_map(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    flags = ["--obstacle", "random max_height=5"]
+    first, second = (read(capsys, "generate", *flags, "-o", tmp_path / each)["seed"] for each in "ab")
+    assert first != second
+    assert generated(*flags, "--seed", str(first), "-o", tmp_path / "c") == 0
+    assert contents(tmp_path / "c") == contents(tmp_path / "a")
+
+
+@pytest.mark.parametrize("path", EXAMPLES.values(), ids=lambda path: path.stem)
+def test_the_schema_accepts_every_example(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    jsonschema.validate(yaml.safe_load(path.read_text("utf-8")), json.loads(printed(capsys, "schema")))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        {"sneed": 1},
+        {"obstacles": [{"kind": "peak", "max_height": 5, "weights": [1, 2]}]},
+        {"obstacles": [{"kind": "peek", "max_height": 5}]},
+        {"obstacles": [{"kind": "peak"}]},
+        {"obstacles": {"kind": "peak", "max_height": 5}},
+        {"chunk_size": 1001},
+        {"chunks": 0},
+        {"boundary": None},
+        {"name": "../x"},
+        [],
+    ],
+    ids=str,
+)
+def test_the_schema_refuses_what_rsegen_refuses(content: object, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(content, json.loads(printed(capsys, "schema")))
+    with pytest.raises(rsegen.UserError):
+        decode(content)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_obstacles_lists_every_kind_with_its_parameters(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    _, _, rest = f"\n{printed(capsys, 'obstacles')}".partition(f"\n{name}\n")
+    own, _, _ = rest.partition("\n\n")
+    for parameter, sort in parameters(KINDS[name]).items():
+        assert parameter in own
+        assert sort.describe() in own
+
+
+def test_obstacles_in_json_are_the_schemas_of_the_kinds(capsys: pytest.CaptureFixture[str]) -> None:
+    rows = read(capsys, "obstacles")
+    assert {row["title"]: set(row["properties"]) for row in rows} == {
+        name: {"kind", *parameters(cls), *parameters(Placement)} for name, cls in KINDS.items()
+    }
+
+
+def test_info_agrees_with_what_generate_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (one,) = read(capsys, "generate", *SMALL, "-o", tmp_path)["maps"]
+    told = read(capsys, "info", tmp_path / "rse_0000")
+    assert told["bytes"] == sum(path.stat().st_size for path in tmp_path.rglob("*") if path.is_file())
+    assert {key: told[key] for key in one.keys() & told.keys()} == {key: one[key] for key in one.keys() & told.keys()}
+    assert set(told) - set(one) == {"seed", "unit_cm", "mesh_type", "models", "collisions", "faces", "bytes"}
+
+
+def test_info_for_people_says_size_levels_and_cost(recipe_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = printed(capsys, "info", recipe_file)
+    assert "rse_0000, seed 7" in out
+    assert "6 x 6 cells with frames, 0.6 x 0.6 m" in out
+    assert "16 in levels of 10 cm" in out
+    assert "1 model, " in out
+
+
+def test_a_target_is_a_recipe_a_map_or_a_folder_of_maps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert generated(COURSE, "-o", tmp_path) == 0
+    first, last = (read(capsys, "info", tmp_path / f"mixed-course_000{index}") for index in (0, 2))
+    assert first != last
+    assert read(capsys, "info", COURSE) == read(capsys, "info", tmp_path) == first
+    for which in ("2", "0002", "mixed-course_0002"):
+        assert read(capsys, "info", COURSE, "--map", which) == last
+        assert read(capsys, "info", tmp_path, "--map", which) == last
+
+
+@pytest.mark.parametrize(
+    ("name", "start"),
+    [("a.png", b"\x89PNG"), ("a.SVG", b"<?xml"), ("a.pdf", b"%PDF"), ("a.jpeg", b"\xff\xd8"), ("a.webp", b"RIFF")],
+)
+def test_preview_draws_what_the_ending_asks_for(
+    tmp_path: Path, recipe_file: Path, capsys: pytest.CaptureFixture[str], name: str, start: bytes
+) -> None:
+    path = tmp_path / "new" / name
+    assert printed(capsys, "preview", recipe_file, "--map", "1", "-o", path) == f"{path}: rse_0001, seed 7\n"
+    assert path.read_bytes().startswith(start)
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_preview_replaces_a_picture_only_by_force(tmp_path: Path, recipe_file: Path) -> None:
+    path = tmp_path / "a.png"
+    path.write_bytes(b"old")
+    assert main(["preview", str(recipe_file), "-o", str(path), "--force"]) == 0
+    assert path.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"\xef\xbb\xbfseed: 7\n", b"seed: 7\r\nmaps: 1\r\n", b"--- \nseed: 7\n...\n", b'{"seed": 7}', b"{}"],
+    ids=["byte order mark", "lines of Windows", "document marks", "JSON is YAML", "nothing said"],
+)
+def test_harmless_oddities_of_files_are_read(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "recipe.yml"
+    path.write_bytes(content)
+    assert generated(path, "-o", tmp_path / "out") == 0
+    assert (tmp_path / "out" / "rse_0000" / "rse_0000.world").is_file()
+
+
+def test_version_is_the_packages(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["--version"])
+    assert end.value.code == 0
+    assert capsys.readouterr().out == f"rsegen {rsegen.__version__}\n"
+
+
+def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    text = helped(capsys)
+    for command in COMMANDS:
+        assert f" {command.__name__.rpartition('.')[2].rstrip('_')} " in text
+
+
+@pytest.mark.parametrize("name", parameters(Recipe))
+def test_help_of_generate_says_of_every_parameter_what_it_takes(
+    name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "400")
+    text = helped(capsys, "generate")
+    parameter = parameters(Recipe)[name]
+    assert f"--{name.replace('_', '-')} " in text
+    assert parameter.help in text
+    assert parameter.describe() in text
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("series", ["RECIPE", "--output", "--from", "--to", "--same-field", "--force", "--resume", "--workers"]),
+        (
+            "generate",
+            ["RECIPE", "--output", "--obstacle", "--force", "--resume", "--preview", "--sheet", "--json", "--workers"],
+        ),
+        ("preview", ["RECIPE-or-DIR", "--output", "--map", "--force", "png, svg, pdf, jpg or webp"]),
+        ("sheet", ["RECIPE-or-DIR", "--output", "--csv", "--map", "--force", "--kerf-mm", "--stock-cm", "pdf or csv"]),
+        ("sheet", ["--kerf-mm MM", "(0..100 mm, 3 by default)", "(0.001..100000 cm, 240 by default)"]),
+        ("dataset", ["--shard-maps MAPS", "--metrics METRICS", "(npy, parquet, none)", "--workers"]),
+        ("metrics", ["--climb-cm CM", "highest step that the robot gets up (0..100000 cm)", "--width-cm CM"]),
+        ("export", ["RECIPE-or-DIR", "--to", "--output", "--map", "--force", "--json", "--workers", "--pixels"]),
+        ("info", ["RECIPE-or-DIR", "--map", "--json"]),
+        ("obstacles", ["--json"]),
+        ("schema", ["JSON Schema"]),
+    ],
+)
+def test_help_of_every_command_names_its_flags(
+    command: str, words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = helped(capsys, command)
+    assert [word for word in words if word not in text] == []
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+@pytest.mark.parametrize("command", ["generate", "series", "dataset", "export"])
+def test_a_terminal_sees_how_many_maps_are_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str, terminal: bool
+) -> None:
+    rsegen.save(rsegen.Recipe(seed=7, maps=3), tmp_path / "recipe.json")
+    stderr = Terminal() if terminal else io.StringIO()
+    monkeypatch.setattr(sys, "stderr", stderr)
+    to = ["--to", "heightmap"] if command == "export" else []
+    assert main([command, str(tmp_path / "recipe.json"), *to, "-o", str(tmp_path / "out")]) == 0
+    assert ("3/3" in stderr.getvalue() or "3.00/3.00" in stderr.getvalue()) is terminal
+    assert terminal or not stderr.getvalue()
+
+
+def test_a_command_leaves_the_signals_as_they_were(capsys: pytest.CaptureFixture[str]) -> None:
+    before = [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)]
+    assert printed(capsys, "schema")
+    assert [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)] == before

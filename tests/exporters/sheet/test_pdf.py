@@ -1,0 +1,262 @@
+"""The sheet as PDF, read back by another library."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+from pypdf import PageObject, PdfReader
+
+from rsegen import Placement, Random, Recipe, Saw, Scene, compose, load, sheet
+from rsegen.errors import ParameterError
+from rsegen.exporters.sheet.order import in_order, placing
+from rsegen.exporters.sheet.saw import centimetres
+from rsegen.field.stepfield import Ints
+from rsegen.recipe.codec import decode
+from rsegen.recipe.examples import EXAMPLES
+
+BLOCKS = (Placement(obstacle=Random(max_height=5)),)
+POINTS_A_MM = 72 / 25.4
+
+
+def read(recipe: Recipe, saw: Saw | None = None) -> PdfReader:
+    return PdfReader(io.BytesIO(sheet(compose(recipe, recipe.first_map), saw)))
+
+
+def words(page: PageObject) -> str:
+    return " ".join(page.extract_text().split())
+
+
+def placed(page: PageObject) -> Iterator[tuple[str, float, float, float]]:
+    """Every text with where it begins, millimetres from the upper left corner, and its size in points."""
+    found: list[tuple[str, float, float, float]] = []
+
+    def visit(text: str, cm: Any, tm: Any, font: Any, size: float) -> None:
+        x = cm[0] * tm[4] + cm[2] * tm[5] + cm[4]
+        y = cm[1] * tm[4] + cm[3] * tm[5] + cm[5]
+        found.extend((one, x / POINTS_A_MM, 297 - y / POINTS_A_MM, size) for one in text.split())
+
+    page.extract_text(visitor_text=visit)
+    yield from found
+
+
+def cells(page: PageObject, shape: tuple[int, int], top: float = 40, side: float = 172) -> dict[str, list[list[str]]]:
+    """The texts that begin in each cell of the plan, frames counted, by `large` and `small`; the top row first."""
+    cell = side / max(shape)
+    left = (210 - shape[0] * cell) / 2
+    grids = {name: [["" for _ in range(shape[0])] for _ in range(shape[1])] for name in ("large", "small")}
+    written = [
+        (text, int((x - left) // cell), int((y - top) // cell), size)
+        for text, x, y, size in placed(page)
+        if left <= x < left + shape[0] * cell and top <= y < top + shape[1] * cell
+    ]
+    largest = max(size for *_, size in written)
+    for text, column, row, size in written:
+        grid = grids["large" if size > 0.9 * largest else "small"]
+        assert grid[row][column] == ""
+        grid[row][column] = text
+    return grids
+
+
+def inside(grid: list[list[str]], scene: Scene, number: int) -> list[list[str]]:
+    """What stands in the cells that are no frame."""
+    field = in_order(scene)[number].pallet.field
+    rows = [row for row, kept in zip(grid, field.inside(1)[::-1], strict=True) if kept]
+    return [[text for text, kept in zip(row, field.inside(0), strict=True) if kept] for row in rows]
+
+
+def as_read(values: Ints) -> list[list[int]]:
+    return [[int(value) for value in row] for row in values.T[::-1]]
+
+
+RECIPES = {
+    "framed": Recipe(seed=2, chunks=(2, 2), obstacles=BLOCKS),
+    "bare": Recipe(seed=2, chunks=(3, 1), chunk_size=6, boundary="none", unit_cm=7.5, obstacles=BLOCKS),
+    "outer": Recipe(seed=2, chunks=(2, 3), chunk_size=5, boundary="outer", unit_cm=12.5, obstacles=BLOCKS),
+    "twenty": Recipe(seed=2, chunk_size=20, obstacles=BLOCKS),
+    "real": load(EXAMPLES["red-diagonal-pallet"]),
+}
+EVERY = pytest.mark.parametrize("recipe", RECIPES.values(), ids=RECIPES)
+
+
+@EVERY
+def test_it_is_a_page_of_a4_for_the_map_and_one_for_each_pallet(recipe: Recipe) -> None:
+    pages = read(recipe).pages
+    assert len(pages) == 1 + recipe.chunks[0] * recipe.chunks[1]
+    for page in pages:
+        assert [float(side) / POINTS_A_MM for side in page.mediabox[2:]] == pytest.approx([210, 297], abs=0.01)
+
+
+@EVERY
+def test_every_cell_of_a_pallet_has_its_height_on_its_page(recipe: Recipe) -> None:
+    scene, pages = compose(recipe), read(recipe).pages
+    for number, each in enumerate(in_order(scene)):
+        grid = inside(cells(pages[number + 1], each.pallet.field.shape)["large"], scene, number)
+        heights = [[float(text) for text in row] for row in grid]
+        assert heights == [[level * recipe.unit_cm for level in row] for row in as_read(each.levels)]
+
+
+@pytest.mark.parametrize("name", ["framed", "bare", "outer", "real"])
+def test_blocks_of_small_pallets_have_their_order(name: str) -> None:
+    scene, pages = compose(RECIPES[name]), read(RECIPES[name]).pages
+    for number, each in enumerate(in_order(scene)):
+        grid = inside(cells(pages[number + 1], each.pallet.field.shape)["small"], scene, number)
+        assert [[int(text or 0) for text in row] for row in grid] == as_read(placing(each.levels))
+        assert "Small numbers are the order of placing" in words(pages[number + 1])
+
+
+def test_cells_too_small_for_heights_have_levels_and_it_is_said() -> None:
+    recipe = Recipe(seed=2, chunk_size=60, unit_cm=12.5, boundary="none", obstacles=BLOCKS)
+    page = read(recipe).pages[1]
+    grid = cells(page, (60, 60))["large"]
+    assert [[int(text) for text in row] for row in grid] == as_read(compose(recipe).field.levels)
+    assert "Numbers are levels, for want of room: a block of level n is n x 12.5 cm long." in words(page)
+    assert "The sheet as CSV has the order of placing." in words(page)
+
+
+@EVERY
+def test_cut_lists_are_the_blocks_of_the_map_and_of_each_pallet(recipe: Recipe) -> None:
+    scene, pages = compose(recipe), read(recipe).pages
+    for field, page in zip([scene.field, *(each.pallet.field for each in in_order(scene))], pages, strict=True):
+        counts = {level: count for level, count in field.level_counts().items() if level}
+        for level, count in counts.items():
+            length = level * recipe.unit_cm
+            assert f"{level} {length:g} {count:,} {length * count / 100 + 1e-9:,.2f} m" in words(page)
+        total = sum(level * count for level, count in counts.items()) * recipe.unit_cm / 100
+        assert f"together {sum(counts.values()):,} {total + 1e-9:,.2f} m" in words(page)
+        assert f"no block: {field.level_counts().get(0, 0):,} cell" in words(page)
+
+
+def test_the_first_page_says_what_to_buy() -> None:
+    page = words(read(RECIPES["real"]).pages[0])
+    for said in ("Build sheet: red-diagonal-pallet_0000", "1.2 x 1.2 m, 12 x 12 cells with frames, 1 pallet, seed 1"):
+        assert said in page
+    for said in (
+        "blocks: 240 cm of 10 x 10 cm 9 pieces",
+        "blocks together 19.60 m",
+        "lost to the saw, 3 mm a cut 0.27 m",
+    ):
+        assert said in page
+    for said in ("2 of 120 cm 2.40 m", "2 of 100 cm 2.00 m", "frame boards 2 pieces", "2 x 5 x 40 + 1 x 30 8.2 left"):
+        assert said in page
+
+
+def test_a_long_name_and_a_long_way_to_cut_stay_on_the_page() -> None:
+    recipe = Recipe(seed=3, name="n" * 64, unit_cm=0.125, obstacles=(Placement(obstacle=Random(max_height=12)),))
+    first = read(recipe).pages[0]
+    counts = {level: count for level, count in compose(recipe).field.level_counts().items() if level}
+    parts = " + ".join(f"{count} x {level / 8:g}" for level, count in reversed(counts.items()))
+    assert parts in words(first)
+    assert all(size < 13 for text, *_, size in placed(first) if "nnn" in text)
+
+
+def test_another_saw_and_stock_are_counted_with() -> None:
+    page = words(read(RECIPES["real"], Saw(kerf_mm=0, stock_cm=100)).pages[0])
+    assert "blocks: 100 cm of 10 x 10 cm 20 pieces" in page
+    assert "lost to the saw, 0 mm a cut 0.00 m" in page
+    assert "frame boards longer than 100 cm" in page
+
+
+def test_pallets_are_numbered_and_named_on_the_first_page() -> None:
+    recipe = RECIPES["framed"]
+    pages = read(recipe).pages
+    first = words(pages[0])
+    for said in ("1: A2", "2: B2", "3: A1", "4: B1"):
+        assert said in first
+    assert words(pages[2]).startswith(
+        "Pallet B2 rse_0000, 2 of 4 in the order of building; cells 10..19 along x, 10..19"
+    )
+
+
+def test_the_first_page_says_which_blocks_each_pallet_needs_where_there_is_room() -> None:
+    recipe = load(EXAMPLES["five-pallet-dash"])
+    first = words(read(recipe).pages[0])
+    for each in in_order(compose(recipe)):
+        counts = each.pallet.field.level_counts()
+        assert f"{each.number} {each.name} {' '.join(str(counts.get(level, 0)) for level in range(1, 5))}" in first
+
+
+def test_many_lengths_are_listed_in_narrow_columns_and_what_is_left_out_is_counted() -> None:
+    recipe = Recipe(seed=2, chunk_size=20, unit_cm=1, obstacles=(Placement(obstacle=Random(max_height=31)),))
+    counts = compose(recipe).field.level_counts()
+    first, second = map(words, read(recipe).pages)
+    for level in range(1, 31):
+        assert f"{counts[level]} x {level} " in first
+    listed = sum(f"{counts[level]} x {level} " in second for level in range(1, 31))
+    assert f"and {30 - listed} more lengths, which the sheet as CSV has" in second
+
+
+@pytest.mark.parametrize("format_", ["pdf", "csv"])
+def test_same_map_same_bytes(format_: str) -> None:
+    scene = compose(RECIPES["outer"])
+    assert sheet(scene, format=format_) == sheet(scene, format=format_)
+
+
+def test_another_format_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(ParameterError, match=r"format: unknown format 'png' \(known: csv, pdf\)"):
+        sheet(compose(RECIPES["bare"]), format="png")
+
+
+def test_it_carries_its_recipe_and_no_date() -> None:
+    metadata = read(RECIPES["framed"]).metadata
+    assert metadata
+    assert decode(json.loads(metadata.subject or "")) == RECIPES["framed"]
+    assert not {"/CreationDate", "/ModDate"} & metadata.keys()
+
+
+@pytest.mark.parametrize(
+    "recipe",
+    [
+        Recipe(seed=1),
+        Recipe(seed=1, chunk_size=1, boundary="none", obstacles=BLOCKS),
+        Recipe(seed=1, frame_height_cm=0),
+        Recipe(seed=1, description="$x^2$ <&> {0} 地图 \u202e"),
+    ],
+    ids=["flat", "one", "frames of no height", "odd description"],
+)
+def test_the_oddest_maps_have_a_sheet(recipe: Recipe) -> None:
+    assert len(read(recipe).pages) == 2
+
+
+def test_pallets_of_other_shapes_read_north_up() -> None:
+    """One block in the north-east corner of a map, whatever its frames."""
+    for boundary, size in product(("none", "divided", "outer"), ((1, 2), (2, 1))):
+        recipe = Recipe(seed=1, chunks=size, chunk_size=3, boundary=boundary, obstacles=BLOCKS)
+        scene = compose(recipe)
+        levels = np.zeros_like(scene.field.levels)
+        i, j = (scene.field.inside(axis).nonzero()[0][-1] for axis in (0, 1))
+        levels[i, j] = 4
+        scene = replace(scene, field=replace(scene.field, levels=levels))
+        last = in_order(scene)[0] if size == (1, 2) else in_order(scene)[1]
+        page = PdfReader(io.BytesIO(sheet(scene))).pages[last.number]
+        grid = inside(cells(page, last.pallet.field.shape)["large"], scene, last.number - 1)
+        assert grid == [["0", "0", centimetres(400_000_000)], ["0"] * 3, ["0"] * 3]
+
+
+@pytest.mark.parametrize(
+    ("recipe", "said"),
+    [
+        (
+            Recipe(seed=1, chunk_size=61),
+            "chunk_size: 61 blocks a side do not fit on a page of a build sheet; give up to 60",
+        ),
+        (Recipe(seed=1, chunks=(401, 1), chunk_size=1), "chunks: 401 pallets with 401 blocks are too many"),
+        (Recipe(seed=1, chunks=(3, 4), chunk_size=60), "chunks: 12 pallets with 43,200 blocks are too many"),
+        (
+            Recipe(seed=1, unit_cm=61, obstacles=BLOCKS),
+            "stock_cm: 240 is shorter than blocks of the highest level, 244 cm",
+        ),
+    ],
+    ids=["large pallets", "many pallets", "many blocks", "long blocks"],
+)
+@pytest.mark.parametrize("format_", ["pdf", "csv"])
+def test_a_map_that_nobody_builds_by_hand_is_refused(recipe: Recipe, said: str, format_: str) -> None:
+    with pytest.raises(ParameterError) as refused:
+        sheet(compose(recipe), format=format_)
+    assert said in str(refused.value)

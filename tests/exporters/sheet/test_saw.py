@@ -1,0 +1,104 @@
+"""Every block is sawn, none from more than there is, and nothing is lost but to the saw."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rsegen import Recipe, Saw
+from rsegen.errors import ParameterError
+from rsegen.exporters.sheet.frames import frames
+from rsegen.exporters.sheet.saw import Sawing, nanometres, sawn
+
+CM = nanometres(1)
+SAWS = st.builds(Saw, kerf_mm=st.sampled_from([0, 1.5, 3, 40]), stock_cm=st.sampled_from([60, 100, 240.5]))
+COUNTS = st.dictionaries(st.integers(1, 60).map(lambda length: length * CM), st.integers(1, 40), max_size=6)
+
+
+def first_fit_decreasing(counts: Mapping[int, int], saw: Saw) -> Counter[tuple[tuple[int, int], ...]]:
+    """As the books have it, block by block."""
+    pieces: list[list[int]] = []
+    for length in sorted(Counter(counts).elements(), reverse=True):
+        for piece in pieces:
+            if sum(piece) + length + len(piece) * saw.kerf <= saw.stock:
+                piece.append(length)
+                break
+        else:
+            pieces.append([length])
+    return Counter(tuple(Counter(piece).items()) for piece in pieces)
+
+
+@given(COUNTS, SAWS)
+def test_blocks_are_sawn_first_fit_decreasing(counts: Mapping[int, int], saw: Saw) -> None:
+    found: Counter[tuple[tuple[int, int], ...]] = Counter()
+    for pattern in sawn(counts, saw).patterns:
+        found[pattern.parts] += pattern.pieces
+    assert found == first_fit_decreasing(counts, saw)
+
+
+@given(COUNTS, SAWS)
+def test_every_block_is_sawn_and_nothing_is_lost_but_to_the_saw(counts: Mapping[int, int], saw: Saw) -> None:
+    sawing = sawn(counts, saw)
+    sawn_of: Counter[int] = Counter()
+    for pattern in sawing.patterns:
+        for length, count in pattern.parts:
+            sawn_of[length] += pattern.pieces * count
+    assert sawn_of == counts
+    assert sawing.timber == sum(length * count for length, count in counts.items())
+    assert sawing.timber + sawing.sawdust + sawing.offcuts == sawing.pieces * saw.stock
+    assert 0 <= sawing.sawdust <= saw.kerf * sum(counts.values())
+
+
+def parts(sawing: Sawing) -> list[tuple[int, tuple[tuple[int, int], ...], int]]:
+    """Of each pattern: how often, length in cm and number, what is left in mm."""
+    return [
+        (
+            pattern.pieces,
+            tuple((length // CM, count) for length, count in pattern.parts),
+            pattern.offcut(sawing.saw) * 10 // CM,
+        )
+        for pattern in sawing.patterns
+    ]
+
+
+def test_the_saw_costs_a_block() -> None:
+    """Twelve blocks of 20 cm are 240 cm, but not with a kerf: after the eleventh 17 cm less 3 mm are left."""
+    counts = {20 * CM: 12}
+    assert parts(sawn(counts, Saw(kerf_mm=0))) == [(1, ((20, 12),), 0)]
+    assert parts(sawn(counts, Saw(kerf_mm=3))) == [(1, ((20, 11),), 167), (1, ((20, 1),), 2197)]
+
+
+def test_a_block_as_long_as_the_stock_is_not_sawn() -> None:
+    sawing = sawn({240 * CM: 3}, Saw(kerf_mm=3))
+    assert (sawing.pieces, sawing.sawdust, sawing.offcuts) == (3, 0, 0)
+
+
+def test_what_is_longer_than_the_stock_is_refused() -> None:
+    with pytest.raises(ParameterError, match=r"stock_cm: 30 is shorter than the longest block, 30\.5 cm"):
+        sawn({nanometres(30.5): 1}, Saw(stock_cm=30))
+
+
+def test_the_boards_of_a_nist_pallet_are_120_and_100_cm() -> None:
+    known = frames(Recipe(seed=1))
+    assert known
+    assert (known.number, known.all_boards) == (1, {120 * CM: 2, 100 * CM: 2})
+    assert known.timber == 440 * CM
+
+
+def test_frames_are_as_many_as_there_stand() -> None:
+    recipe = Recipe(seed=1, chunks=(3, 2), chunk_size=4)
+    divided, outer = (frames(replace(recipe, boundary=boundary)) for boundary in ("divided", "outer"))
+    assert divided
+    assert outer
+    assert (divided.number, divided.boards) == (6, {60 * CM: 2, 40 * CM: 2})
+    assert (outer.number, outer.boards) == (1, {140 * CM: 2, 80 * CM: 2})
+    assert frames(replace(recipe, boundary="none")) is None
+    assert frames(replace(recipe, frame_height_cm=0)) is None
+    equal = frames(Recipe(seed=1, boundary="outer", chunks=(1, 2), chunk_size=2, block_width_cm=7))
+    assert equal
+    assert equal.boards == {28 * CM: 4}

@@ -1,0 +1,134 @@
+"""`rsegen metrics`, as people and programs use it; what they do wrong is in tests/bad_input."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import rsegen
+from rsegen import Climber
+from rsegen.cli import main
+from rsegen.exporters.pictures.paths import chart
+from rsegen.field.metrics.reach import reach
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.simulation.robots import ROBOTS
+
+PALLET = EXAMPLES["red-diagonal-pallet"]
+TEN = ["--climb-cm", "10"]
+
+
+@pytest.fixture
+def maps(tmp_path: Path) -> Path:
+    """A folder of three maps."""
+    flags = ["--maps", "3", "--seed", "7", "--obstacle", "random max_height=3"]
+    assert main(["generate", *flags, "-o", str(tmp_path / "maps")]) == 0
+    return tmp_path / "maps"
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
+    """What a command that succeeds prints; it says nothing on stderr."""
+    capsys.readouterr()
+    assert main(["metrics", *map(str, arguments)]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return out
+
+
+def test_a_page_tells_of_the_pallet_in_centimetres(capsys: pytest.CaptureFixture[str]) -> None:
+    page = printed(capsys, PALLET, *TEN)
+    for words in ("mean 19.6 cm", "0.568 of the mean", "rms 13.02 cm", "Hurst exponent 0.17; weak, of 5 lags"):
+        assert words in page
+    for words in ("TRI 13.08 cm (root mean)", "3.03 times the plan", "at a step of 10 cm west to east", "96.0%"):
+        assert words in page
+    assert max(map(len, page.splitlines())) <= 120
+
+
+def test_a_page_stays_short_whatever_steps_there_are(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "many.yaml"
+    path.write_text("unit_cm: 0.1\nseed: 1\nobstacles:\n  - {kind: random, max_height: 500}\n")
+    page = printed(capsys, path)
+    assert "sizes, which --json lists" in page
+    assert len(page.splitlines()) < 12
+
+
+def test_nist_s_names_are_said_of_analogues_only(capsys: pytest.CaptureFixture[str]) -> None:
+    page = printed(capsys, PALLET, *TEN)
+    for name in ("coverability", "crossability"):
+        assert page.count(name) == page.count(f"analogue of {name}") == 1
+
+
+def test_a_folder_of_maps_is_a_table_with_a_line_for_each(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
+    lines = printed(capsys, maps).splitlines()
+    assert [line.split()[0] for line in lines[2:]] == ["rse_0000", "rse_0001", "rse_0002"]
+    assert len({len(line) for line in lines[1:]}) == 1
+    assert printed(capsys, maps, *TEN).splitlines()[1].endswith("region   way w-e   way s-n")
+
+
+def test_one_of_many_is_a_page(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
+    page = printed(capsys, maps, "--map", "1")
+    assert page.startswith("rse_0001, seed 7: ")
+    assert page == printed(capsys, maps / "rse_0001")
+
+
+def test_a_recipe_and_its_maps_have_the_same_metrics(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
+    recipe = maps.parent / "three.yaml"
+    recipe.write_text("maps: 3\nseed: 7\nobstacles:\n  - {kind: random, max_height: 3}\n")
+    assert printed(capsys, recipe, "--csv", *TEN) == printed(capsys, maps, "--csv", *TEN)
+
+
+def test_json_and_csv_say_what_python_says(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
+    expected = rsegen.metrics(
+        rsegen.compose(rsegen.load(maps / "rse_0002" / "recipe.json"), 2).field, Climber(climb_cm=10)
+    )
+    told = json.loads(printed(capsys, maps, "--json", *TEN))
+    rows = list(csv.DictReader(io.StringIO(printed(capsys, maps, "--csv", *TEN))))
+    assert [one["map"] for one in told] == [one["map"] for one in rows] == ["rse_0000", "rse_0001", "rse_0002"]
+    assert told[2]["steps"]["mean"] == float(rows[2]["steps.mean"]) == pytest.approx(expected.steps.mean)
+    assert expected.reach is not None
+    assert told[2]["reach"]["cover"] == float(rows[2]["reach.cover"]) == pytest.approx(expected.reach.cover)
+    assert {
+        int(level): count for level, count in told[2]["spread"]["level_counts"].items()
+    } == expected.spread.level_counts
+
+
+def test_a_robot_s_figures_are_its_own_and_each_is_overridden(capsys: pytest.CaptureFixture[str]) -> None:
+    kind = ROBOTS["burger"]
+
+    def climber(*flags: str) -> dict[str, float]:
+        return dict(json.loads(printed(capsys, PALLET, "--json", "--robot", "burger", *flags))[0]["reach"]["climber"])
+
+    usual = climber()
+    assert usual["climb_cm"] / 100 == pytest.approx(kind.climbs)
+    assert usual["width_cm"] / 100 == pytest.approx(kind.size[1])
+    assert climber("--climb-cm", "10", "--drop-cm", "20") == {**usual, "climb_cm": 10, "drop_cm": 20}
+
+
+def test_without_a_robot_nothing_is_said_of_one(capsys: pytest.CaptureFixture[str]) -> None:
+    (told,) = json.loads(printed(capsys, PALLET, "--json"))
+    assert set(told) == {"map", "seed", "spread", "steps", "scale", "ruggedness", "opening"}
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_a_picture_is_written(capsys: pytest.CaptureFixture[str], tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"ways.{suffix}"
+    printed(capsys, PALLET, *TEN, "-o", path)
+    assert path.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("climb_cm", [0, 10, 1000])
+def test_a_picture_shows_ways_where_there_are_any(climb_cm: float) -> None:
+    """A robot that gets nowhere has a picture too."""
+    scene = rsegen.compose(rsegen.load(PALLET))
+    found = reach(scene.field, Climber(climb_cm=climb_cm))
+    pixels = Image.open(io.BytesIO(chart(scene, found))).convert("RGB")
+    assert pixels.size == (1400, 700)
+    heat = pixels.crop((700, 100, 1300, 600)).getcolors(2**24)
+    assert heat is not None
+    coloured = sum(count for count, colour in heat if isinstance(colour, tuple) and math.dist(colour, (68, 1, 84)) < 60)
+    assert (coloured > 1000) == found.west_east.crosses

@@ -1,0 +1,111 @@
+"""A folder appears whole or not at all."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+
+import pytest
+
+from rsegen.errors import OutputError, WriteError
+from rsegen.io.writer import clear_away, write, write_file
+
+BUNDLE = {PurePosixPath("recipe.json"): [b"{", b"}"], PurePosixPath("meshes/a.obj"): [b"v 0 0 0\n"]}
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def full_disk() -> Iterator[bytes]:
+    yield b"half"
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def interrupted() -> Iterator[bytes]:
+    yield b"half"
+    raise KeyboardInterrupt
+
+
+def test_every_file_is_written(tmp_path: Path) -> None:
+    names = write(BUNDLE, tmp_path / "above" / "map")
+    assert contents(tmp_path) == {"above/map/recipe.json": b"{}", "above/map/meshes/a.obj": b"v 0 0 0\n"}
+    assert names == ("meshes/a.obj", "recipe.json")
+
+
+def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
+    write(BUNDLE, tmp_path / "map")
+    with pytest.raises(OutputError, match="--force"):
+        write({PurePosixPath("recipe.json"): [b"new"]}, tmp_path / "map")
+    assert contents(tmp_path)["map/recipe.json"] == b"{}"
+
+
+def test_force_replaces_the_whole_folder(tmp_path: Path) -> None:
+    write(BUNDLE, tmp_path / "map")
+    write({PurePosixPath("recipe.json"): [b"new"]}, tmp_path / "map", force=True)
+    assert contents(tmp_path) == {"map/recipe.json": b"new"}
+
+
+def test_force_spares_a_folder_that_rsegen_did_not_make(tmp_path: Path) -> None:
+    (tmp_path / "map").mkdir()
+    (tmp_path / "map" / "thesis.tex").write_text("years of work")
+    with pytest.raises(OutputError, match="not made by rsegen"):
+        write(BUNDLE, tmp_path / "map", force=True)
+    assert contents(tmp_path) == {"map/thesis.tex": b"years of work"}
+
+
+@pytest.mark.parametrize(("content", "error"), [(full_disk, WriteError), (interrupted, KeyboardInterrupt)])
+def test_what_fails_in_the_middle_leaves_nothing(tmp_path: Path, content: object, error: type[BaseException]) -> None:
+    assert callable(content)
+    with pytest.raises(error):
+        write({**BUNDLE, PurePosixPath("b"): content()}, tmp_path / "above" / "map")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("content", "error"), [(full_disk, WriteError), (interrupted, KeyboardInterrupt)])
+def test_what_fails_in_the_middle_leaves_the_old_map(
+    tmp_path: Path, content: object, error: type[BaseException]
+) -> None:
+    assert callable(content)
+    write(BUNDLE, tmp_path / "map")
+    before = contents(tmp_path)
+    with pytest.raises(error):
+        write({**BUNDLE, PurePosixPath("b"): content()}, tmp_path / "map", force=True)
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("path", ["../out", "/out", "a/../../out"])
+def test_no_path_leaves_the_folder(tmp_path: Path, path: str) -> None:
+    with pytest.raises(OutputError, match="leaves the output folder"):
+        write({PurePosixPath(path): [b"x"]}, tmp_path / "map")
+    assert list(tmp_path.rglob("*")) == []
+
+
+def test_a_single_file_is_replaced_only_by_force(tmp_path: Path) -> None:
+    write_file([b"old"], tmp_path / "map.png")
+    with pytest.raises(OutputError, match="is there already"):
+        write_file([b"new"], tmp_path / "map.png")
+    write_file([b"new"], tmp_path / "map.png", force=True)
+    assert contents(tmp_path) == {"map.png": b"new"}
+
+
+def test_a_single_file_that_fails_leaves_the_old_one(tmp_path: Path) -> None:
+    write_file([b"old"], tmp_path / "map.png")
+    with pytest.raises(WriteError):
+        write_file(full_disk(), tmp_path / "map.png", force=True)
+    assert contents(tmp_path) == {"map.png": b"old"}
+
+
+def test_a_map_that_was_being_replaced_when_all_was_killed_comes_back(tmp_path: Path) -> None:
+    write(BUNDLE, tmp_path / "map")
+    before = contents(tmp_path)
+    (tmp_path / "map").rename(tmp_path / ".map.0123abcd.old")
+    (tmp_path / ".map.0123abcd").mkdir()
+    clear_away(tmp_path, names=lambda name: name == "map")
+    assert contents(tmp_path) == before
+    assert [path.name for path in tmp_path.iterdir()] == ["map"]
+
+
+def test_where_there_is_no_folder_there_is_nothing_to_clear_away(tmp_path: Path) -> None:
+    clear_away(tmp_path / "none", names=lambda _: True)

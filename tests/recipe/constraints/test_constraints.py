@@ -1,0 +1,189 @@
+"""Maps keep to what their recipe asks for, and to nothing else."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import rsegen
+from rsegen.cli import main
+from rsegen.exporters.constraint_report import missing, proof
+from rsegen.exporters.pictures.preview import picture
+from rsegen.field.metrics.pairs import differences
+from rsegen.field.metrics.reach import crossing
+from rsegen.params.streams import generator
+from rsegen.recipe.constraints.inventory import fitted
+from tests.support.complaints import the_line
+from tests.support.strategies import fields, recipes
+
+BURGER, CRAWLER = (1, 1, 17.8), (20, 20, 53)
+RANDOM = (rsegen.Placement(obstacle=rsegen.Random(max_height=5)),)
+
+
+def recipe(**values: object) -> rsegen.Recipe:
+    return rsegen.Recipe(seed=3, **{"obstacles": RANDOM, **values})  # type: ignore[arg-type]
+
+
+def crosses(field: rsegen.StepField, climb: float, drop: float, width: float) -> bool:
+    climber = rsegen.Climber(climb_cm=climb, drop_cm=drop, width_cm=width)
+    return all(crossing(field, climber, axis).crosses for axis in (0, 1))
+
+
+@settings(max_examples=60)
+@given(recipes(), st.integers(1, 3))
+def test_no_step_is_larger(made: rsegen.Recipe, limit: int) -> None:
+    field = rsegen.build(replace(made, max_step=limit), 0)
+    assert differences(field).max(initial=0) <= limit
+    free = rsegen.build(made, 0)
+    if differences(free).max(initial=0) <= limit:
+        assert field == free
+
+
+@settings(max_examples=60)
+@given(recipes(), st.floats(0, 3), st.floats(0, 3), st.floats(0, 4))
+def test_a_robot_gets_across(made: rsegen.Recipe, climb: float, drop: float, wide: float) -> None:
+    made = replace(made, boundary="none")
+    robot = climb * made.unit_cm, drop * made.unit_cm, wide * made.block_width_cm
+    free, field = rsegen.build(made, 0), rsegen.build(replace(made, crossable_by=robot), 0)
+    assert crosses(field, *robot)
+    assert (field.levels <= free.levels).all()
+    if crosses(free, *robot):
+        assert field == free
+
+
+@pytest.mark.parametrize("boundary", ["outer", "divided"])
+def test_a_robot_gets_across_frames(boundary: str) -> None:
+    made = recipe(chunks=(3, 2), boundary=boundary, crossable_by=(10, 10, 53), maps=20)
+    for index in made.indices:
+        assert crosses(rsegen.build(made, index), 10, 10, 53)
+        assert not crosses(rsegen.build(recipe(chunks=(3, 2), boundary=boundary), index), 10, 10, 53)
+
+
+def test_frames_that_a_robot_cannot_get_over_are_refused() -> None:
+    with pytest.raises(
+        rsegen.UserError, match=r"crossable_by: the robot gets over 5 cm, and the frames are 10 cm high"
+    ):
+        recipe(crossable_by=(20, 5, 0))
+    assert crosses(rsegen.build(recipe(crossable_by=(20, 5, 0), frame_height_cm=5)), 20, 5, 0)
+    assert crosses(rsegen.build(recipe(crossable_by=(20, 5, 0), boundary="none")), 20, 5, 0)
+
+
+@given(fields(), st.lists(st.integers(0, 12), min_size=1, max_size=6), st.integers(0, 99))
+def test_blocks_are_owned_and_few_are_replaced(field: rsegen.StepField, owned: list[int], seed: int) -> None:
+    levels, left = fitted(field, owned, generator(seed, 0, "k"))
+    needed = np.bincount(field.levels[~field.frame], minlength=len(left))
+    used = np.bincount(levels[~field.frame], minlength=len(left))
+    there = np.array([*owned, *[0] * len(left)])[: len(left) - 1]
+    assert (used[1:] <= there).all()
+    assert (left[1:] == there - used[1:]).all()
+    changed = (levels != field.levels) & ~field.frame
+    assert changed.sum() == np.maximum(needed[1:] - there, 0).sum()
+    assert (levels[field.frame] == 0).all()
+
+
+def test_a_block_that_is_missing_is_replaced_by_the_nearest() -> None:
+    matrix = rsegen.Matrix(max_height=5, rows=("4 4 4 4",))
+    made = rsegen.Recipe(
+        seed=1, chunk_size=1, chunks=(4, 1), boundary="none", obstacles=[rsegen.Placement(obstacle=matrix)]
+    )
+    scene = rsegen.compose(replace(made, inventory=(1, 0, 1, 1)))
+    assert sorted(scene.field.levels.ravel()) == [0, 1, 3, 4]
+    assert proof(scene)["inventory"] == {
+        "owned": {1: 1, 2: 0, 3: 1, 4: 1},
+        "used": {1: 1, 3: 1, 4: 1},
+        "missing": {4: 3},
+    }
+    assert missing(scene) == "blocks are missing, others stand in their place: 3 of 40 cm"
+
+
+def test_all_of_it_at_once() -> None:
+    made = recipe(chunks=(4, 4), max_step=2, crossable_by=(10, 20, 53), inventory=(300, 200, 200, 100), maps=5)
+    for index in made.indices:
+        field = rsegen.build(made, index)
+        assert differences(field).max() <= 2
+        assert crosses(field, 10, 20, 53)
+        used = field.level_counts()
+        assert all(used.get(level, 0) <= there for level, there in enumerate((300, 200, 200, 100), 1))
+
+
+def test_the_proof_is_written_and_measured_on_the_field(tmp_path: Path) -> None:
+    asked = ["--max-step", "2", "--crossable-by", "crawler", "--inventory", "40,30,20,10"]
+    assert main(["generate", "--seed", "3", "--obstacle", "random max_height=5", *asked, "-o", str(tmp_path)]) == 0
+    told = json.loads((tmp_path / "rse_0000/constraints.json").read_text())
+    assert told["max_step"] == {"asked": 2, "is": 2}
+    assert {name: told["crossable_by"][name] for name in ("climb_cm", "drop_cm", "width_cm")} == {
+        "climb_cm": 20,
+        "drop_cm": 20,
+        "width_cm": 53,
+    }
+    assert told["crossable_by"]["west_east"]["crosses"]
+    assert sum(told["inventory"]["used"].values()) <= 100
+    again = rsegen.load(tmp_path / "rse_0000/recipe.json")
+    assert again.crossable_by == pytest.approx((20, 20, 53))
+    assert rsegen.build(again) == rsegen.build(
+        recipe(max_step=2, crossable_by=(20, 20, 53), inventory=(40, 30, 20, 10))
+    )
+
+
+def test_it_is_said_what_the_map_keeps_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["--max-step", "1", "--inventory", "1,1,1,1", "--crossable-by", "10,12.5,30"]
+    assert main(["generate", "--seed", "3", "--obstacle", "random max_height=5", *asked, "-o", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "largest step between neighbours, in units: 1; asked for: 1" in said
+    assert "a robot that climbs 10 cm, gets down 12.5 cm and is 30 cm wide gets across from west to east" in said
+    assert "warning: blocks are missing, others stand in their place: " in said
+
+
+def test_an_inventory_from_a_file(tmp_path: Path) -> None:
+    file = tmp_path / "blocks.csv"
+    file.write_text("height_cm,count\n10,40\n40,3\n5,9\n\n10,2\n")
+    asked = ["--inventory", str(file), "--unit-cm", "5", "--obstacle", "random max_height=9", "--seed", "1"]
+    assert main(["generate", *asked, "-o", str(tmp_path)]) == 0
+    made = rsegen.load(tmp_path / "rse_0000/recipe.json")
+    assert made.inventory == (9, 42, 0, 0, 0, 0, 0, 3)
+    assert set(rsegen.build(made).level_counts()) <= {0, 1, 2, 8}
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("10,40\n", "does not begin with the line height_cm,count"),
+        ("height_cm,count\n12,40\n", "line 2: a block of 12 cm has no whole number of units of 10 cm"),
+        ("height_cm,count\n0,40\n", "line 2: a block of 0 cm has no whole number of units of 10 cm"),
+        ("height_cm,count\n10\n", "line 2: '10' is not a height and a count"),
+        ("height_cm,count\n10,-1\n", "line 2: -1 is outside 0..1000000000"),
+        ("height_cm,count\nnan,1\n", "line 2: nan is not a finite number"),
+        ("height_cm,count\n10,many\n", "line 2: 'many' is not a whole number"),
+    ],
+)
+def test_a_file_that_is_no_inventory(tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, says: str) -> None:
+    file = tmp_path / "blocks.csv"
+    file.write_text(text)
+    assert main(["generate", "--inventory", str(file), "-o", str(tmp_path / "out")]) == 2
+    assert says in the_line(capsys.readouterr().err)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_robot_that_is_unknown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["generate", "--crossable-by", "buger", "-o", str(tmp_path / "out")]) == 2
+    assert "crossable_by: unknown robot 'buger'; did you mean 'burger'?" in the_line(capsys.readouterr().err)
+
+
+def test_a_map_of_blocks_higher_than_its_obstacles_is_drawn_and_coloured(tmp_path: Path) -> None:
+    made = recipe(inventory=(0, 0, 0, 0, 200, 0))
+    scene = rsegen.compose(made)
+    assert (made.top_level, made.highest_level) == (4, 5)
+    assert set(scene.field.level_counts()) == {0, 5}
+    assert scene.colour(5) == scene.colour(4)
+    assert len(picture(scene)) > 10_000
+    (one,) = rsegen.generate(made, tmp_path).maps
+    text = (one.folder / "meshes" / f"{scene.name}.obj").read_text()
+    used = {line.split()[1] for line in text.splitlines() if line.startswith("usemtl")}
+    assert used <= set((one.folder / "meshes" / f"{scene.name}.mtl").read_text().split())
+    assert "level_5" in used

@@ -1,0 +1,135 @@
+"""Difficulty: the rms step between blocks, as a share of that of the obstacles as they are."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from rsegen import KINDS, Peak, Placement, Random, Recipe, StepField, build, generate, load
+from rsegen.field.metrics.steps import steps
+from rsegen.recipe.examples import EXAMPLES
+from tests.support.strategies import recipes
+
+SHARES = st.floats(0, 1, exclude_max=True)
+RISE = [number / 20 for number in range(21)]
+
+
+def recipe_of(kind: str, max_height: int = 5, softness: float = 0) -> Recipe:
+    return Recipe(seed=3, obstacles=(Placement(obstacle=KINDS[kind](max_height=max_height, softness=softness)),))
+
+
+SMALL: Mapping[str, Recipe] = {
+    "random": recipe_of("random"),
+    "random in 40 levels": recipe_of("random", max_height=40),
+    "random in 2 levels": recipe_of("random", max_height=2),
+    "normal random": recipe_of("normal_random"),
+    "table": recipe_of("peak"),
+    "cone": recipe_of("peak", softness=100),
+    "horizontal barrier": recipe_of("horizontal_barrier"),
+    "ridge": recipe_of("horizontal_barrier", softness=50),
+    "diagonal barrier": recipe_of("diagonal_barrier"),
+    "pallet": recipe_of("pallet"),
+} | {name: load(path) for name, path in EXAMPLES.items() if name != "large-random"}
+"""Ten by ten blocks and more."""
+
+
+def squares(field: StepField) -> int:
+    """Sum of the squared steps between neighbours, in levels."""
+    return sum(step**2 * count for step, count in steps(field).counts.items())
+
+
+def of_one_block(field: StepField) -> int:
+    """What one block, a unit higher, adds to the squared steps to its four neighbours at the most."""
+    return 4 * (2 * max(steps(field).counts) + 1)
+
+
+@pytest.mark.parametrize("recipe", SMALL.values(), ids=SMALL)
+def test_the_measure_is_what_is_asked_as_near_as_one_block_allows(recipe: Recipe) -> None:
+    whole = build(recipe)
+    full = squares(whole) ** 0.5
+    for share in RISE:
+        reached = squares(build(replace(recipe, difficulty=share))) ** 0.5
+        assert abs(reached - share * full) <= of_one_block(whole) / (reached + share * full + 1)
+
+
+@pytest.mark.parametrize("recipe", SMALL.values(), ids=SMALL)
+@pytest.mark.parametrize("share", [0.25, 0.5, 0.75, 0.9])
+def test_forty_blocks_a_side_come_within_three_hundredths(recipe: Recipe, share: float) -> None:
+    recipe = replace(recipe, chunk_size=10, chunks=(4, 4), boundary="none")
+    full = steps(build(recipe)).rms
+    reached = steps(build(replace(recipe, difficulty=share))).rms
+    assert full
+    assert reached == pytest.approx(share * full, abs=0.03 * full)
+
+
+@given(recipes(), SHARES)
+def test_any_recipe_comes_near(recipe: Recipe, share: float) -> None:
+    whole = build(recipe)
+    full = squares(whole) ** 0.5
+    reached = squares(build(replace(recipe, difficulty=share))) ** 0.5
+    if full:
+        assert abs(reached - share * full) <= 2 * of_one_block(whole) / (reached + share * full + 1)
+
+
+@given(recipes(), SHARES, SHARES)
+def test_more_difficulty_lowers_no_block(recipe: Recipe, one: float, other: float) -> None:
+    low, high = (build(replace(recipe, difficulty=share)).levels for share in sorted((one, other)))
+    assert (low <= high).all()
+    assert (high <= build(recipe).levels).all()
+
+
+@given(recipes(), SHARES)
+def test_a_higher_block_stays_as_high_or_higher(recipe: Recipe, share: float) -> None:
+    whole, eased = build(recipe).blocks.ravel(), build(replace(recipe, difficulty=share)).blocks.ravel()
+    for height in np.unique(whole):
+        assert eased[whole < height].max(initial=0) <= eased[whole == height].min()
+
+
+@given(recipes())
+def test_no_difficulty_is_level_ground_and_all_of_it_the_recipe_as_it_is(recipe: Recipe) -> None:
+    assert not build(replace(recipe, difficulty=0)).levels.any()
+    assert build(replace(recipe, difficulty=1)) == build(recipe)
+
+
+@given(recipes(), SHARES, st.integers(0, 5))
+def test_an_eased_map_is_the_same_alone(recipe: Recipe, share: float, index: int) -> None:
+    recipe = replace(recipe, difficulty=share)
+    assert build(recipe, index) == build(replace(recipe, first_map=index, maps=3), index)
+
+
+@given(recipes(), SHARES)
+@example(Recipe(seed=1, obstacles=(Placement(obstacle=Random(max_height=4, weights=(0, 0, 0, 1))),)), 0.5)
+@example(Recipe(seed=1, chunk_size=1, chunks=(3, 3), obstacles=(Placement(obstacle=Random(max_height=5)),)), 0.5)
+def test_a_field_without_steps_is_lowered_as_one(recipe: Recipe, share: float) -> None:
+    whole = build(recipe)
+    if not any(steps(whole).counts):
+        eased = build(replace(recipe, difficulty=share))
+        np.testing.assert_array_equal(eased.levels, np.floor(share * whole.levels + 0.5))
+
+
+def test_a_floor_is_in_two_parts_at_the_most() -> None:
+    """A block of a plateau rises beside one that has risen already."""
+    recipe = Recipe(
+        seed=1, boundary="none", obstacles=(Placement(obstacle=Peak(max_height=5), first=(2, 2), last=(7, 7)),)
+    )
+    table = build(recipe).levels > 0
+    for share in RISE[1:-1]:
+        levels = build(replace(recipe, difficulty=share)).levels[table]
+        assert (np.diff(levels) != 0).sum() <= 1
+        assert np.ptp(levels) <= 1
+
+
+def test_workers_and_resume_make_the_same_bytes(tmp_path: Path) -> None:
+    recipe = replace(SMALL["normal random"], difficulty=0.37, maps=300, chunks=(2, 2))
+    one, more = (generate(recipe, tmp_path / str(workers), workers=workers) for workers in (1, 2))
+    shutil.rmtree(more.maps[7].folder)
+    assert len(generate(recipe, tmp_path / "2", resume=True).already) == 299
+    for here, there in zip(one.maps, more.maps, strict=True):
+        assert [path.read_bytes() for path in here.files] == [path.read_bytes() for path in there.files]

@@ -1,0 +1,83 @@
+"""Plans: those that come along, mixed fairly, and refused with their place where they are wrong."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from rsegen import build
+from rsegen.errors import UserError
+from rsegen.simulation.experiment.plan import PLANS, Plan, Row, load_plan
+
+ROWS = "rows:\n  - {robot: burger, sizes: [0, 10]}\n"
+
+
+@pytest.mark.parametrize("name", sorted(PLANS))
+def test_every_plan_that_comes_along_is_whole(name: str) -> None:
+    plan = load_plan(name)
+    assert plan.name == name
+    for cell in plan.cells:
+        recipe = plan.rows[cell.row].map_of(cell.size, plan.seed)
+        assert recipe.grid.shape == (max(cell.size, 10),) * 2
+        assert recipe.boundary == "none"
+
+
+def test_the_paper_s_plan_has_the_paper_s_rows() -> None:
+    plan = load_plan("paper")
+    sizes = {row.robot: row.sizes for row in plan.rows if 0 in row.sizes}
+    assert {0, 10, 20, 40, 60, 80} <= set(sizes["burger"])
+    assert {0, 10, 20, 40, 60, 80} <= set(sizes["crawler"])
+    assert {(row.robots, row.unit_cm) for row in plan.rows if row.robot == "burger"} == {(3, 1)}
+    assert {(row.robots, row.unit_cm) for row in plan.rows if row.robot == "crawler"} == {(1, 10)}
+
+
+def test_trials_are_mixed_and_each_cell_comes_once_in_every_repeat() -> None:
+    plan = Plan(name="p", rows=(Row(), Row(robot="jackal")), repeats=4)
+    order = list(plan.order())
+    assert Counter(cell for cell, _ in order) == dict.fromkeys(plan.cells, 4)
+    assert [repeat for _, repeat in order] == sorted(repeat for _, repeat in order)
+    firsts = {order[repeat * len(plan.cells)][0] for repeat in range(4)}
+    assert len(firsts) > 1
+    assert list(plan.order()) == order
+
+
+def test_a_map_is_random_in_the_levels_that_the_row_says() -> None:
+    field = build(Row(max_height=10, unit_cm=10).map_of(40, seed=3))
+    assert sorted(field.level_counts()) == list(range(10))
+    assert field.unit == 0.1
+    assert not build(Row().map_of(0, seed=3)).levels.any()
+
+
+def test_a_plan_of_a_file_is_named_after_it(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text(ROWS, "utf-8")
+    assert load_plan(str(tmp_path / "mine.yaml")).name == "mine"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[]", "not a plan of an experiment"),
+        ("rows: 3", "not a plan of an experiment"),
+        ("rows: [3]", "rows[0]: 3 is not a row"),
+        (ROWS + "secnds: 3", "unknown key 'secnds'; did you mean 'seconds'?"),
+        (ROWS + "paces: [fast]", "paces[0]: 'fast' is not one of real, free"),
+        (ROWS + "repeats: 0", "repeats: 0 is outside 1..1000"),
+        ("rows: [{robot: burgr}]", "rows[0].robot: 'burgr' is not one of burger, crawler, jackal"),
+        ("rows: [{sizes: [15]}]", "rows[0].sizes: 15 is no multiple of 10 blocks"),
+        ("rows: [{sizes: []}]", "rows[0].sizes: [] is not 0..4000 blocks, or a list of such"),
+        ("rows: [{colour: red}]", "rows[0]: unknown key of a row 'colour'"),
+        ("rows: [{recipe: {mesh_type: mutli}}]", "rows[0].recipe.mesh_type: 'mutli' is not one of"),
+    ],
+)
+def test_a_wrong_plan_is_refused_with_its_place(text: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "wrong.yaml").write_text(text, "utf-8")
+    with pytest.raises(UserError) as refused:
+        load_plan(str(tmp_path / "wrong.yaml"))
+    assert str(refused.value).startswith(f"{tmp_path / 'wrong.yaml'}: {said}")
+
+
+def test_an_unknown_plan_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(UserError, match="unknown plan 'papr'; did you mean 'paper'"):
+        load_plan("papr")

@@ -1,0 +1,127 @@
+"""The maps that simulators are given: every example, every mesh type and boundary, every obstacle kind."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import rsegen
+from rsegen.exporters.gazebo import MESH_TYPES
+from rsegen.recipe.examples import EXAMPLES
+from tests.simulation.real.bodies import SIDEWAYS
+
+BOUNDARIES = ("none", "divided", "outer")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Map:
+    """One map of a recipe, made and on disk."""
+
+    scene: rsegen.Scene
+    folder: Path
+
+    @property
+    def world(self) -> Path:
+        """The file that a simulator opens."""
+        return self.folder / f"{self.scene.name}.world"
+
+
+def examples() -> Iterator[rsegen.Recipe]:
+    """A recipe for every map of every example."""
+    for recipe in map(rsegen.load, EXAMPLES.values()):
+        for index in recipe.indices:
+            yield recipe.alone(index)
+
+
+def variants() -> Iterator[rsegen.Recipe]:
+    """A small random map of two chunks in every mesh type with every boundary."""
+    random = rsegen.Placement(obstacle=rsegen.Random(max_height=4))
+    for mesh_type, boundary in product(MESH_TYPES, BOUNDARIES):
+        yield rsegen.Recipe(
+            name=f"{mesh_type}-{boundary}",
+            chunk_size=5,
+            chunks=(2, 1),
+            mesh_type=mesh_type,
+            boundary=boundary,
+            seed=1,
+            obstacles=(random,),
+        )
+
+
+Shape = Mapping[str, Any]
+"""Parameters of a recipe that say what is seen and touched, where they are not the default ones."""
+
+SHAPES: tuple[Shape, ...] = (
+    {},
+    {"mesh": "watertight"},
+    {"mesh": "blocks"},
+    {"collision": "boxes"},
+    {"collision": "blocks"},
+    {"tile": 7},
+    {"simulator": "classic"},
+)
+
+
+def shape_name(shape: Shape) -> str:
+    """What a test is called by."""
+    return "-".join(f"{name}-{value}" for name, value in shape.items()) or "default"
+
+
+def shaped() -> Iterator[rsegen.Recipe]:
+    """The first map of every example in every shape but the default one."""
+    for recipe, shape in product(map(rsegen.load, EXAMPLES.values()), SHAPES[1:]):
+        yield replace(recipe, name=f"{recipe.name}-{shape_name(shape)}", maps=1, **shape)
+
+
+def slippery() -> Iterator[rsegen.Recipe]:
+    """Two plateaus along x in one frame, of which one and the frame are slippery, in every shape and mesh type; last,
+    in the default shape, the other plateau alone is slippery.
+    """
+    levels = np.tile(np.repeat([1, 2], 4), (8, 1))
+    low = rsegen.Recipe(
+        name="slippery",
+        chunk_size=4,
+        chunks=(2, 2),
+        boundary="outer",
+        seed=1,
+        friction=0.9,
+        frame_friction=0.05,
+        level_friction=(0.05,),
+        obstacles=(rsegen.Placement(obstacle=rsegen.Matrix.of(levels)),),
+    )
+    for shape in (*SHAPES, {"mesh_type": "pallet"}, {"mesh_type": "multi"}):
+        yield replace(low, name=f"slippery-{shape_name(shape)}", **shape)
+    yield replace(low, name="slippery-high", frame_friction=None, level_friction=(0.9, 0.05))
+
+
+def lanes(scene: rsegen.Scene) -> Iterator[tuple[str, tuple[float, float, float], bool]]:
+    """On each plateau of a slippery map, and on the frame: a name, a place near the west end, and whether it slides."""
+    x, y = ((line[:-1] + line[1:]) / 2 for line in scene.field.edges())
+    for name, material, row in (("frame", 0, 0), ("low", 1, 3), ("high", 2, 7)):
+        place = float(x[1]), float(y[row]), float(scene.field.heights[1, row])
+        yield name, place, scene.friction_of(material) < SIDEWAYS / 10
+
+
+def kinds() -> Iterator[rsegen.Recipe]:
+    """A small map with nothing but one obstacle, for every kind, as one mesh and as boxes."""
+    for kind, mesh_type in product(rsegen.KINDS, ("single", "multi")):
+        placement = rsegen.Placement(obstacle=rsegen.KINDS[kind](max_height=4, softness=40))
+        yield rsegen.Recipe(
+            name=f"{kind}-{mesh_type}", chunk_size=6, mesh_type=mesh_type, seed=1, obstacles=(placement,)
+        )
+
+
+def map_name(recipe: rsegen.Recipe) -> str:
+    """What a test is called by."""
+    return recipe.map_name(recipe.first_map)
+
+
+def generated(recipe: rsegen.Recipe, folder: Path) -> Map:
+    """The first map of a recipe, written into a folder."""
+    made = rsegen.generate(recipe, folder).maps[0]
+    return Map(scene=rsegen.compose(recipe, made.index), folder=made.folder)

@@ -1,0 +1,182 @@
+"""rsegen drive and rsegen experiment in a real Gazebo Classic."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from rsegen import Matrix, Placement, Recipe, generate
+from rsegen.cli import main
+from rsegen.simulation.experiment.plan import Plan, Row
+from rsegen.simulation.experiment.trial import tried
+from rsegen.simulation.robots import ROBOTS
+from rsegen.simulation.simulators import Installation
+from tests.simulation.real.conftest import missing
+
+HILL = Matrix.of(np.array([[1, 2, 2, 1]] * 12).T)
+"""Four cells deep from west to east, and as wide as the map: steps of one unit up and down."""
+
+
+def course(folder: Path, unit_cm: float) -> Path:
+    """A map that rises by two steps and falls again, twelve cells wide and four deep."""
+    recipe = Recipe(
+        chunk_size=4,
+        chunks=(1, 3),
+        boundary="none",
+        unit_cm=unit_cm,
+        seed=1,
+        obstacles=(Placement(obstacle=HILL),),
+    )
+    return generate(recipe, folder).maps[0].folder
+
+
+def told(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = json.loads(capsys.readouterr().out)["robots"]
+    return found
+
+
+@pytest.mark.parametrize(("unit_cm", "crosses"), [(1, True), (4, False)])
+def test_a_burger_crosses_steps_of_a_centimetre_and_no_higher_ones(
+    unit_cm: float, crosses: bool, gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["drive", str(course(tmp_path, unit_cm)), "--duration", "15", "--json", "-o", str(tmp_path / "out")]
+    assert main(words) == 0
+    (robot,) = told(capsys)
+    assert (robot["crossed"] is not None) == crosses
+    assert (robot["stuck"] > 5) != crosses
+    assert robot["tipped"] == 0
+    assert robot["touched"]["base::caster"] > 0.5
+    assert any(part.startswith("base::hull") for part in robot["touched"]) != crosses
+    rows = np.loadtxt(tmp_path / "out" / "burger_0.csv", delimiter=",", skiprows=1)
+    assert rows[:, 3].max() == pytest.approx(2 * unit_cm / 100 if crosses else 0, abs=0.015)
+    with Image.open(tmp_path / "out" / "drive.png") as picture:
+        assert picture.size == (800, 800)
+
+
+def test_the_same_seed_gives_the_same_tracks_and_another_seed_others(
+    gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, seed in (("a", "5"), ("b", "5"), ("c", "6")):
+        words = ["drive", "turtlebot", "--route", "random", "--robots", "2", "--duration", "4", "--seed", seed]
+        assert main([*words, "-o", str(tmp_path / name)]) == 0
+    for file in ("burger_1.csv", "contacts.csv"):
+        first, second, third = ((tmp_path / name / file).read_bytes() for name in "abc")
+        assert first == second
+        assert first != third
+
+
+def test_a_rest_that_is_less_than_a_step_is_left_out(gazebo: Installation, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["drive", "turtlebot", "--duration", "1.0004", "--seed", "1", "--json"]) == 0
+    (robot,) = told(capsys)
+    assert robot["seconds"] == pytest.approx(1, abs=0.06)
+    assert robot["touched"]["base::caster"] == 0.5
+
+
+def test_wheels_touch_the_map_at_the_heights_of_its_blocks(gazebo: Installation, tmp_path: Path) -> None:
+    assert main(["drive", str(course(tmp_path, 1)), "--duration", "15", "-o", str(tmp_path / "out")]) == 0
+    with (tmp_path / "out" / "contacts.csv").open() as stream:
+        touched = [row for row in csv.DictReader(stream) if row["part"].endswith("tread")]
+    levels = {round(100 * float(row["z"])) for row in touched if row["other"] == "rse_0000"}
+    assert {1, 2} <= levels
+    assert {row["z"] for row in touched if row["other"] == "ground_plane"} <= {"0.0000"}
+
+
+def test_what_the_simulator_complains_of_is_told(
+    gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = course(tmp_path, 1)
+    for mesh in folder.glob("meshes/*.obj"):
+        mesh.unlink()
+    assert main(["drive", str(folder), "--duration", "1"]) == 0
+    assert "warning: [Err]" in capsys.readouterr().out
+
+
+def test_a_robot_of_a_file_is_driven(gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "mine.sdf").write_text(ROBOTS["burger"].file("mine", "classic"))
+    words = ["drive", str(course(tmp_path, 1)), "--robot", str(tmp_path / "mine.sdf"), "--size", "0.14,0.18,0.19"]
+    assert main([*words, "--speed", "0.2", "--duration", "14", "--json"]) == 0
+    (robot,) = told(capsys)
+    assert robot["crossed"] is not None
+
+
+def test_an_experiment_goes_on_where_it_was_stopped(
+    gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = tmp_path / "tiny.yaml"
+    plan.write_text("seconds: 2\nrepeats: 1\nrows:\n  - {robot: burger, robots: 1, sizes: [0, 10]}\n")
+    words = ["experiment", str(plan), "-o", str(tmp_path / "out")]
+    assert main(words) == 0
+    table, errors = capsys.readouterr()
+    assert [line.split("|")[1].strip() for line in table.splitlines() if line.startswith(("| empty", "| 10"))] == [
+        "empty",
+        "10 x 10",
+    ]
+    assert errors.splitlines()[-1].startswith("4 of 4: row 1")
+    notebook = tmp_path / "out" / "results.jsonl"
+    lines = notebook.read_text().splitlines(keepends=True)
+    notebook.write_text("".join(lines[:-1]) + lines[-1][:20])
+    assert main(words) == 0
+    again = notebook.read_text().splitlines(keepends=True)
+    assert again[:-1] == lines[:-1]
+    outcome = json.loads(again[-1])["outcome"]
+    assert outcome["speed"] > 0
+    assert 50 < outcome["memory"] < 1000
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "results.jsonl",
+        "table.md",
+        "trials.csv",
+        "summary.json",
+        "plot.png",
+    }
+
+
+def test_an_empty_world_in_turns_with_another_has_the_same_speed(gazebo: Installation) -> None:
+    plan = Plan(name="null", rows=(Row(robots=1, sizes=(0,)),), paces=("beside",), seconds=4)
+    outcome = tried(plan, plan.cells[0], 0, gazebo)
+    assert outcome.share == pytest.approx(1, abs=0.3)
+    assert outcome.cpu is outcome.rtf is None
+    assert outcome.speed > 0
+
+
+def test_gazebo_s_own_camera_shows_the_map_in_its_colours(gazebo: Installation, tmp_path: Path) -> None:
+    screen = shutil.which("xvfb-run") or missing("no virtual screen: run scripts/screen")
+    words = [
+        "drive",
+        "diagonal-barrier",
+        "--robot",
+        "crawler",
+        "--duration",
+        "2",
+        "--picture",
+        "-o",
+        str(tmp_path / "out"),
+    ]
+    large = "-screen 0 1280x1024x24 +extension GLX"
+    variables = {**os.environ, "LIBGL_ALWAYS_SOFTWARE": "1"}
+    subprocess.run([screen, "-a", "-s", large, sys.executable, "-m", "rsegen", *words], check=True, env=variables)
+    with Image.open(tmp_path / "out" / "gazebo.jpg") as picture:
+        pixels = np.asarray(picture.convert("RGB")).astype(int)
+    red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
+    assert ((red > 150) & (green < 60) & (blue < 60)).mean() > 0.01
+    assert ((red > 150) & (green > 150) & (blue < 120)).mean() > 0.003
+
+
+def test_a_picture_is_refused_without_a_screen_or_a_folder(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert main(["drive", "peak", "--picture"]) == 2
+    assert "--picture: needs a folder" in capsys.readouterr().err
+    assert main(["drive", "peak", "--picture", "-o", "out"]) == 2
+    assert "there is none" in capsys.readouterr().err

@@ -1,0 +1,116 @@
+"""A floor of equal blocks is a floor: a robot with soft wheels goes straight on it, whatever surrounds it.
+
+ODE takes every triangle and box by itself, so the edges between coplanar ones are bumps. Boxes steer this robot off by
+centimetres: that is known, and bounded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import cos, radians, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen.exporters.gazebo import export
+from rsegen.field.stepfield import Levels
+from rsegen.io.writer import write
+from rsegen.simulation.simulators import Installation
+from tests.simulation.real.bodies import furnished
+from tests.simulation.real.burger import SPEED, Start, Way, burger, way
+from tests.simulation.real.maps import SHAPES, Shape, shape_name
+from tests.simulation.simulated import simulated
+
+HEADINGS = (0, 20, 45, 70, 90)
+SECONDS = 10
+WIDTH = 0.1
+UNIT = 0.01
+FLOOR = 2
+"""Level of the lanes."""
+LEVELS = 5
+TILE = 30
+"""Cells along each side of the square in which a lane lies."""
+LANE = 0.6
+"""Metres across."""
+
+
+@pytest.mark.parametrize("others", [1.0, 0.25], ids=["lanes-in-a-random-field", "plain-with-few-other-cells"])
+@pytest.mark.parametrize("shape", SHAPES, ids=shape_name)
+def test_a_robot_goes_straight_over_equal_blocks(
+    shape: Shape, others: float, gazebo: Installation, tmp_path: Path
+) -> None:
+    ways = driven(lanes(others), gazebo, tmp_path, shape)
+
+    assert_full_way(ways)
+    aside = [abs(way.aside) for way in ways.values()]
+    mean, most = bounds(shape)
+    assert np.mean(aside) <= mean, ways
+    assert max(aside) <= most, ways
+
+
+def test_the_same_robot_goes_straight_on_the_bare_ground(gazebo: Installation, tmp_path: Path) -> None:
+    ways = driven(np.zeros_like(lanes(0)), gazebo, tmp_path, {})
+
+    assert_full_way(ways)
+    assert max(abs(way.aside) for way in ways.values()) <= 0.0005, ways
+
+
+def bounds(shape: Shape) -> tuple[float, float]:
+    """How far from its course a robot may be after 2.2 m on average and at worst, metres."""
+    if shape.get("simulator") == "classic":
+        return 0.0005, 0.0005
+    return (0.010, 0.020) if shape.get("collision", "mesh") == "mesh" else (0.040, 0.080)
+
+
+def assert_full_way(ways: dict[int, Way]) -> None:
+    """At least 2 m, at the speed that was asked for."""
+    for each in ways.values():
+        assert each.ahead >= 2, ways
+        assert each.ahead == pytest.approx(SPEED * SECONDS, rel=0.1), ways
+
+
+def lanes(others: float) -> Levels:
+    """Squares side by side along x, in each of them a lane of FLOOR through its middle at one of the headings.
+
+    `others`: the share of the other cells whose level is drawn at random, FLOOR too; the rest are FLOOR as well.
+    """
+    rng = np.random.default_rng(1)
+    shape = (len(HEADINGS), TILE, TILE)
+    levels = np.where(rng.random(shape) < others, rng.integers(0, LEVELS, shape), FLOOR)
+    middle = (np.arange(TILE) - (TILE - 1) / 2) * WIDTH
+    for square, heading in zip(levels, map(radians, HEADINGS), strict=True):
+        aside = middle[None, :] * cos(heading) - middle[:, None] * sin(heading)
+        square[np.abs(aside) <= LANE / 2] = FLOOR
+    return levels.reshape(-1, TILE).astype(np.int16)
+
+
+def driven(levels: Levels, gazebo: Installation, folder: Path, shape: Shape) -> dict[int, Way]:
+    """The way of a robot along each lane, by its heading in degrees."""
+    ground = float(levels[levels.shape[0] // 2, TILE // 2]) * UNIT
+    starts = {heading: start(square, ground) for square, heading in enumerate(HEADINGS)}
+    world = furnished(
+        written(levels, folder, shape), [burger(f"robot_{heading}", at) for heading, at in starts.items()]
+    )
+    run = simulated(gazebo, world, steps=SECONDS * 1000)
+    assert not run.errors
+    return {heading: way(at, run.poses[f"robot_{heading}"]) for heading, at in starts.items()}
+
+
+def start(square: int, ground: float) -> Start:
+    """Half of the way back from the middle of a square."""
+    heading, back = radians(HEADINGS[square]), SPEED * SECONDS / 2
+    x = (square + 0.5 - len(HEADINGS) / 2) * TILE * WIDTH
+    return Start(x - back * cos(heading), -back * sin(heading), ground, heading)
+
+
+def written(levels: Levels, folder: Path, shape: Shape) -> Path:
+    """The world of a field as one model."""
+    no_frame = np.zeros(levels.shape, dtype=bool)
+    field = rsegen.StepField(levels=levels, frame=no_frame, block_width=WIDTH, unit=UNIT, frame_height=WIDTH)
+    colours = rsegen.Placement(obstacle=rsegen.Random(max_height=LEVELS))
+    recipe = replace(rsegen.Recipe(name="lanes", seed=0, obstacles=(colours,)), **shape)
+    scene = rsegen.Scene(recipe=recipe, index=0, field=field)
+    write(export(scene), folder / "lanes")
+    return folder / "lanes" / f"{scene.name}.world"

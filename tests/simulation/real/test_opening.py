@@ -1,0 +1,162 @@
+"""`rsegen open` in a real Gazebo Classic: the world is there, each server is alone, and nothing is left of it."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import psutil
+import pytest
+
+import rsegen
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.simulation.robots import robot
+from rsegen.simulation.simulators import Installation
+from rsegen.simulation.simulators.gazebo_classic import STATE
+from rsegen.simulation.simulators.live import LiveWorld, Pose
+from rsegen.simulation.simulators.server import attempted, serving
+from tests.simulation.real.maps import generated
+from tests.support.leftovers import MARK, left, left_in_the_end
+from tests.support.runs import ended, started
+
+COURSE = EXAMPLES["mixed-course"]
+
+
+@pytest.fixture
+def mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A variable by which all is known that the test has started."""
+    monkeypatch.setenv(MARK, str(tmp_path))
+    return str(tmp_path)
+
+
+def made(tmp_path: Path, name: str) -> Path:
+    random = rsegen.Placement(obstacle=rsegen.Random(max_height=3))
+    return generated(rsegen.Recipe(name=name, chunk_size=3, seed=1, obstacles=(random,)), tmp_path).world
+
+
+def opening(*arguments: str | Path, **environment: str) -> subprocess.Popen[str]:
+    """The command as a process of its own, of the rsegen that is tested."""
+    source = str(Path(rsegen.__file__).parents[1])
+    return started("open", *arguments, "--simulator", "classic", "--headless", PYTHONPATH=source, **environment)
+
+
+def server_of(process: subprocess.Popen[str], mark: str) -> psutil.Process:
+    """The gzserver that a command has started, when it is there."""
+    end = time.monotonic() + 30
+    while process.poll() is None and time.monotonic() < end:
+        for found in left(mark):
+            with suppress(psutil.Error):
+                if found.name().startswith("gzserver") and found.cmdline()[-1].endswith(".world"):
+                    return found
+        time.sleep(0.05)
+    raise AssertionError(ended(process))
+
+
+def test_a_recipe_is_opened_and_gone_after_its_seconds(gazebo: Installation, tmp_path: Path, mark: str) -> None:
+    home = tmp_path / "temporary"
+    home.mkdir()
+    process = opening(COURSE, "--seconds", "5", TMPDIR=str(home))
+    server = server_of(process, mark)
+    assert server.cmdline()[-1] == "mixed-course_0000.world"
+    assert list(home.rglob("mixed-course_0000.world"))
+
+    assert ended(process) == (0, "")
+    assert left(mark) == []
+    assert list(home.iterdir()) == []
+
+
+def test_a_world_that_is_no_world_is_an_error_at_once(gazebo: Installation, tmp_path: Path, mark: str) -> None:
+    world = tmp_path / "broken.world"
+    world.write_text('<sdf version="1.6"><world name="broken">')
+
+    code, said = ended(opening(world, "--seconds", "40"))
+
+    assert code == 1
+    *told, line = said.splitlines()
+    assert any("Unable to read sdf file" in each for each in told)
+    assert line == f"rsegen: {gazebo} did not load the world broken.world"
+    assert left(mark) == []
+
+
+def test_a_mesh_that_is_missing_is_told_and_is_a_failure(gazebo: Installation, tmp_path: Path, mark: str) -> None:
+    world = made(tmp_path, "course")
+    for mesh in world.parent.glob("meshes/*.obj"):
+        mesh.unlink()
+
+    code, said = ended(opening(world, "--seconds", "8"))
+
+    assert code == 1
+    *told, line = said.splitlines()
+    assert told
+    assert line == f"rsegen: {gazebo} complained of the world: {told[0]}"
+
+
+@pytest.mark.parametrize(("word", "code"), [("SIGINT", 0), ("SIGTERM", 0), ("SIGKILL", -9)])
+def test_nothing_is_left_of_a_command_that_is_stopped(
+    word: str, code: int, gazebo: Installation, tmp_path: Path, mark: str
+) -> None:
+    process = opening(made(tmp_path, "course"), TMPDIR=str(tmp_path))
+    server_of(process, mark)
+    time.sleep(1)
+    process.send_signal(signal.Signals[word])
+
+    assert ended(process) == (code, "")
+    assert left_in_the_end(mark) == []
+
+
+def test_two_servers_side_by_side_do_not_disturb_each_other(gazebo: Installation, tmp_path: Path, mark: str) -> None:
+    worlds = [made(tmp_path, name) for name in ("one", "other")]
+
+    def both() -> None:
+        with (
+            serving(gazebo, worlds[0]) as one,
+            serving(gazebo, worlds[1]) as other,
+            one.live() as in_one,
+            other.live() as in_other,
+        ):
+            assert len({one.pid, other.pid}) == len({one.home, other.home}) == 2
+            in_one.advance(30)
+            assert [each.clock().steps for each in (in_one, in_other)] == [30, 0]
+            assert [names(each) for each in (in_one, in_other)] == [
+                {"ground_plane", "one_0000"},
+                {"ground_plane", "other_0000"},
+            ]
+            one.stop()
+            assert names(in_other) == {"ground_plane", "other_0000"}
+            assert one.errors == other.errors == []
+
+    attempted(both)
+    assert left(mark) == []
+
+
+def test_a_server_goes_on_when_it_is_told_to(gazebo: Installation, tmp_path: Path, mark: str) -> None:
+    def resumed() -> int:
+        with serving(gazebo, made(tmp_path / str(time.monotonic_ns()), "course")) as server, server.live() as live:
+            live.go()
+            time.sleep(0.5)
+            return live.clock().steps
+
+    assert attempted(resumed) > 0
+
+
+def names(live: LiveWorld) -> set[str]:
+    return set(live.poses())
+
+
+def test_a_record_is_kept_until_it_is_stopped(gazebo: Installation, tmp_path: Path) -> None:
+    with serving(gazebo, made(tmp_path, "course")) as server, server.live() as live:
+
+        def kept() -> int:
+            live.advance(1000)
+            return (server.home / STATE).stat().st_size
+
+        live.put(robot("burger").file("burger"), Pose(x=0, y=0, z=200))
+        before = kept()
+        assert kept() > before
+        live.stop_recording()
+        before = kept()  # with what was on its way
+        assert kept() == before
+        assert live.poses()["burger"].z > 1  # it still falls

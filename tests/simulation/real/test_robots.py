@@ -1,0 +1,111 @@
+"""Every robot in a real Gazebo Classic: it goes, turns, stands and climbs as its figures say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from math import pi
+from pathlib import Path
+
+import pytest
+
+from rsegen.simulation.robots import ROBOTS, SIMULATORS, Robot
+from rsegen.simulation.simulators import Installation
+from rsegen.simulation.simulators.classic_live import ClassicWorld
+from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.simulators.server import attempted
+from tests.simulation.real.courses import Course, driven, served, stair
+from tests.simulation.real.test_sdformat import said
+
+ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
+TILT = 0.02
+"""Radians: more is not level."""
+
+
+@ROBOT
+@pytest.mark.parametrize("simulator", SIMULATORS)
+def test_libsdformat_finds_nothing_against_it(
+    robot: Robot, simulator: str, check_sdf: Callable[[Path], str], tmp_path: Path
+) -> None:
+    file = tmp_path / "robot.sdf"
+    file.write_text(robot.file("one", simulator, lidar=True))
+    assert said(check_sdf(file)) == ["Valid."]
+
+
+@ROBOT
+def test_it_goes_straight_turns_and_stands(robot: Robot, gazebo: Installation, tmp_path: Path) -> None:
+    v, w = robot.drive.speed / 2, robot.drive.turn / 4
+    course = Course(robots={"goes": robot, "turns": robot, "stands": robot})
+    commands = {"goes": (v, 0.0), "turns": (0.0, w)}
+    early, late = driven(gazebo, tmp_path, course, commands, (1000, 1000))
+
+    assert late["goes"].x - early["goes"].x == pytest.approx(v, rel=0.01)
+    assert abs(late["goes"].yaw) < 0.005
+    assert (late["turns"].yaw - early["turns"].yaw) % (2 * pi) == pytest.approx(w, rel=0.1)
+    assert off(early["turns"], late["turns"]) < 0.01
+    assert off(early["stands"], late["stands"]) < 0.0002
+    assert abs(late["stands"].yaw - early["stands"].yaw) < 0.001
+    assert all(level(pose, 0) for pose in late.values() if pose != late["turns"])
+
+
+def test_wheels_stop_when_told(gazebo: Installation, tmp_path: Path) -> None:
+    course = Course(robots={"one": ROBOTS["burger"]})
+    _, early, late = driven(gazebo, tmp_path, course, {"one": (0.22, 0.0)}, (500, 500, 1000), stop_after=1)
+    assert off(early["one"], late["one"]) < 0.0002
+
+
+@pytest.mark.parametrize(
+    ("kind", "heights", "climbed"),
+    [
+        ("burger", [0.010], True),
+        ("burger", [0.020], False),
+        ("jackal", [0.050], True),
+        ("jackal", [0.110], False),
+        ("crawler", [0.100], True),
+        ("crawler", [0.200], True),
+        ("crawler", [0.100, 0.200], True),
+        ("crawler", [0.400], False),
+    ],
+)
+def test_it_climbs_what_it_should_and_no_more(
+    kind: str, heights: Sequence[float], climbed: bool, gazebo: Installation, tmp_path: Path
+) -> None:
+    robot = ROBOTS[kind]
+    end = climbing(robot, heights, gazebo, tmp_path)
+    assert level(end, sum(heights)) == climbed
+    assert climbed == (max(heights) <= robot.climbs)
+
+
+def test_flippers_and_arm_go_where_they_are_told(gazebo: Installation, tmp_path: Path) -> None:
+    angles = {"left_flipper_pivot": 0.6, "right_flipper_pivot": 0.9, "shoulder_joint": 0.8}
+    course = Course(robots={"one": ROBOTS["crawler"].holding({"right_flipper_pivot": 0.9})})
+
+    def moved() -> Mapping[str, Pose]:
+        with served(gazebo, course, tmp_path) as (server, live):
+            for joint in ("left_flipper_pivot", "shoulder_joint"):
+                server.told(*ROBOTS["crawler"].servo_command("one", joint, angles[joint]).shell)
+            live.advance(2000)
+            assert isinstance(live, ClassicWorld)
+            return live.links()
+
+    links = attempted(moved)
+    turned = {
+        "left_flipper_pivot": "left_flipper",
+        "right_flipper_pivot": "right_flipper",
+        "shoulder_joint": "shoulder",
+    }
+    assert {joint: -links[f"one::{link}"].pitch for joint, link in turned.items()} == pytest.approx(angles, abs=0.05)
+
+
+def climbing(robot: Robot, heights: Sequence[float], gazebo: Installation, folder: Path) -> Pose:
+    """Where it is after 1.2 m at an easy speed, with a stair 0.2 m before its front."""
+    course = Course(robots={"one": robot}, stair=stair(0.2 + robot.size[0], heights))
+    v = min(robot.drive.speed, 0.3)
+    return driven(gazebo, folder, course, {"one": (v, 0.0)}, (int(1000 * (1.2 + 2 * robot.size[0]) / v),))[-1]["one"]
+
+
+def off(early: Pose, late: Pose) -> float:
+    return max(abs(late.x - early.x), abs(late.y - early.y), abs(late.z - early.z))
+
+
+def level(pose: Pose, height: float) -> bool:
+    return abs(pose.z - height) < 0.002 and abs(pose.pitch) < TILT and abs(pose.roll) < TILT

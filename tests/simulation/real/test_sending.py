@@ -1,0 +1,66 @@
+"""The window's map in a running Gazebo Classic."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]'")
+if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+    os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+
+from PySide6.QtCore import QSettings, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+
+from rsegen import generate
+from rsegen.gui.session import Session
+from rsegen.gui.window import Window
+from rsegen.recipe.recipe import Recipe
+from rsegen.simulation.simulators import Installation
+from rsegen.simulation.simulators.server import serving
+from tests.support.waiting import until
+
+
+def test_a_map_is_sent_and_the_next_one_takes_its_place(
+    gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    QSettings.setDefaultFormat(QSettings.Format.IniFormat)
+    QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "settings"))
+    app = QApplication.instance() or QApplication([])
+    world = generate(Recipe(name="bare", seed=1, boundary="none"), tmp_path).maps[0].world
+    with serving(gazebo, world) as server:
+        for name, value in server.environment.items():
+            monkeypatch.setenv(name, value)
+        window = Window(Session.new())
+        window.show()
+        QTest.qWaitForWindowExposed(window)
+        message = window.statusBar().currentMessage
+        window.session.add({"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]})
+        for number in (1, 2):
+            QTest.keyClick(window, Qt.Key.Key_F6)
+            until(lambda number=number: message() == f"rse_0000-{number} is in the simulation")  # type: ignore[misc]
+            window.session.set("unit_cm", 5)
+        with server.live() as live:
+            there = set(live.poses())
+        window.take(Session.new())
+        window.close()
+    assert app
+    assert "rse_0000-2" in there
+    assert "rse_0000-1" not in there
+
+
+def test_where_nothing_runs_the_window_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    app = QApplication.instance() or QApplication([])
+    monkeypatch.setenv("GAZEBO_MASTER_URI", "http://127.0.0.1:9")
+    window = Window(Session.new())
+    window.show()
+    QTest.qWaitForWindowExposed(window)
+    QTest.keyClick(window, Qt.Key.Key_F6)
+    until(lambda: "no simulation runs" in window.statusBar().currentMessage())
+    window.take(Session.new())
+    window.close()
+    assert app

@@ -1,0 +1,149 @@
+"""Maps and robots put into a Gazebo Classic that runs, while a robot drives in it."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from dataclasses import astuple, replace
+from math import dist
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen.cli import main
+from rsegen.exporters.gazebo import sdf
+from rsegen.simulation.robots import robot
+from rsegen.simulation.simulators import Installation
+from rsegen.simulation.simulators.live import LiveWorld, Pose
+from rsegen.simulation.simulators.server import Server, serving
+from rsegen.simulation.spawning.spawned_map import Placed
+from tests.simulation.real.bodies import SIZE, body
+from tests.support.complaints import the_line
+
+Capture = pytest.CaptureFixture[str]
+BURGER = robot("burger")
+COURSE = rsegen.Recipe(
+    name="course",
+    chunk_size=8,
+    unit_cm=1,
+    seed=5,
+    obstacles=(rsegen.Placement(obstacle=rsegen.Random(max_height=3)),),
+)
+
+
+@pytest.fixture
+def server(gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
+    """One with the ground alone, that the command finds by itself; the current folder is for maps."""
+    world = tmp_path / "ground.world"
+    world.write_bytes(b"".join(sdf.encoded(sdf.world(rsegen.compose(COURSE), ()))))
+    rsegen.save(COURSE, tmp_path / "course.yaml")
+    monkeypatch.chdir(tmp_path)
+    with serving(gazebo, world) as running:
+        monkeypatch.setenv("GAZEBO_MASTER_URI", running.environment["GAZEBO_MASTER_URI"])
+        yield running
+
+
+def done(capture: Capture, *arguments: str) -> dict[str, object]:
+    """What a command says that it has done."""
+    capture.readouterr()
+    assert main([*arguments, "--simulator", "classic", "--json"]) == 0, capture.readouterr().err
+    told: dict[str, object] = json.loads(capture.readouterr().out)
+    return told
+
+
+def refused(capture: Capture, *arguments: str) -> str:
+    capture.readouterr()
+    assert main([*arguments, "--simulator", "classic"]) == 2
+    return the_line(capture.readouterr().err)
+
+
+def ground_under(live: LiveWorld, name: str) -> float:
+    """How far a robot is above the blocks under its middle."""
+    poses = live.poses()
+    (there,) = (each for each in poses if each.startswith("course_"))
+    field = rsegen.compose(COURSE, int(there[-4:])).field
+    return poses[name].z - Placed(name=there, field=field, at=poses[there]).top(poses[name])
+
+
+def test_a_robot_drives_on_while_its_map_is_replaced(server: Server, capsys: Capture) -> None:
+    with server.live() as live:
+        live.go()
+        assert done(capsys, "spawn", "course.yaml")["at"] == dict.fromkeys(("x", "y", "z", "roll", "pitch", "yaw"), 0.0)
+        done(capsys, "spawn", "burger", "--at", "0,0")
+        live.tell(BURGER.command("burger", 0.1, 0.4))
+        for index in (1, 2, 3):
+            before, told = live.poses()["burger"], done(capsys, "respawn", "course.yaml")
+            assert (told["name"], told["put_on_top"]) == (f"course_000{index}", ["burger"])
+            assert set(live.poses()) == {"ground_plane", "burger", f"course_000{index}"}
+            assert ground_under(live, "burger") > -BURGER.clearance
+            time.sleep(1)
+            after = live.poses()["burger"]
+            assert dist((before.x, before.y), (after.x, after.y)) > 0.02
+            assert ground_under(live, "burger") > -BURGER.clearance
+        assert not live.clock().stands
+        done(capsys, "remove", "burger", "course_0003")
+        assert set(live.poses()) == {"ground_plane"}
+    assert server.errors == []
+
+
+def test_what_stands_still_goes_on_standing_still(server: Server, capsys: Capture) -> None:
+    with server.live() as live:
+        done(capsys, "spawn", "burger")
+        assert done(capsys, "spawn", "course.yaml", "--at", "0,0,0,0.5")["put_on_top"] == ["burger"]
+        done(capsys, "respawn", "course.yaml")
+        assert live.clock().steps == 0
+        assert live.clock().stands
+        assert astuple(live.poses()["course_0001"]) == pytest.approx((0, 0, 0, 0, 0, 0.5))
+        assert ground_under(live, "burger") >= 0
+
+
+def test_a_map_of_several_frictions_is_put_in_whole(server: Server, capsys: Capture) -> None:
+    icy = replace(COURSE, name="icy", frame_friction=0.5, level_friction=(0.9, 0.1))
+    rsegen.save(icy, "icy.yaml")
+    done(capsys, "spawn", "icy.yaml")
+    field = rsegen.compose(icy).field
+    x, y = ((line[:-1] + line[1:]) / 2 for line in field.edges())
+    cells = [np.argwhere(where)[0] for where in (field.frame, field.levels == 1, field.levels == 2)]
+    cubes = {f"cube-{i}-{j}": (float(x[i]), float(y[j]), float(field.heights[i, j])) for i, j in cells}
+    with server.live() as live:
+        for name, place in cubes.items():
+            live.put(
+                f'<sdf version="1.6">{body(name, "cube", (0, 0, 0))}</sdf>',
+                Pose(x=place[0], y=place[1], z=place[2] + 0.03),
+            )
+        live.advance(800)
+        poses = live.poses()
+    assert {name: poses[name].z for name in cubes} == pytest.approx(
+        {name: top + SIZE / 2 for name, (_, _, top) in cubes.items()}, abs=0.001
+    )
+    assert server.errors == []
+
+
+def test_two_maps_do_not_overlap(server: Server, capsys: Capture) -> None:
+    rsegen.generate(replace(COURSE, maps=3), "maps")
+    for index in range(3):
+        done(capsys, "spawn", "maps", "--map", str(index))
+    with server.live() as live:
+        poses = live.poses()
+    rectangles = [
+        Placed(name=name, field=rsegen.compose(COURSE, int(name[-4:])).field, at=at).rectangle
+        for name, at in poses.items()
+        if name.startswith("course_")
+    ]
+    assert len(rectangles) == 3
+    assert all(one.is_clear_of(other) for one in rectangles for other in rectangles if one is not other)
+
+
+def test_what_cannot_be_is_said_in_one_line(server: Server, capsys: Capture) -> None:
+    rsegen.save(replace(COURSE, name="many", mesh_type="multi"), "many.yaml")
+    done(capsys, "spawn", "burger")
+    assert "'burger' is there already; give another" in refused(capsys, "spawn", "burger")
+    line = refused(capsys, "remove", "burgr")
+    assert "unknown model 'burgr'; did you mean 'burger'? (known: burger, ground_plane)" in line
+    assert "no map such as course_0000 is there" in refused(capsys, "respawn", "course.yaml")
+    assert "multi makes a map of many models" in refused(capsys, "spawn", "many.yaml")
+    done(capsys, "spawn", "course.yaml")
+    assert "'course_0000' is there already" in refused(capsys, "respawn", "course.yaml", "--map", "0")

@@ -1,0 +1,37 @@
+"""A machine on which no simulator is, until a test puts stand-ins on its PATH."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rsegen.cli import main
+from tests.simulation.simulators.standins import alone_on_path
+
+
+@pytest.fixture
+def programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder on PATH that stand-ins can be put into; no screen, no home, no variable of a simulator."""
+    folder = alone_on_path(tmp_path, monkeypatch)
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "GAZEBO_MASTER_URI", "GZ_PARTITION", "GZ_SIM_RESOURCE_PATH", "STAYS"):
+        monkeypatch.delenv(name, raising=False)
+    return folder
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> Path:
+    """The world of a map, in a folder whose name has to be quoted."""
+    return generated(tmp_path / "my worlds")
+
+
+@pytest.fixture
+def classic_world(tmp_path: Path) -> Path:
+    """One that only Gazebo Classic opens."""
+    return generated(tmp_path / "worlds", "--simulator", "classic")
+
+
+def generated(folder: Path, *flags: str) -> Path:
+    row = ["--obstacle", "random max_height=3", "--chunk-size", "2", "--seed", "1"]
+    assert main(["generate", *row, *flags, "-o", str(folder)]) == 0
+    return folder / "rse_0000" / "rse_0000.world"

@@ -1,0 +1,88 @@
+"""Gazebo Classic's messages as bytes and as the text of `gz topic`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rsegen.errors import SimulatorFailed
+from rsegen.simulation.robots import robot
+from rsegen.simulation.simulators.classic_messages import TYPES, decoded, encoded, said
+from rsegen.simulation.simulators.classic_transport import line
+from rsegen.simulation.simulators.sim_messages import parse, spelled
+
+PLAIN: dict[object, st.SearchStrategy[Any]] = {
+    int: st.integers(-(2**31), 2**31 - 1),
+    float: st.floats(allow_nan=False),
+    bool: st.booleans(),
+    str: st.text(),
+    "text": st.text(),
+    bytes: st.binary(),
+}
+
+
+def value_of(kind: Any) -> st.SearchStrategy[Any]:
+    if isinstance(kind, str) and kind.endswith("[]"):
+        return st.lists(value_of(kind[:-2]), min_size=1, max_size=3)
+    return PLAIN[kind] if kind in PLAIN else message_of(str(kind))
+
+
+def message_of(type_name: str) -> st.SearchStrategy[dict[str, Any]]:
+    optional = {name: value_of(kind) for name, (_, kind) in TYPES[type_name].items()}
+    return st.fixed_dictionaries({}, optional=optional)
+
+
+@pytest.mark.parametrize("type_name", TYPES)
+@given(data=st.data())
+def test_every_message_comes_back_from_its_bytes(type_name: str, data: st.DataObject) -> None:
+    message = data.draw(message_of(type_name))
+    assert decoded(type_name, encoded(type_name, message)) == message
+
+
+def test_bytes_are_those_of_protocol_buffers() -> None:
+    assert encoded("Time", {"sec": 300, "nsec": 1}) == bytes([0x08, 0xAC, 0x02, 0x10, 0x01])
+    assert encoded("GzString", {"data": "rse"}) == b"\x0a\x03rse"
+    assert encoded("Vector3d", {"x": 1.0}) == b"\x09" + b"\0" * 6 + b"\xf0\x3f"
+
+
+def test_a_field_that_is_not_known_is_skipped() -> None:
+    content = encoded("Model", {"name": "one", "id": 3, "pose": {"position": {"z": 2.0}}})
+    assert decoded("GzString", content) == {"data": "one"}
+
+
+@given(v=st.floats(-0.2, 0.2), w=st.floats(-2, 2))
+def test_what_is_said_to_a_robot_is_a_message(v: float, w: float) -> None:
+    command = robot("burger").command("burger", v, w)
+    type_name = command.type.rpartition(".")[2]
+    message = decoded(type_name, encoded(type_name, said(command.text)))
+    assert message["position"]["x"] == pytest.approx(v, abs=1e-6)
+
+
+@given(
+    name=st.text(st.characters(codec="utf-8", exclude_categories=["C", "Zl", "Zp"])),
+    x=st.floats(-9, 9),
+    on=st.booleans(),
+)
+def test_a_message_is_spelled_for_gazebo_sim(name: str, x: float, on: bool) -> None:
+    text = spelled({"name": name, "pause": on, "pose": {"position": {"x": x}}})
+    assert text.endswith(f"pause: {'true' if on else 'false'} pose {{ position {{ x: {x} }} }}")
+
+
+def test_what_gazebo_sim_prints_is_a_message() -> None:
+    message = parse(
+        'pose {\n  name: "one"\n  id: 8\n  position {\n    x: 1.5\n  }\n}\npose {\n  name: "two"\n}\npaused: true\n'
+    )
+    assert [pose.values["name"] for pose in message.parts["pose"]] == ["one", "two"]
+    assert message.parts["pose"][0].parts["position"][0].values == {"x": "1.5"}
+    assert message.values == {"paused": "true"}
+
+
+def test_where_nobody_answers_it_is_said() -> None:
+    with (
+        pytest.raises(SimulatorFailed, match=r"nobody answers at 127.0.0.1:1 \(Connection refused\)"),
+        line(("127.0.0.1", 1)),
+    ):
+        pass
