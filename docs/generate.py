@@ -19,7 +19,20 @@ from benchmarks import datasets
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from docs import difficulty
-from rsegen import FORMATS, KINDS, Climber, Placement, Recipe, Saw, Scene, compose, load, metrics, schema, series
+from rsegen import (
+    FORMATS,
+    KINDS,
+    CutSettings,
+    Placement,
+    Recipe,
+    RobotLimits,
+    Scene,
+    compose,
+    load,
+    metrics,
+    schema,
+    series,
+)
 from rsegen.exporters.formats import summary as format_summary
 from rsegen.exporters.pictures.paths import chart
 from rsegen.exporters.pictures.preview import picture, saved
@@ -115,7 +128,7 @@ def main(arguments: list[str]) -> int:
 
 
 def _ways(scene: Scene) -> bytes:
-    reach = metrics(scene.field, Climber(climb_cm=10)).reach
+    reach = metrics(scene.field, RobotLimits(climb_cm=10)).reach
     return chart(scene, reach) if reach else b""
 
 
@@ -125,7 +138,7 @@ def _rise(*, same_field: bool) -> bytes:
 
 
 def _page(scene: Scene, number: int) -> bytes:
-    return saved(list(pages(scene, Saw()))[number], scene, "png")
+    return saved(list(pages(scene, CutSettings()))[number], scene, "png")
 
 
 _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {

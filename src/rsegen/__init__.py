@@ -26,10 +26,12 @@ if TYPE_CHECKING:
     from rsegen.exporters.formats import FORMATS as FORMATS
     from rsegen.exporters.scene import Scene as Scene
     from rsegen.exporters.scene import compose as compose
+    from rsegen.exporters.sheet import CutSettings as CutSettings
     from rsegen.exporters.sheet import Saw as Saw
     from rsegen.exporters.sheet import sheet as sheet
     from rsegen.field.metrics import Climber as Climber
     from rsegen.field.metrics import Metrics as Metrics
+    from rsegen.field.metrics import RobotLimits as RobotLimits
     from rsegen.field.metrics import metrics as metrics
     from rsegen.field.obstacles import KINDS as KINDS
     from rsegen.field.obstacles import Obstacle as Obstacle
@@ -65,8 +67,8 @@ _HOMES = {
     "rsegen.errors": ("RsegenError", "UserError"),
     "rsegen.exporters.formats": ("FORMATS",),
     "rsegen.exporters.scene": ("Scene", "compose"),
-    "rsegen.exporters.sheet": ("Saw", "sheet"),
-    "rsegen.field.metrics": ("Climber", "Metrics", "metrics"),
+    "rsegen.exporters.sheet": ("CutSettings", "Saw", "sheet"),
+    "rsegen.field.metrics": ("Climber", "Metrics", "RobotLimits", "metrics"),
     "rsegen.field.obstacles": ("KINDS", "Obstacle"),
     "rsegen.field.obstacles.diagonal": ("DiagonalBarrier",),
     "rsegen.field.obstacles.horizontal": ("HorizontalBarrier",),

@@ -33,7 +33,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a misspelt flag": (["generate", "-o", "out", "--sed", "1"], ["'--sed'", "did you mean '--seed'?", "--chunk-size"]),
     "half a flag": (["generate", "-o", "out", "--chunk", "1"], ["'--chunk'", "did you mean '--chunks'?"]),
     "another command's flag": (["info", "recipe.yaml", "--force"], ["'--force'", "--json"]),
-    "two recipes": (["generate", "a.yaml", "b.yaml", "-o", "out"], ["'b.yaml' is too much"]),
+    "two recipes": (["generate", "a.yaml", "b.yaml", "-o", "out"], ["'b.yaml' unexpected argument"]),
     "no output": (["generate"], ["-o/--output"]),
     "an output of no name": (["generate", "-o", ""], ["-o/--output", "give a folder"]),
     "a recipe of no name": (["generate", "", "-o", "out"], ["directory"]),

@@ -40,7 +40,7 @@ MANIFESTS: Mapping[str, tuple[dict[str, Any], str]] = {
     "another shard's file": ({"shards.1.levels.file": "levels-00000.npy"}, "is not the file levels-00001.npy"),
     "a size below nothing": ({"shards.1.levels.bytes": -1}, "shards[1].levels.bytes: -1 is not 0 or more"),
     "a size in a word": ({"shards.1.levels.bytes": "many"}, "shards[1].levels.bytes: 'many' is not a whole number"),
-    "no checksum": ({"shards.1.levels.sha256": "0"}, "shards[1].levels.sha256: '0' will not do"),
+    "no checksum": ({"shards.1.levels.sha256": "0"}, "shards[1].levels.sha256: invalid value '0': expected"),
 }
 
 

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from rsegen import KINDS, Placement, Recipe
-from rsegen.params.places import AtCell, Pair
-from rsegen.params.sorts import Choice, Parameter, Real, Several, Text, Whole, parameters
+from rsegen.params.places import CellRef, Size2D
+from rsegen.params.sorts import Choice, Float, Integer, ListOf, Parameter, Text, parameters
 from tests.support.complaints import (
     MANY_DIGITS,
     NO_WORD,
@@ -25,20 +25,20 @@ def wrong_values(parameter: Parameter) -> Iterator[object]:
     """What a file may give that no parameter of this sort takes."""
     yield from (True, NO_WORD, {}, {"a": [1]}, [[[[1]]]], math.nan, math.inf, -math.inf)
     match parameter:
-        case Whole(low=low, high=high):
+        case Integer(low=low, high=high):
             yield from (low - 1, low + 0.5, str(low), -MANY_DIGITS)
             yield from () if high is None else (high + 1, MANY_DIGITS, 1e300)
-        case Real(low=low, high=high):
+        case Float(low=low, high=high):
             yield from (math.nextafter(low, -math.inf), math.nextafter(high, math.inf), str(low), MANY_DIGITS)
         case Choice():
             yield from ("", 1, [])
         case Text():
             yield from (1, 2.5, "x\n", "\n", "\0", "\ud800", "x" * 501)
-        case AtCell():
+        case CellRef():
             yield from (1, 1.5, [], [1], [1, 2, 3], [0, -1], [0, 0.5], [0, True], [0, None], [0, "1"], "random,random")
-        case Pair():
+        case Size2D():
             yield from (0, -1, 1.5, 10**9 + 1, MANY_DIGITS, "2", "2x2", [], [1], [1, 2, 3], [1, 0], [1, True])
-        case Several():
+        case ListOf():
             yield from (-1, [], [[1]], [0, None], [0, NO_WORD], [-0.5], [1001.5])
         case _:
             yield from (1, [], "1,2", [1, -1], [1, math.nan], [1, math.inf], [1, True], [1, "2"], [1, None], [0] * 5)
@@ -48,7 +48,7 @@ def wrong_texts(parameter: Parameter) -> Iterator[str]:
     """What a flag may give that no parameter of this sort takes."""
     yield ""
     match parameter:
-        case Whole(low=low, high=high):
+        case Integer(low=low, high=high):
             yield from (
                 str(low - 1),
                 f"{low}.5",
@@ -62,13 +62,13 @@ def wrong_texts(parameter: Parameter) -> Iterator[str]:
                 "-" + "9" * 9000,
             )
             yield from () if high is None else (str(high + 1), "9" * 9000)
-        case Real(low=low, high=high):
+        case Float(low=low, high=high):
             yield from (str(low - 1), str(high + 1), "nan", "inf", "-inf", "1e400", "-1e400", "1,5", NO_WORD)
         case Choice(values=values):
             yield from (NO_WORD, values[0].upper(), f"{values[0]} ", ",".join(values))
         case Text():
             yield from ("x\n", "a\nb", "\x1b[31m", "\udcff", "x" * 501)
-        case Pair():
+        case Size2D():
             yield from ("0", "-1", "2x0", "2x", "x", "1x2x3", "2.5", "2 x 2", NO_WORD, "9" * 9000, "9" * 9000 + "x1")
         case _:
             yield from (NO_WORD, "1;2", "nan,nan", ",", "-1,-1", "1.5,x")
@@ -76,7 +76,7 @@ def wrong_texts(parameter: Parameter) -> Iterator[str]:
 
 def right(parameter: Parameter) -> str:
     """What the complaint must say, whichever the value."""
-    return parameter.describe() if isinstance(parameter, (Whole, Real, Choice, Text, Pair)) else ""
+    return parameter.describe() if isinstance(parameter, (Integer, Float, Choice, Text, Size2D)) else ""
 
 
 def cases(owner: type, wrong: Callable[[Parameter], Iterator[object]]) -> list[Any]:

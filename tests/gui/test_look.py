@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 
 from rsegen import Peak, Placement, Random, Recipe, compose
-from rsegen.exporters.map_summary import account
+from rsegen.exporters.map_summary import map_summary
 from rsegen.gui.colours import GROUND, cells, palette
 from rsegen.gui.look import SHOWN, is_quick, look_at, look_of
 from rsegen.gui.numbers import COUNTED, costs, in_numbers, largest_step, shares
@@ -39,7 +39,7 @@ def test_every_cell_has_the_colour_of_what_stands_in_it(recipe: Recipe) -> None:
 @pytest.mark.parametrize("mesh_type", ["single", "multi", "pallet"])
 def test_costs_are_those_of_the_account(mesh_type: str) -> None:
     scene = compose(replace(ROUGH, mesh_type=mesh_type))
-    found = account(scene)
+    found = map_summary(scene)
     models = f"{found.models} model{'' if found.models == 1 else 's'}"
     assert costs(scene).text == f"{models}, {found.faces:,} faces, {found.bytes / 1000:,.0f} kB"
     assert costs(scene).warnings == found.warnings == ()

@@ -15,7 +15,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox
 
-from rsegen import Saw, build, compose, load, sheet
+from rsegen import CutSettings, build, compose, load, sheet
 from rsegen.cli import main
 from rsegen.gui.session import Session
 from rsegen.gui.sheet_dialog import SheetDialog
@@ -66,7 +66,7 @@ def test_saw_and_timber_are_those_of_the_form(window: Window, tmp_path: Path) ->
     typed(dialog, "kerf_mm_field", "2.5")
     typed(dialog, "stock_cm_field", "300")
     written(dialog)
-    scene, saw = compose(window.session.recipe), Saw(kerf_mm=2.5, stock_cm=300)
+    scene, saw = compose(window.session.recipe), CutSettings(kerf_mm=2.5, stock_cm=300)
     for format_ in ("pdf", "csv"):
         assert (tmp_path / f"rse_0000.{format_}").read_bytes() == sheet(scene, saw, format_)
 

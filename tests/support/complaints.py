@@ -36,7 +36,7 @@ def the_line(err: str) -> str:
     assert err.count("\n") == 1, err
     assert err.startswith("rsegen")
     assert "Traceback" not in err
-    assert "mistake in rsegen" not in err
+    assert "internal error" not in err
     assert len(err) < 1000
     return err.strip()
 

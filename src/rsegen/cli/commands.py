@@ -70,7 +70,9 @@ class Parser(argparse.ArgumentParser):
         for text in unknown[:1]:
             flags = [flag for action in self._actions for flag in action.option_strings]
             named = text.startswith("-")
-            self.error(str(UnknownName.among("", "flag", text, flags)) if named else f"{shown(text)} is too much")
+            self.error(
+                str(UnknownName.among("", "flag", text, flags)) if named else f"unexpected argument {shown(text)}"
+            )
         return parsed, unknown
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:

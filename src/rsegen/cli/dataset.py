@@ -23,10 +23,10 @@ from rsegen.errors import ParameterError
 from rsegen.io.dataset import Dataset, make_dataset
 from rsegen.io.dataset.layout import Layout
 from rsegen.io.dataset.making import Progress, complete_maps
-from rsegen.params.sorts import Whole
+from rsegen.params.sorts import Integer
 from rsegen.recipe.recipe import Recipe
 
-_REBUILT = Whole(0, 10**9)
+_REBUILT = Integer(0, 10**9)
 
 
 def add(commands: Subparsers) -> None:

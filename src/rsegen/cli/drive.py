@@ -17,7 +17,7 @@ from rsegen.errors import FileError, NoSimulator, ParameterError, shown
 from rsegen.exporters.scene import Scene, compose
 from rsegen.io.resources import refuse_too_large
 from rsegen.io.writer import write
-from rsegen.params.sorts import Choice, Parameter, Real, Several, Whole
+from rsegen.params.sorts import Choice, Float, Integer, ListOf, Parameter
 from rsegen.params.streams import SEEDS, fresh_seed
 from rsegen.recipe.codec import map_json
 from rsegen.simulation.driving.contacts import csv, shares
@@ -31,15 +31,15 @@ from rsegen.simulation.robots.own import from_file
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.opening import fitting, has_screen
 
-COUNT, SECONDS, SEED = Whole(1, 100), Real(0.1, 1e5, unit="s"), Whole(0, SEEDS - 1)
+COUNT, SECONDS, SEED = Integer(1, 100), Float(0.1, 1e5, unit="s"), Integer(0, SEEDS - 1)
 _SAID = 5
 """So many of its parts that touch most are told of a robot; drive.json has all."""
 
 ROUTE = Choice(ROUTES)
 OWN: Mapping[str, Parameter] = {
-    "size": Several(Real(0.01, 100, unit="m"), 3),
-    "speed": Real(0.001, 100, unit="m/s"),
-    "turn": Real(0.001, 100, unit="rad/s"),
+    "size": ListOf(Float(0.01, 100, unit="m"), 3),
+    "speed": Float(0.001, 100, unit="m/s"),
+    "turn": Float(0.001, 100, unit="rad/s"),
 }
 """What a person says of the robot in a file."""
 

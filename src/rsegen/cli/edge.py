@@ -63,4 +63,4 @@ def _code_and_words(error: BaseException) -> tuple[int, str]:
         case MemoryError():
             return 1, "out of memory; give fewer chunks or a smaller chunk_size"
     said = f"{type(error).__name__}: {error}"
-    return 1, f"a mistake in rsegen, please report it: {said} (python -X dev -m rsegen shows where)"
+    return 1, f"internal error, please report it: {said} (python -X dev -m rsegen shows where)"

@@ -32,7 +32,7 @@ def add(commands: Subparsers) -> None:
     command.add_argument("--list", action=_List, nargs=0, help="say what each format is, and its options")
     add_target_flags(command, usual="all")
     known = ", ".join(FORMATS)
-    command.add_argument("--to", required=True, metavar="FORMAT,...", help=f"formats, parted by commas: {known}")
+    command.add_argument("--to", required=True, metavar="FORMAT,...", help=f"comma-separated formats: {known}")
     command.add_argument(
         "-o", "--output", type=folder, required=True, metavar="DIR", help="folder to write the maps into"
     )

@@ -16,7 +16,7 @@ from rsegen.exporters.constraint_report import told
 from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.scene import compose
 from rsegen.io.existing import standing
-from rsegen.io.sidecars import Extras
+from rsegen.io.sidecars import Sidecars
 from rsegen.io.work import WORKERS
 from rsegen.io.workers import cores
 from rsegen.io.worlds import Generated, GeneratedMap, generate
@@ -60,7 +60,9 @@ def add_output_flags(command: argparse.ArgumentParser) -> None:
         help="add a build sheet, sheet.pdf and sheet.csv, to every map (see rsegen sheet)",
     )
     known = ", ".join(FORMATS)
-    text = f"add files for other programs to every map, parted by commas: {known} (rsegen export --list explains them)"
+    text = (
+        f"add files for other programs to every map, separated by commas: {known} (rsegen export --list explains them)"
+    )
     command.add_argument("--formats", metavar="FORMAT,...", help=text)
     command.add_argument("--json", action="store_true", help="print a summary for programs")
     add_workers_flag(command)
@@ -81,7 +83,7 @@ def run(arguments: argparse.Namespace) -> None:
 def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
     """Write the maps of a recipe, and say what was made."""
     formats = formats_of("--formats", arguments.formats, arguments)
-    extras = Extras(preview=arguments.preview, sheet=arguments.sheet, formats=formats)
+    extras = Sidecars(preview=arguments.preview, sheet=arguments.sheet, formats=formats)
     with _told_how_to_go_on(recipe, arguments, extras), _bar(recipe) as progress:
         made = generate(
             recipe,
@@ -107,7 +109,7 @@ def workers_from(arguments: argparse.Namespace) -> int:
 
 
 @contextmanager
-def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace, extras: Extras) -> Iterator[None]:
+def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace, extras: Sidecars) -> Iterator[None]:
     """Who stops a run hears how many maps are complete, and how to make the others."""
     try:
         yield

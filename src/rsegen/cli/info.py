@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.targets import add_target_flags, chosen
-from rsegen.exporters.map_summary import Account, account
+from rsegen.exporters.map_summary import MapSummary, map_summary
 
 
 def add(commands: Subparsers) -> None:
@@ -25,11 +25,11 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print it."""
-    found = account(chosen(arguments.target, arguments.map))
+    found = map_summary(chosen(arguments.target, arguments.map))
     print(json.dumps(_summary(found), indent=2) if arguments.json else "\n".join(_report(found)))
 
 
-def _summary(found: Account) -> dict[str, object]:
+def _summary(found: MapSummary) -> dict[str, object]:
     return {
         "name": found.name,
         "seed": found.seed,
@@ -47,7 +47,7 @@ def _summary(found: Account) -> dict[str, object]:
     }
 
 
-def _report(found: Account) -> Iterator[str]:
+def _report(found: MapSummary) -> Iterator[str]:
     (n_x, n_y), (along_x, along_y) = found.cells, found.extent
     blocks = sum(found.level_counts.values())
     yield f"{found.name}, seed {found.seed}"

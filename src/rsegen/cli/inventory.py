@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.io.text_files import text_of
-from rsegen.params.sorts import Real, Whole
+from rsegen.params.sorts import Float, Integer
 
 COLUMNS = ["height_cm", "count"]
 _MOST_MIB = 1
@@ -33,8 +33,8 @@ def _row(where: str, row: list[str], unit_cm: float) -> tuple[int, int]:
     """A block's level, and how many of them there are."""
     if len(row) != len(COLUMNS):
         raise FileError(f"{where}: {shown(','.join(row))} is not a height and a count")
-    height = Real(0, 100_000, unit="cm").check(where, Real().parse(row[0]))
-    count = Whole(0, 10**9).check(where, Whole(0).parse(row[1].strip()))
+    height = Float(0, 100_000, unit="cm").check(where, Float().parse(row[0]))
+    count = Integer(0, 10**9).check(where, Integer(0).parse(row[1].strip()))
     level = round(height / unit_cm)
     if abs(level * unit_cm - height) > 1e-6 or not 1 <= level <= _MOST_LEVELS:
         raise ParameterError(where, f"a block of {height:g} cm has no whole number of units of {unit_cm:g} cm")

@@ -19,7 +19,7 @@ from rsegen.errors import ParameterError
 from rsegen.exporters.pictures.paths import chart
 from rsegen.exporters.pictures.preview import picture_format
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics import Climber, Metrics, metrics
+from rsegen.field.metrics import Metrics, RobotLimits, metrics
 from rsegen.field.metrics.entry import entry, row
 from rsegen.io.resources import BYTES_A_CELL_OF_METRICS
 from rsegen.io.writer import refuse_taken_file, write_file
@@ -40,7 +40,7 @@ def add(commands: Subparsers) -> None:
     add_target_flags(command, usual="all")
     group = command.add_argument_group("robot", "the figures of a kind, each overridden by a flag")
     group.add_argument("--robot", metavar="KIND", help="what a robot of rsegen climbs, and its width")
-    add_parameter_flags(group, Climber)
+    add_parameter_flags(group, RobotLimits)
     form = command.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print a list for programs, lengths in metres")
     form.add_argument("--csv", action="store_true", help="print a table for programs, lengths in metres")
@@ -63,7 +63,7 @@ def run(arguments: argparse.Namespace) -> None:
     _print(chain([(first, found)], ((scene, metrics(scene.field, climber)) for scene in scenes)), arguments)
 
 
-def _picture(arguments: argparse.Namespace, climber: Climber | None) -> Path | None:
+def _picture(arguments: argparse.Namespace, climber: RobotLimits | None) -> Path | None:
     """Where the picture goes, if one is wanted and can be."""
     if arguments.output is None:
         return None
@@ -75,14 +75,14 @@ def _picture(arguments: argparse.Namespace, climber: Climber | None) -> Path | N
     return path
 
 
-def _climber(arguments: argparse.Namespace) -> Climber | None:
+def _climber(arguments: argparse.Namespace) -> RobotLimits | None:
     """The robot that the flags describe."""
-    said = given(Climber, arguments)
+    said = given(RobotLimits, arguments)
     if arguments.robot is not None:
         return replace(robot(arguments.robot, "--robot").climber, **said)
     if said and "climb_cm" not in said:
         raise ParameterError("--climb-cm", f"is missing; {_NO_ROBOT}")
-    return Climber(**said) if said else None
+    return RobotLimits(**said) if said else None
 
 
 def _print(measured: Iterable[Measured], arguments: argparse.Namespace) -> None:

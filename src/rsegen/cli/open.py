@@ -13,11 +13,11 @@ from pathlib import Path
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.worlds import World, world_of
 from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed
-from rsegen.params.sorts import Real
+from rsegen.params.sorts import Float
 from rsegen.simulation.simulators import SIMULATORS, Installation, Launch, Opening
 from rsegen.simulation.simulators.opening import fitting, has_screen, opened
 
-SECONDS = Real(0, 1e9, unit="s")
+SECONDS = Float(0, 1e9, unit="s")
 
 
 def add(commands: Subparsers) -> None:

@@ -1,4 +1,4 @@
-"""rsegen sheet: what a person builds a map in wood by."""
+"""rsegen sheet: a build sheet (PDF, CSV) for building a map in wood."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from rsegen.cli.flags import Subparsers, add_parameter_flags, given
 from rsegen.cli.targets import add_target_flags, found
 from rsegen.errors import ParameterError
-from rsegen.exporters.sheet import Saw, sheet_format
+from rsegen.exporters.sheet import CutSettings, sheet_format
 from rsegen.io.sheets import write_sheets
 
 
@@ -17,7 +17,7 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "sheet",
-        help="write what a person builds a map in wood by: heights in every cell, what to cut",
+        help="write a build sheet (PDF, CSV) for building a map in wood",
         description="Write the build sheet of a map: how its pallets stand, what timber to buy and how to cut it, and "
         " a page for each pallet with the height in every cell and the order of placing.",
         epilog="rsegen import reads the CSV again.",
@@ -26,14 +26,14 @@ def add(commands: Subparsers) -> None:
     command.add_argument("-o", "--output", required=True, metavar="FILE", help="pdf or csv, by its ending")
     command.add_argument("--csv", metavar="FILE", help="write the same as CSV, too: a row for each cell")
     command.add_argument("--force", action="store_true", help="replace files that are there already")
-    add_parameter_flags(command.add_argument_group("sawing"), Saw, asdict(Saw()))
+    add_parameter_flags(command.add_argument_group("sawing"), CutSettings, asdict(CutSettings()))
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Make the sheets, and write them."""
     paths = _paths(arguments)
-    saw = Saw(**given(Saw, arguments))
+    saw = CutSettings(**given(CutSettings, arguments))
     _, recipe, index = found(arguments.target, arguments.map)
     scene = write_sheets(recipe, index, paths, saw, force=arguments.force)
     print("\n".join(f"{path}: {scene.name}, seed {scene.recipe.seed}" for path in paths))

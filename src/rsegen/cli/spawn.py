@@ -13,7 +13,7 @@ from rsegen.cli.flags import Subparsers
 from rsegen.cli.maps import add_output_flag, add_running_flags, map_of
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.exporters.gazebo.sdf import numbers
-from rsegen.params.sorts import Real, parameters
+from rsegen.params.sorts import Float, parameters
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.driving.start_poses import DROP
@@ -26,14 +26,14 @@ from rsegen.simulation.spawning.maps import Map, known
 from rsegen.simulation.spawning.placement import free
 from rsegen.simulation.spawning.spawned_map import Placed
 
-METRES = Real(-1e6, 1e6)
+METRES = Float(-1e6, 1e6)
 
 
 def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "spawn",
-        help="put a map or a robot into the simulation that runs",
+        help="spawn a map or a robot in the running simulation",
         description="Put a map or a robot into the simulation that runs: Gazebo Classic's at GAZEBO_MASTER_URI, or "
         "Gazebo Sim's in GZ_PARTITION, or at their usual addresses.",
         epilog="Kinds of robots: " + ", ".join(ROBOTS) + ". rsegen open --shared starts a simulation.",

@@ -13,7 +13,7 @@ from rsegen.recipe.building import build
 from rsegen.recipe.constraints.inventory import blocks
 
 
-def proof(scene: Scene) -> dict[str, Any]:
+def constraint_report(scene: Scene) -> dict[str, Any]:
     """What was asked and what is there, for each constraint of a map's recipe, as JSON can say it."""
     recipe = scene.recipe
     found: dict[str, Any] = {}
@@ -33,7 +33,7 @@ def proof(scene: Scene) -> dict[str, Any]:
 
 def told(scene: Scene) -> Iterator[str]:
     """The same in words."""
-    found = proof(scene)
+    found = constraint_report(scene)
     if "max_step" in found:
         yield "largest step between neighbours, in units: {is}; asked for: {asked}".format(**found["max_step"])
     if "crossable_by" in found:

@@ -15,7 +15,7 @@ MANY = 1000
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Account:
+class MapSummary:
     """What a map is and costs: cells with frames, metres, blocks of each level; models, faces to be seen and bytes."""
 
     name: str
@@ -32,7 +32,7 @@ class Account:
     warnings: tuple[str, ...]
 
 
-def account(scene: Scene) -> Account:
+def map_summary(scene: Scene) -> MapSummary:
     """The account of a map: its files are made for it, and not written."""
     size = seen = 0
     for path, content in export(scene).items():
@@ -40,7 +40,7 @@ def account(scene: Scene) -> Account:
             size += len(piece)
             seen += faces(piece) if path.match("meshes/*.obj") else 0
     mesh_type = MESH_TYPES[scene.recipe.mesh_type]
-    return Account(
+    return MapSummary(
         name=scene.name,
         seed=scene.recipe.seed,
         cells=scene.field.shape,

@@ -19,8 +19,8 @@ from PySide6.QtWidgets import (
 )
 
 from rsegen.field.obstacles.matrix import Rows
-from rsegen.params.places import Pair
-from rsegen.params.sorts import Choice, Flag, Json, Parameter, Real, Whole, parameters
+from rsegen.params.places import Size2D
+from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, parameters
 
 _MOST = 2**31 - 1
 
@@ -104,10 +104,10 @@ class NumberEditor(Editor):
     """A number with bounds, whole or not."""
 
     def _widgets(self) -> tuple[QWidget, ...]:
-        sort = cast("Whole | Real", self.parameter)
+        sort = cast("Integer | Float", self.parameter)
         high = _MOST if sort.high is None else min(sort.high, _MOST)
         self._box: QSpinBox | QDoubleSpinBox
-        if isinstance(sort, Whole):
+        if isinstance(sort, Integer):
             self._box = QSpinBox()
             self._box.setRange(sort.low, int(high))
         else:
@@ -161,7 +161,7 @@ class TextEditor(Editor):
         return self.parameter.parse(text) if text else None
 
     def _put(self, value: Json) -> None:
-        self._line.setText("" if value is None else self.parameter.spell(value))
+        self._line.setText("" if value is None else self.parameter.format(value))
         self._line.setCursorPosition(0)
 
 
@@ -215,11 +215,11 @@ def editor(owner: type, name: str) -> Editor:
         return TextEditor(name, parameter)
     if isinstance(parameter, Choice):
         return ChoiceEditor(name, parameter)
-    if isinstance(parameter, Pair):
+    if isinstance(parameter, Size2D):
         return PairEditor(name, parameter)
     if isinstance(parameter, Flag):
         return FlagEditor(name, parameter)
     if isinstance(parameter, Rows):
         return RowsEditor(name, parameter)
-    small = isinstance(parameter, Real) or (isinstance(parameter, Whole) and (parameter.high or 0) <= _MOST)
+    small = isinstance(parameter, Float) or (isinstance(parameter, Integer) and (parameter.high or 0) <= _MOST)
     return NumberEditor(name, parameter) if small else TextEditor(name, parameter)

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rsegen.exporters.formats import Format, refuse_unready
-from rsegen.exporters.sheet import FORMATS, Saw, page_count, refuse_unbuildable
+from rsegen.exporters.sheet import FORMATS, CutSettings, page_count, refuse_unbuildable
 from rsegen.io.exports import export_maps
 from rsegen.io.sheets import write_sheets
-from rsegen.io.sidecars import Extras
+from rsegen.io.sidecars import Sidecars
 from rsegen.io.worlds import generate
 from rsegen.recipe.recipe import Recipe
 
@@ -58,7 +58,7 @@ class Worlds(Job):
 
     def refuse(self) -> None:
         """Not every map can be built by hand."""
-        Extras(sheet=self.sheets).refuse(self.recipe)
+        Sidecars(sheet=self.sheets).refuse(self.recipe)
 
     def carried_out(self, step: Callable[[object], None], *, force: bool) -> str:
         """As `rsegen generate`."""
@@ -86,7 +86,7 @@ class Exports(Job):
 class Sheet(Job):
     """The build sheet of a recipe's first map, as PDF and as CSV."""
 
-    saw: Saw
+    saw: CutSettings
 
     @property
     def steps(self) -> int:

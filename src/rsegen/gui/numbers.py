@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.exporters.map_summary import account, warnings
+from rsegen.exporters.map_summary import map_summary, warnings
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics.reach import reach
 from rsegen.field.stepfield import StepField
@@ -58,7 +58,7 @@ def costs(scene: Scene, robot: str = "") -> Costs:
     n_x, n_y = scene.field.shape
     if n_x * n_y > COUNTED:
         return Costs("", said)
-    found = account(scene)
+    found = map_summary(scene)
     models = f"{found.models:,} model{'s'[: found.models != 1]}"
     text = f"{models}, {found.faces:,} faces, {_size(found.bytes)}"
     return Costs(text, said, crossing(scene.field, robot) if robot else "")

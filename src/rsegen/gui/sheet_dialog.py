@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
-from rsegen.exporters.sheet import Saw, page_count
+from rsegen.exporters.sheet import CutSettings, page_count
 from rsegen.gui.job_dialog import JobDialog
 from rsegen.gui.jobs import Sheet
 from rsegen.gui.options_form import OptionsForm
@@ -22,7 +22,7 @@ class SheetDialog(JobDialog):
         super().__init__("sheet_dialog", f"Build sheet of {name}", _WORDS, parent)
         self.setMinimumWidth(540)
         self._recipe = recipe.alone(index)
-        self._saw = OptionsForm(Saw)
+        self._saw = OptionsForm(CutSettings)
         pages = page_count(recipe)
         said = f"What to saw, and where each block stands: {name}.pdf ({pages} pages of A4) and {name}.csv"
         body = QWidget()

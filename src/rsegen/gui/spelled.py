@@ -15,7 +15,7 @@ def command_line(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
     """The command that generates the same, with build sheets or without."""
     words = ["rsegen", "generate", "-o", folder, *["--sheet"][:sheets]]
     for name, value in _stated(recipe).items():
-        words += [f"--{name.replace('_', '-')}", parameters(Recipe)[name].spell(value)]
+        words += [f"--{name.replace('_', '-')}", parameters(Recipe)[name].format(value)]
     for placement in recipe.obstacles:
         words += ["--obstacle", " ".join(_words(placement.entry()))]
     return shlex.join(words)
@@ -47,7 +47,7 @@ def _call(placement: Placement) -> str:
 def _words(entry: Entry) -> Iterator[str]:
     known = {**parameters(KINDS[entry["kind"]]), **parameters(Placement)}
     yield entry["kind"]
-    yield from (f"{name}={known[name].spell(value)}" for name, value in entry.items() if name in known)
+    yield from (f"{name}={known[name].format(value)}" for name, value in entry.items() if name in known)
 
 
 def _tuple(value: Json) -> Json:

@@ -14,7 +14,7 @@ from rsegen.errors import OutputError
 from rsegen.exporters.formats import Format, bytes_a_cell, exported, refuse_unready
 from rsegen.exporters.scene import compose
 from rsegen.io.resources import maps_at_once, refuse_too_large, refuse_too_many
-from rsegen.io.sidecars import Extras
+from rsegen.io.sidecars import Sidecars
 from rsegen.io.work import WORKERS, carried_out
 from rsegen.io.writer import refuse_not_a_folder, refuse_taken, write
 from rsegen.recipe.recipe import Recipe
@@ -88,7 +88,7 @@ class _Order:
 
 def _seconds(recipes: Sequence[Recipe], formats: Sequence[Format]) -> float:
     """About how long a map takes, in the mean."""
-    extras, maps = Extras(formats=formats), sum(recipe.maps for recipe in recipes)
+    extras, maps = Sidecars(formats=formats), sum(recipe.maps for recipe in recipes)
     return fsum(recipe.maps / maps * extras.seconds(prod(recipe.grid.shape)) for recipe in recipes)
 
 

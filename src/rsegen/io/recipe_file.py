@@ -93,7 +93,7 @@ def _refuse_twins(keys: Iterable[tuple[str, str]]) -> None:
     seen = set()
     for key, where in keys:
         if key in seen:
-            raise FileError(f"{where}: the key {shown(key)} stands twice")
+            raise FileError(f"{where}: the key {shown(key)} is given twice")
         seen.add(key)
 
 

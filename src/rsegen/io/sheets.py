@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from rsegen.exporters.scene import Scene, compose
-from rsegen.exporters.sheet import Saw, refuse_unbuildable, sheet, sheet_format
+from rsegen.exporters.sheet import CutSettings, refuse_unbuildable, sheet, sheet_format
 from rsegen.io.resources import refuse_too_large
 from rsegen.io.writer import refuse_taken_file, write_file
 from rsegen.recipe.recipe import Recipe
@@ -19,7 +19,7 @@ def write_sheets(
     recipe: Recipe,
     index: int,
     paths: Iterable[Path],
-    saw: Saw | None = None,
+    saw: CutSettings | None = None,
     *,
     force: bool = False,
     progress: Callable[[object], None] | None = None,
@@ -29,7 +29,7 @@ def write_sheets(
     Nothing is written before all of them are made; `progress` is told of each page of a PDF. Raises an OutputError
     where a file is there already, unless `force`; TooLarge or a ParameterError where the map has no sheet.
     """
-    saw = saw or Saw()
+    saw = saw or CutSettings()
     formats = {path: sheet_format(path) for path in paths}
     for path in formats:
         refuse_taken_file(path, force=force)

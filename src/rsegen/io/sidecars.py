@@ -13,7 +13,7 @@ from rsegen.exporters.formats import Format, added, bytes_a_cell, options, refus
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.pictures.preview import picture
 from rsegen.exporters.scene import Scene
-from rsegen.exporters.sheet import Saw, refuse_unbuildable, sheet
+from rsegen.exporters.sheet import CutSettings, refuse_unbuildable, sheet
 from rsegen.params.sorts import Json
 from rsegen.recipe.recipe import Recipe
 
@@ -21,7 +21,7 @@ SHEETS = ("sheet.csv", "sheet.pdf")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Extras:
+class Sidecars:
     """A picture, a build sheet, and formats of other programs with their options."""
 
     preview: bool = False
@@ -32,7 +32,7 @@ class Extras:
         """Raise a UserError where maps of a recipe cannot have them here."""
         refuse_unready(self.formats)
         if self.sheet:
-            refuse_unbuildable(recipe, Saw())
+            refuse_unbuildable(recipe, CutSettings())
 
     def files(self, scene: Scene) -> Bundle:
         """The files that they are."""

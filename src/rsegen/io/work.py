@@ -13,7 +13,7 @@ from typing import Protocol, TypeVar
 
 from rsegen.io.workers import shared_out
 from rsegen.io.writer import clear_away, parent_of, told
-from rsegen.params.sorts import Whole
+from rsegen.params.sorts import Integer
 
 WORTHWHILE = 1.0
 """Seconds of work from which on workers gain more than they cost."""
@@ -21,7 +21,7 @@ WORTHWHILE = 1.0
 BATCH = 0.2
 """Seconds of work that a worker is given at once: much more than the giving takes, little enough to see it move."""
 
-WORKERS = Whole(1, help="processes that make maps at the same time")
+WORKERS = Integer(1, help="processes that make maps at the same time")
 
 Item = TypeVar("Item")
 Item_contra = TypeVar("Item_contra", contravariant=True)

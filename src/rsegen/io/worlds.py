@@ -19,7 +19,7 @@ from rsegen.exporters.map_summary import warnings
 from rsegen.exporters.scene import Scene, compose
 from rsegen.io.existing import complete, is_map_of
 from rsegen.io.resources import maps_at_once, refuse_too_large, refuse_too_many
-from rsegen.io.sidecars import Extras
+from rsegen.io.sidecars import Sidecars
 from rsegen.io.work import WORKERS, carried_out
 from rsegen.io.writer import clear_away, refuse_not_a_folder, refuse_taken, write
 from rsegen.recipe.recipe import Recipe
@@ -89,8 +89,8 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
     """
     folder, workers = Path(folder), WORKERS.check("workers", workers)
     if force and resume:
-        raise ParameterError("resume", "keeps the maps that are there, and force replaces them; give one of the two")
-    extras = Extras(preview=preview, sheet=sheet, formats=tuple(formats))
+        raise ParameterError("resume", "--resume and --force exclude each other")
+    extras = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
     extras.refuse(recipe)
     refuse_too_large(recipe, extras.bytes_a_cell)
     refuse_not_a_folder(folder)
@@ -106,7 +106,7 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
     return Generated(recipe=recipe, folder=folder, maps=maps, already=tuple(sorted(already)))
 
 
-def made(scene: Scene, folder: Path, extras: Extras, *, replace: bool) -> GeneratedMap:
+def made(scene: Scene, folder: Path, extras: Sidecars, *, replace: bool) -> GeneratedMap:
     """One map, put on disk."""
     bundle = {**export(scene), **extras.files(scene)}
     return GeneratedMap(
@@ -121,7 +121,7 @@ def made(scene: Scene, folder: Path, extras: Extras, *, replace: bool) -> Genera
     )
 
 
-def seconds(recipe: Recipe, extras: Extras) -> float:
+def seconds(recipe: Recipe, extras: Sidecars) -> float:
     """About how long a map takes; it decides how the work is shared out, not what comes of it."""
     n_x, n_y = recipe.grid.shape
     return 2e-3 + n_x * n_y * 4e-6 + extras.seconds(n_x * n_y)
@@ -134,7 +134,7 @@ class _Order:
     recipe: Recipe
     folder: Path
     replace: bool
-    extras: Extras
+    extras: Sidecars
 
     @property
     def seconds(self) -> float:

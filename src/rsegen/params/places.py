@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 from rsegen.errors import ParameterError, shown
-from rsegen.params.sorts import Json, integer, whole
+from rsegen.params.sorts import Json, as_int, parse_int
 
 Cell = tuple[int, int]
 """x and y in block cells of the whole map, frames left out."""
@@ -19,7 +19,7 @@ ANYWHERE: Place = ("random", "random")
 
 
 @dataclass(frozen=True)
-class AtCell:
+class CellRef:
     """A place: `[2, 3]`, `[random, 3]`, or `random` for both coordinates."""
 
     help: str = ""
@@ -35,16 +35,16 @@ class AtCell:
     def _coordinate(self, where: str, value: object) -> Coordinate:
         if isinstance(value, str) and value == "random":
             return "random"
-        number = whole(value)
+        number = as_int(value)
         if number is None or number < 0:
             raise ParameterError(where, f"{shown(value)} is not a coordinate; give a cell from 0 on, or random")
         return number
 
     def parse(self, text: str) -> object:
         parts = text.split(",")
-        return text if len(parts) == 1 else [integer(part) for part in parts]
+        return text if len(parts) == 1 else [parse_int(part) for part in parts]
 
-    def spell(self, value: Any) -> str:
+    def format(self, value: Any) -> str:
         return ",".join(map(str, value)) if isinstance(value, list) else str(value)
 
     def schema(self) -> dict[str, Json]:
@@ -57,7 +57,7 @@ class AtCell:
 
 
 @dataclass(frozen=True)
-class Pair:
+class Size2D:
     """A whole number for each of x and y, from 1 to a thousand million; one number stands for both."""
 
     high: ClassVar[int] = 10**9
@@ -67,7 +67,7 @@ class Pair:
         values = value if isinstance(value, (list, tuple)) else (value, value)
         if len(values) != 2:
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
-        numbers = [whole(one) for one in values]
+        numbers = [as_int(one) for one in values]
         for number in numbers:
             if number is None or not 1 <= number <= self.high:
                 raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
@@ -75,10 +75,10 @@ class Pair:
 
     def parse(self, text: str) -> object:
         parts = text.replace("x", ",").split(",")
-        numbers = [integer(part) for part in parts]
+        numbers = [parse_int(part) for part in parts]
         return numbers[0] if len(numbers) == 1 else numbers
 
-    def spell(self, value: Any) -> str:
+    def format(self, value: Any) -> str:
         return "x".join(map(str, value)) if isinstance(value, list) else str(value)
 
     def schema(self) -> dict[str, Json]:

@@ -1,6 +1,6 @@
 """What a parameter may be, said once: the bounds, the unit and the help of a field stand in its annotation.
 
-    softness: Annotated[float, Real(0, 100, unit="%", help="run-out of the sides")] = 0.0
+    softness: Annotated[float, Float(0, 100, unit="%", help="run-out of the sides")] = 0.0
 
 From there come the check in Python, the flag and the form, and the JSON Schema. A parameter is anything with the
 methods of `Parameter`; a value that it accepts is returned in its one canonical form.
@@ -34,7 +34,7 @@ class Parameter(Protocol):
     def parse(self, text: str) -> object:
         """What `text` on the command line stands for; not yet checked."""
 
-    def spell(self, value: Any) -> str:
+    def format(self, value: Any) -> str:
         """The text on the command line that stands for a value as a file has it."""
 
     def schema(self) -> dict[str, Json]:
@@ -45,7 +45,7 @@ class Parameter(Protocol):
 
 
 @dataclass(frozen=True)
-class Real:
+class Float:
     """A finite number from `low` to `high`, both allowed."""
 
     low: float = -math.inf
@@ -75,7 +75,7 @@ class Real:
         except ValueError:
             return text
 
-    def spell(self, value: Any) -> str:
+    def format(self, value: Any) -> str:
         return str(value)
 
     def schema(self) -> dict[str, Json]:
@@ -87,7 +87,7 @@ class Real:
 
 
 @dataclass(frozen=True)
-class Whole:
+class Integer:
     """A whole number from `low` to `high`, both allowed."""
 
     low: int
@@ -96,7 +96,7 @@ class Whole:
     help: str = ""
 
     def check(self, where: str, value: object) -> int:
-        number = whole(value)
+        number = as_int(value)
         if number is None:
             raise ParameterError(where, f"{shown(value)} is not a whole number; give {self.describe()}")
         if number < self.low or (self.high is not None and number > self.high):
@@ -105,9 +105,9 @@ class Whole:
         return number
 
     def parse(self, text: str) -> object:
-        return integer(text)
+        return parse_int(text)
 
-    def spell(self, value: Any) -> str:
+    def format(self, value: Any) -> str:
         return str(value)
 
     def schema(self) -> dict[str, Json]:
@@ -133,7 +133,7 @@ class Choice:
     def parse(self, text: str) -> object:
         return text
 
-    def spell(self, value: Any) -> str:
+    def format(self, value: Any) -> str:
         return str(value)
 
     def schema(self) -> dict[str, Json]:
@@ -157,7 +157,7 @@ class Flag:
     def parse(self, text: str) -> object:
         return {"yes": True, "no": False}.get(text, text)
 
-    def spell(self, value: Any) -> str:
+    def format(self, value: Any) -> str:
         return "yes" if value else "no"
 
     def schema(self) -> dict[str, Json]:
@@ -178,12 +178,12 @@ class Text:
     def check(self, where: str, value: object) -> str:
         if isinstance(value, str) and re.fullmatch(self.pattern, value) and not re.search("[\ud800-\udfff]", value):
             return value
-        raise ParameterError(where, f"{shown(value)} will not do; give {self.meaning}")
+        raise ParameterError(where, f"invalid value {shown(value)}: expected {self.meaning}")
 
     def parse(self, text: str) -> object:
         return text
 
-    def spell(self, value: Any) -> str:
+    def format(self, value: Any) -> str:
         return str(value)
 
     def schema(self) -> dict[str, Json]:
@@ -194,7 +194,7 @@ class Text:
 
 
 @dataclass(frozen=True)
-class Several:
+class ListOf:
     """A list of values of one sort, of so many or of any number; one alone is a list of it."""
 
     sort: Parameter
@@ -211,8 +211,8 @@ class Several:
     def parse(self, text: str) -> object:
         return [self.sort.parse(part) for part in text.split(",")]
 
-    def spell(self, value: Any) -> str:
-        return ",".join(map(self.sort.spell, value))
+    def format(self, value: Any) -> str:
+        return ",".join(map(self.sort.format, value))
 
     def schema(self) -> dict[str, Json]:
         sort = self.sort.schema()
@@ -237,7 +237,7 @@ def _parameters(owner: Any) -> Mapping[str, Parameter]:
     return MappingProxyType({name: marks[0] for name, marks in found.items() if marks})
 
 
-def settle(instance: object) -> None:
+def validate(instance: object) -> None:
     """Check every parameter of a frozen dataclass and store its canonical form; None stays where it is the default."""
     defaults = {field.name: field.default for field in fields(instance)}  # type: ignore[arg-type]  # a dataclass
     for name, parameter in parameters(type(instance)).items():
@@ -246,7 +246,7 @@ def settle(instance: object) -> None:
             object.__setattr__(instance, name, parameter.check(name, value))
 
 
-def whole(value: object) -> int | None:
+def as_int(value: object) -> int | None:
     """`value` as an int where it is a whole number (2, 2.0, numpy's), else None; a bool is none."""
     if isinstance(value, float):
         return int(value) if value.is_integer() else None
@@ -256,7 +256,7 @@ def whole(value: object) -> int | None:
         return None
 
 
-def integer(text: str) -> int | str:
+def parse_int(text: str) -> int | str:
     """The number that `text` writes in digits, or `text` itself where it does not."""
     return int(text) if re.fullmatch(r"[+-]?[0-9]{1,4000}", text) else text
 

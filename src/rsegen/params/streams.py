@@ -25,6 +25,6 @@ def generator(seed: int, index: int, key: str) -> np.random.Generator:
     return np.random.Generator(np.random.PCG64(np.frombuffer(digest, "<u4")))
 
 
-def pick(rng: np.random.Generator, low: int, high: int) -> int:
+def randint(rng: np.random.Generator, low: int, high: int) -> int:
     """A whole number from low..high, both included, each as likely as the other."""
     return low + int(rng.random() * (high - low + 1))

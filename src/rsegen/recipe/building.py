@@ -17,13 +17,13 @@ from rsegen.errors import ParameterError, TooLarge
 from rsegen.field.obstacles import Grid, Patch
 from rsegen.field.stepfield import Levels, StepField, framed
 from rsegen.params.places import Cell
-from rsegen.params.sorts import Whole
+from rsegen.params.sorts import Integer
 from rsegen.params.streams import SEEDS, generator
 from rsegen.recipe.constraints import constrained
 from rsegen.recipe.difficulty import eased
 from rsegen.recipe.recipe import Placement, Recipe
 
-INDEX = Whole(0, SEEDS - 1, help="index of a map")
+INDEX = Integer(0, SEEDS - 1, help="index of a map")
 
 
 def build(recipe: Recipe, index: int = 0) -> StepField:
@@ -78,7 +78,7 @@ def _level_ground(grid: Grid) -> Levels:
 
 def _placed(grid: Grid, placement: Placement, rng: np.random.Generator) -> tuple[Cell, Cell, Patch]:
     obstacle = placement.obstacle
-    usual_first, usual_last = obstacle.usual_ends(grid)
+    usual_first, usual_last = obstacle.default_ends(grid)
     first, last = obstacle.ends(grid, placement.first or usual_first, placement.last or usual_last, rng)
     return first, last, obstacle.patch(grid, first, last, rng)
 

@@ -13,13 +13,13 @@ from typing import Any
 from rsegen import __version__
 from rsegen.errors import ParameterError, refuse_unknown, shown
 from rsegen.field.obstacles import KINDS, Obstacle, kind
-from rsegen.params.sorts import Json, Parameter, Text, Whole, parameters
+from rsegen.params.sorts import Integer, Json, Parameter, Text, parameters
 from rsegen.recipe.recipe import Placement, Recipe
 
 FORMAT = 1
 SCHEMA_ID = "urn:rsegen:recipe:1"
 _ENVELOPE: dict[str, Parameter] = {
-    "version": Whole(FORMAT, FORMAT, help="version of the recipe format"),
+    "version": Integer(FORMAT, FORMAT, help="version of the recipe format"),
     "generator": Text(r"[^\x00-\x1f]{0,100}", "a short text", help="what wrote the file"),
     "$schema": Text(r"[^\x00-\x1f]{0,500}", "the address of a schema", help="for editors"),
 }

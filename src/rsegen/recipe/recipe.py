@@ -10,14 +10,14 @@ from itertools import count
 from typing import Annotated
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.metrics import Climber
+from rsegen.field.metrics import RobotLimits
 from rsegen.field.obstacles import Grid, Obstacle
-from rsegen.params.places import AtCell, Cell, Pair, Place
-from rsegen.params.sorts import Choice, Json, Real, Several, Text, Whole, parameters, settle
+from rsegen.params.places import Cell, CellRef, Place, Size2D
+from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Text, parameters, validate
 from rsegen.params.streams import SEEDS, fresh_seed
 
-_CENTIMETRES = Real(0.001, 100_000, unit="cm")
-_FRICTION = Real(0, 1000, help="Coulomb's coefficient of blocks, frames and ground")
+_CENTIMETRES = Float(0.001, 100_000, unit="cm")
+_FRICTION = Float(0, 1000, help="friction coefficient of blocks, frames and ground")
 _COLOUR = Text("#[0-9A-Fa-f]{6}", "#rrggbb, in quotes")
 
 
@@ -30,19 +30,24 @@ class Placement:
     """
 
     obstacle: Obstacle
-    first: Annotated[Place | None, AtCell(help="one end or corner, x and y in block cells of the map")] = None
-    last: Annotated[Place | None, AtCell(help="the other end or corner")] = None
-    blend: Annotated[str, Choice(("replace", "max", "add", "min"), help="how it meets what was there before it")] = (
-        "replace"
-    )
+    first: Annotated[Place | None, CellRef(help="one end or corner, x and y in block cells of the map")] = None
+    last: Annotated[Place | None, CellRef(help="the other end or corner")] = None
+    blend: Annotated[
+        str, Choice(("replace", "max", "add", "min"), help="how it is combined with earlier obstacles")
+    ] = "replace"
     key: Annotated[
-        str | None, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="names its randomness")
+        str | None,
+        Text(
+            r"[A-Za-z0-9_.\-]{1,64}",
+            "1..64 letters, digits, _ . -",
+            help="name of its random stream: the same key draws the same",
+        ),
     ] = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.obstacle, Obstacle):
             raise ParameterError("obstacle", f"{shown(self.obstacle)} is not an obstacle, such as rsegen.Peak(...)")
-        settle(self)
+        validate(self)
         if self.first and self.last:
             self.obstacle.check(self.first, self.last)
 
@@ -66,74 +71,85 @@ class Recipe:
     description: Annotated[str, Text(r"[^\x00-\x1f]{0,500}", "one line of up to 500 characters", help="for people")] = (
         ""
     )
-    maps: Annotated[int, Whole(1, help="number of maps to generate")] = 1
-    first_map: Annotated[int, Whole(0, SEEDS - 1, help="index of the first of them")] = 0
-    chunk_size: Annotated[int, Whole(1, 1000, unit="blocks", help="side of a single chunk (pallet)")] = 10
-    chunks: Annotated[Cell, Pair(help="map size in chunks: N for a square, or NxM")] = (1, 1)
+    maps: Annotated[int, Integer(1, help="number of maps to generate")] = 1
+    first_map: Annotated[int, Integer(0, SEEDS - 1, help="index of the first of them")] = 0
+    chunk_size: Annotated[int, Integer(1, 1000, unit="blocks", help="side of a single chunk (pallet)")] = 10
+    chunks: Annotated[Cell, Size2D(help="map size in chunks: N for a square, or NxM")] = (1, 1)
     unit_cm: Annotated[float, replace(_CENTIMETRES, help="height discretization step")] = 10.0
     block_width_cm: Annotated[float, replace(_CENTIMETRES, help="side of a block, and depth of a frame")] = 10.0
     boundary: Annotated[
         str, Choice(("none", "divided", "outer"), help="frames: none, round every chunk, or one round the map")
     ] = "divided"
-    frame_height_cm: Annotated[float, Real(0, 100_000, unit="cm", help="height of the frames")] = 10.0
-    difficulty: Annotated[
-        float, Real(0, 1, help="rms step between blocks, as a share of that of the obstacles as they are; 0 is level")
-    ] = 1.0
+    frame_height_cm: Annotated[float, Float(0, 100_000, unit="cm", help="height of the frames")] = 10.0
+    difficulty: Annotated[float, Float(0, 1, help="how rough the map is: 1 as designed, 0 flat")] = 1.0
     mesh_type: Annotated[
-        str, Choice(("single", "multi", "pallet"), help="one model a map, one a block, or one a chunk")
+        str, Choice(("single", "multi", "pallet"), help="one model per map, per block, or per chunk")
     ] = "single"
     simulator: Annotated[
         str,
-        Choice(("both", "classic"), help="for both Gazebos, or for Gazebo Classic alone, where floors are then truer"),
+        Choice(
+            ("both", "classic"), help="target simulator: both, or classic for smoother floors in Gazebo Classic only"
+        ),
     ] = "both"
     mesh: Annotated[
         str,
         Choice(
             ("merged", "watertight", "blocks"),
-            help="mesh: the exposed surface in few rectangles, closed and without gaps, or 6 faces a block",
+            help="mesh: the exposed surface in few rectangles, closed and without gaps, or 6 faces per block",
         ),
     ] = "merged"
     collision: Annotated[
-        str, Choice(("mesh", "boxes", "blocks"), help="what is touched: the same mesh, few boxes, or one box a block")
+        str,
+        Choice(
+            ("mesh", "boxes", "blocks"),
+            help="collision shape: the visual mesh, a few merged boxes, or one box per block",
+        ),
     ] = "mesh"
     tile: Annotated[
-        int, Whole(0, 100_000, unit="cells", help="side of the parts that the mesh is cut into, a file each; 0: none")
+        int,
+        Integer(
+            0, 100_000, unit="cells", help="cut the mesh into square parts of this side, one file each; 0: one mesh"
+        ),
     ] = 0
     friction: Annotated[float, _FRICTION] = 1.0
-    frame_friction: Annotated[
-        float | None, replace(_FRICTION, help="Coulomb's coefficient of the frames, where it is another")
-    ] = None
+    frame_friction: Annotated[float | None, replace(_FRICTION, help="friction of the frames, if different")] = None
     level_friction: Annotated[
         tuple[float, ...] | None,
-        Several(_FRICTION, help="Coulomb's coefficient of blocks of level 1, 2, ...; higher ones have that of the map"),
+        ListOf(_FRICTION, help="friction of blocks of level 1, 2, ...; higher levels have that of the map"),
     ] = None
     frame_colour: Annotated[str | None, replace(_COLOUR, help="colour of the frames")] = None
     level_colours: Annotated[
         tuple[str, ...] | None,
-        Several(_COLOUR, help="colours of blocks of level 1, 2, ...; higher ones have those that they have anyway"),
+        ListOf(_COLOUR, help="colours of blocks of level 1, 2, ...; higher levels keep the default ones"),
     ] = None
     max_step: Annotated[
-        int | None, Whole(1, 32767, unit="units", help="largest step between neighbouring blocks; flanks give way")
+        int | None,
+        Integer(
+            1,
+            32767,
+            unit="units",
+            help="largest height difference between neighbouring blocks; steeper slopes are flattened",
+        ),
     ] = None
     crossable_by: Annotated[
         tuple[float, float, float] | None,
-        Several(
-            Real(0, 100_000, unit="cm"),
+        ListOf(
+            Float(0, 100_000, unit="cm"),
             3,
-            help="climb, drop and width of a robot that gets across, east and north",
+            help="guarantees that a robot with this climb, drop and width can cross west to east and south to north",
         ),
     ] = None
     inventory: Annotated[
         tuple[int, ...] | None,
-        Several(Whole(0, 10**9), help="blocks that a lab owns of level 1, 2, ...: no others are built with"),
+        ListOf(Integer(0, 10**9), help="number of blocks in stock of level 1, 2, ...: only these are used"),
     ] = None
-    seed: Annotated[int, Whole(0, SEEDS - 1, help="of all randomness; drawn and recorded where none is given")] = field(
-        default_factory=fresh_seed
-    )
+    seed: Annotated[
+        int, Integer(0, SEEDS - 1, help="random seed; if none is given, one is drawn and saved in recipe.json")
+    ] = field(default_factory=fresh_seed)
     obstacles: Sequence[Placement] = ()
 
     def __post_init__(self) -> None:
-        settle(self)
+        validate(self)
         if self.first_map + self.maps > SEEDS:
             raise ParameterError("maps", f"{shown(self.maps)} from first_map {self.first_map} on go beyond {SEEDS - 1}")
         self._check_shapes()
@@ -151,12 +167,12 @@ class Recipe:
         return Grid(m_x * self.chunk_size, m_y * self.chunk_size, self.chunk_size)
 
     @property
-    def climber(self) -> Climber | None:
+    def climber(self) -> RobotLimits | None:
         """The robot that gets across every map."""
         if self.crossable_by is None:
             return None
         climb, drop, width = self.crossable_by
-        return Climber(climb_cm=climb, drop_cm=drop, width_cm=width)
+        return RobotLimits(climb_cm=climb, drop_cm=drop, width_cm=width)
 
     @property
     def is_constrained(self) -> bool:

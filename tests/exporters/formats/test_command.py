@@ -17,7 +17,7 @@ from rsegen.exporters.formats import FORMATS, summary
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.io.existing import standing
-from rsegen.io.sidecars import Extras
+from rsegen.io.sidecars import Sidecars
 from tests.exporters.formats.maps import RECIPES
 from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents
@@ -135,7 +135,7 @@ def test_resume_keeps_maps_that_have_the_formats_and_makes_the_others_anew(
 
 def test_resume_makes_worlds_of_maps_that_were_exported_alone(tmp_path: Path) -> None:
     rsegen.export_maps([SMALL], tmp_path / "worlds", [Heightmap()])
-    assert standing(SMALL, tmp_path / "worlds", Extras().stand) == 0
+    assert standing(SMALL, tmp_path / "worlds", Sidecars().stand) == 0
     assert generated(tmp_path / "worlds", "--resume") == 0
     assert generated(tmp_path / "plain") == 0
     assert contents(tmp_path / "worlds") == contents(tmp_path / "plain")
@@ -145,11 +145,11 @@ def test_resume_makes_worlds_of_maps_that_were_exported_alone(tmp_path: Path) ->
 def test_a_list_of_formats_that_is_none_has_none(content: bytes, tmp_path: Path) -> None:
     formats = [Heightmap()]
     rsegen.generate(SMALL, tmp_path, formats=formats)
-    wanted = Extras(formats=formats).stand
+    wanted = Sidecars(formats=formats).stand
     assert standing(SMALL, tmp_path, wanted) == 3
     (tmp_path / "rse_0001" / "formats.json").write_bytes(content)
     assert standing(SMALL, tmp_path, wanted) == 2
-    assert standing(SMALL, tmp_path, Extras().stand) == 3
+    assert standing(SMALL, tmp_path, Sidecars().stand) == 3
 
 
 def test_workers_make_the_same_files(tmp_path: Path) -> None:

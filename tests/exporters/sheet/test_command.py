@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import rsegen
-from rsegen import Saw
+from rsegen import CutSettings
 from rsegen.cli import main
 from rsegen.recipe.examples import EXAMPLES
 
@@ -28,7 +28,7 @@ def test_it_writes_what_python_gives(tmp_path: Path, capsys: pytest.CaptureFixtu
     pdf, table = tmp_path / "new" / "s.PDF", tmp_path / "s.csv"
     out = printed(capsys, "sheet", PALLET, "-o", pdf, "--csv", table, "--kerf-mm", "2", "--stock-cm", "300")
     assert out == f"{pdf}: red-diagonal-pallet_0000, seed 1\n{table}: red-diagonal-pallet_0000, seed 1\n"
-    scene, saw = rsegen.compose(rsegen.load(PALLET)), Saw(kerf_mm=2, stock_cm=300)
+    scene, saw = rsegen.compose(rsegen.load(PALLET)), CutSettings(kerf_mm=2, stock_cm=300)
     assert pdf.read_bytes() == rsegen.sheet(scene, saw)
     assert table.read_bytes() == rsegen.sheet(scene, saw, "csv")
 

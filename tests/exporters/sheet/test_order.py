@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 
 from rsegen import Recipe, compose
+from rsegen.exporters.sheet.cutting import nanometres
 from rsegen.exporters.sheet.order import in_order, lengths, name, placing
-from rsegen.exporters.sheet.saw import nanometres
 from tests.support.strategies import recipes
 
 

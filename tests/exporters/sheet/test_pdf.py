@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from pypdf import PageObject, PdfReader
 
-from rsegen import Placement, Random, Recipe, Saw, Scene, compose, load, sheet
+from rsegen import CutSettings, Placement, Random, Recipe, Scene, compose, load, sheet
 from rsegen.errors import ParameterError
+from rsegen.exporters.sheet.cutting import centimetres
 from rsegen.exporters.sheet.order import in_order, placing
-from rsegen.exporters.sheet.saw import centimetres
 from rsegen.field.stepfield import Ints
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
@@ -25,7 +25,7 @@ BLOCKS = (Placement(obstacle=Random(max_height=5)),)
 POINTS_A_MM = 72 / 25.4
 
 
-def read(recipe: Recipe, saw: Saw | None = None) -> PdfReader:
+def read(recipe: Recipe, saw: CutSettings | None = None) -> PdfReader:
     return PdfReader(io.BytesIO(sheet(compose(recipe, recipe.first_map), saw)))
 
 
@@ -157,7 +157,7 @@ def test_a_long_name_and_a_long_way_to_cut_stay_on_the_page() -> None:
 
 
 def test_another_saw_and_stock_are_counted_with() -> None:
-    page = words(read(RECIPES["real"], Saw(kerf_mm=0, stock_cm=100)).pages[0])
+    page = words(read(RECIPES["real"], CutSettings(kerf_mm=0, stock_cm=100)).pages[0])
     assert "blocks: 100 cm of 10 x 10 cm 20 pieces" in page
     assert "lost to the saw, 0 mm a cut 0.00 m" in page
     assert "frame boards longer than 100 cm" in page

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import Climber
+from rsegen import RobotLimits
 from rsegen.cli import main
 from rsegen.exporters.pictures.paths import chart
 from rsegen.field.metrics.reach import reach
@@ -84,7 +84,7 @@ def test_a_recipe_and_its_maps_have_the_same_metrics(capsys: pytest.CaptureFixtu
 
 def test_json_and_csv_say_what_python_says(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
     expected = rsegen.metrics(
-        rsegen.compose(rsegen.load(maps / "rse_0002" / "recipe.json"), 2).field, Climber(climb_cm=10)
+        rsegen.compose(rsegen.load(maps / "rse_0002" / "recipe.json"), 2).field, RobotLimits(climb_cm=10)
     )
     told = json.loads(printed(capsys, maps, "--json", *TEN))
     rows = list(csv.DictReader(io.StringIO(printed(capsys, maps, "--csv", *TEN))))
@@ -125,7 +125,7 @@ def test_a_picture_is_written(capsys: pytest.CaptureFixture[str], tmp_path: Path
 def test_a_picture_shows_ways_where_there_are_any(climb_cm: float) -> None:
     """A robot that gets nowhere has a picture too."""
     scene = rsegen.compose(rsegen.load(PALLET))
-    found = reach(scene.field, Climber(climb_cm=climb_cm))
+    found = reach(scene.field, RobotLimits(climb_cm=climb_cm))
     pixels = Image.open(io.BytesIO(chart(scene, found))).convert("RGB")
     assert pixels.size == (1400, 700)
     heat = pixels.crop((700, 100, 1300, 600)).getcolors(2**24)

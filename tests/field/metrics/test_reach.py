@@ -12,24 +12,24 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 
 import rsegen
-from rsegen import Climber, StepField
-from rsegen.field.metrics.climber import NANOMETRES
+from rsegen import RobotLimits, StepField
 from rsegen.field.metrics.ground import Ground, ground, lane
 from rsegen.field.metrics.reach import Reach, reach
 from rsegen.field.metrics.regions import joined, mutual
+from rsegen.field.metrics.robot_limits import NANOMETRES
 from rsegen.field.stepfield import Ints
 from tests.field.metrics.test_families import field, turned
 from tests.support.strategies import fields
 
 CLIMBERS = st.builds(
-    Climber,
+    RobotLimits,
     climb_cm=st.sampled_from([0.0, 1.0, 7.0, 10.0, 20.0, 40.0]),
     drop_cm=st.sampled_from([None, 0.0, 10.0, 20.0, 40.0]),
     width_cm=st.sampled_from([0.0, 10.0, 17.8, 30.0, 1000.0]),
 )
 
 
-def graph(carrying: Ground, climber: Climber, tread: int) -> csr_array:
+def graph(carrying: Ground, climber: RobotLimits, tread: int) -> csr_array:
     """Every move that a robot can make, with its cost."""
     heights, (climb, drop) = carrying.heights.ravel(), climber.limits
     one, other = carrying.moves()
@@ -40,7 +40,7 @@ def graph(carrying: Ground, climber: Climber, tread: int) -> csr_array:
 
 
 @given(fields(), CLIMBERS)
-def test_the_cheapest_way_is_scipy_s(found: StepField, climber: Climber) -> None:
+def test_the_cheapest_way_is_scipy_s(found: StepField, climber: RobotLimits) -> None:
     assume(not found.frame.all())
     tread = round(found.block_width * NANOMETRES)
     for axis, crossing in enumerate((reach(found, climber).west_east, reach(found, climber).south_north)):
@@ -53,7 +53,7 @@ def test_the_cheapest_way_is_scipy_s(found: StepField, climber: Climber) -> None
 
 
 @given(fields(), CLIMBERS)
-def test_the_region_is_scipy_s_largest(found: StepField, climber: Climber) -> None:
+def test_the_region_is_scipy_s_largest(found: StepField, climber: RobotLimits) -> None:
     assume(not found.frame.all())
     _, group = connected_components(graph(ground(found, climber.width), climber, 1), connection="strong")
     counts = np.bincount(group[~found.frame.ravel()])
@@ -83,7 +83,7 @@ def partition(group: Ints) -> set[frozenset[int]]:
 
 
 @given(fields(), CLIMBERS)
-def test_a_path_is_a_way_that_the_robot_can_go_and_costs_what_is_said(found: StepField, climber: Climber) -> None:
+def test_a_path_is_a_way_that_the_robot_can_go_and_costs_what_is_said(found: StepField, climber: RobotLimits) -> None:
     assume(not found.frame.all())
     crossing = reach(found, climber).west_east
     assume(crossing.crosses)
@@ -103,27 +103,27 @@ def test_a_path_is_a_way_that_the_robot_can_go_and_costs_what_is_said(found: Ste
 @given(fields(), st.sampled_from([0.0, 10.0, 30.0]))
 def test_a_robot_crosses_from_the_opening_on_and_not_below_it(found: StepField, width_cm: float) -> None:
     assume(not found.frame.all())
-    at = Climber(climb_cm=1e-3, width_cm=width_cm)
+    at = RobotLimits(climb_cm=1e-3, width_cm=width_cm)
     opens = rsegen.metrics(found, at).opening
     for axis, least in (("west_east", opens.west_east), ("south_north", opens.south_north)):
-        climbs = Climber(climb_cm=round(least * 100, 7), width_cm=width_cm)
+        climbs = RobotLimits(climb_cm=round(least * 100, 7), width_cm=width_cm)
         assert getattr(reach(found, climbs), axis).crosses
         if least > 1e-5:
-            below = Climber(climb_cm=round(least * 100 - 1e-3, 7), width_cm=width_cm)
+            below = RobotLimits(climb_cm=round(least * 100 - 1e-3, 7), width_cm=width_cm)
             assert not getattr(reach(found, below), axis).crosses
 
 
 @given(fields(), CLIMBERS)
-def test_who_climbs_higher_gets_everywhere_that_another_gets(found: StepField, climber: Climber) -> None:
+def test_who_climbs_higher_gets_everywhere_that_another_gets(found: StepField, climber: RobotLimits) -> None:
     assume(not found.frame.all())
     one = reach(found, climber)
-    two = reach(found, Climber(climb_cm=climber.climb_cm + 5, drop_cm=50, width_cm=climber.width_cm))
+    two = reach(found, RobotLimits(climb_cm=climber.climb_cm + 5, drop_cm=50, width_cm=climber.width_cm))
     assert two.cover >= one.cover
     assert (two.west_east.costs <= one.west_east.costs).all()
 
 
 @given(fields(), CLIMBERS)
-def test_a_quarter_turn_swaps_the_directions(found: StepField, climber: Climber) -> None:
+def test_a_quarter_turn_swaps_the_directions(found: StepField, climber: RobotLimits) -> None:
     """What was west-east is south-north then: x has become y."""
     assume(not found.frame.all())
     one, other = reach(found, climber), reach(turned(found), climber)
@@ -132,7 +132,7 @@ def test_a_quarter_turn_swaps_the_directions(found: StepField, climber: Climber)
 
 
 def reached(rows: list[str], climb_cm: float, drop_cm: float | None = None, width_cm: float = 0) -> Reach:
-    return reach(field(*rows), Climber(climb_cm=climb_cm, drop_cm=drop_cm, width_cm=width_cm))
+    return reach(field(*rows), RobotLimits(climb_cm=climb_cm, drop_cm=drop_cm, width_cm=width_cm))
 
 
 def test_a_wall_with_a_door_is_gone_round() -> None:
@@ -182,5 +182,5 @@ def test_a_million_cells_are_measured_within_seconds() -> None:
     levels = np.random.default_rng(1).integers(0, 5, (1000, 1000)).astype(np.int16)
     large = StepField(levels=levels, frame=levels < 0, block_width=0.1, unit=0.1, frame_height=0.1)
     start = time.perf_counter()
-    rsegen.metrics(large, Climber(climb_cm=10, drop_cm=20))
+    rsegen.metrics(large, RobotLimits(climb_cm=10, drop_cm=20))
     assert time.perf_counter() - start < 60

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen.cli import main
-from rsegen.exporters.constraint_report import missing, proof
+from rsegen.exporters.constraint_report import constraint_report, missing
 from rsegen.exporters.pictures.preview import picture
 from rsegen.field.metrics.pairs import differences
 from rsegen.field.metrics.reach import crossing
@@ -31,7 +31,7 @@ def recipe(**values: object) -> rsegen.Recipe:
 
 
 def crosses(field: rsegen.StepField, climb: float, drop: float, width: float) -> bool:
-    climber = rsegen.Climber(climb_cm=climb, drop_cm=drop, width_cm=width)
+    climber = rsegen.RobotLimits(climb_cm=climb, drop_cm=drop, width_cm=width)
     return all(crossing(field, climber, axis).crosses for axis in (0, 1))
 
 
@@ -94,7 +94,7 @@ def test_a_block_that_is_missing_is_replaced_by_the_nearest() -> None:
     )
     scene = rsegen.compose(replace(made, inventory=(1, 0, 1, 1)))
     assert sorted(scene.field.levels.ravel()) == [0, 1, 3, 4]
-    assert proof(scene)["inventory"] == {
+    assert constraint_report(scene)["inventory"] == {
         "owned": {1: 1, 2: 0, 3: 1, 4: 1},
         "used": {1: 1, 3: 1, 4: 1},
         "missing": {4: 3},

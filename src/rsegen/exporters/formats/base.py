@@ -15,7 +15,7 @@ from typing import ClassVar, NamedTuple, TypeVar
 from rsegen.errors import UserError
 from rsegen.exporters.scene import Scene
 from rsegen.params.registry import Registry
-from rsegen.params.sorts import Json, parameters, settle
+from rsegen.params.sorts import Json, parameters, validate
 
 
 class Extra(NamedTuple):
@@ -37,7 +37,7 @@ class Format(ABC):
     extra: ClassVar[Extra | None] = None
 
     def __post_init__(self) -> None:
-        settle(self)
+        validate(self)
 
     @property
     def bytes_a_cell(self) -> int:

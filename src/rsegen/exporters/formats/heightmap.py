@@ -15,7 +15,7 @@ from rsegen.exporters.formats.encoded import as_json, facts, recipe_of
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Ints, StepField
-from rsegen.params.sorts import Json, Whole
+from rsegen.params.sorts import Integer, Json
 
 WHITE = 65535
 
@@ -30,7 +30,7 @@ class Heightmap(Format):
 
     name: ClassVar[str] = "heightmap"
 
-    pixels: Annotated[int, Whole(1, 100, help="pixels along each side of a cell")] = 1
+    pixels: Annotated[int, Integer(1, 100, help="pixels along each side of a cell")] = 1
 
     @property
     def bytes_a_cell(self) -> int:

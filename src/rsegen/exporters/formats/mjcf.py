@@ -23,7 +23,7 @@ from rsegen.exporters.gazebo.sdf import encoded, numbers
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, StepField
-from rsegen.params.sorts import Choice, Whole
+from rsegen.params.sorts import Choice, Integer
 
 
 @register
@@ -41,7 +41,7 @@ class Mjcf(Format):
             "or a mesh that is seen, with boxes that are touched",
         ),
     ] = "boxes"
-    pixels: Annotated[int, Whole(1, 100, help="samples along each side of a cell, in a height field")] = 10
+    pixels: Annotated[int, Integer(1, 100, help="samples along each side of a cell, in a height field")] = 10
 
     @property
     def bytes_a_cell(self) -> int:

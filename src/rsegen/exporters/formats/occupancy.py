@@ -12,7 +12,7 @@ from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import NANOMETRE_DIGITS
-from rsegen.params.sorts import Real, Whole
+from rsegen.params.sorts import Float, Integer
 
 _OCCUPIED, _FREE = 0, 254
 """Greys as map_server writes them."""
@@ -27,9 +27,9 @@ class Occupancy(Format):
 
     climb_cm: Annotated[
         float | None,
-        Real(0, 100_000, unit="cm", help="cells higher above the ground are occupied, by default those above one unit"),
+        Float(0, 100_000, unit="cm", help="cells higher than this are occupied (default: those above one unit)"),
     ] = None
-    pixels: Annotated[int, Whole(1, 100, help="pixels along each side of a cell")] = 1
+    pixels: Annotated[int, Integer(1, 100, help="pixels along each side of a cell")] = 1
 
     @property
     def bytes_a_cell(self) -> int:

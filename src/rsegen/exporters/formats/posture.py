@@ -20,7 +20,7 @@ from rsegen.exporters.formats.tags import Shape, peaks_and_pits, shapes
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Ints, Mask, StepField
-from rsegen.params.sorts import Json, Real, Whole
+from rsegen.params.sorts import Float, Integer, Json
 
 _RASTER = "float64 (n_x, n_y) * cells_per_block, height above the ground, metres; every sub-cell has its block's height"
 
@@ -46,13 +46,13 @@ class Posture(Format):
     name: ClassVar[str] = "posture"
     extra: ClassVar[Extra | None] = MAT
 
-    per_block: Annotated[int, Whole(1, 100, help="cells of the raster along each side of a block")] = 5
+    per_block: Annotated[int, Integer(1, 100, help="cells of the raster along each side of a block")] = 5
     climb_cm: Annotated[
         float | None,
-        Real(0, 100_000, unit="cm", help="peaks and pits have steps above this all around, by default above one unit"),
+        Float(0, 100_000, unit="cm", help="peaks and pits have steps above this all around, by default above one unit"),
     ] = None
     clearance_cm: Annotated[
-        float, Real(0, 100_000, unit="cm", help="from the map's rim to the start, and to the goal, on flat ground")
+        float, Float(0, 100_000, unit="cm", help="from the map's rim to the start, and to the goal, on flat ground")
     ] = 100.0
 
     @property

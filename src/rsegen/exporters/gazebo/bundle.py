@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import PurePosixPath
 from typing import Protocol
 
-from rsegen.exporters.constraint_report import proof
+from rsegen.exporters.constraint_report import constraint_report
 from rsegen.exporters.gazebo import multi, pallet, single
 from rsegen.exporters.levels import csv
 from rsegen.exporters.scene import Scene
@@ -43,6 +43,6 @@ def export(scene: Scene) -> Bundle:
     files = MESH_TYPES[scene.recipe.mesh_type].files(scene)
     files["levels.csv"] = csv(scene.field)
     if scene.recipe.is_constrained:
-        files["constraints.json"] = [(json.dumps(proof(scene), indent=2) + "\n").encode()]
+        files["constraints.json"] = [(json.dumps(constraint_report(scene), indent=2) + "\n").encode()]
     files["recipe.json"] = [map_json(scene.recipe, scene.index)]
     return {PurePosixPath(path): content for path, content in files.items()}

@@ -9,7 +9,7 @@ import numpy as np
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.pictures.preview import draw_plan, saved
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics import Climber, Crossing, Reach
+from rsegen.field.metrics import Crossing, Reach, RobotLimits
 from rsegen.field.stepfield import Array
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def chart(scene: Scene, reach: Reach, format: str = "png") -> bytes:  # noqa: A0
     return saved(figure, scene, format)
 
 
-def described(climber: Climber) -> str:
+def described(climber: RobotLimits) -> str:
     """A robot in words."""
     up, down = (decimal(limit / 1e7) for limit in climber.limits)
     wide = f", {decimal(climber.width_cm)} cm wide" if climber.width_cm else ""

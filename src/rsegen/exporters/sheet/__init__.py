@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 from rsegen.errors import FileError, ParameterError, UnknownName
 from rsegen.exporters.pictures.preview import saved_pages
 from rsegen.exporters.scene import Scene
+from rsegen.exporters.sheet.cutting import CutSettings
 from rsegen.exporters.sheet.listing import listing
 from rsegen.exporters.sheet.order import in_order
-from rsegen.exporters.sheet.saw import Saw
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 FORMATS = ("pdf", "csv")
 MOST_PALLETS = 400
+Saw = CutSettings
+"""Its name in rsegen 0.1."""
+
 LARGEST_PALLET = 60
 """Blocks a side: on A4 they are then as small as can be read."""
 MOST_BLOCKS = 40_000
@@ -30,7 +33,7 @@ MOST_BLOCKS = 40_000
 
 def sheet(
     scene: Scene,
-    saw: Saw | None = None,
+    saw: CutSettings | None = None,
     format: str = "pdf",  # noqa: A002  # matplotlib's word
     *,
     progress: Callable[[Figure], None] | None = None,
@@ -39,7 +42,7 @@ def sheet(
 
     `progress` is told of each page of a PDF.
     """
-    saw = saw or Saw()
+    saw = saw or CutSettings()
     if format not in FORMATS:
         raise UnknownName.among("format", "format", format, FORMATS)
     refuse_unbuildable(scene.recipe, saw)
@@ -48,7 +51,7 @@ def sheet(
     return saved_pages(_told(pages(scene, saw), progress), scene)
 
 
-def pages(scene: Scene, saw: Saw) -> Iterator[Figure]:
+def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
     """A page for the map, and one for each pallet in the order of building."""
     from rsegen.exporters.sheet.overview import draw_overview
     from rsegen.exporters.sheet.page import Page
@@ -78,7 +81,7 @@ def sheet_format(path: Path) -> str:
     return name
 
 
-def refuse_unbuildable(recipe: Recipe, saw: Saw) -> None:
+def refuse_unbuildable(recipe: Recipe, saw: CutSettings) -> None:
     """Raise a ParameterError for a map that nobody builds by hand, or whose highest level is longer than the stock."""
     if recipe.chunk_size > LARGEST_PALLET:
         amiss = f"{recipe.chunk_size} blocks a side do not fit on a page of a build sheet"
@@ -97,4 +100,4 @@ def _told(figures: Iterator[Figure], progress: Callable[[Figure], None] | None) 
             progress(figure)
 
 
-__all__ = ["FORMATS", "Saw", "page_count", "pages", "refuse_unbuildable", "sheet", "sheet_format"]
+__all__ = ["FORMATS", "CutSettings", "Saw", "page_count", "pages", "refuse_unbuildable", "sheet", "sheet_format"]

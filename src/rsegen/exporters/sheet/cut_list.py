@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from rsegen.exporters.scene import Scene
+from rsegen.exporters.sheet.cutting import centimetres
 from rsegen.exporters.sheet.order import length
 from rsegen.exporters.sheet.page import GREY, ROW, Page
 from rsegen.exporters.sheet.plan import EMPTY
-from rsegen.exporters.sheet.saw import centimetres
 from rsegen.field.stepfield import StepField
 
 COLUMN = 82.0

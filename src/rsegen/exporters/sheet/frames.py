@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from rsegen.exporters.sheet.saw import nanometres
+from rsegen.exporters.sheet.cutting import nanometres
 from rsegen.recipe.recipe import Recipe
 
 

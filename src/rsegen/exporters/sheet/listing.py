@@ -8,9 +8,9 @@ import numpy as np
 
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
+from rsegen.exporters.sheet.cutting import CutSettings, centimetres, plan_cuts
 from rsegen.exporters.sheet.frames import frames
 from rsegen.exporters.sheet.order import Numbered, in_order, length, lengths, placing
-from rsegen.exporters.sheet.saw import Saw, centimetres, sawn
 
 COLUMNS = ("pallet", "order", "x", "y", "height_cm")
 """Of its rows; x and y count the block cells of the map, and a cell without a block has no order."""
@@ -19,7 +19,7 @@ SAID = ("chunk_size", "unit_cm", "block_width_cm", "boundary", "frame_height_cm"
 """Parameters of the recipe that its head says, so that the map can be made again of it."""
 
 
-def listing(scene: Scene, saw: Saw) -> Iterator[str]:
+def listing(scene: Scene, saw: CutSettings) -> Iterator[str]:
     """Its lines; `#` starts a comment, and no comment has a comma."""
     yield f"# build sheet of {scene.name} with seed {scene.recipe.seed}\n"
     for name in SAID:
@@ -33,11 +33,11 @@ def listing(scene: Scene, saw: Saw) -> Iterator[str]:
         yield from _rows(pallet, scene)
 
 
-def _timber(scene: Scene, saw: Saw) -> Iterator[str]:
+def _timber(scene: Scene, saw: CutSettings) -> Iterator[str]:
     counts = lengths(scene.field)
     for one, count in counts.items():
         yield f"# cut: {count} blocks of {centimetres(one)} cm\n"
-    sawing = sawn(counts, saw)
+    sawing = plan_cuts(counts, saw)
     stock = f"{sawing.pieces} pieces of {decimal(saw.stock_cm)} cm"
     yield f"# stock for the blocks: {stock} with a kerf of {decimal(saw.kerf_mm)} mm\n"
     for pattern in sawing.patterns:

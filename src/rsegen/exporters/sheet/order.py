@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.exporters.scene import Scene
-from rsegen.exporters.sheet.saw import nanometres
+from rsegen.exporters.sheet.cutting import nanometres
 from rsegen.field.stepfield import Ints, Levels, Pallet, StepField
 from rsegen.params.places import Cell
 

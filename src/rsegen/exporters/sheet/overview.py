@@ -8,11 +8,11 @@ from textwrap import wrap
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list, metres
+from rsegen.exporters.sheet.cutting import CutSettings, CuttingPlan, Pattern, centimetres, plan_cuts
 from rsegen.exporters.sheet.frames import Frames, frames
 from rsegen.exporters.sheet.order import Numbered, length, lengths
 from rsegen.exporters.sheet.page import GREY, POINT, ROW, Page
 from rsegen.exporters.sheet.plan import Plan
-from rsegen.exporters.sheet.saw import Pattern, Saw, Sawing, centimetres, sawn
 
 _PLAN_HEIGHT = 112.0
 _SMALLEST = 4.0
@@ -28,7 +28,7 @@ _RIGHT = 113.0
 """Where the right column begins."""
 
 
-def draw_overview(page: Page, scene: Scene, pallets: Sequence[Numbered], saw: Saw) -> None:
+def draw_overview(page: Page, scene: Scene, pallets: Sequence[Numbered], saw: CutSettings) -> None:
     """All of it."""
     _draw_head(page, scene, len(pallets))
     y = _draw_map(page, scene, pallets) + 12
@@ -94,10 +94,10 @@ def _size(text: str, room: float) -> float:
     return min(15.0, room / (0.72 * len(text) + 1))
 
 
-def _draw_sawing(page: Page, scene: Scene, saw: Saw, y: float) -> float:
+def _draw_sawing(page: Page, scene: Scene, saw: CutSettings, y: float) -> float:
     """What to buy, and how every piece of it is cut; gives where the next line is."""
     counts = lengths(scene.field)
-    sawing = sawn(counts, saw)
+    sawing = plan_cuts(counts, saw)
     y = page.heading(_RIGHT, y, "Timber to buy", COLUMN)
     for text, amount in _timber(scene, sawing):
         page.text(_RIGHT, y, text)
@@ -117,7 +117,7 @@ def _draw_sawing(page: Page, scene: Scene, saw: Saw, y: float) -> float:
     return y
 
 
-def _timber(scene: Scene, sawing: Sawing) -> Iterator[tuple[str, str]]:
+def _timber(scene: Scene, sawing: CuttingPlan) -> Iterator[tuple[str, str]]:
     """Lines of a text and an amount."""
     side, saw = decimal(scene.recipe.block_width_cm), sawing.saw
     yield f"blocks: {decimal(saw.stock_cm)} cm of {side} x {side} cm", _pieces(sawing.pieces)
@@ -133,12 +133,12 @@ def _timber(scene: Scene, sawing: Sawing) -> Iterator[tuple[str, str]]:
             yield f"  {count:,} of {centimetres(one)} cm", f"{metres(one * count)} m"
 
 
-def _stock(known: Frames, saw: Saw) -> str:
+def _stock(known: Frames, saw: CutSettings) -> str:
     """Pieces of stock for the boards, where it is long enough for them."""
     return (
         f"longer than {decimal(saw.stock_cm)} cm"
         if max(known.boards) > saw.stock
-        else _pieces(sawn(known.all_boards, saw).pieces)
+        else _pieces(plan_cuts(known.all_boards, saw).pieces)
     )
 
 
@@ -147,7 +147,7 @@ def _pieces(count: int) -> str:
     return f"{count:,} piece{'s'[: count != 1]}"
 
 
-def _cut(pattern: Pattern, saw: Saw) -> tuple[str, list[str], str]:
+def _cut(pattern: Pattern, saw: CutSettings) -> tuple[str, list[str], str]:
     """How often a piece is cut so, into what in a few lines, and what is left."""
     parts = " + ".join(f"{count}\xa0x\xa0{centimetres(one)}" for one, count in pattern.parts)
     return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{centimetres(pattern.offcut(saw))} left"

@@ -8,10 +8,10 @@ import numpy as np
 
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list
+from rsegen.exporters.sheet.cutting import centimetres
 from rsegen.exporters.sheet.order import Numbered, length, placing
 from rsegen.exporters.sheet.page import GREY, INK, POINT, Page
 from rsegen.exporters.sheet.plan import Plan, block_colour, ink
-from rsegen.exporters.sheet.saw import centimetres
 
 ORDERED = 12
 """Pallets of up to so many blocks a side have the order of placing in their cells."""

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rsegen.errors import ParameterError
-from rsegen.field.metrics.climber import Climber
 from rsegen.field.metrics.opening import Opening, opening
 from rsegen.field.metrics.reach import Crossing, Reach, reach
+from rsegen.field.metrics.robot_limits import RobotLimits
 from rsegen.field.metrics.ruggedness import Ruggedness, ruggedness
 from rsegen.field.metrics.scale import Scale, scale
 from rsegen.field.metrics.spread import Spread, spread
@@ -30,7 +30,11 @@ class Metrics:
     reach: Reach | None = None
 
 
-def metrics(field: StepField, climber: Climber | None = None) -> Metrics:
+Climber = RobotLimits
+"""Its name in rsegen 0.1."""
+
+
+def metrics(field: StepField, climber: RobotLimits | None = None) -> Metrics:
     """The metrics of a field: of its blocks alone; and, frames counted, of the ways over it, for a robot if given."""
     if field.frame.all():
         raise ParameterError("field", "is all frame; there is no block to measure")
@@ -50,6 +54,7 @@ __all__ = [
     "Metrics",
     "Opening",
     "Reach",
+    "RobotLimits",
     "Ruggedness",
     "Scale",
     "Spread",

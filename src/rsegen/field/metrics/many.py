@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.metrics.climber import NANOMETRES
 from rsegen.field.metrics.opening import opening
+from rsegen.field.metrics.robot_limits import NANOMETRES
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 
 COLUMNS = (

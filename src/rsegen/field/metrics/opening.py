@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rsegen.field.metrics.climber import NANOMETRES
 from rsegen.field.metrics.ground import Ground, lane
 from rsegen.field.metrics.regions import joined
+from rsegen.field.metrics.robot_limits import NANOMETRES
 from rsegen.field.stepfield import StepField
 
 

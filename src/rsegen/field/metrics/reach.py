@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rsegen.field.metrics.climber import NANOMETRES, Climber
 from rsegen.field.metrics.ground import ground, lane
 from rsegen.field.metrics.regions import mutual
+from rsegen.field.metrics.robot_limits import NANOMETRES, RobotLimits
 from rsegen.field.metrics.steps import steps
 from rsegen.field.metrics.ways import FAR, ways
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
@@ -43,7 +43,7 @@ class Reach:
     cover: share of the blocks in the largest region in which it gets from each to each; region: (n_x, n_y), their cells
     """
 
-    climber: Climber
+    climber: RobotLimits
     climbable: float | None
     droppable: float | None
     cover: float
@@ -55,7 +55,7 @@ class Reach:
         self.region.setflags(write=False)
 
 
-def reach(field: StepField, climber: Climber) -> Reach:
+def reach(field: StepField, climber: RobotLimits) -> Reach:
     """What a robot can do on a field, of which the frames count: they are in its way, though not where it stays."""
     climbable, droppable = (_share_within(field, limit / NANOMETRES) for limit in climber.limits)
     region = _largest_region(field, climber)
@@ -75,7 +75,7 @@ def _share_within(field: StepField, limit: float) -> float | None:
     return None if above is None else 1 - above
 
 
-def _largest_region(field: StepField, climber: Climber) -> Mask:
+def _largest_region(field: StepField, climber: RobotLimits) -> Mask:
     """The blocks of the strongly connected component that has most of them; of two as large, of the first."""
     carrying = ground(field, climber.width)
     (low, high), (climb, drop) = carrying.moves(), climber.limits
@@ -85,7 +85,7 @@ def _largest_region(field: StepField, climber: Climber) -> Mask:
     return np.asarray(~field.frame & (group == np.bincount(group[~field.frame]).argmax()))
 
 
-def crossing(field: StepField, climber: Climber, axis: int) -> Crossing:
+def crossing(field: StepField, climber: RobotLimits, axis: int) -> Crossing:
     """Along x for axis 0, along y for axis 1, which is then the first one until the end."""
     carrying = lane(field, climber.width, axis)
     found = ways(carrying, round(field.block_width * NANOMETRES), climber.limits)

@@ -16,8 +16,8 @@ import numpy as np
 from rsegen.field.stepfield import Array, Levels, Mask
 from rsegen.params.places import ANYWHERE, Cell, Place
 from rsegen.params.registry import Registry
-from rsegen.params.sorts import Real, Whole, settle
-from rsegen.params.streams import pick
+from rsegen.params.sorts import Float, Integer, validate
+from rsegen.params.streams import randint
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,14 +52,22 @@ class Obstacle(ABC):
 
     max_height: Annotated[
         int,
-        Whole(2, 32767, unit="units", help="number of levels: 5 units of 10 cm give the heights 0, 10, 20, 30, 40 cm"),
+        Integer(
+            2, 32767, unit="units", help="number of levels: 5 levels of 10 cm are the heights 0, 10, 20, 30, 40 cm"
+        ),
     ]
     softness: Annotated[
-        float, Real(0, 100, unit="%", help="run-out of the sides, 0 for vertical; takes as much off a random kind")
+        float,
+        Float(
+            0,
+            100,
+            unit="%",
+            help="width of the slopes, 0: vertical walls; of random kinds: how much every height is reduced",
+        ),
     ] = 0.0
 
     def __post_init__(self) -> None:
-        settle(self)
+        validate(self)
 
     def check(self, first: Place, last: Place) -> None:  # noqa: B027  # most kinds lie anywhere
         """Raise a ParameterError where this kind cannot lie between these two places."""
@@ -67,17 +75,17 @@ class Obstacle(ABC):
     def check_room(self, grid: Grid, first: Place | None, last: Place | None) -> None:  # noqa: B027  # most kinds fit
         """Raise a ParameterError where this kind is too large for its place in a map."""
 
-    def usual_ends(self, grid: Grid) -> tuple[Place, Place]:
+    def default_ends(self, grid: Grid) -> tuple[Place, Place]:
         """The places that stand in where a recipe gives none: left to chance."""
         return ANYWHERE, ANYWHERE
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """The two cells; what is left to chance is uniform over the map."""
         (x1, y1), (x2, y2), n_x, n_y = first, last, grid.n_x, grid.n_y
-        x1 = pick(rng, 0, n_x - 1) if x1 == "random" else x1
-        y1 = pick(rng, 0, n_y - 1) if y1 == "random" else y1
-        x2 = pick(rng, 0, n_x - 1) if x2 == "random" else x2
-        y2 = pick(rng, 0, n_y - 1) if y2 == "random" else y2
+        x1 = randint(rng, 0, n_x - 1) if x1 == "random" else x1
+        y1 = randint(rng, 0, n_y - 1) if y1 == "random" else y1
+        x2 = randint(rng, 0, n_x - 1) if x2 == "random" else x2
+        y2 = randint(rng, 0, n_y - 1) if y2 == "random" else y2
         return (x1, y1), (x2, y2)
 
     @abstractmethod
@@ -118,7 +126,7 @@ class Region(Obstacle):
     __slots__ = ()
     unplaced: ClassVar[str] = "on the whole map"
 
-    def usual_ends(self, grid: Grid) -> tuple[Place, Place]:
+    def default_ends(self, grid: Grid) -> tuple[Place, Place]:
         """Two opposite corners of the map."""
         return (0, 0), (grid.n_x - 1, grid.n_y - 1)
 

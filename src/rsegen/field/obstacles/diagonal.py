@@ -10,7 +10,7 @@ import numpy as np
 from rsegen.field.obstacles.barrier import Barrier
 from rsegen.field.obstacles.base import Grid, register
 from rsegen.params.places import ANYWHERE, Cell, Place
-from rsegen.params.streams import pick
+from rsegen.params.streams import randint
 
 
 @register
@@ -23,7 +23,7 @@ class DiagonalBarrier(Barrier):
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Wholly left to chance: a random cell on each of two opposite boundaries; else what is left is uniform."""
         if first == last == ANYWHERE:
-            across = pick(rng, 0, 1)
+            across = randint(rng, 0, 1)
             opposite: tuple[Place, Place] = ((0, "random"), (grid.n_x - 1, "random"))
             upright: tuple[Place, Place] = (("random", 0), ("random", grid.n_y - 1))
             first, last = upright if across else opposite

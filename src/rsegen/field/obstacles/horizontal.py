@@ -11,7 +11,7 @@ from rsegen.errors import ParameterError
 from rsegen.field.obstacles.barrier import Barrier
 from rsegen.field.obstacles.base import Grid, register
 from rsegen.params.places import Cell, Place
-from rsegen.params.streams import pick
+from rsegen.params.streams import randint
 
 
 @register
@@ -30,14 +30,14 @@ class HorizontalBarrier(Barrier):
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """On an axis that both can share, at a line that is drawn if need be; across the map where no end is given."""
         axes = _shareable(first, last)
-        shared = axes[pick(rng, 0, len(axes) - 1)]
+        shared = axes[randint(rng, 0, len(axes) - 1)]
         line = _given(first[shared], last[shared])
-        at = pick(rng, 0, grid.shape[shared] - 1) if line is None else line
+        at = randint(rng, 0, grid.shape[shared] - 1) if line is None else line
         cells = grid.shape[1 - shared]
         start, stop = first[1 - shared], last[1 - shared]
         if start == stop == "random":
             start, stop = 0, cells - 1
-        ends = [pick(rng, 0, cells - 1) if end == "random" else end for end in (start, stop)]
+        ends = [randint(rng, 0, cells - 1) if end == "random" else end for end in (start, stop)]
         one, other = ((end, at) if shared else (at, end) for end in ends)
         return one, other
 

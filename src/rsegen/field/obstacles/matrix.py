@@ -13,7 +13,7 @@ from rsegen.field.obstacles.base import Grid, Obstacle, Patch, register
 from rsegen.field.obstacles.span import side
 from rsegen.field.stepfield import Ints
 from rsegen.params.places import ANYWHERE, Cell, Place
-from rsegen.params.sorts import Json, whole
+from rsegen.params.sorts import Json, as_int
 
 _ROW = r"([0-9]{1,5}|\.)( ([0-9]{1,5}|\.))*"
 _SCHEMA_ROW = r"^[0-9. ,]*[0-9.][0-9. ,]*$"
@@ -45,7 +45,7 @@ class Rows:
     def parse(self, text: str) -> object:
         return text.split("/")
 
-    def spell(self, value: Any) -> str:
+    def format(self, value: Any) -> str:
         return "/".join(row.replace(" ", ",") for row in value)
 
     def schema(self) -> dict[str, Json]:
@@ -59,7 +59,7 @@ class Rows:
 def _joined(row: object) -> str:
     """A list of whole numbers, in which None is a dot, as a text; an empty one for anything else."""
     cells = row if isinstance(row, (list, tuple)) else ()
-    return " ".join("." if cell is None else str(whole(cell)) for cell in cells)
+    return " ".join("." if cell is None else str(as_int(cell)) for cell in cells)
 
 
 @register
@@ -109,7 +109,7 @@ class Matrix(Obstacle):
                     "rows", f"{own} cells along {'xy'[axis]} from {low} on do not fit into 0..{cells - 1}; give last"
                 )
 
-    def usual_ends(self, grid: Grid) -> tuple[Place, Place]:
+    def default_ends(self, grid: Grid) -> tuple[Place, Place]:
         """From the corner of smallest x and y on, in its own size."""
         return (0, 0), ANYWHERE
 

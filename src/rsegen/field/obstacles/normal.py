@@ -10,7 +10,7 @@ import numpy as np
 
 from rsegen.field.obstacles.base import Region, register
 from rsegen.field.stepfield import Array, Levels
-from rsegen.params.sorts import Real
+from rsegen.params.sorts import Float
 
 
 @register
@@ -20,7 +20,7 @@ class NormalRandom(Region):
 
     kind: ClassVar[str] = "normal_random"
 
-    spread: Annotated[float, Real(0.001, 100, help="standard deviation, as a share of the full height")] = 0.2
+    spread: Annotated[float, Float(0.001, 100, help="standard deviation, as a share of the full height")] = 0.2
 
     def drawn(self, uniform: Array) -> Levels:
         """floor(n f) with f = clip(0.5 + z spread, 0, 1 - eps) (1 - s/100) and z = the normal quantile of `uniform`.

@@ -13,7 +13,7 @@ from rsegen.field.obstacles.arranged import arranged
 from rsegen.field.obstacles.base import Grid, Obstacle, Patch, register
 from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.params.places import Cell, Place
-from rsegen.params.sorts import Choice, Several, Whole
+from rsegen.params.sorts import Choice, Integer, ListOf
 
 _BEYOND = (9, 27, 24, 12)
 """How many posts of each length the measured pallet has beyond its ridge of 4 units and the shoulders beside it."""
@@ -29,7 +29,7 @@ class Pallet(Obstacle):
 
     pattern: Annotated[
         tuple[str, ...],
-        Several(
+        ListOf(
             Choice(("flat", "hill", "diagonal")),
             help="no ridge, one across x, or one from corner to corner; "
             "several are taken in turn, chunk by chunk along x",
@@ -39,11 +39,11 @@ class Pallet(Obstacle):
         str, Choice(("random", "symmetric"), help="whether both sides of the ridge are drawn, or one mirrors the other")
     ] = "random"
     turns: Annotated[
-        tuple[int, ...], Several(Whole(0, 3), help="quarter turns counterclockwise; several are taken in turn")
+        tuple[int, ...], ListOf(Integer(0, 3), help="quarter turns counterclockwise; several are taken in turn")
     ] = (0,)
     step: Annotated[
         int,
-        Whole(
+        Integer(
             1,
             32767,
             unit="units",
@@ -57,7 +57,7 @@ class Pallet(Obstacle):
         if self.step >= self.max_height:
             raise ParameterError("step", f"{self.step} is more than the highest level, {self.max_height - 1}")
 
-    def usual_ends(self, grid: Grid) -> tuple[Place, Place]:
+    def default_ends(self, grid: Grid) -> tuple[Place, Place]:
         """Two opposite corners of the map."""
         return (0, 0), (grid.n_x - 1, grid.n_y - 1)
 

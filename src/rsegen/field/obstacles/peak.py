@@ -11,7 +11,7 @@ from rsegen.field.obstacles.base import Grid, Shaped, register
 from rsegen.field.obstacles.span import side
 from rsegen.field.stepfield import Array
 from rsegen.params.places import Cell, Place
-from rsegen.params.streams import pick
+from rsegen.params.streams import randint
 
 
 @register
@@ -46,7 +46,7 @@ class Peak(Shaped):
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """What is left to chance makes a square inside the map, of side L/2..L where no side is given."""
         given = [abs(a - b) for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
-        span = given[0] if given else pick(rng, (grid.chunk_size + 1) // 2, grid.chunk_size) - 1
+        span = given[0] if given else randint(rng, (grid.chunk_size + 1) // 2, grid.chunk_size) - 1
         (x1, x2), (y1, y2) = (
             side(a, b, min(span, cells - 1), cells, rng) for a, b, cells in zip(first, last, grid.shape, strict=True)
         )

@@ -14,7 +14,7 @@ from rsegen.field.obstacles.arranged import arranged
 from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Region, register
 from rsegen.field.stepfield import Array, Levels
 from rsegen.params.places import Cell, Place
-from rsegen.params.sorts import Json, Real, Whole, integer
+from rsegen.params.sorts import Float, Integer, Json, parse_int
 
 
 @dataclass(frozen=True)
@@ -26,19 +26,19 @@ class Weights:
     def check(self, where: str, value: object) -> tuple[float, ...]:
         if not isinstance(value, (list, tuple)) or not value:
             raise ParameterError(where, f"{shown(value)} is not a list of weights; give {self.describe()}")
-        weights = tuple(Real(0, 1e12).check(f"{where}[{level}]", one) for level, one in enumerate(value))
+        weights = tuple(Float(0, 1e12).check(f"{where}[{level}]", one) for level, one in enumerate(value))
         if not any(weights):
             raise ParameterError(where, "all weights are 0; give at least one above 0")
         return weights
 
     def parse(self, text: str) -> object:
-        return [Real().parse(part) for part in text.split(",")]
+        return [Float().parse(part) for part in text.split(",")]
 
-    def spell(self, value: Any) -> str:
+    def format(self, value: Any) -> str:
         return ",".join(map(str, value))
 
     def schema(self) -> dict[str, Json]:
-        return {"type": "array", "items": Real(0, 1e12).schema(), "minItems": 1}
+        return {"type": "array", "items": Float(0, 1e12).schema(), "minItems": 1}
 
     def describe(self) -> str:
         return "one number from 0 on for each level, lowest level first, as in [1, 2, 2, 1, 1]"
@@ -51,16 +51,16 @@ class Counts(Weights):
     def check(self, where: str, value: object) -> tuple[int, ...]:
         if not isinstance(value, (list, tuple)) or not value:
             raise ParameterError(where, f"{shown(value)} is not a list of counts; give {self.describe()}")
-        counts = tuple(Whole(0, 10**9).check(f"{where}[{level}]", one) for level, one in enumerate(value))
+        counts = tuple(Integer(0, 10**9).check(f"{where}[{level}]", one) for level, one in enumerate(value))
         if not any(counts):
             raise ParameterError(where, "all counts are 0; give at least one above 0")
         return counts
 
     def parse(self, text: str) -> object:
-        return [integer(part) for part in text.split(",")]
+        return [parse_int(part) for part in text.split(",")]
 
     def schema(self) -> dict[str, Json]:
-        return {"type": "array", "items": Whole(0, 10**9).schema(), "minItems": 1}
+        return {"type": "array", "items": Integer(0, 10**9).schema(), "minItems": 1}
 
     def describe(self) -> str:
         return "a number of blocks for each level, lowest level first, as in [9, 27, 33, 21, 10]"
@@ -82,7 +82,7 @@ class Random(Region):
     ] = None
     max_step: Annotated[
         int | None,
-        Whole(1, 32767, unit="units", help="largest step between neighbours in it: the same blocks in another order"),
+        Integer(1, 32767, unit="units", help="largest step between neighbours in it: the same blocks in another order"),
     ] = None
 
     def __post_init__(self) -> None:
@@ -98,12 +98,14 @@ class Random(Region):
         """Blocks that are counted need a region of just so many cells."""
         if self.counts is None:
             return
-        low, high = (given or usual for given, usual in zip((first, last), self.usual_ends(grid), strict=True))
+        low, high = (given or usual for given, usual in zip((first, last), self.default_ends(grid), strict=True))
         if "random" in (*low, *high):
             raise ParameterError("counts", "need a region of a known size; give first and last")
         cells = math.prod(abs(a - b) + 1 for a, b in zip(low, high, strict=True))  # type: ignore[operator]  # no "random"
         if cells != sum(self.counts):
-            raise ParameterError("counts", f"are {sum(self.counts)} blocks for {cells} cells; give as many as cells")
+            raise ParameterError(
+                "counts", f"{sum(self.counts)} blocks for {cells} cells: the counts must add up to the number of cells"
+            )
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Drawn cell by cell, or counted blocks shuffled; then swapped until no step is too high."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from rsegen.params.places import Cell, Coordinate
-from rsegen.params.streams import pick
+from rsegen.params.streams import randint
 
 
 def side(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:
     """Both coordinates on one axis, `span` apart where one of them is left to chance."""
     if first == "random" and last == "random":
-        low = pick(rng, 0, cells - 1 - span)
+        low = randint(rng, 0, cells - 1 - span)
         return low, low + span
     if first == "random":
         return _beside(last, span, cells), last  # type: ignore[arg-type,return-value]  # last is given

@@ -34,7 +34,7 @@ def on_cluster(
         try:
             client = opened.enter_context(distributed.Client(address, timeout=PATIENCE))
         except (OSError, ValueError) as error:
-            raise ParameterError("scheduler", f"{scheduler} is not to be reached: {error}") from None
+            raise ParameterError("scheduler", f"cannot connect to {scheduler}: {error}") from None
         futures = client.map(work, numbers, pure=False)
         try:
             for future, made in distributed.as_completed(futures, with_results=True):

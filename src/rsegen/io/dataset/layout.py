@@ -19,7 +19,7 @@ import numpy as np
 from rsegen.errors import ParameterError
 from rsegen.field.metrics.many import COLUMNS
 from rsegen.field.stepfield import Ints, StepField, framed
-from rsegen.params.sorts import Choice, Whole, settle
+from rsegen.params.sorts import Choice, Integer, validate
 from rsegen.recipe.recipe import Recipe
 
 CELLS = 1_000_000
@@ -37,13 +37,13 @@ class Layout:
     """A recipe of many maps, how many of them a shard has (0: about a million cells), and the form of the metrics."""
 
     recipe: Recipe
-    shard_maps: Annotated[int, Whole(0, 10**9, unit="maps", help="maps in a file; 0: about a million cells")] = 0
+    shard_maps: Annotated[int, Integer(0, 10**9, unit="maps", help="maps in a file; 0: about a million cells")] = 0
     metrics: Annotated[
         str, Choice(("npy", "parquet", "none"), help="form of the table of metrics; parquet needs rsegen[dataset]")
     ] = "npy"
 
     def __post_init__(self) -> None:
-        settle(self)
+        validate(self)
         n_x, n_y = self.recipe.grid.shape
         least = -(-self.recipe.maps // MOST)
         object.__setattr__(self, "shard_maps", self.shard_maps or max(CELLS // (n_x * n_y), least))

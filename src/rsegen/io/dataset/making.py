@@ -76,7 +76,7 @@ def make_dataset(  # noqa: PLR0913  # each is a flag of the command
     """
     folder, workers = Path(folder), WORKERS.check("workers", workers)
     if force and resume:
-        raise ParameterError("resume", "keeps the maps that are there, and force replaces them; give one of the two")
+        raise ParameterError("resume", "--resume and --force exclude each other")
     layout = Layout(recipe=recipe, shard_maps=shard_maps, metrics=metrics)
     if layout.metrics == "parquet":
         arrow()

@@ -16,7 +16,7 @@ from rsegen.errors import FileError, ParameterError, shown
 from rsegen.io.dataset.layout import Layout
 from rsegen.io.recipe_file import content
 from rsegen.io.text_files import text_of
-from rsegen.params.sorts import Text, Whole
+from rsegen.params.sorts import Integer, Text
 from rsegen.recipe.codec import decode, encode
 
 MANIFEST = "manifest.json"
@@ -27,7 +27,7 @@ LARGEST_MIB = 256
 """Of a record: that of a hundred million small maps has 5 MiB."""
 
 _SHA256 = Text(r"[0-9a-f]{64}", "64 hexadecimal digits")
-_SIZE = Whole(0, unit="bytes")
+_SIZE = Integer(0, unit="bytes")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -146,7 +146,7 @@ def _shards(layout: Layout, entries: object) -> list[Shard]:
 
 def _shard(layout: Layout, number: object, entry: object) -> Shard:
     """One shard, whose files have the names that they must have and a size that they can have."""
-    number = Whole(0, layout.shards - 1).check("shard", number)
+    number = Integer(0, layout.shards - 1).check("shard", number)
     where, names = f"shards[{number}]", layout.names(number)
     parts = {}
     for what, name in names.items():

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.field.metrics.many import COLUMNS
 from rsegen.field.stepfield import Array, Ints
-from rsegen.params.sorts import Whole
+from rsegen.params.sorts import Integer
 
 if TYPE_CHECKING:
     from rsegen.io.dataset.reading import Dataset
@@ -40,7 +40,7 @@ class Tiles(NamedTuple):
 
 def tiles(dataset: Dataset, rows: int, columns: int, by: str) -> Tiles:
     """The maps at evenly spaced ranks of a metric, from least to greatest; those without a figure are left out."""
-    rows, columns = (Whole(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
+    rows, columns = (Integer(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
     if by not in COLUMNS:
         raise UnknownName.among("by", "metric", by, COLUMNS)
     figures = dataset.metrics[by]

@@ -17,7 +17,7 @@ import numpy as np
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.params.registry import Registry
-from rsegen.params.sorts import settle
+from rsegen.params.sorts import validate
 
 MOST_CELLS = 2**24
 """Of a file that is read: 4096 x 4096."""
@@ -45,7 +45,7 @@ class Format(ABC):
     suffixes: ClassVar[tuple[str, ...]]
 
     def __post_init__(self) -> None:
-        settle(self)
+        validate(self)
 
     @abstractmethod
     def read(self, path: Path, unit_cm: float | None) -> Heights:

@@ -14,8 +14,8 @@ import numpy as np
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.io.importers.base import USUAL_UNIT_CM, Format, Heights, refuse_too_many_cells, register
-from rsegen.params.places import Cell, Pair
-from rsegen.params.sorts import Flag, Real, Whole
+from rsegen.params.places import Cell, Size2D
+from rsegen.params.sorts import Flag, Float, Integer
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -29,14 +29,14 @@ class Picture(Format):
     name: ClassVar[str] = "image"
     suffixes: ClassVar[tuple[str, ...]] = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp")
 
-    max_height: Annotated[int, Whole(2, 32767, unit="units", help="number of levels that grey is rounded to")] = 5
+    max_height: Annotated[int, Integer(2, 32767, unit="units", help="number of levels that grey is rounded to")] = 5
     invert: Annotated[bool, Flag(help="black is the highest")] = False
     threshold: Annotated[
-        float | None, Real(0, 100, unit="%", help="only two levels: the highest from this grey on, else 0")
+        float | None, Float(0, 100, unit="%", help="only two levels: the highest from this grey on, else 0")
     ] = None
-    size: Annotated[Cell | None, Pair(help="cells along x and y that it is resampled to; default: a pixel a cell")] = (
-        None
-    )
+    size: Annotated[
+        Cell | None, Size2D(help="resample to this many cells along x and y; default: one pixel per cell")
+    ] = None
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Its size is looked at before it is decoded."""

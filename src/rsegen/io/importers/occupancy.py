@@ -13,16 +13,16 @@ from rsegen.errors import FileError, ParameterError
 from rsegen.io.importers.base import Format, Heights, register
 from rsegen.io.importers.image import brightness
 from rsegen.io.recipe_file import content
-from rsegen.params.sorts import Flag, Json, Parameter, Real, Text, Whole
+from rsegen.params.sorts import Flag, Float, Integer, Json, Parameter, Text
 
 _WALL_CM = 100.0
 
 _KEYS: dict[str, Parameter] = {
     "image": Text(r"[^\x00-\x1f]{1,500}", "the path of an image"),
-    "resolution": Real(1e-5, 1000, unit="m"),
-    "negate": Whole(0, 1),
-    "occupied_thresh": Real(0, 1),
-    "free_thresh": Real(0, 1),
+    "resolution": Float(1e-5, 1000, unit="m"),
+    "negate": Integer(0, 1),
+    "occupied_thresh": Float(0, 1),
+    "free_thresh": Float(0, 1),
 }
 _USUAL = {"negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.25}
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 from rsegen.errors import ParameterError, shown
-from rsegen.params.sorts import Flag, Real, settle
+from rsegen.params.sorts import Flag, Float, validate
 from rsegen.recipe.recipe import Recipe
 
 DIGITS = 6
@@ -22,12 +22,12 @@ class Plan:
     """
 
     recipe: Recipe
-    from_: Annotated[float, Real(0, 1, help="difficulty of the first map")] = 0.1
-    to: Annotated[float, Real(0, 1, help="difficulty of the last map")] = 1.0
+    from_: Annotated[float, Float(0, 1, help="difficulty of the first map")] = 0.1
+    to: Annotated[float, Float(0, 1, help="difficulty of the last map")] = 1.0
     same_field: Annotated[bool, Flag(help="one field at rising difficulty; else every map is another field")] = False
 
     def __post_init__(self) -> None:
-        settle(self)
+        validate(self)
         if self.from_ > self.to:
             raise ParameterError("from", f"{shown(self.from_)} is above to, {shown(self.to)}; a series rises")
         if self.recipe.maps < 2:

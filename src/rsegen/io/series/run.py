@@ -22,7 +22,7 @@ from rsegen.io.resources import (
 from rsegen.io.series.line import asked, mean, rms_full
 from rsegen.io.series.plan import Plan
 from rsegen.io.series.row import Row, measured, table
-from rsegen.io.sidecars import Extras
+from rsegen.io.sidecars import Sidecars
 from rsegen.io.work import WORKERS, carried_out, each
 from rsegen.io.worlds import GeneratedMap, made, seconds
 from rsegen.io.writer import clear_away, refuse_not_a_folder, refuse_taken, refuse_taken_file, write_file
@@ -76,11 +76,11 @@ def series(  # noqa: PLR0913  # each is a flag of the command
     """
     folder, workers = Path(folder), WORKERS.check("workers", workers)
     if force and resume:
-        raise ParameterError("resume", "keeps the maps that are there, and force replaces them; give one of the two")
+        raise ParameterError("resume", "--resume and --force exclude each other")
     plan = Plan(
         recipe=recipe if maps is None else replace(recipe, maps=maps), from_=from_, to=to, same_field=same_field
     )
-    extras = Extras(preview=preview, sheet=sheet, formats=tuple(formats))
+    extras = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
     extras.refuse(plan.recipe)
     refuse_too_large(plan.recipe, _BYTES_A_CELL + extras.bytes_a_cell)
     refuse_not_a_folder(folder)
@@ -122,7 +122,7 @@ class _Work:
     plan: Plan
     folder: Path
     replace: bool
-    extras: Extras
+    extras: Sidecars
     resume: bool
     mean: float = 0.0
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from rsegen.field.metrics.climber import NANOMETRES, Climber, cells_aside
 from rsegen.field.metrics.ground import lane
 from rsegen.field.metrics.opening import opening
 from rsegen.field.metrics.reach import crossing
+from rsegen.field.metrics.robot_limits import NANOMETRES, RobotLimits, cells_aside
 from rsegen.field.stepfield import Ints, StepField
 
 _ANYTHING = 2**30
 
 
-def caps(field: StepField, climber: Climber) -> Ints | None:
+def caps(field: StepField, climber: RobotLimits) -> Ints | None:
     """The highest levels that a way has which the robot gets along; None where it gets across both ways already."""
     for axis in (0, 1):
         if not crossing(field, climber, axis).crosses:
@@ -21,11 +21,11 @@ def caps(field: StepField, climber: Climber) -> Ints | None:
     return None
 
 
-def _along(field: StepField, climber: Climber, axis: int) -> Ints:
+def _along(field: StepField, climber: RobotLimits, axis: int) -> Ints:
     """Of the cheapest way of those whose highest step is least."""
     opens = opening(field, climber.width)
     step = (opens.west_east, opens.south_north)[axis]
-    path = crossing(field, Climber.of(step, climber.width), axis).path
+    path = crossing(field, RobotLimits.of(step, climber.width), axis).path
     aside = cells_aside(field, climber.width)
     found = np.full(field.shape, _ANYTHING)
     for (i, j), top in zip(path, _tops(field, climber, axis, path), strict=True):
@@ -34,7 +34,7 @@ def _along(field: StepField, climber: Climber, axis: int) -> Ints:
     return found
 
 
-def _tops(field: StepField, climber: Climber, axis: int, path: Ints) -> Ints:
+def _tops(field: StepField, climber: RobotLimits, axis: int, path: Ints) -> Ints:
     """The highest level for all that is under the robot at each cell of its path, so that it gets on from each."""
     margin = cells_aside(field, climber.width) + 1
     along = (path if axis == 0 else path[:, ::-1]) + (margin, 0)

@@ -8,7 +8,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, StepField
-from rsegen.params.streams import pick
+from rsegen.params.streams import randint
 from rsegen.simulation.simulators.live import Pose
 
 GAP = 0.1
@@ -47,7 +47,7 @@ def _spot(field: StepField, reach: float, taken: list[tuple[float, float, float]
     if not free.any():
         raise ParameterError("robots", f"there is no room on {field.shape[0]} x {field.shape[1]} cells for so many")
     best = np.argwhere(free & (uneven == uneven[free].min()))
-    i, j = best[pick(rng, 0, len(best) - 1)]
+    i, j = best[randint(rng, 0, len(best) - 1)]
     taken.append((float(x[i]), float(y[j]), reach))
     return Pose(x=float(x[i]), y=float(y[j]), z=float(top[i, j]) + DROP, yaw=2 * pi * rng.random())
 

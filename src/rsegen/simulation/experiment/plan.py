@@ -12,7 +12,7 @@ from typing import Annotated
 
 from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown, shown
 from rsegen.io.recipe_file import content
-from rsegen.params.sorts import Choice, Json, Real, Several, Text, Whole, parameters, settle
+from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Text, parameters, validate
 from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.robots import ROBOTS
@@ -35,17 +35,17 @@ class Row:
     """Robots of a kind on random maps of several sizes; `recipe` holds more parameters of these maps."""
 
     robot: Annotated[str, Choice(tuple(ROBOTS), help="kind of robot")] = "burger"
-    robots: Annotated[int, Whole(1, 100, help="how many of them")] = 3
+    robots: Annotated[int, Integer(1, 100, help="how many of them")] = 3
     sizes: Annotated[
         tuple[int, ...],
-        Several(Whole(0, 4000, unit="blocks"), help="sides of the maps in blocks, 0 for an empty world"),
+        ListOf(Integer(0, 4000, unit="blocks"), help="sides of the maps in blocks, 0 for an empty world"),
     ] = (0, 10, 20, 40, 60, 80)
-    max_height: Annotated[int, Whole(2, 1000, unit="units", help="number of levels")] = 5
-    unit_cm: Annotated[float, Real(0.001, 1000, unit="cm", help="height discretization step")] = 1.0
+    max_height: Annotated[int, Integer(2, 1000, unit="units", help="number of levels")] = 5
+    unit_cm: Annotated[float, Float(0.001, 1000, unit="cm", help="height discretization step")] = 1.0
     recipe: Mapping[str, Json] | None = None
 
     def __post_init__(self) -> None:
-        settle(self)
+        validate(self)
         for size in self.sizes:
             if size % _BLOCKS:
                 raise ParameterError("sizes", f"{size} is no multiple of {_BLOCKS} blocks")
@@ -97,14 +97,14 @@ class Plan:
     rows: tuple[Row, ...]
     paces: Annotated[
         tuple[str, ...],
-        Several(Choice(PACES), help="in real time, as fast as can be, or so beside an empty world"),
+        ListOf(Choice(PACES), help="in real time, as fast as can be, or so beside an empty world"),
     ] = ("real", "free")
-    seconds: Annotated[float, Real(1, 1e5, unit="s", help="of each trial, once its world is there")] = 20.0
-    repeats: Annotated[int, Whole(1, 1000, help="trials of each cell")] = 3
-    seed: Annotated[int, Whole(0, 2**62, help="of maps, places, routes and order; the next one for each repeat")] = 1
+    seconds: Annotated[float, Float(1, 1e5, unit="s", help="of each trial, once its world is there")] = 20.0
+    repeats: Annotated[int, Integer(1, 1000, help="trials of each cell")] = 3
+    seed: Annotated[int, Integer(0, 2**62, help="of maps, places, routes and order; the next one for each repeat")] = 1
 
     def __post_init__(self) -> None:
-        settle(self)
+        validate(self)
 
     @property
     def cells(self) -> tuple[Cell, ...]:

@@ -12,7 +12,7 @@ from typing import Protocol
 
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.exporters.gazebo.sdf import HEAD, TAIL, numbers
-from rsegen.field.metrics import Climber
+from rsegen.field.metrics import RobotLimits
 from rsegen.params.registry import Registry
 from rsegen.simulation.robots.commands import SIMULATORS, Command
 from rsegen.simulation.robots.drives import Drive
@@ -76,9 +76,9 @@ class Robot:
         return self.drive.turn
 
     @property
-    def climber(self) -> Climber:
+    def climber(self) -> RobotLimits:
         """The robot as the metrics see it."""
-        return Climber.of(self.climbs, self.size[1])
+        return RobotLimits.of(self.climbs, self.size[1])
 
     @property
     def mass(self) -> float:

@@ -49,7 +49,7 @@ class SimWorld(LiveWorld):
             before, done = done, self.clock().steps
             end = time.monotonic() + PATIENCE if done > before else end
             if time.monotonic() > end:
-                raise SimulatorFailed(f"Gazebo Sim: it stands still at step {done} of {target}")
+                raise SimulatorFailed(f"Gazebo Sim: stopped at step {done} of {target}")
 
     def go(self) -> None:
         """Not paused, once it says so."""

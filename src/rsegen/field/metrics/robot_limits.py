@@ -8,30 +8,30 @@ from typing import Annotated
 import numpy as np
 
 from rsegen.field.stepfield import StepField
-from rsegen.params.sorts import Real, settle
+from rsegen.params.sorts import Float, validate
 
 NANOMETRES = 10**9
 """In a metre: heights that are compared with limits are whole numbers of them."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Climber:
+class RobotLimits:
     """It gets up a step of up to `climb_cm` and down one of up to `drop_cm`."""
 
-    climb_cm: Annotated[float, Real(0, 100_000, unit="cm", help="highest step that the robot gets up")]
+    climb_cm: Annotated[float, Float(0, 100_000, unit="cm", help="highest step that the robot gets up")]
     drop_cm: Annotated[
         float | None,
-        Real(0, 100_000, unit="cm", help="highest step that it gets down unharmed; by default what it climbs"),
+        Float(0, 100_000, unit="cm", help="highest step that it gets down unharmed; by default what it climbs"),
     ] = None
     width_cm: Annotated[
-        float, Real(0, 100_000, unit="cm", help="its width: it stands on the highest of the cells below; 0: one cell")
+        float, Float(0, 100_000, unit="cm", help="its width: it stands on the highest of the cells below; 0: one cell")
     ] = 0.0
 
     def __post_init__(self) -> None:
-        settle(self)
+        validate(self)
 
     @classmethod
-    def of(cls, climb: float, width: float) -> Climber:
+    def of(cls, climb: float, width: float) -> RobotLimits:
         """The same from metres."""
         return cls(climb_cm=round(climb * 100, 7), width_cm=round(width * 100, 7))
 

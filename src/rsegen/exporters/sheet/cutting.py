@@ -11,18 +11,18 @@ from typing import Annotated
 
 from rsegen.errors import ParameterError
 from rsegen.exporters.numbers import decimal
-from rsegen.params.sorts import Real, settle
+from rsegen.params.sorts import Float, validate
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Saw:
+class CutSettings:
     """What the blocks are sawn with and from."""
 
-    kerf_mm: Annotated[float, Real(0, 100, unit="mm", help="width that the saw takes away at every cut")] = 3.0
-    stock_cm: Annotated[float, Real(0.001, 100_000, unit="cm", help="length of the timber that is bought")] = 240.0
+    kerf_mm: Annotated[float, Float(0, 100, unit="mm", help="width that the saw takes away at every cut")] = 3.0
+    stock_cm: Annotated[float, Float(0.001, 100_000, unit="cm", help="length of the timber that is bought")] = 240.0
 
     def __post_init__(self) -> None:
-        settle(self)
+        validate(self)
 
     @property
     def kerf(self) -> int:
@@ -53,16 +53,16 @@ class Pattern:
     parts: tuple[tuple[int, int], ...]
     room: int
 
-    def offcut(self, saw: Saw) -> int:
+    def offcut(self, saw: CutSettings) -> int:
         """What is left of a piece, nanometres."""
         return max(0, self.room - saw.kerf)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Sawing:
+class CuttingPlan:
     """How the blocks are sawn; lengths in nanometres."""
 
-    saw: Saw
+    saw: CutSettings
     patterns: Sequence[Pattern]
 
     @property
@@ -96,7 +96,7 @@ def centimetres(length: int) -> str:
     return decimal(length / 1e7)
 
 
-def sawn(counts: Mapping[int, int], saw: Saw) -> Sawing:
+def plan_cuts(counts: Mapping[int, int], saw: CutSettings) -> CuttingPlan:
     """So many parts of each length [nm], first fit decreasing: the longest first, each into the first with room."""
     patterns: list[Pattern] = []
     for length in sorted(counts, reverse=True):
@@ -104,7 +104,7 @@ def sawn(counts: Mapping[int, int], saw: Saw) -> Sawing:
         fresh = Pattern(pieces=counts[length], parts=(), room=saw.stock + saw.kerf)
         filled = _filled([*patterns, fresh], length, counts[length], saw.kerf)
         patterns = [pattern for pattern in filled if pattern.parts]
-    return Sawing(saw=saw, patterns=tuple(patterns))
+    return CuttingPlan(saw=saw, patterns=tuple(patterns))
 
 
 def _filled(patterns: Sequence[Pattern], length: int, count: int, kerf: int) -> Iterator[Pattern]:

@@ -10,17 +10,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import Recipe, Saw
+from rsegen import CutSettings, Recipe
 from rsegen.errors import ParameterError
+from rsegen.exporters.sheet.cutting import CuttingPlan, nanometres, plan_cuts
 from rsegen.exporters.sheet.frames import frames
-from rsegen.exporters.sheet.saw import Sawing, nanometres, sawn
 
 CM = nanometres(1)
-SAWS = st.builds(Saw, kerf_mm=st.sampled_from([0, 1.5, 3, 40]), stock_cm=st.sampled_from([60, 100, 240.5]))
+SAWS = st.builds(CutSettings, kerf_mm=st.sampled_from([0, 1.5, 3, 40]), stock_cm=st.sampled_from([60, 100, 240.5]))
 COUNTS = st.dictionaries(st.integers(1, 60).map(lambda length: length * CM), st.integers(1, 40), max_size=6)
 
 
-def first_fit_decreasing(counts: Mapping[int, int], saw: Saw) -> Counter[tuple[tuple[int, int], ...]]:
+def first_fit_decreasing(counts: Mapping[int, int], saw: CutSettings) -> Counter[tuple[tuple[int, int], ...]]:
     """As the books have it, block by block."""
     pieces: list[list[int]] = []
     for length in sorted(Counter(counts).elements(), reverse=True):
@@ -34,16 +34,16 @@ def first_fit_decreasing(counts: Mapping[int, int], saw: Saw) -> Counter[tuple[t
 
 
 @given(COUNTS, SAWS)
-def test_blocks_are_sawn_first_fit_decreasing(counts: Mapping[int, int], saw: Saw) -> None:
+def test_blocks_are_sawn_first_fit_decreasing(counts: Mapping[int, int], saw: CutSettings) -> None:
     found: Counter[tuple[tuple[int, int], ...]] = Counter()
-    for pattern in sawn(counts, saw).patterns:
+    for pattern in plan_cuts(counts, saw).patterns:
         found[pattern.parts] += pattern.pieces
     assert found == first_fit_decreasing(counts, saw)
 
 
 @given(COUNTS, SAWS)
-def test_every_block_is_sawn_and_nothing_is_lost_but_to_the_saw(counts: Mapping[int, int], saw: Saw) -> None:
-    sawing = sawn(counts, saw)
+def test_every_block_is_sawn_and_nothing_is_lost_but_to_the_saw(counts: Mapping[int, int], saw: CutSettings) -> None:
+    sawing = plan_cuts(counts, saw)
     sawn_of: Counter[int] = Counter()
     for pattern in sawing.patterns:
         for length, count in pattern.parts:
@@ -54,7 +54,7 @@ def test_every_block_is_sawn_and_nothing_is_lost_but_to_the_saw(counts: Mapping[
     assert 0 <= sawing.sawdust <= saw.kerf * sum(counts.values())
 
 
-def parts(sawing: Sawing) -> list[tuple[int, tuple[tuple[int, int], ...], int]]:
+def parts(sawing: CuttingPlan) -> list[tuple[int, tuple[tuple[int, int], ...], int]]:
     """Of each pattern: how often, length in cm and number, what is left in mm."""
     return [
         (
@@ -69,18 +69,18 @@ def parts(sawing: Sawing) -> list[tuple[int, tuple[tuple[int, int], ...], int]]:
 def test_the_saw_costs_a_block() -> None:
     """Twelve blocks of 20 cm are 240 cm, but not with a kerf: after the eleventh 17 cm less 3 mm are left."""
     counts = {20 * CM: 12}
-    assert parts(sawn(counts, Saw(kerf_mm=0))) == [(1, ((20, 12),), 0)]
-    assert parts(sawn(counts, Saw(kerf_mm=3))) == [(1, ((20, 11),), 167), (1, ((20, 1),), 2197)]
+    assert parts(plan_cuts(counts, CutSettings(kerf_mm=0))) == [(1, ((20, 12),), 0)]
+    assert parts(plan_cuts(counts, CutSettings(kerf_mm=3))) == [(1, ((20, 11),), 167), (1, ((20, 1),), 2197)]
 
 
 def test_a_block_as_long_as_the_stock_is_not_sawn() -> None:
-    sawing = sawn({240 * CM: 3}, Saw(kerf_mm=3))
+    sawing = plan_cuts({240 * CM: 3}, CutSettings(kerf_mm=3))
     assert (sawing.pieces, sawing.sawdust, sawing.offcuts) == (3, 0, 0)
 
 
 def test_what_is_longer_than_the_stock_is_refused() -> None:
     with pytest.raises(ParameterError, match=r"stock_cm: 30 is shorter than the longest block, 30\.5 cm"):
-        sawn({nanometres(30.5): 1}, Saw(stock_cm=30))
+        plan_cuts({nanometres(30.5): 1}, CutSettings(stock_cm=30))
 
 
 def test_the_boards_of_a_nist_pallet_are_120_and_100_cm() -> None:
