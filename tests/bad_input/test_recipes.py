@@ -20,7 +20,7 @@ OBSTACLES: Mapping[str, tuple[str, Sequence[str]]] = {
     "a kind of another world": ("volcano max_height=5", ["'volcano'", *KINDS]),
     "a misspelt parameter": ("peak max_hight=5", ["'max_hight'", "did you mean 'max_height'?", "softness", "first"]),
     "another kind's parameter": ("peak max_height=5 weights=1,2", ["'weights'", "parameter of peak", "softness"]),
-    "no height": ("peak", ["max_height: is missing", "2..32767"]),
+    "no height": ("peak", ["levels: is missing", "2..32767"]),
     "no equals sign": ("peak max_height", ["'max_height' is not KEY=VALUE"]),
     "spaces round the equals sign": ("peak max_height = 5", ["'max_height' is not KEY=VALUE"]),
     "a parameter twice": ("peak max_height=5 max_height=6", ["max_height: is given twice"]),

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -224,3 +225,19 @@ def test_high_levels_have_room(tmp_path: Path) -> None:
     assert found.levels.dtype == np.int16
     assert found.field(4) == rsegen.build(found.recipe, 4)
     assert Dataset(tmp_path).levels[:].max() > 255
+
+
+@pytest.mark.parametrize("finished", [True, False])
+def test_what_changes_no_map_does_not_make_another_data_set(tmp_path: Path, *, finished: bool) -> None:
+    """Colours, meshes and the name: shards that are there stay, and the manifest says what was given last."""
+    make_dataset(RECIPE, tmp_path, shard_maps=3)
+    if not finished:
+        layout, shards = rsegen.io.dataset.manifest.read_manifest(tmp_path)
+        lines = [rsegen.io.dataset.manifest.next_line(layout, shard) for shard in shards[:2]]
+        (tmp_path / "unfinished.jsonl").write_text(rsegen.io.dataset.manifest.first_line(layout) + "".join(lines))
+        (tmp_path / "manifest.json").unlink()
+    before = {path: path.read_bytes() for path in tmp_path.glob("*.npy")}
+    other = replace(RECIPE, frame_colour="#ff0000", mesh_type="multi", name="other")
+    made = make_dataset(other, tmp_path, shard_maps=3, resume=True)
+    assert made.recipe == other
+    assert {path: path.read_bytes() for path in tmp_path.glob("*.npy")} == before

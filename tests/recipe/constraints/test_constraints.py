@@ -18,7 +18,7 @@ from rsegen.exporters.pictures.preview import picture
 from rsegen.field.metrics.pairs import differences
 from rsegen.field.metrics.reach import crossing
 from rsegen.params.streams import generator
-from rsegen.recipe.constraints.inventory import fitted
+from rsegen.recipe.constraints.inventory import fitted_to_inventory
 from tests.support.complaints import the_line
 from tests.support.strategies import fields, recipes
 
@@ -76,7 +76,7 @@ def test_frames_that_a_robot_cannot_get_over_are_refused() -> None:
 
 @given(fields(), st.lists(st.integers(0, 12), min_size=1, max_size=6), st.integers(0, 99))
 def test_blocks_are_owned_and_few_are_replaced(field: rsegen.StepField, owned: list[int], seed: int) -> None:
-    levels, left = fitted(field, owned, generator(seed, 0, "k"))
+    levels, left = fitted_to_inventory(field, owned, generator(seed, 0, "k"))
     needed = np.bincount(field.levels[~field.frame], minlength=len(left))
     used = np.bincount(levels[~field.frame], minlength=len(left))
     there = np.array([*owned, *[0] * len(left)])[: len(left) - 1]

@@ -35,6 +35,7 @@ from rsegen.io.dataset.manifest import (
     next_line,
     read_manifest,
     read_record,
+    same_maps,
 )
 from rsegen.io.dataset.reading import Dataset
 from rsegen.io.dataset.tables import arrow, npy, table
@@ -179,7 +180,7 @@ def _there(order: Order) -> Iterator[Shard]:
 def _recorded(order: Order) -> list[Shard] | None:
     if (order.folder / MANIFEST).is_file():
         layout, shards = read_manifest(order.folder)
-        return shards if first_line(layout) == first_line(order.layout) else None
+        return shards if same_maps(layout, order.layout) else None
     return read_record(order.folder, order.layout) if (order.folder / RECORD).is_file() else []
 
 

@@ -103,13 +103,32 @@ def read_record(folder: Path, layout: Layout) -> list[Shard] | None:
     start, *lines = text_of(path, LARGEST_MIB, "a record of a data set").split("\n")
     if not lines:
         return []
-    if f"{start}\n" != first_line(layout):
+    if not _is_begun_by(start, layout):
         return None
     try:
         found = [json.loads(line) for line in lines[:-1]]
         return [_shard(layout, entry.get("shard"), entry) for entry in found]
     except (AttributeError, ValueError) as error:
         raise FileError(f"{path}: was changed by something else: {error}") from None
+
+
+def same_maps(one: Layout, other: Layout) -> bool:
+    """Whether two data sets have the same files: the same maps of one design, in the same shards."""
+    return _content(one) == _content(other)
+
+
+def _content(layout: Layout) -> tuple[object, ...]:
+    return layout.recipe.design, layout.recipe.indices, layout.shard_maps, layout.metrics
+
+
+def _is_begun_by(line: str, layout: Layout) -> bool:
+    """Whether a record with this first line was begun by this version of rsegen, for the same maps."""
+    try:
+        found = json.loads(line)
+        begun = _layout({**found, "shards": []})
+    except (TypeError, ValueError):  # a ParameterError is one
+        return False
+    return found["recipe"].get("generator") == encode(layout.recipe)["generator"] and same_maps(begun, layout)
 
 
 def _entry(layout: Layout, shard: Shard) -> dict[str, object]:

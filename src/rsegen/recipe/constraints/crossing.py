@@ -1,4 +1,4 @@
-"""A robot gets across, from west to east and from south to north: what is in its way is lowered."""
+"""Lowers blocks so that a robot can cross a map from west to east and from south to north."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ANYTHING = 2**30
 
 
 def caps(field: StepField, climber: RobotLimits) -> Ints | None:
-    """The highest levels that a way has which the robot gets along; None where it gets across both ways already."""
+    """The highest levels along a path on which the robot can cross; None if it can cross both ways already."""
     for axis in (0, 1):
         if not crossing(field, climber, axis).crosses:
             return _along(field, climber, axis)
@@ -22,7 +22,7 @@ def caps(field: StepField, climber: RobotLimits) -> Ints | None:
 
 
 def _along(field: StepField, climber: RobotLimits, axis: int) -> Ints:
-    """Of the cheapest way of those whose highest step is least."""
+    """The highest levels along the cheapest of the paths whose highest step is least."""
     opens = opening(field, climber.width)
     step = (opens.west_east, opens.south_north)[axis]
     path = crossing(field, RobotLimits.of(step, climber.width), axis).path
@@ -35,7 +35,7 @@ def _along(field: StepField, climber: RobotLimits, axis: int) -> Ints:
 
 
 def _tops(field: StepField, climber: RobotLimits, axis: int, path: Ints) -> Ints:
-    """The highest level for all that is under the robot at each cell of its path, so that it gets on from each."""
+    """The highest level below the robot at each cell of its path, such that it can go on from there."""
     margin = cells_aside(field, climber.width) + 1
     along = (path if axis == 0 else path[:, ::-1]) + (margin, 0)
     tops = lane(field, climber.width, axis).heights[along[:, 0], along[:, 1]]
