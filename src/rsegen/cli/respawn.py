@@ -11,12 +11,12 @@ from dataclasses import asdict
 
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.maps import add_output_flag, add_running_flags, map_of, maps_in
-from rsegen.cli.targets import recipe_files
 from rsegen.errors import ParameterError, shown
 from rsegen.exporters.gazebo.sdf import numbers
 from rsegen.exporters.scene import compose
 from rsegen.field.stepfield import StepField
 from rsegen.io.dataset.naming import recipe_in
+from rsegen.io.targets import recipe_files
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.simulators.connecting import joined
 from rsegen.simulation.simulators.live import Pose

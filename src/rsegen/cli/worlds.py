@@ -9,9 +9,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from rsegen.cli.targets import found
 from rsegen.errors import FileError
 from rsegen.io.recipe_file import load
+from rsegen.io.targets import found
 from rsegen.io.worlds import generate
 from rsegen.recipe.recipe import Recipe
 
