@@ -20,16 +20,16 @@ from rsegen.io.writer import write
 from rsegen.params.sorts import Choice, Float, Integer, ListOf, Parameter
 from rsegen.params.streams import SEEDS, fresh_seed
 from rsegen.recipe.codec import map_json
-from rsegen.simulation.driving.contacts import csv, shares
-from rsegen.simulation.driving.drive import Drive, Driver, driven
-from rsegen.simulation.driving.drive_metrics import Trip, measured
-from rsegen.simulation.driving.runs import ROUTES, beyond, crew, easy
-from rsegen.simulation.driving.trajectory_plot import sketch
+from rsegen.simulation.driving.contacts import contact_shares, csv
+from rsegen.simulation.driving.drive import DriveResult, RobotRun, driven
+from rsegen.simulation.driving.drive_metrics import DriveMetrics, drive_metrics
+from rsegen.simulation.driving.robot_runs import ROUTES, driving_speed, finish_x, robot_runs
+from rsegen.simulation.driving.trajectory_plot import draw_trajectories
 from rsegen.simulation.robots import ROBOTS, robot
-from rsegen.simulation.robots.base import Driven
-from rsegen.simulation.robots.own import from_file
+from rsegen.simulation.robots.base import DrivableRobot
+from rsegen.simulation.robots.sdf_file import from_file
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.opening import fitting, has_screen
+from rsegen.simulation.simulators.launching import choose_installation, has_screen
 
 COUNT, SECONDS, SEED = Integer(1, 100), Float(0.1, 1e5, unit="s"), Integer(0, SEEDS - 1)
 _SAID = 5
@@ -90,20 +90,23 @@ def run(arguments: argparse.Namespace) -> None:
     route = ROUTE.check("--route", arguments.route)
     _check_picture(arguments)
     world = world_of(arguments.target, arguments.map)
-    here, scene = fitting(world.made_for, "classic"), _scene(world, arguments.target)
-    drivers = crew(scene.field, kind, route, count=count, seed=seed)
+    here, scene = choose_installation(world.made_for, "classic"), _scene(world, arguments.target)
+    runs = robot_runs(scene.field, kind, route, count=count, seed=seed)
     with world.on_disk() as file, _bar(seconds) as progress:
         watched = scene.field.extent if arguments.picture else None
-        drive = driven(here, file, drivers, seconds, progress, watched=watched)
-    goal = beyond(scene.field, kind) if route == "straight" else None
-    trips = {name: measured(track, easy(kind), goal, shares(drive.looks, name)) for name, track in drive.tracks.items()}
-    told = _summary(here, scene, route, seed, drivers, trips) | {"errors": list(drive.errors)}
+        drive = driven(here, file, runs, seconds, progress, watched=watched)
+    goal = finish_x(scene.field, kind) if route == "straight" else None
+    trips = {
+        name: drive_metrics(trajectory, driving_speed(kind), goal, contact_shares(drive.samples, name))
+        for name, trajectory in drive.trajectories.items()
+    }
+    told = _summary(here, scene, route, seed, runs, trips) | {"errors": list(drive.errors)}
     if arguments.output:
         write(_files(scene, drive, told), arguments.output, force=arguments.force)
     print(json.dumps(told, indent=2) if arguments.json else "\n".join(_report(told, trips)))
 
 
-def _robot(arguments: argparse.Namespace) -> Driven:
+def _robot(arguments: argparse.Namespace) -> DrivableRobot:
     """One of ours, or that of a file; only of such a one does a person say what it is like."""
     said = {name: getattr(arguments, name) for name in OWN if getattr(arguments, name) is not None}
     if arguments.robot.endswith(".sdf"):
@@ -135,36 +138,37 @@ def _scene(world: World, target: str) -> Scene:
 
 
 def _summary(
-    here: Installation, scene: Scene, route: str, seed: int, drivers: Sequence[Driver], trips: Mapping[str, Trip]
+    here: Installation, scene: Scene, route: str, seed: int, runs: Sequence[RobotRun], trips: Mapping[str, DriveMetrics]
 ) -> dict[str, object]:
     robots = [
-        {"name": driver.name, "kind": driver.robot.kind, "start": asdict(driver.start), **asdict(trips[driver.name])}
-        for driver in drivers
+        {"name": run.name, "kind": run.robot.kind, "start": asdict(run.start), **asdict(trips[run.name])}
+        for run in runs
     ]
     return {"map": scene.name, "simulator": str(here), "route": route, "seed": seed, "robots": robots}
 
 
-def _files(scene: Scene, drive: Drive, told: Mapping[str, object]) -> dict[PurePosixPath, list[bytes]]:
-    tracks = {
-        PurePosixPath(f"{name}.csv"): [row.encode() for row in track.csv()] for name, track in drive.tracks.items()
+def _files(scene: Scene, drive: DriveResult, told: Mapping[str, object]) -> dict[PurePosixPath, list[bytes]]:
+    trajectories = {
+        PurePosixPath(f"{name}.csv"): [row.encode() for row in trajectory.csv()]
+        for name, trajectory in drive.trajectories.items()
     }
     return {
-        **tracks,
-        PurePosixPath("contacts.csv"): [row.encode() for row in csv(drive.looks, drive.tracks)],
+        **trajectories,
+        PurePosixPath("contacts.csv"): [row.encode() for row in csv(drive.samples, drive.trajectories)],
         PurePosixPath("recipe.json"): [map_json(scene.recipe, scene.index)],
         PurePosixPath("drive.json"): [json.dumps(told, indent=2).encode() + b"\n"],
-        PurePosixPath("drive.png"): [sketch(scene, drive.tracks)],
+        PurePosixPath("drive.png"): [draw_trajectories(scene, drive.trajectories)],
     } | ({PurePosixPath("gazebo.jpg"): [drive.seen]} if drive.seen else {})
 
 
-def _report(told: Mapping[str, Any], trips: Mapping[str, Trip]) -> Iterator[str]:
+def _report(told: Mapping[str, Any], trips: Mapping[str, DriveMetrics]) -> Iterator[str]:
     yield f"{told['map']} in {told['simulator']}, {told['route']}, seed {told['seed']}:"
-    for name, trip in trips.items():
-        crossed = "" if told["route"] != "straight" else _crossed(trip)
-        tipped = f", tipped over {trip.tipped}x" if trip.tipped else ""
-        yield f"  {name}: {trip.distance:.2f} m in {trip.seconds:g} s{crossed}, stuck {trip.stuck:g} s{tipped}"
-        if trip.touched:
-            yield "    touching with " + ", ".join(f"{part} {share:.0%}" for part, share in _most(trip.touched))
+    for name, found in trips.items():
+        crossed = "" if told["route"] != "straight" else _crossed(found)
+        tipped = f", tipped over {found.tipped}x" if found.tipped else ""
+        yield f"  {name}: {found.distance:.2f} m in {found.seconds:g} s{crossed}, stuck {found.stuck:g} s{tipped}"
+        if found.touched:
+            yield "    touching with " + ", ".join(f"{part} {share:.0%}" for part, share in _most(found.touched))
     yield from (f"warning: {line}" for line in dict.fromkeys(told["errors"]))
 
 
@@ -172,8 +176,8 @@ def _most(touched: Mapping[str, float]) -> Sequence[tuple[str, float]]:
     return list(touched.items())[:_SAID]
 
 
-def _crossed(trip: Trip) -> str:
-    return f", crossed the map after {trip.crossed:g} s" if trip.crossed is not None else ", did not cross the map"
+def _crossed(found: DriveMetrics) -> str:
+    return f", crossed the map after {found.crossed:g} s" if found.crossed is not None else ", did not cross the map"
 
 
 @contextmanager

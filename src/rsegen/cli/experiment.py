@@ -12,8 +12,8 @@ from pathlib import Path
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import Subparsers
 from rsegen.simulation.experiment.plan import PLANS, Cell, Plan, load_plan
-from rsegen.simulation.experiment.run import NOTEBOOK, experiment
-from rsegen.simulation.simulators.opening import fitting
+from rsegen.simulation.experiment.run import RESULTS_FILE, experiment
+from rsegen.simulation.simulators.launching import choose_installation
 
 
 def add(commands: Subparsers) -> None:
@@ -34,8 +34,8 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Try everything, and print the table."""
-    plan, here = load_plan(arguments.plan), fitting("both", "classic")
-    if arguments.force and (arguments.output / NOTEBOOK).is_file():
+    plan, here = load_plan(arguments.plan), choose_installation("both", "classic")
+    if arguments.force and (arguments.output / RESULTS_FILE).is_file():
         shutil.rmtree(arguments.output)
     with _bar(plan) as progress:
         experiment(plan, here, arguments.output, progress)

@@ -9,7 +9,7 @@ from pathlib import Path
 from rsegen.io.dataset.naming import recipe_in
 from rsegen.io.targets import found, recipe_files
 from rsegen.simulation.simulators import SIMULATORS
-from rsegen.simulation.spawning.maps import Map, made
+from rsegen.simulation.spawning.map_models import MapModel, map_model
 
 
 def add_running_flags(command: argparse.ArgumentParser) -> None:
@@ -25,12 +25,16 @@ def add_output_flag(command: argparse.ArgumentParser) -> None:
     command.add_argument("-o", "--output", type=Path, default=Path("worlds"), metavar="DIR", help=text)
 
 
-def map_of(target: str, which: str | None, output: Path) -> Map:
+def map_of(target: str, which: str | None, output: Path) -> MapModel:
     """The map of a target: the given one, or the first; one of a recipe is to be in the output folder."""
     file, recipe, index = found(target, which)
-    return Map(recipe=recipe.alone(index), folder=file.parent) if os.path.isdir(target) else made(recipe, index, output)
+    return (
+        MapModel(recipe=recipe.alone(index), folder=file.parent)
+        if os.path.isdir(target)
+        else map_model(recipe, index, output)
+    )
 
 
-def maps_in(folder: str) -> list[Map]:
+def maps_in(folder: str) -> list[MapModel]:
     """Every map in a folder, or the one whose folder it is."""
-    return [Map(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(folder)]
+    return [MapModel(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(folder)]

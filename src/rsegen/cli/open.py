@@ -14,8 +14,8 @@ from rsegen.cli.flags import Subparsers
 from rsegen.cli.worlds import World, world_of
 from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed
 from rsegen.params.sorts import Float
-from rsegen.simulation.simulators import SIMULATORS, Installation, Launch, Opening
-from rsegen.simulation.simulators.opening import fitting, has_screen, opened
+from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest
+from rsegen.simulation.simulators.launching import choose_installation, has_screen, opened
 
 SECONDS = Float(0, 1e9, unit="s")
 
@@ -46,14 +46,14 @@ def run(arguments: argparse.Namespace) -> None:
     """Open it, and stay until it ends."""
     seconds = math.inf if arguments.seconds is None else SECONDS.check("--seconds", SECONDS.parse(arguments.seconds))
     world = world_of(arguments.target, arguments.map)
-    here = fitting(world.made_for, arguments.simulator)
+    here = choose_installation(world.made_for, arguments.simulator)
     if arguments.print:
         print(_line(here, world, arguments))
         return
     if not (arguments.headless or has_screen()):
         raise NoSimulator("open: there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set); give --headless")
     with _home(headless=arguments.headless) as home, world.on_disk() as file:
-        opening = Opening(world=file, shared=arguments.shared, home=home)
+        opening = OpenRequest(world=file, shared=arguments.shared, home=home)
         launch = _launch(here, opening, headless=arguments.headless)
         print(f"{here}: {file}{_address(launch, here)}", flush=True)
         _stay(here, launch, seconds, headless=arguments.headless)
@@ -62,18 +62,20 @@ def run(arguments: argparse.Namespace) -> None:
 def _line(here: Installation, world: World, arguments: argparse.Namespace) -> str:
     if not world.file:
         raise ParameterError("--print", f"{arguments.target} has no world yet; make one with rsegen generate")
-    return _launch(here, Opening(world=world.file, shared=arguments.shared), headless=arguments.headless).line
+    return _launch(here, OpenRequest(world=world.file, shared=arguments.shared), headless=arguments.headless).line
 
 
-def _launch(here: Installation, opening: Opening, *, headless: bool) -> Launch:
+def _launch(here: Installation, opening: OpenRequest, *, headless: bool) -> LaunchCommand:
     simulator = here.simulator
-    launch = simulator.headless(here, opening) if headless else simulator.windowed(here, opening)
+    launch = simulator.headless(here, opening) if headless else simulator.with_gui(here, opening)
     if not launch:
-        raise NoSimulator(f"{here} is here without its window; give --headless, or get it: {simulator.remedy[0]}")
+        raise NoSimulator(
+            f"{here} is here without its window; give --headless, or get it: {simulator.how_to_install[0]}"
+        )
     return launch
 
 
-def _address(launch: Launch, here: Installation) -> str:
+def _address(launch: LaunchCommand, here: Installation) -> str:
     """Where other programs reach it, if that is a place of its own."""
     own = [f"{name}={launch.environment[name]}" for name in here.simulator.address if name in launch.environment]
     return f", at {' '.join(own)}" if own else ""
@@ -89,22 +91,22 @@ def _home(*, headless: bool) -> Iterator[Path | None]:
         yield Path(home)
 
 
-def _stay(here: Installation, launch: Launch, seconds: float, *, headless: bool) -> None:
+def _stay(here: Installation, launch: LaunchCommand, seconds: float, *, headless: bool) -> None:
     """Until it ends; to be stopped is the usual way to do so.
 
     A window that is closed is no failure, though Gazebo Classic may then exit with 255; nor are complaints of a window.
     """
-    complaints: list[str] = []
+    error_lines: list[str] = []
 
     def tell(complaint: str) -> None:
-        complaints.append(complaint)
+        error_lines.append(complaint)
         print(complaint, file=sys.stderr, flush=True)
 
     try:
         code = opened(here, launch, seconds=seconds, tell=tell)
     except KeyboardInterrupt:
         code = None
-    if code is not None and (headless or (code and complaints)):
+    if code is not None and (headless or (code and error_lines)):
         raise SimulatorFailed(f"{here} ended by itself, with exit code {code}")
-    if headless and complaints:
-        raise SimulatorFailed(f"{here} complained of the world: {complaints[0]}")
+    if headless and error_lines:
+        raise SimulatorFailed(f"{here} complained of the world: {error_lines[0]}")

@@ -8,7 +8,7 @@ import json
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.maps import add_running_flags
 from rsegen.errors import UnknownName
-from rsegen.simulation.simulators.connecting import joined
+from rsegen.simulation.simulators.connecting import connected
 
 
 def add(commands: Subparsers) -> None:
@@ -27,12 +27,12 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Take them out, and say so."""
     names = list(dict.fromkeys(arguments.names))
-    with joined(arguments.simulator) as (simulator, live):
+    with connected(arguments.simulator) as (simulator, live):
         there = live.poses()
         for name in names:
             if name not in there:
                 raise UnknownName.among("", "model", name, there)
         for name in names:
-            live.take(name)
+            live.delete(name)
     told = {"removed": names, "simulator": simulator.name}
     print(json.dumps(told, indent=2) if arguments.json else f"{', '.join(names)} out of {simulator.title}")

@@ -18,11 +18,11 @@ from rsegen.field.stepfield import StepField
 from rsegen.io.dataset.naming import recipe_in
 from rsegen.io.targets import recipe_files
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.simulators.connecting import joined
-from rsegen.simulation.simulators.live import Pose
-from rsegen.simulation.spawning.change import put
-from rsegen.simulation.spawning.maps import Map, known, made
-from rsegen.simulation.spawning.spawned_map import Placed
+from rsegen.simulation.simulators.connecting import connected
+from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.spawning.map_models import MapModel, known, map_model
+from rsegen.simulation.spawning.spawned_map import SpawnedMap
+from rsegen.simulation.spawning.spawning import put
 
 
 def add(commands: Subparsers) -> None:
@@ -45,16 +45,16 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Replace it, and say what was done."""
     recipes = [recipe_in(file) for file in recipe_files(arguments.target)]
-    with joined(arguments.simulator) as (simulator, live):
+    with connected(arguments.simulator) as (simulator, live):
         poses = live.poses()
         name = _there(poses, {recipe.name for recipe in recipes}, arguments.name)
         new = _given_or_next(arguments, name)
-        new.refuse_unfit(simulator)
+        new.check_fits(simulator)
         if new.name in poses:
             raise ParameterError("--map", f"{shown(new.name)} is there already; give another")
         before = known({name: poses[name]}, [arguments.output, new.folder.parent])
-        old = before[0] if before else Placed(name=name, field=_field(recipes[0], name), at=poses[name])
-        moved = put(live, new.model(new.name), Placed(name=new.name, field=new.field, at=old.at), old)
+        old = before[0] if before else SpawnedMap(name=name, field=_field(recipes[0], name), at=poses[name])
+        moved = put(live, new.model(new.name), SpawnedMap(name=new.name, field=new.field, at=old.at), old)
     told = {
         "name": new.name,
         "instead_of": name,
@@ -81,7 +81,7 @@ def _there(poses: Mapping[str, Pose], stems: set[str], given: str | None) -> str
     return found[0]
 
 
-def _given_or_next(arguments: argparse.Namespace, name: str) -> Map:
+def _given_or_next(arguments: argparse.Namespace, name: str) -> MapModel:
     """The map that is asked for; else the one after the one that is there, in the folder or by its index."""
     if arguments.map is not None:
         return map_of(arguments.target, arguments.map, arguments.output)
@@ -91,7 +91,7 @@ def _given_or_next(arguments: argparse.Namespace, name: str) -> Map:
         return maps[(names.index(name) + 1) % len(maps)] if name in names else maps[0]
     recipe = recipe_in(arguments.target)
     index = _index(recipe, name)
-    return made(recipe, recipe.first_map if index is None else index + 1, arguments.output)
+    return map_model(recipe, recipe.first_map if index is None else index + 1, arguments.output)
 
 
 def _index(recipe: Recipe, name: str) -> int | None:
@@ -106,5 +106,5 @@ def _field(recipe: Recipe, name: str) -> StepField:
 
 
 def _line(new: str, old: str, at: Pose, moved: list[str]) -> str:
-    on_top = f"; put on top of it: {', '.join(moved)}" if moved else ""
-    return f"{new} is there instead of {old}, at {numbers([at.x, at.y, at.z])}{on_top}"
+    poses_on_map = f"; put on top of it: {', '.join(moved)}" if moved else ""
+    return f"{new} is there instead of {old}, at {numbers([at.x, at.y, at.z])}{poses_on_map}"

@@ -16,15 +16,15 @@ from rsegen.exporters.gazebo.sdf import numbers
 from rsegen.params.sorts import Float, parameters
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.driving.start_poses import DROP
+from rsegen.simulation.driving.start_poses import DROP_HEIGHT
 from rsegen.simulation.robots import ROBOTS, Robot
 from rsegen.simulation.simulators import Simulator
-from rsegen.simulation.simulators.connecting import joined
-from rsegen.simulation.simulators.live import LiveWorld, Pose
-from rsegen.simulation.spawning.change import freed, put, reach_of, taken
-from rsegen.simulation.spawning.maps import Map, known
-from rsegen.simulation.spawning.placement import free
-from rsegen.simulation.spawning.spawned_map import Placed
+from rsegen.simulation.simulators.connecting import connected
+from rsegen.simulation.simulators.live_world import LiveWorld, Pose
+from rsegen.simulation.spawning.map_models import MapModel, known
+from rsegen.simulation.spawning.placement import free_rectangle
+from rsegen.simulation.spawning.spawned_map import SpawnedMap
+from rsegen.simulation.spawning.spawning import at_free_place, model_radius, occupied, put
 
 METRES = Float(-1e6, 1e6)
 
@@ -54,14 +54,14 @@ def run(arguments: argparse.Namespace) -> None:
     at = _numbers(arguments.at) if arguments.at is not None else None
     what = _robot_or_map(arguments)
     name = _name(arguments.name, what)
-    with joined(arguments.simulator) as (simulator, live):
+    with connected(arguments.simulator) as (simulator, live):
         poses = live.poses()
         if name in poses:
             raise ParameterError("--name", f"{shown(name)} is there already; give another, or rsegen remove {name}")
-        homes = [arguments.output, *([what.folder.parent] if isinstance(what, Map) else [])]
+        homes = [arguments.output, *([what.folder.parent] if isinstance(what, MapModel) else [])]
         maps = known(poses, homes)
-        if isinstance(what, Map):
-            what.refuse_unfit(simulator)
+        if isinstance(what, MapModel):
+            what.check_fits(simulator)
             done = _put_map(live, what, name, poses, maps, at)
         else:
             done = _put_robot(live, what, name, poses, maps, at)
@@ -73,25 +73,25 @@ Done = tuple[str, Pose, list[str]]
 
 
 def _put_map(
-    live: LiveWorld, one: Map, name: str, poses: Mapping[str, Pose], maps: list[Placed], at: list[float] | None
+    live: LiveWorld, one: MapModel, name: str, poses: Mapping[str, Pose], maps: list[SpawnedMap], at: list[float] | None
 ) -> Done:
-    new = Placed(name=name, field=one.field, at=Pose(x=0, y=0, z=0))
-    new = freed(new, poses, maps) if at is None else replace(new, at=_pose(at))
+    new = SpawnedMap(name=name, field=one.field, at=Pose(x=0, y=0, z=0))
+    new = at_free_place(new, poses, maps) if at is None else replace(new, at=_pose(at))
     return name, new.at, put(live, one.model(name), new)
 
 
 def _put_robot(
-    live: LiveWorld, robot: Robot, name: str, poses: Mapping[str, Pose], maps: list[Placed], at: list[float] | None
+    live: LiveWorld, robot: Robot, name: str, poses: Mapping[str, Pose], maps: list[SpawnedMap], at: list[float] | None
 ) -> Done:
-    reach = reach_of(robot.kind)
-    x, y = at[:2] if at else free(reach, reach, taken(poses, maps))[:2]
+    reach = model_radius(robot.kind)
+    x, y = at[:2] if at else free_rectangle(reach, reach, occupied(poses, maps))[:2]
     ground = max((each.top(Pose(x=x, y=y, z=0), reach) for each in maps), default=0.0)
-    pose = _pose([x, y, ground + DROP] if not at or len(at) == 2 else at)
-    live.put(robot.file(name, live.dialect), pose)
+    pose = _pose([x, y, ground + DROP_HEIGHT] if not at or len(at) == 2 else at)
+    live.spawn(robot.file(name, live.backend), pose)
     return name, pose, []
 
 
-def _robot_or_map(arguments: argparse.Namespace) -> Robot | Map:
+def _robot_or_map(arguments: argparse.Namespace) -> Robot | MapModel:
     target = arguments.target
     if target in ROBOTS:
         if arguments.map is not None:
@@ -103,7 +103,7 @@ def _robot_or_map(arguments: argparse.Namespace) -> Robot | Map:
     return map_of(target, arguments.map, arguments.output)
 
 
-def _name(given: str | None, what: Robot | Map) -> str:
+def _name(given: str | None, what: Robot | MapModel) -> str:
     if given is None:
         return what.kind if isinstance(what, Robot) else what.name
     return str(parameters(Recipe)["name"].check("--name", given))
@@ -128,5 +128,5 @@ def _summary(simulator: Simulator, done: Done) -> dict[str, object]:
 def _line(simulator: Simulator, done: Done) -> str:
     name, pose, moved = done
     x, y, z, _, _, yaw = astuple(pose)
-    on_top = f"; put on top of it: {', '.join(moved)}" if moved else ""
-    return f"{name} is in {simulator.title} at {numbers([x, y, z])}, turned by {numbers([yaw])} rad{on_top}"
+    poses_on_map = f"; put on top of it: {', '.join(moved)}" if moved else ""
+    return f"{name} is in {simulator.title} at {numbers([x, y, z])}, turned by {numbers([yaw])} rad{poses_on_map}"

@@ -62,8 +62,8 @@ def test_a_row_without_an_empty_world_is_held_against_that_of_the_same_robots(re
 
 
 def test_a_world_in_turns_with_an_empty_one_is_told_with_its_error(results: Results) -> None:
-    def beside(*shares: float) -> str:
-        outcomes = [replace(outcome(4.0), share=share) for share in shares]
+    def beside(*contact_shares: float) -> str:
+        outcomes = [replace(outcome(4.0), share=share) for share in contact_shares]
         text = page(PLAN, {**results, Cell(row=0, size=80, pace="beside"): outcomes}, MACHINE)
         return rows(text)["80 x 80"][5]
 

@@ -18,7 +18,7 @@ from PIL import Image
 from rsegen import Matrix, Placement, Recipe, generate
 from rsegen.cli import main
 from rsegen.simulation.experiment.plan import Plan, Row
-from rsegen.simulation.experiment.trial import tried
+from rsegen.simulation.experiment.trial import run_trial
 from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.simulators import Installation
 from tests.simulation.real.conftest import missing
@@ -122,11 +122,11 @@ def test_an_experiment_goes_on_where_it_was_stopped(
         "10 x 10",
     ]
     assert errors.splitlines()[-1].startswith("4 of 4: row 1")
-    notebook = tmp_path / "out" / "results.jsonl"
-    lines = notebook.read_text().splitlines(keepends=True)
-    notebook.write_text("".join(lines[:-1]) + lines[-1][:20])
+    log = tmp_path / "out" / "results.jsonl"
+    lines = log.read_text().splitlines(keepends=True)
+    log.write_text("".join(lines[:-1]) + lines[-1][:20])
     assert main(words) == 0
-    again = notebook.read_text().splitlines(keepends=True)
+    again = log.read_text().splitlines(keepends=True)
     assert again[:-1] == lines[:-1]
     outcome = json.loads(again[-1])["outcome"]
     assert outcome["speed"] > 0
@@ -142,7 +142,7 @@ def test_an_experiment_goes_on_where_it_was_stopped(
 
 def test_an_empty_world_in_turns_with_another_has_the_same_speed(gazebo: Installation) -> None:
     plan = Plan(name="null", rows=(Row(robots=1, sizes=(0,)),), paces=("beside",), seconds=4)
-    outcome = tried(plan, plan.cells[0], 0, gazebo)
+    outcome = run_trial(plan, plan.cells[0], 0, gazebo)
     assert outcome.share == pytest.approx(1, abs=0.3)
     assert outcome.cpu is outcome.rtf is None
     assert outcome.speed > 0

@@ -28,7 +28,7 @@ def test_sim_says_of_each_what_is_there_or_how_to_get_it(programs: Path, capsys:
     out = capsys.readouterr().out
     assert f"Gazebo Sim 8.9.0\n           gz sim: {programs}/gz\n" in out
     assert "Gazebo Classic is not found\n" in out
-    assert all(line in out for line in SIMULATORS["classic"].remedy)
+    assert all(line in out for line in SIMULATORS["classic"].how_to_install)
 
 
 def test_sim_says_the_same_to_programs(programs: Path, capsys: Capture) -> None:
@@ -36,7 +36,7 @@ def test_sim_says_the_same_to_programs(programs: Path, capsys: Capture) -> None:
     assert main(["sim", "--json"]) == 0
     sim, classic = json.loads(capsys.readouterr().out)
     assert (sim["name"], sim["version"], sim["commands"]) == ("sim", None, {})
-    assert sim["how_to_get"] == list(SIMULATORS["sim"].remedy)
+    assert sim["how_to_get"] == list(SIMULATORS["sim"].how_to_install)
     assert (classic["name"], classic["version"]) == ("classic", "11.14.0")
     assert classic["commands"]["gzserver"] == str(programs / "gzserver")
 
@@ -110,7 +110,7 @@ def test_where_nothing_is_installed_it_says_how_to_get_each(programs: Path, worl
     capsys.readouterr()
     assert opened(world) == 2
     line = the_line(capsys.readouterr().err)
-    assert all(simulator.remedy[0] in line for simulator in SIMULATORS.values())
+    assert all(simulator.how_to_install[0] in line for simulator in SIMULATORS.values())
 
 
 def test_a_map_for_classic_is_not_opened_in_another(programs: Path, classic_world: Path, capsys: Capture) -> None:

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.simulators import Launch
-from rsegen.simulation.simulators.process import answer, running
+from rsegen.simulation.simulators import LaunchCommand
+from rsegen.simulation.simulators.process import output_of, running
 from tests.support.leftovers import MARK, left, left_in_the_end
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="sessions of processes are POSIX")
@@ -28,9 +28,9 @@ A_CHILD_LEFT_BEHIND = "sleep 60 & echo begun >>told"
 OUTER = """
 import sys, time
 from pathlib import Path
-from rsegen.simulation.simulators import Launch
+from rsegen.simulation.simulators import LaunchCommand
 from rsegen.simulation.simulators.process import running
-launch = Launch(command=("/bin/sh", "-c", sys.argv[1]), environment={}, folder=Path(sys.argv[2]))
+launch = LaunchCommand(command=("/bin/sh", "-c", sys.argv[1]), environment={}, folder=Path(sys.argv[2]))
 with running(launch, sys.stderr):
     Path(sys.argv[2], "entered").touch()
     time.sleep(60)
@@ -44,8 +44,8 @@ def mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return str(tmp_path)
 
 
-def shell(script: str, folder: Path) -> Launch:
-    return Launch(command=("/bin/sh", "-c", script), environment={}, folder=folder)
+def shell(script: str, folder: Path) -> LaunchCommand:
+    return LaunchCommand(command=("/bin/sh", "-c", script), environment={}, folder=folder)
 
 
 def until_begun(folder: Path, sign: str = "told") -> None:
@@ -103,9 +103,9 @@ def test_nothing_is_left_when_rsegen_is_killed(script: str, word: str, tmp_path:
 
 def test_a_program_that_does_not_answer_in_time_is_an_error_and_gone(tmp_path: Path, mark: str) -> None:
     with pytest.raises(SimulatorFailed, match=r"/bin/sh: no answer in 0.3 s"):
-        answer(shell("echo something; sleep 60", tmp_path), patience=0.3)
+        output_of(shell("echo something; sleep 60", tmp_path), timeout=0.3)
     assert left(mark) == []
 
 
 def test_an_answer_is_both_outputs(tmp_path: Path) -> None:
-    assert answer(shell("echo out; echo err >&2; cat", tmp_path), patience=10) == "out\nerr\n"
+    assert output_of(shell("echo out; echo err >&2; cat", tmp_path), timeout=10) == "out\nerr\n"

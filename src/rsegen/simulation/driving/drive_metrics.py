@@ -20,7 +20,7 @@ COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Track:
+class Trajectory:
     """Where a robot was: rows of COLUMNS, seconds, metres and radians, shape (n, 7)."""
 
     rows: Array
@@ -43,7 +43,7 @@ class Track:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Trip:
+class DriveMetrics:
     """What is measured on a track.
 
     distance: metres along the way; crossed: seconds until the whole robot was beyond the map, None where it never was
@@ -61,20 +61,20 @@ class Trip:
     touched: Mapping[str, float]
 
 
-def measured(
-    track: Track, speed: float, beyond: float | None = None, touched: Mapping[str, float] | None = None
-) -> Trip:
-    """What a track comes to, of a robot that was told to go at a speed, m/s; `beyond` is the x that ends a crossing."""
-    t, x, y, z = track.rows[:, :4].T
-    over = np.flatnonzero(x > beyond) if beyond is not None else np.array([], dtype=int)
-    fallen = track.tilt > TIPPED
-    return Trip(
+def drive_metrics(
+    trajectory: Trajectory, speed: float, finish_x: float | None = None, touched: Mapping[str, float] | None = None
+) -> DriveMetrics:
+    """What a track comes to, of a robot that was told to go at a speed, m/s; `finish_x` is the x that ends a crossing."""
+    t, x, y, z = trajectory.rows[:, :4].T
+    over = np.flatnonzero(x > finish_x) if finish_x is not None else np.array([], dtype=int)
+    fallen = trajectory.tilt > TIPPED
+    return DriveMetrics(
         seconds=round(float(t[-1] - t[0]), 3),
         distance=round(float(np.hypot(np.diff(x), np.diff(y)).sum()), 3),
         crossed=round(float(t[over[0]] - t[0]), 3) if len(over) else None,
         stuck=round(_stuck(t, x, y, speed), 3),
         tipped=int(fallen[0]) + int((np.diff(fallen.astype(int)) == 1).sum()),
-        tilt=round(float(track.tilt.max()), 3),
+        tilt=round(float(trajectory.tilt.max()), 3),
         climbed=round(float((z - z[0]).max()), 3),
         touched=touched or {},
     )

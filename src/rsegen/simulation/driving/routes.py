@@ -9,7 +9,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.simulators.live_world import Pose
 
 
 class Motion(NamedTuple):
@@ -19,7 +19,7 @@ class Motion(NamedTuple):
     w: float
 
 
-STANDING = Motion(0.0, 0.0)
+STOP = Motion(0.0, 0.0)
 
 _AHEAD = 0.5
 """Metres."""
@@ -58,7 +58,7 @@ class Straight(Route):
     def motion(self, at: Pose) -> Motion:
         """Along an arc to a point of the line ahead (pure pursuit, Coulter 1992)."""
         if at.x >= self.goal:
-            return STANDING
+            return STOP
         ahead = max(_AHEAD, 3 * self.speed * self.period)
         aside = atan2(self.line - at.y, ahead) - at.yaw
         return Motion(self.speed, _clipped(2 * self.speed * sin(aside) / ahead, self.turn))

@@ -9,26 +9,26 @@ import numpy as np
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, StepField
 from rsegen.params.streams import randint
-from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.simulators.live_world import Pose
 
 GAP = 0.1
 """Metres between a robot beside a map and the map, and between two robots."""
 
-DROP = 0.005
+DROP_HEIGHT = 0.005
 """Metres that a robot falls at first, so that it does not begin in the ground."""
 
 
-def beside(field: StepField, size: tuple[float, float, float], aside: float = 0.0) -> Pose:
+def adjacent_pose(field: StepField, size: tuple[float, float, float], aside: float = 0.0) -> Pose:
     """On the ground west of the map, heading east across it; `aside` metres north of its middle."""
-    return Pose(x=-field.extent[0] / 2 - GAP - size[0] / 2, y=aside, z=DROP)
+    return Pose(x=-field.extent[0] / 2 - GAP - size[0] / 2, y=aside, z=DROP_HEIGHT)
 
 
-def has_room(field: StepField, size: tuple[float, float, float]) -> bool:
+def fits_on_map(field: StepField, size: tuple[float, float, float]) -> bool:
     """Whether a robot of a length, width and height can turn about on the map."""
     return min(field.shape) >= 2 * ceil(hypot(*size[:2]) / 2 / field.block_width) + 1
 
 
-def on_top(field: StepField, sizes: list[tuple[float, float, float]], rng: np.random.Generator) -> list[Pose]:
+def poses_on_map(field: StepField, sizes: list[tuple[float, float, float]], rng: np.random.Generator) -> list[Pose]:
     """A place for each robot of a length, width and height, and a heading, all drawn.
 
     The ground under it is as even as it can be, whichever way it turns; it stands on the highest block there.
@@ -49,7 +49,7 @@ def _spot(field: StepField, reach: float, taken: list[tuple[float, float, float]
     best = np.argwhere(free & (uneven == uneven[free].min()))
     i, j = best[randint(rng, 0, len(best) - 1)]
     taken.append((float(x[i]), float(y[j]), reach))
-    return Pose(x=float(x[i]), y=float(y[j]), z=float(top[i, j]) + DROP, yaw=2 * pi * rng.random())
+    return Pose(x=float(x[i]), y=float(y[j]), z=float(top[i, j]) + DROP_HEIGHT, yaw=2 * pi * rng.random())
 
 
 def _ground(field: StepField, cells: int) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ _MOST_MIB = 512
 _SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:")
 
 
-def arena(world: Path, models: Iterable[str] = (), *, unthrottled: bool = False) -> str:
+def world_with_robots(world: Path, models: Iterable[str] = (), *, unthrottled: bool = False) -> str:
     """A world file with models, each the text of a <model>, added; its meshes are named by absolute paths.
 
     unthrottled: simulated as fast as the machine can, else in real time. FileError where the file is no world.
@@ -32,7 +32,7 @@ def arena(world: Path, models: Iterable[str] = (), *, unthrottled: bool = False)
     return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def step_of(world: str) -> float:
+def time_step(world: str) -> float:
     """The seconds that a step of a world's physics is, from its text."""
     found = ET.fromstring(world).find("world/physics/max_step_size")  # noqa: S314  # ours
     return float(found.text or 0) if found is not None else 0.001

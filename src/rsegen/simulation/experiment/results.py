@@ -18,7 +18,7 @@ Results = Mapping[Cell, list[Outcome]]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Notebook:
+class ResultsLog:
     """A file to which each outcome is added as it comes, under a plan that is written on its first line."""
 
     path: Path

@@ -11,11 +11,11 @@ from rsegen.io.writer import write_file
 from rsegen.simulation.experiment.machine import description
 from rsegen.simulation.experiment.plan import Cell, Plan, Row
 from rsegen.simulation.experiment.report import csv, page, plot
-from rsegen.simulation.experiment.results import Notebook, Results
-from rsegen.simulation.experiment.trial import Outcome, tried
+from rsegen.simulation.experiment.results import Results, ResultsLog
+from rsegen.simulation.experiment.trial import Outcome, run_trial
 from rsegen.simulation.simulators import Installation
 
-NOTEBOOK = "results.jsonl"
+RESULTS_FILE = "results.jsonl"
 
 
 def experiment(
@@ -25,15 +25,15 @@ def experiment(
 
     `progress` is told how many trials are done, and the cell that is next.
     """
-    notebook = Notebook(path=folder / NOTEBOOK)
-    notebook.begin(asdict(plan))
-    done = {(cell, repeat) for cell, repeat, _ in notebook.entries()}
+    log = ResultsLog(path=folder / RESULTS_FILE)
+    log.begin(asdict(plan))
+    done = {(cell, repeat) for cell, repeat, _ in log.entries()}
     machine = {"simulator": str(here), **description()}
     for number, (cell, repeat) in enumerate(plan.order()):
         progress(number, cell)
         if (cell, repeat) not in done:
-            notebook.add(cell, repeat, tried(plan, cell, repeat, here))
-    results = notebook.results()
+            log.add(cell, repeat, run_trial(plan, cell, repeat, here))
+    results = log.results()
     for name, content in _files(plan, results, machine).items():
         write_file([content], folder / name, force=True)
     return results

@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import Literal
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.driving.drive import Driver, steer
+from rsegen.simulation.driving.drive import RobotRun, send_commands
 from rsegen.simulation.driving.routes import Route
 from rsegen.simulation.experiment.machine import usage
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.live import LiveWorld
-from rsegen.simulation.simulators.server import serving
+from rsegen.simulation.simulators.live_world import LiveWorld
+from rsegen.simulation.simulators.server import running_server
 
-PATIENCE = 600.0
+TIMEOUT = 600.0
 """Seconds for the largest world to load."""
 
 SETTLED = 2.0
@@ -29,7 +29,7 @@ class Setup:
     """A world file with robots in it; rest: seconds between what they are told, about a simulated one."""
 
     file: Path
-    drivers: Sequence[Driver]
+    runs: Sequence[RobotRun]
     rest: float
 
 
@@ -59,7 +59,7 @@ def total(spans: Sequence[Span]) -> Span:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Stage:
+class TrialServer:
     """A server that took `load` seconds for a setup, and robots that know where they are going."""
 
     live: LiveWorld
@@ -73,39 +73,39 @@ class Stage:
         """MB of it, now."""
         return usage(self.pid).memory
 
-    def measured(self, seconds: float) -> Span:
+    def measure(self, seconds: float) -> Span:
         """What so many real seconds came to: without a pause but before and after, so all clocks are known exactly."""
         start, before = self.live.clock(), usage(self.pid).cpu
-        factors = self.go("real", seconds)
+        factors = self.run_robots("real", seconds)
         end, after = self.live.clock(), usage(self.pid).cpu
         return Span(
             simulated=end.simulated - start.simulated, real=end.real - start.real, cpu=after - before, factors=factors
         )
 
-    def go(self, hand: Literal["simulated", "real"], seconds: float) -> list[float]:
+    def run_robots(self, hand: Literal["simulated", "real"], seconds: float) -> list[float]:
         """Have robots decide again and again for so many seconds of one hand of the clock; gives real-time factors."""
         start = last = self.live.clock()
         factors, end = [], time.monotonic() + 20 * seconds
-        self.live.go()
+        self.live.unpause()
         while getattr(last, hand) < getattr(start, hand) + seconds:
-            steer(self.live, self.setup.drivers, self.routes, self.live.poses())
+            send_commands(self.live, self.setup.runs, self.routes, self.live.poses())
             time.sleep(self.setup.rest)
             now = self.live.clock()
             if time.monotonic() > end:
                 raise SimulatorFailed(f"{now.simulated - start.simulated:g} s simulated in {20 * seconds:g} s")
             factors.append((now.simulated - last.simulated) / max(now.real - last.real, 1e-9))
             last = now
-        self.live.stand()
+        self.live.pause()
         return factors
 
 
 @contextmanager
-def staged(setup: Setup, here: Installation) -> Iterator[Stage]:
+def trial_server(setup: Setup, here: Installation) -> Iterator[TrialServer]:
     """As long as this lasts, a server in which the robots have fallen to the ground, and gone."""
     began = time.monotonic()
-    with serving(here, setup.file, patience=PATIENCE) as server, server.live() as live:
+    with running_server(here, setup.file, timeout=TIMEOUT) as server, server.connect() as live:
         live.stop_recording()
-        load, routes = time.monotonic() - began, {driver.name: driver.route() for driver in setup.drivers}
-        stage = Stage(live=live, pid=server.pid, load=load, setup=setup, routes=routes)
-        stage.go("simulated", SETTLED)
-        yield stage
+        load, routes = time.monotonic() - began, {run.name: run.route() for run in setup.runs}
+        trial = TrialServer(live=live, pid=server.pid, load=load, setup=setup, routes=routes)
+        trial.run_robots("simulated", SETTLED)
+        yield trial

@@ -27,13 +27,13 @@ class Rectangle(NamedTuple):
         )
 
 
-def free(half_x: float, half_y: float, taken: Sequence[Rectangle]) -> Rectangle:
+def free_rectangle(half_x: float, half_y: float, occupied: Sequence[Rectangle]) -> Rectangle:
     """The first that is clear of all that are taken: on the origin, else on a grid around it, from the inside out."""
-    tried = (
+    run_trial = (
         Rectangle(round(i * (2 * half_x + GAP), 3), round(j * (2 * half_y + GAP), 3), half_x, half_y)
         for i, j in chain.from_iterable(map(_ring, count()))
     )
-    return next(place for place in tried if all(map(place.is_clear_of, taken)))
+    return next(place for place in run_trial if all(map(place.is_clear_of, occupied)))
 
 
 def _ring(number: int) -> Iterator[tuple[int, int]]:

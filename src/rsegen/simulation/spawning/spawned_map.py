@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from math import cos, floor, sin
 
 from rsegen.field.stepfield import StepField
-from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.placement import Rectangle
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Placed:
+class SpawnedMap:
     """A map under the name that it has there, and where its middle is; it stands upright."""
 
     name: str
@@ -24,7 +24,7 @@ class Placed:
         (x, y), c, s = self.field.extent, abs(cos(self.at.yaw)), abs(sin(self.at.yaw))
         return Rectangle(self.at.x, self.at.y, (x * c + y * s) / 2, (x * s + y * c) / 2)
 
-    def carries(self, at: Pose, reach: float) -> bool:
+    def covers(self, at: Pose, reach: float) -> bool:
         """Whether something at a place, which reaches so far around it, is above the map."""
         return all(abs(x) <= along / 2 + reach for x, along in zip(self._seen(at), self.field.extent, strict=True))
 

@@ -1,6 +1,6 @@
 """A program that ends a session of processes as soon as whoever started it is gone.
 
-python watch.py: its standard input names the session; where that closes, for whatever reason, the session is ended. A
+python watchdog.py: its standard input names the session; where that closes, for whatever reason, the session is ended. A
 session and not a group of processes, because `gz sim` puts its server and its window into groups of their own. It is
 run by its path, so that it is there at once: it imports nothing of rsegen.
 """
@@ -13,7 +13,7 @@ import sys
 import time
 from contextlib import suppress
 
-PATIENCE = 5.0
+TIMEOUT = 5.0
 """Seconds between asking and killing."""
 
 
@@ -31,7 +31,7 @@ def end(session: int) -> None:
         for process in members(session):
             with suppress(ProcessLookupError):
                 os.kill(process, word)
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + TIMEOUT
         while members(session):
             if time.monotonic() > deadline:
                 break

@@ -8,75 +8,75 @@ from functools import partial
 from rsegen.errors import UnknownName
 from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
-from rsegen.simulation.driving.drive import Driver
+from rsegen.simulation.driving.drive import RobotRun
 from rsegen.simulation.driving.routes import Route, Straight, Wandering
-from rsegen.simulation.driving.start_poses import GAP, beside, has_room, on_top
-from rsegen.simulation.robots.base import Driven
-from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.driving.start_poses import GAP, adjacent_pose, fits_on_map, poses_on_map
+from rsegen.simulation.robots.base import DrivableRobot
+from rsegen.simulation.simulators.live_world import Pose
 
-EASY = 0.4
+MAX_DRIVING_SPEED = 0.4
 """Metres a second: a robot that could go faster takes its time on rough ground."""
 
 ROUTES = (Straight.name, Wandering.name)
 
 
-def crew(field: StepField, robot: Driven, route: str, *, count: int, seed: int) -> Sequence[Driver]:
+def robot_runs(field: StepField, robot: DrivableRobot, route: str, *, count: int, seed: int) -> Sequence[RobotRun]:
     """So many robots of a kind: side by side before a straight crossing, else on top of the map, to wander about."""
     if route not in ROUTES:
         raise UnknownName.among("route", "route", route, ROUTES)
     return _abreast(field, robot, count) if route == Straight.name else _scattered(field, robot, count, seed)
 
 
-def beyond(field: StepField, robot: Driven) -> float:
+def finish_x(field: StepField, robot: DrivableRobot) -> float:
     """The x of a robot's middle from which on the whole of it is east of the map, metres."""
     return field.extent[0] / 2 + robot.size[0] / 2
 
 
-def _abreast(field: StepField, robot: Driven, count: int) -> list[Driver]:
+def _abreast(field: StepField, robot: DrivableRobot, count: int) -> list[RobotRun]:
     lane = robot.size[1] + GAP
     lines = [(number - (count - 1) / 2) * lane for number in range(count)]
-    goal = beyond(field, robot) + GAP
+    goal = finish_x(field, robot) + GAP
     return [
-        Driver(
+        RobotRun(
             name=_name(robot, number),
             robot=robot,
-            start=beside(field, robot.size, line),
+            start=adjacent_pose(field, robot.size, line),
             route=partial(_along, robot, line, goal),
         )
         for number, line in enumerate(lines)
     ]
 
 
-def _along(robot: Driven, line: float, goal: float) -> Route:
-    return Straight(speed=easy(robot), turn=robot.turn, line=line, goal=goal)
+def _along(robot: DrivableRobot, line: float, goal: float) -> Route:
+    return Straight(speed=driving_speed(robot), turn=robot.turn, line=line, goal=goal)
 
 
-def easy(robot: Driven) -> float:
+def driving_speed(robot: DrivableRobot) -> float:
     """The speed that a robot goes at, m/s."""
-    return min(robot.speed, EASY)
+    return min(robot.speed, MAX_DRIVING_SPEED)
 
 
-def _scattered(field: StepField, robot: Driven, count: int, seed: int) -> list[Driver]:
+def _scattered(field: StepField, robot: DrivableRobot, count: int, seed: int) -> list[RobotRun]:
     places = _places(field, robot, count, seed)
     return [
-        Driver(name=_name(robot, number), robot=robot, start=place, route=partial(_about, field, robot, seed, number))
+        RobotRun(name=_name(robot, number), robot=robot, start=place, route=partial(_about, field, robot, seed, number))
         for number, place in enumerate(places)
     ]
 
 
-def _places(field: StepField, robot: Driven, count: int, seed: int) -> list[Pose]:
+def _places(field: StepField, robot: DrivableRobot, count: int, seed: int) -> list[Pose]:
     """On top of the map where a robot has room there, else in a row beside it."""
-    if has_room(field, robot.size):
-        return on_top(field, [robot.size] * count, generator(seed, 0, "places"))
-    return [driver.start for driver in _abreast(field, robot, count)]
+    if fits_on_map(field, robot.size):
+        return poses_on_map(field, [robot.size] * count, generator(seed, 0, "places"))
+    return [run.start for run in _abreast(field, robot, count)]
 
 
-def _about(field: StepField, robot: Driven, seed: int, number: int) -> Route:
+def _about(field: StepField, robot: DrivableRobot, seed: int, number: int) -> Route:
     reach = max(robot.size[:2])
     half_x, half_y = (max(along / 2 - reach, 0.0) for along in field.extent)
     rng = generator(seed, number, "route")
-    return Wandering(speed=easy(robot), turn=robot.turn, half=(half_x, half_y), rng=rng)
+    return Wandering(speed=driving_speed(robot), turn=robot.turn, half=(half_x, half_y), rng=rng)
 
 
-def _name(robot: Driven, number: int) -> str:
+def _name(robot: DrivableRobot, number: int) -> str:
     return f"{robot.kind}_{number}"

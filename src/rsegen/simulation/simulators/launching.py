@@ -10,20 +10,20 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from rsegen.errors import NoSimulator, SimulatorFailed
-from rsegen.simulation.simulators.base import SIMULATORS, Installation, Launch, Simulator, installations
+from rsegen.simulation.simulators.base import SIMULATORS, Installation, LaunchCommand, Simulator, installations
 from rsegen.simulation.simulators.process import running
 
 
-def fitting(made_for: str, name: str | None) -> Installation:
+def choose_installation(made_for: str, name: str | None) -> Installation:
     """The installation of that name, or else the newest, that opens maps whose recipe says `simulator: made_for`."""
     wanted = None if name is None else SIMULATORS.named(name, "--simulator")
-    able = [each for each in SIMULATORS.values() if each.opens(made_for)]
+    able = [each for each in SIMULATORS.values() if each.can_open(made_for)]
     if wanted is None:
         here = next((here for here in installations() if here.simulator in able), None)
         return here or _missing(*able)
     if wanted not in able:
         raise NoSimulator(f"this map opens in {_titles(able)} only: its recipe says simulator: {made_for}")
-    return wanted.found() or _missing(wanted)
+    return wanted.installation() or _missing(wanted)
 
 
 def has_screen() -> bool:
@@ -31,7 +31,7 @@ def has_screen() -> bool:
     return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
 
 
-def opened(here: Installation, launch: Launch, *, seconds: float, tell: Callable[[str], None]) -> int | None:
+def opened(here: Installation, launch: LaunchCommand, *, seconds: float, tell: Callable[[str], None]) -> int | None:
     """Run a simulator until it ends, or for so many seconds; gives its exit code, None where it was ended by us.
 
     `tell` is given each of its error lines. SimulatorFailed, at once, where it says that it has no world.
@@ -41,9 +41,9 @@ def opened(here: Installation, launch: Launch, *, seconds: float, tell: Callable
         log = Path(folder, "log")
         with log.open("w") as output, running(launch, output) as program:
             for line in _lines(log, lambda: program.code is None and time.monotonic() < end):
-                for complaint in here.simulator.complaints(line):
+                for complaint in here.simulator.error_lines(line):
                     tell(complaint)
-                if here.simulator.has_not_loaded(line):
+                if here.simulator.load_failed(line):
                     raise SimulatorFailed(f"{here} did not load the world {launch.command[-1]}")
             return program.code
 
@@ -61,7 +61,7 @@ def _lines(log: Path, going: Callable[[], bool]) -> Iterator[str]:
 
 
 def _missing(*able: Simulator) -> Installation:
-    remedies = "; ".join(f"{each.title}: {each.remedy[0]}" for each in able)
+    remedies = "; ".join(f"{each.title}: {each.how_to_install[0]}" for each in able)
     raise NoSimulator(f"no {_titles(able)} here; to get it: {remedies} (rsegen sim says more)")
 
 

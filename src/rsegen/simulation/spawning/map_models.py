@@ -15,12 +15,12 @@ from rsegen.io.resources import refuse_too_large
 from rsegen.io.worlds import generate
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.simulators import Simulator
-from rsegen.simulation.simulators.live import Pose
-from rsegen.simulation.spawning.spawned_map import Placed
+from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.spawning.spawned_map import SpawnedMap
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Map:
+class MapModel:
     """The recipe of one map alone, and its folder; the folder need not be there yet."""
 
     recipe: Recipe
@@ -37,9 +37,9 @@ class Map:
         refuse_too_large(self.recipe)
         return compose(self.recipe, self.recipe.first_map).field
 
-    def refuse_unfit(self, simulator: Simulator) -> None:
+    def check_fits(self, simulator: Simulator) -> None:
         """An error where this cannot be one model of that simulator."""
-        if not simulator.opens(self.recipe.simulator):
+        if not simulator.can_open(self.recipe.simulator):
             raise NoSimulator(f"{simulator.title} runs, and this map's recipe says simulator: {self.recipe.simulator}")
         if self.recipe.mesh_type != "single":
             problem = f"{self.recipe.mesh_type} makes a map of many models; only single can be put into a simulation"
@@ -58,21 +58,21 @@ class Map:
         return renamed.replace(f"model://{self.name}/", f"{self.folder.resolve()}/")
 
 
-def made(recipe: Recipe, index: int, output: Path) -> Map:
+def map_model(recipe: Recipe, index: int, output: Path) -> MapModel:
     """A map of a recipe in a folder; an OutputError where another of its name is there."""
-    one = Map(recipe=recipe.alone(index), folder=output / recipe.map_name(index))
+    one = MapModel(recipe=recipe.alone(index), folder=output / recipe.map_name(index))
     if one.folder.exists() and _recipe_in(one.folder) != one.recipe:
         advice = "give that folder to put it in as it is, or another -o, or the recipe a seed"
         raise OutputError(f"{one.folder}: is there already and is another map; {advice}")
     return one
 
 
-def known(poses: Mapping[str, Pose], homes: Iterable[Path]) -> list[Placed]:
+def known(poses: Mapping[str, Pose], homes: Iterable[Path]) -> list[SpawnedMap]:
     """Of the models of a simulation, the maps that lie in one of these folders under their names."""
     named = ((name, home / name) for name in poses if re.fullmatch(r"[\w-]+_\d{4,}", name) for home in homes)
     there = {name: recipe for name, folder in named if (recipe := _recipe_in(folder))}
     return [
-        Placed(name=name, field=compose(recipe, recipe.first_map).field, at=poses[name])
+        SpawnedMap(name=name, field=compose(recipe, recipe.first_map).field, at=poses[name])
         for name, recipe in there.items()
     ]
 
