@@ -15,7 +15,7 @@ from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.map_models import map_model
 from rsegen.simulation.spawning.spawned_map import SpawnedMap
-from rsegen.simulation.spawning.spawning import at_free_place, put
+from rsegen.simulation.spawning.spawning import at_free_place, spawn_map
 
 _ORIGIN = Pose(x=0, y=0, z=0)
 
@@ -61,5 +61,5 @@ def _sent(recipe: Recipe, folder: Path, number: int, before: SpawnedMap | None) 
         old = replace(before, at=poses[before.name]) if before and before.name in poses else None
         new = SpawnedMap(name=f"{one.name}-{number}", field=one.field, at=old.at if old else _ORIGIN)
         new = new if old else at_free_place(new, poses, [])
-        put(live, one.model(new.name), new, old)
+        spawn_map(live, one.sdf(new.name), new, old)
     return new

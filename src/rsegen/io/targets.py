@@ -35,8 +35,8 @@ def recipe_files(target: str) -> list[Path]:
     return files
 
 
-def found(target: str, which: str | None) -> Found:
-    """One map of `target`: the given one, or the first."""
+def found(target: str, which: str | None, where: str = "--map") -> Found:
+    """One map of `target`: the given one, or the first; errors about `which` name the flag or parameter `where`."""
     names = []
     for file in recipe_files(target):
         recipe = recipe_in(file)
@@ -44,8 +44,22 @@ def found(target: str, which: str | None) -> Found:
         if index is not None:
             return Found(file, recipe, index)
         names += [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
-    known = f"give an index or name, {names[0]}..{names[-1]}"
-    raise ParameterError("--map", f"there is no map {shown(which)} in {target}; {known}")
+    raise _unknown_map(where, which, target, names)
+
+
+def map_index(recipe: Recipe, which: int | str | None, where: str = "map") -> int:
+    """The index of one map of a recipe, given by index or name; the first by default."""
+    index = recipe.first_map if which is None else _index(recipe, str(which))
+    if index is None:
+        names = [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
+        raise _unknown_map(where, which, "the recipe", names)
+    return index
+
+
+def _unknown_map(where: str, which: object, target: str, names: list[str]) -> ParameterError:
+    return ParameterError(
+        where, f"there is no map {shown(which)} in {target}; give an index or name, {names[0]}..{names[-1]}"
+    )
 
 
 def chosen(target: str, which: str | None) -> Scene:

@@ -51,9 +51,9 @@ def test_where_there_is_even_ground_they_stand_on_it() -> None:
 
 
 def test_what_is_too_large_or_too_many_is_said() -> None:
-    with pytest.raises(ParameterError, match="robot: it is too large to stand on 4 x 4 cells"):
+    with pytest.raises(ParameterError, match="robot: it is too large to start on 4 x 4 cells"):
         poses_on_map(field(1, blocks=4), [(0.5, 0.5, 0.2)], np.random.default_rng(1))
-    with pytest.raises(ParameterError, match="robots: there is no room on 10 x 10 cells for so many"):
+    with pytest.raises(ParameterError, match="robots: not enough room on 10 x 10 cells; give fewer"):
         poses_on_map(field(1, blocks=10), [SIZE] * 9, np.random.default_rng(1))
 
 

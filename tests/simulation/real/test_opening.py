@@ -91,7 +91,7 @@ def test_a_mesh_that_is_missing_is_told_and_is_a_failure(gazebo: Installation, t
     assert code == 1
     *told, line = said.splitlines()
     assert told
-    assert line == f"rsegen: {gazebo} complained of the world: {told[0]}"
+    assert line == f"rsegen: {gazebo} printed an error: {told[0]}"
 
 
 @pytest.mark.parametrize(("word", "code"), [("SIGINT", 0), ("SIGTERM", 0), ("SIGKILL", -9)])

@@ -140,10 +140,10 @@ def test_two_maps_do_not_overlap(server: Server, capsys: Capture) -> None:
 def test_what_cannot_be_is_said_in_one_line(server: Server, capsys: Capture) -> None:
     rsegen.save(replace(COURSE, name="many", mesh_type="multi"), "many.yaml")
     done(capsys, "spawn", "burger")
-    assert "'burger' is there already; give another" in refused(capsys, "spawn", "burger")
+    assert "'burger' exists already; give another" in refused(capsys, "spawn", "burger")
     line = refused(capsys, "remove", "burgr")
     assert "unknown model 'burgr'; did you mean 'burger'? (known: burger, ground_plane)" in line
-    assert "no map such as course_0000 is there" in refused(capsys, "respawn", "course.yaml")
+    assert "no map such as course_0000 in the simulation" in refused(capsys, "respawn", "course.yaml")
     assert "multi makes a map of many models" in refused(capsys, "spawn", "many.yaml")
     done(capsys, "spawn", "course.yaml")
-    assert "'course_0000' is there already" in refused(capsys, "respawn", "course.yaml", "--map", "0")
+    assert "'course_0000' exists already" in refused(capsys, "respawn", "course.yaml", "--map", "0")

@@ -57,7 +57,7 @@ def test_open_starts_a_server_until_the_seconds_are_over(
     assert Path(did.variables["HOME"]).name.startswith("rsegen-")
     assert not Path(did.variables["HOME"]).exists()
     out, err = capsys.readouterr()
-    address = [f"{name}={did.variables[name]}" for name in SIMULATORS[name].address]
+    address = [f"{name}={did.variables[name]}" for name in SIMULATORS[name].address_variables]
     assert out.endswith(f": {world}, at {' '.join(address)}\n")
     assert err == ""
 
@@ -103,7 +103,7 @@ def test_a_server_without_its_window_says_so(programs: Path, world: Path, capsys
     put(programs, {"gzserver": PROGRAMS["classic"]["gzserver"]})
     capsys.readouterr()
     assert opened(world, "--print") == 2
-    assert "Gazebo Classic 11.14.0 is here without its window; give --headless" in the_line(capsys.readouterr().err)
+    assert "Gazebo Classic 11.14.0 is installed without its window; install it" in the_line(capsys.readouterr().err)
 
 
 def test_where_nothing_is_installed_it_says_how_to_get_each(programs: Path, world: Path, capsys: Capture) -> None:
@@ -121,7 +121,7 @@ def test_a_map_for_classic_is_not_opened_in_another(programs: Path, classic_worl
         said = "this map opens in Gazebo Classic only: its recipe says simulator: classic"
         assert said in the_line(capsys.readouterr().err)
     assert opened(classic_world) == 2
-    assert "no Gazebo Classic here" in the_line(capsys.readouterr().err)
+    assert "Gazebo Classic is not installed; to install it: " in the_line(capsys.readouterr().err)
 
 
 def test_the_newest_that_can_is_chosen(programs: Path, world: Path, classic_world: Path, capsys: Capture) -> None:
@@ -167,8 +167,8 @@ NO_MESH = "[Err] [a.cc:1] no such mesh"
             "[Err] [b.cc:1] Failed to find world [a]",
             "did not load the world",
         ),
-        (f"\\033[1;31m{NO_MESH}\\033[0m", NO_MESH, "complained of the world: "),
-        ("(2026) [error] no such mesh", "(2026) [error] no such mesh", "complained of the world: "),
+        (f"\\033[1;31m{NO_MESH}\\033[0m", NO_MESH, "printed an error: "),
+        ("(2026) [error] no such mesh", "(2026) [error] no such mesh", "printed an error: "),
     ],
 )
 def test_what_a_server_complains_of_is_told_and_is_a_failure(

@@ -90,7 +90,7 @@ def test_every_launch_has_an_address_of_its_own_unless_it_is_shared(
     for one, other in zip(launches(here, alone), launches(here, alone), strict=True):
         assert one.command == other.command
         differing = {name for name, value in one.environment.items() if value != other.environment[name]}
-        assert differing == set(here.simulator.address)
+        assert differing == set(here.simulator.address_variables)
     for one, other in zip(launches(here, shared), launches(here, shared), strict=True):
         assert one == other
 
@@ -105,7 +105,7 @@ def test_only_a_server_has_a_home_of_its_own(simulator: Simulator, programs: Pat
 @EACH
 def test_its_line_does_in_a_shell_what_the_launch_says(simulator: Simulator, programs: Path, world: Path) -> None:
     for launch in launches(installed(simulator, programs), OpenRequest(world=world)):
-        subprocess.run(["/bin/sh", "-c", launch.line], check=True)
+        subprocess.run(["/bin/sh", "-c", launch.shell_line], check=True)
         did = start(Path(launch.command[0]))
         assert (did.folder, did.command) == (launch.folder, launch.command)
         assert {name: did.variables[name] for name in launch.environment} == launch.environment

@@ -114,7 +114,7 @@ def test_a_robot_and_a_map_are_spawned_respawned_and_removed_in_sim(
         assert main([*words, "--simulator", "sim"]) == 0
     out = capsys.readouterr().out
     assert "course_0000 is in Gazebo Sim at 0 0 0" in out
-    assert "course_0001 is there instead of course_0000, at 0 0 0; put on top of it: burger" in out
+    assert "course_0001 replaces course_0000, at 0 0 0; put on top of it: burger" in out
     assert set(json.loads((programs / "gz.json").read_text())["models"]) == {"ground_plane", "burger", "course_0001"}
     assert main(["remove", "burger", "course_0001"]) == 0
     assert set(json.loads((programs / "gz.json").read_text())["models"]) == {"ground_plane"}

@@ -60,7 +60,7 @@ def test_nothing_is_left_after_the_end(script: str, tmp_path: Path, mark: str) -
     with running(shell(script, tmp_path), subprocess.DEVNULL) as program:
         until_begun(tmp_path)
         assert left(mark)
-    assert program.code is not None
+    assert program.exit_code is not None
     assert left(mark) == []
 
 
@@ -68,14 +68,14 @@ def test_it_is_asked_before_it_is_killed(tmp_path: Path, mark: str) -> None:
     with running(shell(POLITE, tmp_path), subprocess.DEVNULL) as program:
         until_begun(tmp_path)
     assert (tmp_path / "told").read_text() == "begun\nasked\n"
-    assert program.code == 0
+    assert program.exit_code == 0
 
 
 def test_it_is_killed_where_somebody_has_killed_its_watch(tmp_path: Path, mark: str) -> None:
     with running(shell(STUBBORN, tmp_path), subprocess.DEVNULL) as program:
         until_begun(tmp_path)
         program.watch.kill()
-    assert program.code == -signal.SIGKILL
+    assert program.exit_code == -signal.SIGKILL
     assert left_in_the_end(mark) == []
 
 

@@ -1,4 +1,4 @@
-"""The ways of robots on the plan of a map, as a picture."""
+"""A picture of the trajectories of robots on the plan of a map."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from rsegen.exporters.scene import Scene
 from rsegen.simulation.driving.drive_metrics import Trajectory
 
 _RIM, _MARGIN = 0.1, 1.5
-"""Metres about the map that are drawn at least, and at most."""
+"""Metres around the map that are drawn at least, and at most."""
 
 
 def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory]) -> bytes:
-    """A PNG: each way begins at a ring and ends at a dot, or at a cross where the robot has tipped over."""
+    """A PNG: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8, 8), dpi=100, layout="constrained")
@@ -31,14 +31,14 @@ def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory]) -> b
         )
     axes.set(xlim=_limits(scene.field.extent[0], trajectories, 1), ylim=_limits(scene.field.extent[1], trajectories, 2))
     axes.legend(loc="upper right")
-    axes.set_title(f"{scene.name}: where they drove")
+    axes.set_title(f"{scene.name}: trajectories")
     stream = io.BytesIO()
     figure.savefig(stream, format="png")
     return stream.getvalue()
 
 
 def _limits(extent: float, trajectories: Mapping[str, Trajectory], column: int) -> tuple[float, float]:
-    """From where to where is drawn along an axis: the map, and the ways about it as far as they matter."""
+    """The limits of an axis: the map, and the trajectories near it."""
     along = [trajectory.rows[:, column] for trajectory in trajectories.values()]
     half, far = extent / 2 + _RIM, extent / 2 + _MARGIN
     low, high = min(each.min() for each in along) - _RIM, max(each.max() for each in along) + _RIM

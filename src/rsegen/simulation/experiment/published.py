@@ -1,4 +1,4 @@
-"""The paper's own figures: real-time factor, CPU load in percent and memory in GB, over three runs."""
+"""The figures that the paper published: real-time factor, CPU load in percent and memory in GB, over three runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One trial: a world, robots in it that wander, and what it costs the simulator."""
+"""One trial: a world with robots that drive randomly, and what it costs the simulator."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.server import retried
 
 RESTS = {"real": 1.0, "free": 0.2, "beside": 0.2}
-"""Seconds between what robots are told, at each pace: about a simulated second."""
+"""Seconds between commands to robots, at each pace: about a simulated second."""
 
 TURN = 1.0
-"""Seconds that a world is simulated for until it is the turn of the one beside it."""
+"""Seconds that one of two worlds is simulated before it is the other's turn."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Outcome:
-    """What a trial cost.
+    """The measured cost of a trial.
 
-    load: seconds until the world was there; memory: MB at the end; cpu: processors in use while robots drove
-    speed: simulated seconds for each second of CPU; rtf_min, rtf, rtf_max: real-time factors in real time, else None
-    share: of the speed of the empty world beside it, else None
+    load: seconds until the world was loaded; memory: MB at the end; cpu: processors in use while robots drove
+    speed: simulated seconds per second of CPU; rtf_min, rtf, rtf_max: real-time factors at the pace `real`, else None
+    share: speed divided by that of the empty world at the pace `beside`, else None
     """
 
     load: float
@@ -49,7 +49,7 @@ class Outcome:
 
 
 def run_trial(plan: Plan, cell: Cell, repeat: int, here: Installation) -> Outcome:
-    """A cell tried once, each repeat on a map and from places of its own; a server that is lost is tried again."""
+    """The outcome of one trial; each repeat has a map and start poses of its own. A server that fails is tried again."""
     cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
     with ExitStack() as stack:
         setups = [stack.enter_context(_setup(plan, each, plan.seed + repeat, here)) for each in cells]
@@ -58,7 +58,7 @@ def run_trial(plan: Plan, cell: Cell, repeat: int, here: Installation) -> Outcom
 
 @contextmanager
 def _setup(plan: Plan, cell: Cell, seed: int, here: Installation) -> Iterator[Setup]:
-    """As long as this lasts, the world of a map, or one without a map, with robots in it."""
+    """A temporary world file with robots, of a map or empty."""
     row = plan.rows[cell.row]
     recipe = row.map_of(cell.size, seed)
     scene = compose(recipe)
@@ -76,7 +76,7 @@ def _setup(plan: Plan, cell: Cell, seed: int, here: Installation) -> Iterator[Se
 
 
 def _outcome(setups: Sequence[Setup], seconds: float, here: Installation, *, real: bool) -> Outcome:
-    """Robots wander in the first setup, in turns with those in the second where there is one."""
+    """The cost of the first setup, simulated in turns with the second, if there is one."""
     with ExitStack() as stack:
         servers = [stack.enter_context(trial_server(setup, here)) for setup in setups]
         turns = [seconds] if len(servers) == 1 else [TURN] * ceil(seconds / TURN)

@@ -35,7 +35,7 @@ class LaunchCommand:
     folder: Path
 
     @property
-    def line(self) -> str:
+    def shell_line(self) -> str:
         """The same for a shell."""
         variables = (f"{name}={shlex.quote(value)}" for name, value in self.environment.items())
         return " ".join(["cd", shlex.quote(str(self.folder)), "&&", *variables, shlex.join(self.command)])
@@ -105,7 +105,7 @@ class Simulator(ABC):
     title: ClassVar[str]
     generation: ClassVar[int]
     how_to_install: ClassVar[tuple[str, ...]]
-    address: ClassVar[tuple[str, ...]]
+    address_variables: ClassVar[tuple[str, ...]]
     harmless_messages: ClassVar[tuple[str, ...]] = ()
     load_failures: ClassVar[tuple[str, ...]] = ()
 

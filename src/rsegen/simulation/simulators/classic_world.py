@@ -183,7 +183,7 @@ def classic_world(address: tuple[str, int]) -> Iterator[ClassicWorld]:
 def _contact(message: Mapping[str, Any]) -> Contact:
     points = [(point["x"], point["y"], point["z"]) for point in message["position"]]
     x, y, z = (fmean(along) for along in zip(*points, strict=True))
-    return Contact(names=(message["collision1"], message["collision2"]), at=(x, y, z))
+    return Contact(collisions=(message["collision1"], message["collision2"]), position=(x, y, z))
 
 
 def _seconds(time_: Mapping[str, int]) -> float:

@@ -14,7 +14,7 @@ from rsegen.simulation.simulators.live_world import LiveWorld
 @contextmanager
 def connected(name: str | None) -> Iterator[tuple[Simulator, LiveWorld]]:
     """The simulator of that name, or else the newest, of which one runs, and its world; NothingRuns where none does."""
-    able = list(SIMULATORS.values()) if name is None else [SIMULATORS.named(name, "--simulator")]
+    able = list(SIMULATORS.values()) if name is None else [SIMULATORS.named(name, "simulator")]
     with ExitStack() as stack:
         yield _first(stack, able)
 

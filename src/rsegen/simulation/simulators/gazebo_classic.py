@@ -39,7 +39,7 @@ class GazeboClassic(Simulator):
         "Ubuntu 22.04, Debian 11: apt-get install gazebo gazebo-plugin-base",
         "Debian 12 and later, headless: scripts/gazebo-classic in a clone of rsegen (1.3 GB, as root)",
     )
-    address: ClassVar[tuple[str, ...]] = ("GAZEBO_MASTER_URI",)
+    address_variables: ClassVar[tuple[str, ...]] = ("GAZEBO_MASTER_URI",)
     harmless_messages: ClassVar[tuple[str, ...]] = (
         "Can't open display",
         "Unable to open audio device",

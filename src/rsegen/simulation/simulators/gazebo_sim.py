@@ -32,7 +32,7 @@ class GazeboSim(Simulator):
         "Ubuntu: apt-get install gz-harmonic from packages.osrfoundation.org",
         "all systems: https://gazebosim.org/docs/latest/install",
     )
-    address: ClassVar[tuple[str, ...]] = ("GZ_PARTITION", "IGN_PARTITION")
+    address_variables: ClassVar[tuple[str, ...]] = ("GZ_PARTITION", "IGN_PARTITION")
     load_failures: ClassVar[tuple[str, ...]] = (
         "Failed to find world [",
         "Unable to find or download file",

@@ -1,4 +1,4 @@
-"""A world opened for a person, in the simulator that fits, with its error lines told as they come."""
+"""The installation that fits a map, and a simulator run for a person, with its error lines as they come."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from rsegen.simulation.simulators.process import running
 
 
 def choose_installation(made_for: str, name: str | None) -> Installation:
-    """The installation of that name, or else the newest, that opens maps whose recipe says `simulator: made_for`."""
-    wanted = None if name is None else SIMULATORS.named(name, "--simulator")
+    """The installation of that name, else the newest one, that opens maps whose recipe says `simulator: made_for`."""
+    wanted = None if name is None else SIMULATORS.named(name, "simulator")
     able = [each for each in SIMULATORS.values() if each.can_open(made_for)]
     if wanted is None:
         here = next((here for here in installations() if here.simulator in able), None)
@@ -27,33 +27,35 @@ def choose_installation(made_for: str, name: str | None) -> Installation:
 
 
 def has_screen() -> bool:
-    """Whether a window could be seen; only Linux says so."""
+    """Whether a window can be shown; only on Linux can it be known that there is no screen."""
     return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
 
 
-def opened(here: Installation, launch: LaunchCommand, *, seconds: float, tell: Callable[[str], None]) -> int | None:
-    """Run a simulator until it ends, or for so many seconds; gives its exit code, None where it was ended by us.
+def run_until_end(
+    here: Installation, launch: LaunchCommand, *, seconds: float, on_error: Callable[[str], None]
+) -> int | None:
+    """The exit code of a simulator that runs until it ends, or None if it was ended after `seconds`.
 
-    `tell` is given each of its error lines. SimulatorFailed, at once, where it says that it has no world.
+    `on_error` is called with each of its error lines. SimulatorFailed, at once, if it says that it has no world.
     """
     end = time.monotonic() + seconds
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         log = Path(folder, "log")
         with log.open("w") as output, running(launch, output) as program:
-            for line in _lines(log, lambda: program.code is None and time.monotonic() < end):
-                for complaint in here.simulator.error_lines(line):
-                    tell(complaint)
+            for line in _lines(log, lambda: program.exit_code is None and time.monotonic() < end):
+                for error in here.simulator.error_lines(line):
+                    on_error(error)
                 if here.simulator.load_failed(line):
                     raise SimulatorFailed(f"{here} did not load the world {launch.command[-1]}")
-            return program.code
+            return program.exit_code
 
 
-def _lines(log: Path, going: Callable[[], bool]) -> Iterator[str]:
-    """The lines of a file as they come, as long as it goes on."""
+def _lines(log: Path, goes_on: Callable[[], bool]) -> Iterator[str]:
+    """The lines of a file as they are written, as long as its program goes on."""
     rest, more = "", True
     with log.open(errors="replace") as reading:
         while more:
-            more = going()
+            more = goes_on()
             *whole, rest = (rest + reading.read()).split("\n")
             yield from whole
             time.sleep(0.1 if more else 0)
@@ -61,8 +63,8 @@ def _lines(log: Path, going: Callable[[], bool]) -> Iterator[str]:
 
 
 def _missing(*able: Simulator) -> Installation:
-    remedies = "; ".join(f"{each.title}: {each.how_to_install[0]}" for each in able)
-    raise NoSimulator(f"no {_titles(able)} here; to get it: {remedies} (rsegen sim says more)")
+    hints = "; ".join(f"{each.title}: {each.how_to_install[0]}" for each in able)
+    raise NoSimulator(f"{_titles(able)} is not installed; to install it: {hints} (see rsegen sim)")
 
 
 def _titles(able: list[Simulator] | tuple[Simulator, ...]) -> str:

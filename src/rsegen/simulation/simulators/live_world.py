@@ -38,10 +38,10 @@ class Pose:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Contact:
-    """Two collisions that touch, each MODEL::LINK::COLLISION; `at` is the middle of where they do, metres."""
+    """Two collisions in contact, each MODEL::LINK::COLLISION, and the mean of their contact points, metres."""
 
-    names: tuple[str, str]
-    at: tuple[float, float, float]
+    collisions: tuple[str, str]
+    position: tuple[float, float, float]
 
 
 class LiveWorld(ABC):

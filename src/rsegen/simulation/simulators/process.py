@@ -29,14 +29,14 @@ _NAMED = ("/bin/sh", "-c", 'echo $$ >&0; exec "$@" </dev/null', "sh")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Running:
+class RunningProgram:
     """A program that runs, or has run."""
 
     process: subprocess.Popen[str]
     watch: subprocess.Popen[str]
 
     @property
-    def code(self) -> int | None:
+    def exit_code(self) -> int | None:
         """Its exit code; None while it runs."""
         return self.process.poll()
 
@@ -53,7 +53,7 @@ class Running:
 
 
 @contextmanager
-def running(launch: LaunchCommand, output: IO[str] | int) -> Iterator[Running]:
+def running(launch: LaunchCommand, output: IO[str] | int) -> Iterator[RunningProgram]:
     """A program that runs as long as this does; both of its outputs go to `output`."""
     watch = subprocess.Popen(
         [sys.executable, str(_WATCH)],
@@ -64,7 +64,7 @@ def running(launch: LaunchCommand, output: IO[str] | int) -> Iterator[Running]:
         start_new_session=True,
     )
     with _closed_in_the_end(watch):
-        started = Running(process=_started(launch, output, watch), watch=watch)
+        started = RunningProgram(process=_started(launch, output, watch), watch=watch)
         try:
             yield started
         finally:

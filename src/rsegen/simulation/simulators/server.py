@@ -13,7 +13,7 @@ from typing import TypeVar
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest
 from rsegen.simulation.simulators.live_world import LiveWorld
-from rsegen.simulation.simulators.process import Running, output_of, running
+from rsegen.simulation.simulators.process import RunningProgram, output_of, running
 
 TIMEOUT = 20.0
 """Seconds for a world to load, and for a server to answer."""
@@ -31,7 +31,7 @@ class Server:
     here: Installation
     launch: LaunchCommand
     home: Path
-    running: Running
+    running: RunningProgram
 
     @property
     def pid(self) -> int:
@@ -61,8 +61,10 @@ class Server:
         """Wait for its world; SimulatorFailed where the server dies, says that it has none, or takes too long."""
         end = time.monotonic() + timeout
         while not self.here.simulator.is_loaded(self.home, self.log):
-            if self.running.code is not None or time.monotonic() > end:
-                raise self.lost("the server has died" if self.running.code is not None else "it did not load in time")
+            if self.running.exit_code is not None or time.monotonic() > end:
+                raise self.lost(
+                    "the server has died" if self.running.exit_code is not None else "it did not load in time"
+                )
             time.sleep(0.02)
         if self.here.simulator.load_failed(self.log):
             raise self.lost("the world was not loaded")
