@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import rsegen
 from rsegen import Matrix, Placement, Recipe, generate
 from rsegen.cli import main
 from rsegen.simulation.experiment.plan import Plan, Row
@@ -61,6 +62,20 @@ def test_a_burger_crosses_steps_of_a_centimetre_and_no_higher_ones(
     assert rows[:, 3].max() == pytest.approx(2 * unit_cm / 100 if crosses else 0, abs=0.015)
     with Image.open(tmp_path / "out" / "drive.png") as picture:
         assert picture.size == (800, 800)
+
+
+def test_python_gives_what_the_command_line_does(gazebo: Installation, tmp_path: Path) -> None:
+    done: list[float] = []
+    folder = course(tmp_path, 1)
+    result = rsegen.drive(folder, duration=4, seed=5, output=tmp_path / "python", progress=done.append)
+    assert main(["drive", str(folder), "--duration", "4", "--seed", "5", "-o", str(tmp_path / "command")]) == 0
+    for file in ("burger_0.csv", "contacts.csv", "drive.json"):
+        assert (tmp_path / "python" / file).read_bytes() == (tmp_path / "command" / file).read_bytes()
+    (robot,) = result.robots
+    assert json.loads((tmp_path / "python" / "drive.json").read_text()) == result.as_json()
+    assert robot.metrics.distance == pytest.approx(0.7, abs=0.3)
+    assert robot.trajectory.rows[0, 1] == pytest.approx(robot.start.x, abs=0.01)
+    assert done[-1] == 4
 
 
 def test_the_same_seed_gives_the_same_tracks_and_another_seed_others(

@@ -45,7 +45,7 @@ def opening(*arguments: str | Path, **environment: str) -> subprocess.Popen[str]
 
 def server_of(process: subprocess.Popen[str], mark: str) -> psutil.Process:
     """The gzserver that a command has started, when it is there."""
-    end = time.monotonic() + 30
+    end = time.monotonic() + 180
     while process.poll() is None and time.monotonic() < end:
         for found in left(mark):
             with suppress(psutil.Error):

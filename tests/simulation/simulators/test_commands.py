@@ -11,7 +11,7 @@ import pytest
 
 from rsegen.cli import main
 from rsegen.simulation.simulators import SIMULATORS
-from tests.simulation.simulators.standins import PROGRAMS, put, start
+from tests.simulation.simulators.standins import PROGRAMS, interrupted_when_started, put, start
 from tests.support.complaints import the_line
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
@@ -50,7 +50,7 @@ def test_open_starts_a_server_until_the_seconds_are_over(
     put(programs, PROGRAMS[name])
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STAYS", "60")
-        assert opened(world, "--simulator", name, "--headless", "--seconds", "1") == 0
+        assert opened(world, "--simulator", name, "--headless", "--seconds", "3") == 0
     did = start(programs / program)
     assert did.command[1:-1] == tuple(words)
     assert did.folder / did.command[-1] == world
@@ -147,7 +147,8 @@ def test_a_recipe_is_opened_as_a_world_that_then_goes(programs: Path, tmp_path: 
     recipe.write_text("name: course\nmaps: 3\nseed: 1\nchunk_size: 2\n")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STAYS", "60")
-        assert opened(recipe, "--map", "2", "--headless", "--seconds", "0.5") == 0
+        with interrupted_when_started(programs / "gz"):
+            assert opened(recipe, "--map", "2", "--headless") == 0
     world = Path(start(programs / "gz").command[-1])
     assert world.name == "course_0002.world"
     assert not world.parent.parent.exists()
@@ -179,7 +180,7 @@ def test_what_a_server_complains_of_is_told_and_is_a_failure(
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SAYS", f"[Msg] hello\\n{says}\\n")
         patch.setenv("STAYS", "60")
-        assert opened(world, "--headless", "--seconds", "2") == 1
+        assert opened(world, "--headless", "--seconds", "5") == 1
     first, line = capsys.readouterr().err.splitlines()
     assert first == told
     assert words in line
@@ -198,7 +199,8 @@ def test_shared_leaves_the_address_to_the_user(
     put(programs, PROGRAMS["sim"])
     monkeypatch.setenv("GZ_PARTITION", "lab")
     monkeypatch.setenv("STAYS", "60")
-    assert opened(world, "--headless", "--shared", "--seconds", "0.3") == 0
-    assert start(programs / "gz").variables["GZ_PARTITION"] == "lab"
-    assert opened(world, "--headless", "--seconds", "0.3") == 0
-    assert start(programs / "gz").variables["GZ_PARTITION"] != "lab"
+    for flags, is_shared in ((["--shared"], True), ([], False)):
+        with interrupted_when_started(programs / "gz"):
+            assert opened(world, "--headless", *flags) == 0
+        assert (start(programs / "gz").variables["GZ_PARTITION"] == "lab") == is_shared
+        (programs / "gz.started").unlink()

@@ -19,8 +19,7 @@ from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.server import running_server
 from tests.simulation.real.conftest import missing
-from tests.simulation.simulators import fake_gz
-from tests.simulation.simulators.standins import PROGRAMS, put
+from tests.simulation.simulators.standins import PROGRAMS, play, put
 from tests.support.complaints import the_line
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are programs by their first line")
@@ -42,13 +41,6 @@ def live(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[LiveWorld]:
     file.write_bytes(b"".join(sdf.encoded(sdf.world(rsegen.compose(rsegen.Recipe(seed=1)), ()))))
     with running_server(here, file) as server, server.connect() as world:
         yield world
-
-
-def play(programs: Path) -> None:
-    """Put the program that plays `gz` on PATH."""
-    program = programs / "gz"
-    program.write_text(f"#!{sys.executable} -S\n" + Path(fake_gz.__file__).read_text())
-    program.chmod(0o755)
 
 
 def model(name: str) -> str:
