@@ -41,7 +41,7 @@ from rsegen.params.sorts import Parameter, parameters
 from rsegen.recipe.codec import decode, summary
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.simulation.experiment import report as experiments
-from rsegen.simulation.experiment.run import told
+from rsegen.simulation.experiment.run import load_summary
 from rsegen.simulation.robots import ROBOTS
 
 DOCS = Path(__file__).parent
@@ -72,9 +72,9 @@ def texts() -> dict[Path, str]:
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
         DOCS / "examples.md": "\n".join(_examples()) + "\n",
-        DOCS / "experiment.md": experiments.page(*told(EXPERIMENT)) + PLOT,
-        DOCS / "burgers.md": experiments.page(*told(RESULTS / "burgers.json")),
-        DOCS / "representations.md": experiments.page(*told(RESULTS / "representations.json")),
+        DOCS / "experiment.md": experiments.report_page(*load_summary(EXPERIMENT)) + PLOT,
+        DOCS / "burgers.md": experiments.report_page(*load_summary(RESULTS / "burgers.json")),
+        DOCS / "representations.md": experiments.report_page(*load_summary(RESULTS / "representations.json")),
         DIFFICULTY: filled(DIFFICULTY.read_text("utf-8"), difficulty.table()),
         FORMATS_PAGE: filled(FORMATS_PAGE.read_text("utf-8"), _formats()),
         ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
@@ -122,7 +122,7 @@ def main(arguments: list[str]) -> int:
         path.write_bytes(_DRAWN.get(path, picture)(scene))
     for path, same_field in rising().items():
         path.write_bytes(_rise(same_field=same_field))
-    plan, results, _ = told(EXPERIMENT)
+    plan, results, _ = load_summary(EXPERIMENT)
     (DOCS / "pictures" / "experiment.png").write_bytes(experiments.plot(plan, results))
     return 0
 

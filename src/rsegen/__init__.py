@@ -60,6 +60,18 @@ if TYPE_CHECKING:
     from rsegen.recipe.codec import schema as schema
     from rsegen.recipe.recipe import Placement as Placement
     from rsegen.recipe.recipe import Recipe as Recipe
+    from rsegen.simulation.driving.drive import drive as drive
+    from rsegen.simulation.driving.drive_result import DriveResult as DriveResult
+    from rsegen.simulation.experiment.run import ExperimentResult as ExperimentResult
+    from rsegen.simulation.experiment.run import experiment as experiment
+    from rsegen.simulation.open_world import OpenResult as OpenResult
+    from rsegen.simulation.open_world import open as open
+    from rsegen.simulation.spawning.remove import RemoveResult as RemoveResult
+    from rsegen.simulation.spawning.remove import remove as remove
+    from rsegen.simulation.spawning.respawn import RespawnResult as RespawnResult
+    from rsegen.simulation.spawning.respawn import respawn as respawn
+    from rsegen.simulation.spawning.spawn import SpawnResult as SpawnResult
+    from rsegen.simulation.spawning.spawn import spawn as spawn
 
 __version__ = "0.1.0"
 
@@ -87,6 +99,13 @@ _HOMES = {
     "rsegen.recipe.building": ("build",),
     "rsegen.recipe.codec": ("schema",),
     "rsegen.recipe.recipe": ("Placement", "Recipe"),
+    "rsegen.simulation.driving.drive": ("drive",),
+    "rsegen.simulation.driving.drive_result": ("DriveResult",),
+    "rsegen.simulation.experiment.run": ("ExperimentResult", "experiment"),
+    "rsegen.simulation.open_world": ("OpenResult", "open"),
+    "rsegen.simulation.spawning.remove": ("RemoveResult", "remove"),
+    "rsegen.simulation.spawning.respawn": ("RespawnResult", "respawn"),
+    "rsegen.simulation.spawning.spawn": ("SpawnResult", "spawn"),
 }
 """Where each public name is; the imports above say the same to type checkers, and a test holds both together."""
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from rsegen.cli.flags import Subparsers, add_parameter_flags, given
 from rsegen.cli.measured import Measured, report
-from rsegen.cli.targets import add_target_flags, every
+from rsegen.cli.targets import add_target_flags
 from rsegen.errors import ParameterError
 from rsegen.exporters.pictures.paths import chart
 from rsegen.exporters.pictures.preview import picture_format
@@ -22,6 +22,7 @@ from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Metrics, RobotLimits, metrics
 from rsegen.field.metrics.entry import entry, row
 from rsegen.io.resources import BYTES_A_CELL_OF_METRICS
+from rsegen.io.targets import every
 from rsegen.io.writer import refuse_taken_file, write_file
 from rsegen.simulation.robots import ROBOTS, robot
 

@@ -6,8 +6,9 @@ import argparse
 from pathlib import Path
 
 from rsegen.cli.flags import Subparsers
-from rsegen.cli.targets import add_target_flags, chosen
+from rsegen.cli.targets import add_target_flags
 from rsegen.exporters.pictures.preview import picture, picture_format
+from rsegen.io.targets import chosen
 from rsegen.io.writer import refuse_taken_file, write_file
 
 

@@ -23,7 +23,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print them."""
-    found = {simulator: simulator.found() for simulator in SIMULATORS.values()}
+    found = {simulator: simulator.installation() for simulator in SIMULATORS.values()}
     if arguments.json:
         print(json.dumps([_summary(simulator, here) for simulator, here in found.items()], indent=2))
     else:
@@ -37,12 +37,12 @@ def _summary(simulator: Simulator, here: Installation | None) -> dict[str, objec
         "title": simulator.title,
         "version": here.version if here else None,
         "commands": there,
-        "how_to_get": list(simulator.remedy),
+        "how_to_get": list(simulator.how_to_install),
     }
 
 
 def _report(found: Mapping[Simulator, Installation | None]) -> Iterator[str]:
     for simulator, here in found.items():
         yield f"{simulator.name:<9}{simulator.title} {here.version if here else 'is not found'}"
-        rows = [f"{name}: {path}" for name, path in here.commands.items()] if here else simulator.remedy
+        rows = [f"{name}: {path}" for name, path in here.commands.items()] if here else simulator.how_to_install
         yield from (f"{'':<9}  {row}" for row in rows)

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QMenu
 from rsegen.gui.newest import Newest
 from rsegen.io.worlds import generate
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.simulators import SIMULATORS, Installation, Launch, Opening
+from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest
 
 
 class InGazebo(QObject):
@@ -53,7 +53,7 @@ class InGazebo(QObject):
         for name, action in self.actions.items():
             reason = self._hindrance(name)
             action.setText(f"Open in {SIMULATORS[name].title}" + (f" ({reason})" if reason else ""))
-            action.setToolTip("\n".join(SIMULATORS[name].remedy) if reason else "the map that is shown")
+            action.setToolTip("\n".join(SIMULATORS[name].how_to_install) if reason else "the map that is shown")
             action.setEnabled(not reason)
 
     def open(self, name: str, recipe: Recipe, index: int) -> None:
@@ -76,13 +76,13 @@ class InGazebo(QObject):
         here = self._here[name]
         if here is None:
             return "not found on this machine"
-        if self._recipe and not here.simulator.opens(self._recipe.simulator):
+        if self._recipe and not here.simulator.can_open(self._recipe.simulator):
             return f"the recipe says simulator {self._recipe.simulator}"
-        return "" if here.simulator.windowed(here, Opening(world=Path("any.world"))) else "here without its window"
+        return "" if here.simulator.with_gui(here, OpenRequest(world=Path("any.world"))) else "here without its window"
 
     def _find(self) -> None:
         if not self._here:
-            self._finding.order(lambda: {name: simulator.found() for name, simulator in SIMULATORS.items()})
+            self._finding.order(lambda: {name: simulator.installation() for name, simulator in SIMULATORS.items()})
 
     def _found(self, here: object) -> None:
         if isinstance(here, Mapping):
@@ -95,7 +95,7 @@ class InGazebo(QObject):
             self.told.emit(str(came))
         elif isinstance(came, tuple):
             here, world = came
-            launch = here.simulator.windowed(here, Opening(world=world, shared=True))
+            launch = here.simulator.with_gui(here, OpenRequest(world=world, shared=True))
             self.told.emit(_started(here, launch, world))
 
 
@@ -103,7 +103,7 @@ def _world(recipe: Recipe, folder: Path) -> Path:
     return generate(recipe, folder, force=True).maps[0].world
 
 
-def _started(here: Installation, launch: Launch, world: Path) -> str:
+def _started(here: Installation, launch: LaunchCommand, world: Path) -> str:
     """Start it as a program of its own, and say so."""
     program, environment = QProcess(), QProcessEnvironment.systemEnvironment()
     for name, value in launch.environment.items():

@@ -11,11 +11,11 @@ from PySide6.QtCore import QObject, Signal
 
 from rsegen.gui.newest import Newest
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.simulators.connecting import joined
-from rsegen.simulation.simulators.live import Pose
-from rsegen.simulation.spawning.change import freed, put
-from rsegen.simulation.spawning.maps import made
-from rsegen.simulation.spawning.spawned_map import Placed
+from rsegen.simulation.simulators.connecting import connected
+from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.spawning.map_models import map_model
+from rsegen.simulation.spawning.spawned_map import SpawnedMap
+from rsegen.simulation.spawning.spawning import at_free_place, spawn_map
 
 _ORIGIN = Pose(x=0, y=0, z=0)
 
@@ -29,7 +29,7 @@ class Sending(QObject):
         super().__init__(parent)
         self._folder = tempfile.TemporaryDirectory(prefix="rsegen-", ignore_cleanup_errors=True)
         self._numbers = count(1)
-        self._before: Placed | None = None
+        self._before: SpawnedMap | None = None
         self._work = Newest(self)
         self._work.came.connect(self._came)
 
@@ -45,21 +45,21 @@ class Sending(QObject):
         self._folder.cleanup()
 
     def _came(self, came: object) -> None:
-        if isinstance(came, Placed):
+        if isinstance(came, SpawnedMap):
             self._before = came
             self.told.emit(f"{came.name} is in the simulation")
         else:
             self.told.emit(str(came))
 
 
-def _sent(recipe: Recipe, folder: Path, number: int, before: Placed | None) -> Placed:
+def _sent(recipe: Recipe, folder: Path, number: int, before: SpawnedMap | None) -> SpawnedMap:
     """The map as it stands there: where the one before stands, or else at the free place nearest to the origin."""
-    one = made(recipe, recipe.first_map, folder)
-    with joined(None) as (simulator, live):
-        one.refuse_unfit(simulator)
+    one = map_model(recipe, recipe.first_map, folder)
+    with connected(None) as (simulator, live):
+        one.check_fits(simulator)
         poses = live.poses()
         old = replace(before, at=poses[before.name]) if before and before.name in poses else None
-        new = Placed(name=f"{one.name}-{number}", field=one.field, at=old.at if old else _ORIGIN)
-        new = new if old else freed(new, poses, [])
-        put(live, one.model(new.name), new, old)
+        new = SpawnedMap(name=f"{one.name}-{number}", field=one.field, at=old.at if old else _ORIGIN)
+        new = new if old else at_free_place(new, poses, [])
+        spawn_map(live, one.sdf(new.name), new, old)
     return new

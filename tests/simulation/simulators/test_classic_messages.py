@@ -12,7 +12,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.simulation.robots import robot
 from rsegen.simulation.simulators.classic_messages import TYPES, decoded, encoded, said
 from rsegen.simulation.simulators.classic_transport import line
-from rsegen.simulation.simulators.sim_messages import parse, spelled
+from rsegen.simulation.simulators.sim_messages import format_message, parse
 
 PLAIN: dict[object, st.SearchStrategy[Any]] = {
     int: st.integers(-(2**31), 2**31 - 1),
@@ -67,7 +67,7 @@ def test_what_is_said_to_a_robot_is_a_message(v: float, w: float) -> None:
     on=st.booleans(),
 )
 def test_a_message_is_spelled_for_gazebo_sim(name: str, x: float, on: bool) -> None:
-    text = spelled({"name": name, "pause": on, "pose": {"position": {"x": x}}})
+    text = format_message({"name": name, "pause": on, "pose": {"position": {"x": x}}})
     assert text.endswith(f"pause: {'true' if on else 'false'} pose {{ position {{ x: {x} }} }}")
 
 

@@ -14,16 +14,16 @@ from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.exporters.gazebo.sdf import HEAD, TAIL, numbers
 from rsegen.field.metrics import RobotLimits
 from rsegen.params.registry import Registry
-from rsegen.simulation.robots.commands import SIMULATORS, Command
+from rsegen.simulation.robots.commands import BACKENDS, Command
 from rsegen.simulation.robots.drives import Drive
 from rsegen.simulation.robots.lidar import Lidar
-from rsegen.simulation.robots.links import HERE, Joint, Link, Place
+from rsegen.simulation.robots.links import ORIGIN, Joint, Link, PoseTuple
 from rsegen.simulation.robots.plugins import element, system
 from rsegen.simulation.robots.servos import Servo, servo_plugins
 from rsegen.simulation.robots.solids import Vector
 
 
-class Driven(Protocol):
+class DrivableRobot(Protocol):
     """What can be driven over a map: one of ours, or a person's own.
 
     size: length, width and height over all, metres; speed, turn: the most that it goes and turns, m/s and rad/s.
@@ -37,7 +37,7 @@ class Driven(Protocol):
     def speed(self) -> float: ...  # noqa: D102  # the class says it
     @property
     def turn(self) -> float: ...  # noqa: D102  # the class says it
-    def model(self, name: str, simulator: str = "classic", at: Place = HERE) -> str:
+    def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN) -> str:
         """Its <model>, with its origin put there."""
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
@@ -85,7 +85,7 @@ class Robot:
         """Of all its links, kg."""
         return sum(link.mass for link in self.links)
 
-    def model(self, name: str, simulator: str = "classic", at: Place = HERE, *, lidar: bool = False) -> str:
+    def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN, *, lidar: bool = False) -> str:
         """Its <model> for a simulator, with its lidar if so wanted; `at` is where its origin is put."""
         inside = (
             f"      <pose>{numbers(at)}</pose>\n{_AWAKE}",
@@ -141,8 +141,8 @@ _AWAKE = "      <allow_auto_disable>false</allow_auto_disable>\n"
 
 
 def _known(simulator: str) -> str:
-    if simulator not in SIMULATORS:
-        raise UnknownName.among("simulator", "simulator", simulator, SIMULATORS)
+    if simulator not in BACKENDS:
+        raise UnknownName.among("simulator", "simulator", simulator, BACKENDS)
     return simulator
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rsegen.exporters.gazebo.sdf import numbers
-from rsegen.simulation.robots.commands import Command, published
+from rsegen.simulation.robots.commands import Command, publish_command
 from rsegen.simulation.robots.plugins import classic, element, system
 
 
@@ -26,7 +26,7 @@ class Servo:
         Classic 11 listens on a topic of Ignition Transport, which its own `gz joint` knows.
         """
         if simulator != "classic":
-            return published(topic(name, self.joint), "Double", f"data: {numbers([angle])}", simulator)
+            return publish_command(topic(name, self.joint), "Double", f"data: {numbers([angle])}", simulator)
         text = f'name: "{name}::{self.joint}" position {{ target {{ data: {numbers([angle])} }} }}'
         gains = ("--pos-p", numbers([self.stiffness]), "--pos-d", numbers([self.damping]))
         shell = ("gz", "joint", "-m", name, "-j", self.joint, "--pos-t", numbers([angle]), *gains)

@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
-from rsegen.simulation.simulators.base import SIMULATORS, Installation, Launch, Opening, Simulator, installations
+from rsegen.simulation.simulators.base import (
+    SIMULATORS,
+    Installation,
+    LaunchCommand,
+    OpenRequest,
+    Simulator,
+    installations,
+)
 
 SIMULATORS.gather(__name__, __path__)
 
-__all__ = ["SIMULATORS", "Installation", "Launch", "Opening", "Simulator", "installations"]
+__all__ = ["SIMULATORS", "Installation", "LaunchCommand", "OpenRequest", "Simulator", "installations"]

@@ -1,6 +1,6 @@
 """What a simulator is: how it is found, how it is got where it is missing, and what has to be started to open a world.
 
-A simulator is one file of this folder with one class under `@register`. It starts nothing itself: it says a `Launch`,
+A simulator is one file of this folder with one class under `@register`. It starts nothing itself: it says a `LaunchCommand`,
 which can be printed, tested, or given to `process`.
 """
 
@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import ClassVar, TypeVar
 
 from rsegen.params.registry import Registry
-from rsegen.simulation.simulators.live import LiveWorld, Record
+from rsegen.simulation.simulators.live_world import LiveWorld, Record
 
 _MARKS = ("[Err]", "[error]", "Error [", "Error Code")
 """Of error lines: Gazebo's up to Harmonic, and from Ionic on; libsdformat's up to 9, and later."""
@@ -27,7 +27,7 @@ _COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Launch:
+class LaunchCommand:
     """A command, the variables that it needs beside those that are there, and the folder that it runs in."""
 
     command: tuple[str, ...]
@@ -35,18 +35,18 @@ class Launch:
     folder: Path
 
     @property
-    def line(self) -> str:
+    def shell_line(self) -> str:
         """The same for a shell."""
         variables = (f"{name}={shlex.quote(value)}" for name, value in self.environment.items())
         return " ".join(["cd", shlex.quote(str(self.folder)), "&&", *variables, shlex.join(self.command)])
 
-    def with_options(self, *options: str) -> Launch:
+    def with_options(self, *options: str) -> LaunchCommand:
         """The same with more options, before the world."""
         return replace(self, command=(*self.command[:-1], *options, self.command[-1]))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Opening:
+class OpenRequest:
     """A world to be opened, and how.
 
     models: the folder where model:// is looked for, by default the one above the world's; shared: at the address that
@@ -85,9 +85,9 @@ class Installation:
     commands: Mapping[str, Path]
 
     @property
-    def dialect(self) -> str:
+    def backend(self) -> str:
         """The name by which robots know it."""
-        return self.simulator.dialect(self)
+        return self.simulator.backend(self)
 
     def __str__(self) -> str:
         return f"{self.simulator.title} {self.version}"
@@ -104,25 +104,25 @@ class Simulator(ABC):
     name: ClassVar[str]
     title: ClassVar[str]
     generation: ClassVar[int]
-    remedy: ClassVar[tuple[str, ...]]
-    address: ClassVar[tuple[str, ...]]
-    harmless: ClassVar[tuple[str, ...]] = ()
-    unloaded: ClassVar[tuple[str, ...]] = ()
+    how_to_install: ClassVar[tuple[str, ...]]
+    address_variables: ClassVar[tuple[str, ...]]
+    harmless_messages: ClassVar[tuple[str, ...]] = ()
+    load_failures: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
-    def found(self) -> Installation | None:
+    def installation(self) -> Installation | None:
         """What is installed of it here; None where nothing is, or something else of the same name."""
 
     @abstractmethod
-    def windowed(self, here: Installation, opening: Opening) -> Launch | None:
+    def with_gui(self, here: Installation, opening: OpenRequest) -> LaunchCommand | None:
         """What opens a world with a window; None where the window is not installed."""
 
     @abstractmethod
-    def headless(self, here: Installation, opening: Opening) -> Launch:
+    def headless(self, here: Installation, opening: OpenRequest) -> LaunchCommand:
         """What serves a world without a window."""
 
     @abstractmethod
-    def standing(self, here: Installation, opening: Opening, home: Path) -> Launch:
+    def paused(self, here: Installation, opening: OpenRequest, home: Path) -> LaunchCommand:
         """The same in a world that stands still until it is told to go on, by a server with such a home."""
 
     @abstractmethod
@@ -130,35 +130,35 @@ class Simulator(ABC):
         """Whether a server that was started by `standing` has loaded its world, from the home and log that it has."""
 
     @abstractmethod
-    def dialect(self, here: Installation) -> str:
+    def backend(self, here: Installation) -> str:
         """The name by which robots know it, one of `rsegen.robots.SIMULATORS`."""
 
     @abstractmethod
-    def live(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
+    def connect(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
         """The world of the server that these variables lead to; SimulatorFailed where none answers."""
 
-    def recording(self, period: float) -> tuple[str, ...]:
+    def record_options(self, period: float) -> tuple[str, ...]:
         """A server's options, with which it records poses every so many seconds; none where it cannot."""
         return ()
 
-    def record(self, home: Path) -> Record | None:
+    def read_record(self, home: Path) -> Record | None:
         """What a server with such a home has recorded until its end; None where it cannot."""
         return None
 
-    def opens(self, made_for: str) -> bool:
+    def can_open(self, made_for: str) -> bool:
         """Whether it opens a map whose recipe says `simulator: made_for`."""
         return made_for in ("both", self.name)
 
-    def complaints(self, log: str) -> list[str]:
+    def error_lines(self, log: str) -> list[str]:
         """The error lines of a log, without the harmless ones."""
         lines = _COLOUR_CODE.sub("", log).splitlines()
         told = (line.strip() for line in lines if any(mark in line for mark in _MARKS))
-        return [line for line in told if not any(known in line for known in self.harmless)]
+        return [line for line in told if not any(known in line for known in self.harmless_messages)]
 
-    def has_not_loaded(self, log: str) -> bool:
+    def load_failed(self, log: str) -> bool:
         """Whether a log says that the world is not there."""
         plain = _COLOUR_CODE.sub("", log)
-        return any(words in plain for words in self.unloaded)
+        return any(words in plain for words in self.load_failures)
 
 
 def on_path(name: str, *elsewhere: Path) -> Path | None:
@@ -181,4 +181,4 @@ def register(cls: _Kind) -> _Kind:
 
 def installations() -> Iterator[Installation]:
     """Those that are installed here, the newest first; each is asked for its version when it is its turn."""
-    return (here for simulator in SIMULATORS.values() if (here := simulator.found()))
+    return (here for simulator in SIMULATORS.values() if (here := simulator.installation()))

@@ -21,7 +21,7 @@ from typing import Any
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators.classic_messages import Message, decoded, encoded
 
-PATIENCE = 20.0
+TIMEOUT = 20.0
 """Seconds for an answer."""
 
 FAREWELL = 2.0
@@ -37,7 +37,7 @@ _HEAD = 8
 """Hexadecimal digits before each message: how long it is."""
 
 
-class Line:
+class TransportClient:
     """What is heard on each topic, the last message of it, and what can be said. Topics are below /gazebo/WORLD/."""
 
     def __init__(self, address: tuple[str, int]) -> None:
@@ -49,7 +49,7 @@ class Line:
         self._sockets: list[socket.socket] = []
         self._world = ""
         self._last = 0.0
-        self._master = self._joined(socket.create_connection(address, PATIENCE))
+        self._master = self._joined(socket.create_connection(address, TIMEOUT))
         self._host = self._master.getsockname()[0]
         self._own = socket.create_server((self._host, 0))
         self._port = self._own.getsockname()[1]
@@ -83,11 +83,11 @@ class Line:
             _send(listener, encoded(type_name, message))
 
     def heard(
-        self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], patience: float = PATIENCE
+        self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float = TIMEOUT
     ) -> dict[str, Any]:
         """The next message on a topic that is wanted, or the last that was heard if that is."""
         full = self._full(topic)
-        self._wait(f"nothing is heard on {full}", lambda: any(map(wanted, self._heard[full])), patience)
+        self._wait(f"nothing is heard on {full}", lambda: any(map(wanted, self._heard[full])), timeout)
         with self._told:
             return [message for message in self._heard[full] if wanted(message)][-1]
 
@@ -169,7 +169,7 @@ class Line:
 
     def _listen(self, speaker: Mapping[str, Any]) -> None:
         topic = speaker["topic"]
-        there = self._joined(socket.create_connection((speaker["host"], speaker["port"]), PATIENCE))
+        there = self._joined(socket.create_connection((speaker["host"], speaker["port"]), TIMEOUT))
         self._note(lambda: self._speakers.update({there: topic}))
         _send(there, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
         for content in _received(there):
@@ -208,17 +208,17 @@ class Line:
             change()
             self._told.notify_all()
 
-    def _wait(self, why: str, until: Callable[[], bool], patience: float = PATIENCE) -> None:
+    def _wait(self, why: str, until: Callable[[], bool], timeout: float = TIMEOUT) -> None:
         with self._told:
-            if not self._told.wait_for(until, patience):
+            if not self._told.wait_for(until, timeout):
                 raise SimulatorFailed(f"Gazebo Classic: {why}")
 
 
 @contextmanager
-def line(address: tuple[str, int]) -> Iterator[Line]:
+def line(address: tuple[str, int]) -> Iterator[TransportClient]:
     """A line to the master at a host and port, as long as this lasts."""
     try:
-        opened = Line(address)
+        opened = TransportClient(address)
     except OSError as error:
         raise SimulatorFailed(
             f"Gazebo Classic: nobody answers at {address[0]}:{address[1]} ({error.strerror or error})"

@@ -8,13 +8,13 @@ from contextlib import ExitStack, contextmanager
 
 from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.simulation.simulators.base import SIMULATORS, Simulator
-from rsegen.simulation.simulators.live import LiveWorld
+from rsegen.simulation.simulators.live_world import LiveWorld
 
 
 @contextmanager
-def joined(name: str | None) -> Iterator[tuple[Simulator, LiveWorld]]:
+def connected(name: str | None) -> Iterator[tuple[Simulator, LiveWorld]]:
     """The simulator of that name, or else the newest, of which one runs, and its world; NothingRuns where none does."""
-    able = list(SIMULATORS.values()) if name is None else [SIMULATORS.named(name, "--simulator")]
+    able = list(SIMULATORS.values()) if name is None else [SIMULATORS.named(name, "simulator")]
     with ExitStack() as stack:
         yield _first(stack, able)
 
@@ -32,6 +32,6 @@ def _first(stack: ExitStack, simulators: list[Simulator]) -> tuple[Simulator, Li
 def _entered(stack: ExitStack, simulator: Simulator) -> LiveWorld | str:
     """Its world, or why there is none."""
     try:
-        return stack.enter_context(simulator.live(os.environ))
+        return stack.enter_context(simulator.connect(os.environ))
     except SimulatorFailed as error:
         return str(error)

@@ -1,7 +1,7 @@
 r"""Programs in sessions of their own, which end with all that they have started, however rsegen itself ends.
 
     rsegen --starts--> program (and what it starts)
-       |  \--starts--> watch.py
+       |  \--starts--> watchdog.py
        pipe ------------^   closed: by rsegen, or by the system when rsegen is gone
 
 There is one way to end a program: the pipe closes, and the watch ends the program's session. The program is started by
@@ -22,21 +22,21 @@ from pathlib import Path
 from typing import IO
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.simulators.base import Launch
+from rsegen.simulation.simulators.base import LaunchCommand
 
-_WATCH = Path(__file__).with_name("watch.py")
+_WATCH = Path(__file__).with_name("watchdog.py")
 _NAMED = ("/bin/sh", "-c", 'echo $$ >&0; exec "$@" </dev/null', "sh")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Running:
+class RunningProgram:
     """A program that runs, or has run."""
 
     process: subprocess.Popen[str]
     watch: subprocess.Popen[str]
 
     @property
-    def code(self) -> int | None:
+    def exit_code(self) -> int | None:
         """Its exit code; None while it runs."""
         return self.process.poll()
 
@@ -53,7 +53,7 @@ class Running:
 
 
 @contextmanager
-def running(launch: Launch, output: IO[str] | int) -> Iterator[Running]:
+def running(launch: LaunchCommand, output: IO[str] | int) -> Iterator[RunningProgram]:
     """A program that runs as long as this does; both of its outputs go to `output`."""
     watch = subprocess.Popen(
         [sys.executable, str(_WATCH)],
@@ -64,31 +64,31 @@ def running(launch: Launch, output: IO[str] | int) -> Iterator[Running]:
         start_new_session=True,
     )
     with _closed_in_the_end(watch):
-        started = Running(process=_started(launch, output, watch), watch=watch)
+        started = RunningProgram(process=_started(launch, output, watch), watch=watch)
         try:
             yield started
         finally:
             started.end()
 
 
-def answer(launch: Launch, patience: float) -> str:
-    """Both outputs of a program that ends by itself; SimulatorFailed where it takes longer than `patience` seconds."""
+def output_of(launch: LaunchCommand, timeout: float) -> str:
+    """Both outputs of a program that ends by itself; SimulatorFailed where it takes longer than `timeout` seconds."""
     with running(launch, subprocess.PIPE) as started:
         try:
-            return started.process.communicate(timeout=patience)[0]
+            return started.process.communicate(timeout=timeout)[0]
         except subprocess.TimeoutExpired:
-            raise SimulatorFailed(f"{launch.command[0]}: no answer in {patience:g} s") from None
+            raise SimulatorFailed(f"{launch.command[0]}: no answer in {timeout:g} s") from None
 
 
-def printed(command: Sequence[str | Path]) -> str:
+def command_output(command: Sequence[str | Path]) -> str:
     """Both outputs of a command that says a version; nothing where there is no such command or it does not end."""
     try:
-        return answer(Launch(command=tuple(map(str, command)), environment={}, folder=Path.cwd()), patience=30)
+        return output_of(LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd()), timeout=30)
     except (OSError, SimulatorFailed):
         return ""
 
 
-def _started(launch: Launch, output: IO[str] | int, watch: subprocess.Popen[str]) -> subprocess.Popen[str]:
+def _started(launch: LaunchCommand, output: IO[str] | int, watch: subprocess.Popen[str]) -> subprocess.Popen[str]:
     return subprocess.Popen(
         (*_NAMED, *launch.command),
         env=os.environ | dict(launch.environment),

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TypeVar
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.simulators.base import Installation, Launch, Opening
-from rsegen.simulation.simulators.live import LiveWorld
-from rsegen.simulation.simulators.process import Running, answer, running
+from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest
+from rsegen.simulation.simulators.live_world import LiveWorld
+from rsegen.simulation.simulators.process import RunningProgram, output_of, running
 
-PATIENCE = 20.0
+TIMEOUT = 20.0
 """Seconds for a world to load, and for a server to answer."""
 
 ATTEMPTS = 4
@@ -29,9 +29,9 @@ class Server:
     """A running server; `home` is its own and goes with it, `launch` is what it was started by."""
 
     here: Installation
-    launch: Launch
+    launch: LaunchCommand
     home: Path
-    running: Running
+    running: RunningProgram
 
     @property
     def pid(self) -> int:
@@ -51,27 +51,29 @@ class Server:
     @property
     def errors(self) -> list[str]:
         """The error lines of its log, without the harmless ones."""
-        return self.here.simulator.complaints(self.log)
+        return self.here.simulator.error_lines(self.log)
 
-    def live(self) -> AbstractContextManager[LiveWorld]:
+    def connect(self) -> AbstractContextManager[LiveWorld]:
         """Its world, to be changed, for as long as it is asked."""
-        return self.here.simulator.live(self.environment)
+        return self.here.simulator.connect(self.environment)
 
-    def wait_until_loaded(self, patience: float = PATIENCE) -> None:
+    def wait_until_loaded(self, timeout: float = TIMEOUT) -> None:
         """Wait for its world; SimulatorFailed where the server dies, says that it has none, or takes too long."""
-        end = time.monotonic() + patience
+        end = time.monotonic() + timeout
         while not self.here.simulator.is_loaded(self.home, self.log):
-            if self.running.code is not None or time.monotonic() > end:
-                raise self.lost("the server has died" if self.running.code is not None else "it did not load in time")
+            if self.running.exit_code is not None or time.monotonic() > end:
+                raise self.lost(
+                    "the server has died" if self.running.exit_code is not None else "it did not load in time"
+                )
             time.sleep(0.02)
-        if self.here.simulator.has_not_loaded(self.log):
+        if self.here.simulator.load_failed(self.log):
             raise self.lost("the world was not loaded")
 
-    def told(self, name: str, *arguments: str, patience: float = PATIENCE) -> str:
-        """What one of the installation's commands prints, asked about this server; it ends within `patience` s."""
+    def told(self, name: str, *arguments: str, timeout: float = TIMEOUT) -> str:
+        """What one of the installation's commands prints, asked about this server; it ends within `timeout` s."""
         command = (str(self.here.commands[name]), *arguments)
         try:
-            return answer(replace(self.launch, command=command), patience)
+            return output_of(replace(self.launch, command=command), timeout)
         except SimulatorFailed as error:
             raise self.lost(str(error)) from None
 
@@ -85,13 +87,13 @@ class Server:
 
 
 @contextmanager
-def serving(
+def running_server(
     here: Installation,
     world: Path,
     *,
     models: Path | None = None,
     options: tuple[str, ...] = (),
-    patience: float = PATIENCE,
+    timeout: float = TIMEOUT,
     screen: bool = False,
 ) -> Iterator[Server]:
     """A server that has loaded a world, in which time stands still; it is gone with all its processes when this ends.
@@ -102,22 +104,22 @@ def serving(
     """
     with tempfile.TemporaryDirectory(prefix="rsegen-") as name:
         home = Path(name)
-        opening = Opening(world=world, models=models, screen=screen)
-        launch = here.simulator.standing(here, opening, home).with_options(*options)
+        opening = OpenRequest(world=world, models=models, screen=screen)
+        launch = here.simulator.paused(here, opening, home).with_options(*options)
         with log_of(home).open("w") as log, running(launch, log) as process:
             server = Server(here=here, launch=launch, home=home, running=process)
-            server.wait_until_loaded(patience)
+            server.wait_until_loaded(timeout)
             yield server
 
 
-def attempted(once: Callable[[], Made], attempts: int = ATTEMPTS) -> Made:
+def retried(once: Callable[[], Made], attempts: int = ATTEMPTS) -> Made:
     """What `once` gives, tried again where it loses its server; what the last attempt raises is raised."""
     try:
         return once()
     except SimulatorFailed:
         if attempts == 1:
             raise
-    return attempted(once, attempts - 1)
+    return retried(once, attempts - 1)
 
 
 def log_of(home: Path) -> Path:

@@ -33,12 +33,12 @@ def parse(text: str) -> Message:
     return whole
 
 
-def spelled(message: Mapping[str, object]) -> str:
+def format_message(message: Mapping[str, object]) -> str:
     """The text of a message of texts, numbers, truths and messages."""
     return " ".join(f"{name}{_value(value)}" for name, value in message.items())
 
 
 def _value(value: object) -> str:
     if isinstance(value, Mapping):
-        return f" {{ {spelled(value)} }}"
+        return f" {{ {format_message(value)} }}"
     return f": {json.dumps(value, ensure_ascii=False)}"

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.simulators.live_world import Pose
 
 Told = Mapping[str, Mapping[str, Any]]
 """A pose as messages have it: position x, y, z and orientation x, y, z, w."""
@@ -38,7 +38,7 @@ def heard(message: Told) -> Pose:
     )
 
 
-def nearer(at: Pose, wanted: Pose, before: Pose) -> bool:
+def is_nearer(at: Pose, wanted: Pose, before: Pose) -> bool:
     """Whether something is nearer to where it is wanted than to where it was, or need not move."""
     return _distance(at, wanted) <= _distance(at, before)
 

@@ -16,11 +16,10 @@ from rsegen.errors import SimulatorFailed
 from rsegen.exporters.gazebo import sdf
 from rsegen.simulation.robots import robot
 from rsegen.simulation.simulators import SIMULATORS
-from rsegen.simulation.simulators.live import LiveWorld, Pose
-from rsegen.simulation.simulators.server import serving
+from rsegen.simulation.simulators.live_world import LiveWorld, Pose
+from rsegen.simulation.simulators.server import running_server
 from tests.simulation.real.conftest import missing
-from tests.simulation.simulators import fake_gz
-from tests.simulation.simulators.standins import PROGRAMS, put
+from tests.simulation.simulators.standins import PROGRAMS, play, put
 from tests.support.complaints import the_line
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are programs by their first line")
@@ -34,21 +33,14 @@ def live(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[LiveWorld]:
     if request.param == "sim":
         programs = request.getfixturevalue("programs")
         play(programs)
-        with SIMULATORS["sim"].live({"GZ_PARTITION": "lab"}) as world:
+        with SIMULATORS["sim"].connect({"GZ_PARTITION": "lab"}) as world:
             yield world
         return
-    here = SIMULATORS["classic"].found() or missing("no Gazebo Classic 11: run scripts/gazebo-classic")
+    here = SIMULATORS["classic"].installation() or missing("no Gazebo Classic 11: run scripts/gazebo-classic")
     file = tmp_path / "ground.world"
     file.write_bytes(b"".join(sdf.encoded(sdf.world(rsegen.compose(rsegen.Recipe(seed=1)), ()))))
-    with serving(here, file) as server, server.live() as world:
+    with running_server(here, file) as server, server.connect() as world:
         yield world
-
-
-def play(programs: Path) -> None:
-    """Put the program that plays `gz` on PATH."""
-    program = programs / "gz"
-    program.write_text(f"#!{sys.executable} -S\n" + Path(fake_gz.__file__).read_text())
-    program.chmod(0o755)
 
 
 def model(name: str) -> str:
@@ -56,37 +48,37 @@ def model(name: str) -> str:
 
 
 def test_a_model_is_put_moved_and_taken(live: LiveWorld) -> None:
-    live.put(model("one"), THERE)
-    live.put(model("other"), Pose(x=0, y=0, z=0))
+    live.spawn(model("one"), THERE)
+    live.spawn(model("other"), Pose(x=0, y=0, z=0))
     assert set(live.poses()) == {"ground_plane", "one", "other"}
     assert live.movable() == {"one", "other"}
     assert astuple(live.poses()["one"]) == pytest.approx(astuple(THERE))
     live.move("one", ELSEWHERE)
     assert astuple(live.poses()["one"]) == pytest.approx(astuple(ELSEWHERE))
     assert astuple(live.poses()["other"]) == pytest.approx((0,) * 6)
-    live.take("one")
+    live.delete("one")
     assert set(live.poses()) == {"ground_plane", "other"}
     with pytest.raises(SimulatorFailed, match="no one to be moved"):
         live.move("one", THERE)
 
 
 def test_time_goes_by_steps_or_by_itself(live: LiveWorld) -> None:
-    assert (live.clock().steps, live.clock().stands) == (0, True)
-    live.advance(1250)
-    assert (live.clock().steps, live.clock().simulated, live.clock().stands) == (1250, 1.25, True)
-    live.go()
-    assert not live.clock().stands
-    live.stand()
-    assert live.clock().stands
+    assert (live.clock().steps, live.clock().paused) == (0, True)
+    live.step(1250)
+    assert (live.clock().steps, live.clock().simulated, live.clock().paused) == (1250, 1.25, True)
+    live.unpause()
+    assert not live.clock().paused
+    live.pause()
+    assert live.clock().paused
 
 
 def test_a_model_of_the_worlds_own_name_is_taken_and_put_again(live: LiveWorld) -> None:
-    world = "rse_0000" if live.dialect == "classic" else "lab"
-    live.put(model("other"), ELSEWHERE)
-    live.put(model(world), THERE)
-    live.take(world)
+    world = "rse_0000" if live.backend == "classic" else "lab"
+    live.spawn(model("other"), ELSEWHERE)
+    live.spawn(model(world), THERE)
+    live.delete(world)
     assert set(live.poses()) == {"ground_plane", "other"}
-    live.put(model(world), Pose(x=2, y=0, z=0))
+    live.spawn(model(world), Pose(x=2, y=0, z=0))
     assert live.poses()[world].x == pytest.approx(2)
     assert set(live.poses()) == {"ground_plane", "other", world}
 
@@ -96,9 +88,9 @@ def test_a_model_of_the_worlds_own_name_is_taken_and_put_again(live: LiveWorld) 
 
 def test_sim_tells_robots_by_their_topic(programs: Path) -> None:
     play(programs)
-    with SIMULATORS["sim"].live({}) as live:
-        assert live.dialect == "sim"
-        live.tell(BURGER.command("burger", 0.1, -0.5, live.dialect))
+    with SIMULATORS["sim"].connect({}) as live:
+        assert live.backend == "sim"
+        live.send_command(BURGER.command("burger", 0.1, -0.5, live.backend))
     ((topic, type_name, message),) = json.loads((programs / "gz.json").read_text())["told"]
     assert (topic, type_name) == (BURGER.command("burger", 0, 0, "sim").topic, "gz.msgs.Twist")
     assert (message["linear"]["x"], message["angular"]["z"]) == (0.1, -0.5)
@@ -114,7 +106,7 @@ def test_a_robot_and_a_map_are_spawned_respawned_and_removed_in_sim(
         assert main([*words, "--simulator", "sim"]) == 0
     out = capsys.readouterr().out
     assert "course_0000 is in Gazebo Sim at 0 0 0" in out
-    assert "course_0001 is there instead of course_0000, at 0 0 0; put on top of it: burger" in out
+    assert "course_0001 replaces course_0000, at 0 0 0; put on top of it: burger" in out
     assert set(json.loads((programs / "gz.json").read_text())["models"]) == {"ground_plane", "burger", "course_0001"}
     assert main(["remove", "burger", "course_0001"]) == 0
     assert set(json.loads((programs / "gz.json").read_text())["models"]) == {"ground_plane"}
@@ -124,7 +116,7 @@ def test_where_no_world_is_it_says_so(programs: Path, monkeypatch: pytest.Monkey
     put(programs, PROGRAMS["sim"])
     with (
         pytest.raises(SimulatorFailed, match="no world is there in GZ_PARTITION=lab"),
-        SIMULATORS["sim"].live({"GZ_PARTITION": "lab"}),
+        SIMULATORS["sim"].connect({"GZ_PARTITION": "lab"}),
     ):
         pass
 

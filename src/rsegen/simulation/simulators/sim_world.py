@@ -16,14 +16,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.robots.commands import Command, typed
-from rsegen.simulation.simulators.base import Launch
-from rsegen.simulation.simulators.live import Clock, LiveWorld, Pose, name_in
-from rsegen.simulation.simulators.process import answer
-from rsegen.simulation.simulators.sim_messages import Message, parse, spelled
-from rsegen.simulation.simulators.turning import heard, nearer, told
+from rsegen.simulation.robots.commands import Command, message_type
+from rsegen.simulation.simulators.base import LaunchCommand
+from rsegen.simulation.simulators.live_world import Clock, LiveWorld, Pose, model_name
+from rsegen.simulation.simulators.pose_messages import heard, is_nearer, told
+from rsegen.simulation.simulators.process import output_of
+from rsegen.simulation.simulators.sim_messages import Message, format_message, parse
 
-PATIENCE = 20.0
+TIMEOUT = 20.0
 """Seconds for an answer."""
 
 
@@ -32,34 +32,34 @@ class SimWorld(LiveWorld):
     """By one command for each question, which takes about half a second."""
 
     program: Path
-    dialect: str
+    backend: str
     environment: Mapping[str, str]
     world: str = ""
 
-    def tell(self, command: Command) -> None:
+    def send_command(self, command: Command) -> None:
         """By its topic."""
-        self.printed("topic", "-t", command.topic, "-m", command.type, "-p", command.text)
+        self.command_output("topic", "-t", command.topic, "-m", command.type, "-p", command.text)
 
-    def advance(self, steps: int) -> None:
+    def step(self, steps: int) -> None:
         """Waits as long as steps are being done."""
         target = self.clock().steps + steps
         self._order("control", "WorldControl", {"pause": True, "multi_step": steps})
-        done, end = 0, time.monotonic() + PATIENCE
+        done, end = 0, time.monotonic() + TIMEOUT
         while done < target:
             before, done = done, self.clock().steps
-            end = time.monotonic() + PATIENCE if done > before else end
+            end = time.monotonic() + TIMEOUT if done > before else end
             if time.monotonic() > end:
                 raise SimulatorFailed(f"Gazebo Sim: stopped at step {done} of {target}")
 
-    def go(self) -> None:
+    def unpause(self) -> None:
         """Not paused, once it says so."""
         self._order("control", "WorldControl", {"pause": False})
-        self._wait("time stands still", lambda: not self.clock().stands)
+        self._wait("time stands still", lambda: not self.clock().paused)
 
-    def stand(self) -> None:
+    def pause(self) -> None:
         """Paused, once it says so."""
         self._order("control", "WorldControl", {"pause": True})
-        self._wait("time does not stand still", lambda: self.clock().stands)
+        self._wait("time does not stand still", lambda: self.clock().paused)
 
     def clock(self) -> Clock:
         """As it tells it next."""
@@ -68,7 +68,7 @@ class SimWorld(LiveWorld):
             simulated=_seconds(now, "sim_time"),
             real=_seconds(now, "real_time"),
             steps=int(now.values.get("iterations", 0)),
-            stands=now.values.get("paused") == "true",
+            paused=now.values.get("paused") == "true",
         )
 
     def poses(self) -> Mapping[str, Pose]:
@@ -87,59 +87,61 @@ class SimWorld(LiveWorld):
         if before is None:
             raise SimulatorFailed(f"Gazebo Sim: no {name} to be moved")
         self._order("set_pose", "Pose", {"name": name, **told(pose)})
-        self._wait(f"{name} stays where it was", lambda: nearer(self.poses()[name], pose, before))
+        self._wait(f"{name} stays where it was", lambda: is_nearer(self.poses()[name], pose, before))
 
-    def put(self, sdf: str, pose: Pose) -> None:
+    def spawn(self, sdf: str, pose: Pose) -> None:
         """Its name is the text's own."""
-        name = name_in(sdf)
+        name = model_name(sdf)
         self._order("create", "EntityFactory", {"sdf": sdf, "pose": told(pose)})
         self._wait(f"{name} does not appear", lambda: name in dict(self._models()))
 
-    def take(self, name: str) -> None:
+    def delete(self, name: str) -> None:
         """As a model."""
         self._order("remove", "Entity", {"name": name, "type": 2})
         self._wait(f"{name} is still there", lambda: name not in dict(self._models()))
 
-    def printed(self, *arguments: str) -> str:
+    def command_output(self, *arguments: str) -> str:
         """What its program prints."""
         command = (str(self.program), *arguments)
-        return answer(Launch(command=command, environment=self.environment, folder=Path.cwd()), PATIENCE)
+        return output_of(LaunchCommand(command=command, environment=self.environment, folder=Path.cwd()), TIMEOUT)
 
     def _models(self) -> list[tuple[str, Message]]:
         scene = self._service("scene/info", "Empty", {}, "Scene")
         return [(model.values["name"], model) for model in scene.parts["model"]]
 
     def _topic(self, name: str) -> Message:
-        return parse(self.printed("topic", "-e", "-t", f"/world/{self.world}/{name}", "-n", "1"))
+        return parse(self.command_output("topic", "-e", "-t", f"/world/{self.world}/{name}", "-n", "1"))
 
     def _order(self, name: str, type_name: str, message: Mapping[str, object]) -> None:
         if self._service(name, type_name, message, "Boolean").values.get("data") != "true":
             raise SimulatorFailed(f"Gazebo Sim: /world/{self.world}/{name} refuses")
 
     def _service(self, name: str, asked: str, message: Mapping[str, object], answered: str) -> Message:
-        types = ("--reqtype", typed(asked, self.dialect), "--reptype", typed(answered, self.dialect))
-        wait = ("--timeout", f"{PATIENCE / 2 * 1000:.0f}")
-        said = self.printed("service", "-s", f"/world/{self.world}/{name}", *types, *wait, "--req", spelled(message))
+        types = ("--reqtype", message_type(asked, self.backend), "--reptype", message_type(answered, self.backend))
+        wait = ("--timeout", f"{TIMEOUT / 2 * 1000:.0f}")
+        said = self.command_output(
+            "service", "-s", f"/world/{self.world}/{name}", *types, *wait, "--req", format_message(message)
+        )
         if "timed out" in said:
             raise SimulatorFailed(f"Gazebo Sim: /world/{self.world}/{name} does not answer")
         return parse(said)
 
     def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + TIMEOUT
         while not until():
             if time.monotonic() > end:
                 raise SimulatorFailed(f"Gazebo Sim: {otherwise}")
 
 
 @contextmanager
-def sim_world(program: Path, dialect: str, environment: Mapping[str, str]) -> Iterator[SimWorld]:
+def sim_world(program: Path, backend: str, environment: Mapping[str, str]) -> Iterator[SimWorld]:
     """The first world that a program, `gz` or `ign`, finds with these variables; nothing stays open."""
-    asking = SimWorld(program=program, dialect=dialect, environment=environment)
-    found = re.search(r"^/world/([^/\s]+)/control\s*$", asking.printed("service", "-l"), re.MULTILINE)
+    asking = SimWorld(program=program, backend=backend, environment=environment)
+    found = re.search(r"^/world/([^/\s]+)/control\s*$", asking.command_output("service", "-l"), re.MULTILINE)
     if not found:
         partition = environment.get("GZ_PARTITION") or environment.get("IGN_PARTITION")
         raise SimulatorFailed("Gazebo Sim: no world is there" + f" in GZ_PARTITION={partition}" * bool(partition))
-    yield SimWorld(program=program, dialect=dialect, environment=environment, world=found[1])
+    yield SimWorld(program=program, backend=backend, environment=environment, world=found[1])
 
 
 def _seconds(now: Message, name: str) -> float:

@@ -21,7 +21,7 @@ class Clock:
     simulated: float
     real: float
     steps: int
-    stands: bool
+    paused: bool
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -38,10 +38,10 @@ class Pose:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Contact:
-    """Two collisions that touch, each MODEL::LINK::COLLISION; `at` is the middle of where they do, metres."""
+    """Two collisions in contact, each MODEL::LINK::COLLISION, and the mean of their contact points, metres."""
 
-    names: tuple[str, str]
-    at: tuple[float, float, float]
+    collisions: tuple[str, str]
+    position: tuple[float, float, float]
 
 
 class LiveWorld(ABC):
@@ -50,27 +50,27 @@ class LiveWorld(ABC):
     dialect: the name by which robots know the simulator, one of `rsegen.robots.SIMULATORS`.
     """
 
-    dialect: str
+    backend: str
 
     @abstractmethod
-    def tell(self, command: Command) -> None:
+    def send_command(self, command: Command) -> None:
         """Say something to a robot, which has heard it when this ends."""
 
     @abstractmethod
-    def advance(self, steps: int) -> None:
+    def step(self, steps: int) -> None:
         """Simulate so many steps, as fast as the world's physics allows, in a world that stands still."""
 
-    def advance_feeling(self, steps: int) -> Sequence[Contact]:
+    def step_with_contacts(self, steps: int) -> Sequence[Contact]:
         """The same, and what touched what in the first of these steps; nothing where the simulator does not tell."""
-        self.advance(steps)
+        self.step(steps)
         return ()
 
     @abstractmethod
-    def go(self) -> None:
+    def unpause(self) -> None:
         """Let time run."""
 
     @abstractmethod
-    def stand(self) -> None:
+    def pause(self) -> None:
         """Let time stand still."""
 
     def stop_recording(self) -> None:  # noqa: B027  # not every server keeps one
@@ -93,15 +93,15 @@ class LiveWorld(ABC):
         """Put a model that is there somewhere else, and wait until it has left its place."""
 
     @abstractmethod
-    def put(self, sdf: str, pose: Pose) -> None:
+    def spawn(self, sdf: str, pose: Pose) -> None:
         """Put the model of an SDF text into the world, and wait until it is there."""
 
     @abstractmethod
-    def take(self, name: str) -> None:
+    def delete(self, name: str) -> None:
         """Take a model out of the world, and wait until it is gone."""
 
 
-def name_in(sdf: str) -> str:
+def model_name(sdf: str) -> str:
     """The name of the model of an SDF text."""
     found = re.search(r"<model\s+name=['\"]([^'\"]+)['\"]", sdf)
     if not found:

@@ -23,7 +23,7 @@ def written(folder: Path, text: str) -> Path:
 @pytest.mark.parametrize("simulator", ["classic", "sim", "fortress"])
 def test_our_own_robots_are_found_again(tmp_path: Path, kind: str, simulator: str) -> None:
     found = from_file(written(tmp_path, ROBOTS[kind].file("mine", simulator)))
-    assert (found.kind, found.its_simulator) == ("mine", simulator)
+    assert (found.kind, found.backend) == ("mine", simulator)
     assert found.command("mine", 0, 0, simulator) == ROBOTS[kind].command("mine", 0, 0, simulator)
     with pytest.raises(ParameterError, match=f"mine: its drive is for {simulator}, not for other"):
         found.command("mine", 0, 0, "other")
@@ -31,7 +31,7 @@ def test_our_own_robots_are_found_again(tmp_path: Path, kind: str, simulator: st
 
 def test_a_robot_without_a_known_drive_is_read_and_not_commanded(tmp_path: Path) -> None:
     found = from_file(written(tmp_path, MODEL.format("")))
-    assert (found.kind, found.its_simulator, found.topic) == ("mine", None, None)
+    assert (found.kind, found.backend, found.topic) == ("mine", None, None)
     with pytest.raises(ParameterError, match="mine: no drive that rsegen knows"):
         found.command("mine", 1, 0)
 

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen.simulation.simulators.live import Pose
-from rsegen.simulation.spawning.placement import GAP, Rectangle, free
-from rsegen.simulation.spawning.spawned_map import Placed
+from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.spawning.placement import GAP, Rectangle, free_rectangle
+from rsegen.simulation.spawning.spawned_map import SpawnedMap
 
 METRES = st.floats(-20, 20)
 SIZES = st.floats(0, 3)
@@ -27,7 +27,7 @@ FIELD = rsegen.build(
 
 @given(half_x=st.floats(0.1, 3), half_y=st.floats(0.1, 3), taken=TAKEN)
 def test_a_free_place_is_clear_of_all_that_is_there(half_x: float, half_y: float, taken: list[Rectangle]) -> None:
-    place = free(half_x, half_y, taken)
+    place = free_rectangle(half_x, half_y, taken)
     assert (place.half_x, place.half_y) == (half_x, half_y)
     for other in taken:
         apart = (abs(place.x - other.x) - half_x - other.half_x, abs(place.y - other.y) - half_y - other.half_y)
@@ -35,8 +35,8 @@ def test_a_free_place_is_clear_of_all_that_is_there(half_x: float, half_y: float
 
 
 def test_the_origin_is_the_first_choice_and_its_neighbour_the_second() -> None:
-    assert free(1, 2, [])[:2] == (0, 0)
-    assert free(1, 2, [Rectangle(0, 0)])[:2] == (2 + GAP, 0)
+    assert free_rectangle(1, 2, [])[:2] == (0, 0)
+    assert free_rectangle(1, 2, [Rectangle(0, 0)])[:2] == (2 + GAP, 0)
 
 
 @given(x=METRES, y=METRES, z=st.floats(-1, 1), yaw=st.floats(-pi, pi), data=st.data())
@@ -46,9 +46,9 @@ def test_the_top_under_a_place_is_that_of_its_cell(
     i, j = (data.draw(st.integers(0, cells - 1)) for cells in FIELD.shape)
     east, north = ((line[k] + line[k + 1]) / 2 for line, k in zip(FIELD.edges(), (i, j), strict=True))
     at = Pose(x=x + east * cos(yaw) - north * sin(yaw), y=y + east * sin(yaw) + north * cos(yaw), z=0)
-    placed = Placed(name="rse_0000", field=FIELD, at=Pose(x=x, y=y, z=z, yaw=yaw))
+    placed = SpawnedMap(name="rse_0000", field=FIELD, at=Pose(x=x, y=y, z=z, yaw=yaw))
     assert placed.top(at) == pytest.approx(z + FIELD.heights[i, j])
-    assert placed.carries(at, 0)
+    assert placed.covers(at, 0)
     near = FIELD.heights[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2]
     assert placed.top(at, FIELD.block_width) == pytest.approx(z + near.max())
     assert placed.top(at, 100) == pytest.approx(z + FIELD.heights.max())
@@ -56,10 +56,10 @@ def test_the_top_under_a_place_is_that_of_its_cell(
 
 @given(x=METRES, y=METRES, yaw=st.floats(-pi, pi), angle=st.floats(-pi, pi))
 def test_beside_a_map_there_is_its_ground(x: float, y: float, yaw: float, angle: float) -> None:
-    placed = Placed(name="rse_0000", field=FIELD, at=Pose(x=x, y=y, z=0.25, yaw=yaw))
+    placed = SpawnedMap(name="rse_0000", field=FIELD, at=Pose(x=x, y=y, z=0.25, yaw=yaw))
     away = hypot(*FIELD.extent) / 2 + 0.2
     at = Pose(x=x + away * cos(angle), y=y + away * sin(angle), z=0)
     assert placed.top(at) == 0.25
-    assert not placed.carries(at, 0.1)
+    assert not placed.covers(at, 0.1)
     _, _, half_x, half_y = placed.rectangle
     assert np.hypot(half_x, half_y) >= hypot(*FIELD.extent) / 2 - 1e-9

@@ -14,9 +14,9 @@ from typing import Any
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.robots.commands import Command
 from rsegen.simulation.simulators.classic_messages import decoded, said
-from rsegen.simulation.simulators.classic_transport import PATIENCE, Line, line
-from rsegen.simulation.simulators.live import Clock, Contact, LiveWorld, Pose, name_in
-from rsegen.simulation.simulators.turning import heard, nearer, told
+from rsegen.simulation.simulators.classic_transport import TIMEOUT, TransportClient, line
+from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, model_name
+from rsegen.simulation.simulators.pose_messages import heard, is_nearer, told
 
 _SETTLE = 0.03
 """Seconds in which a message between two programs on one machine arrives."""
@@ -32,22 +32,22 @@ _AWAY = 10_000.0
 class ClassicWorld(LiveWorld):
     """Through one line. A paused server answers, and tells the time, five times a second."""
 
-    line: Line
-    dialect: str = "classic"
+    line: TransportClient
+    backend: str = "classic"
     _numbers: Iterator[int] = field(default_factory=lambda: count(randbelow(2**30)))
 
-    def tell(self, command: Command) -> None:
+    def send_command(self, command: Command) -> None:
         """A moment later it is heard."""
         self.line.say(command.topic, command.type.rpartition(".")[2], said(command.text))
         time.sleep(_SETTLE)
 
-    def advance(self, steps: int) -> None:
+    def step(self, steps: int) -> None:
         """Waits as long as steps are being done."""
         target = self.clock().steps + steps
         self._step(steps)
         self._wait_for(target)
 
-    def advance_feeling(self, steps: int) -> Sequence[Contact]:
+    def step_with_contacts(self, steps: int) -> Sequence[Contact]:
         """The first step is done by itself: of many in a row the server tells late, and not of all."""
         target = self.clock().steps + steps
         with self.line.hearing("physics/contacts", "Contacts"):
@@ -57,11 +57,11 @@ class ClassicWorld(LiveWorld):
         self._wait_for(target)
         return [_contact(one) for one in told.get("contact", [])]
 
-    def go(self) -> None:
+    def unpause(self) -> None:
         """Not paused, once it says so."""
         self._pause(pause=False)
 
-    def stand(self) -> None:
+    def pause(self) -> None:
         """Paused, once it says so."""
         self._pause(pause=True)
 
@@ -77,7 +77,7 @@ class ClassicWorld(LiveWorld):
             simulated=_seconds(now["sim_time"]),
             real=_seconds(now["real_time"]),
             steps=int(now["iterations"]),
-            stands=bool(now["paused"]),
+            paused=bool(now["paused"]),
         )
 
     def poses(self) -> Mapping[str, Pose]:
@@ -99,19 +99,19 @@ class ClassicWorld(LiveWorld):
         before = heard(self._models(hidden=True)[name]["pose"])
         self.line.say("model/modify", "Model", message)
         self._wait(
-            f"{name} stays where it was", lambda: name in (at := self.poses()) and nearer(at[name], pose, before)
+            f"{name} stays where it was", lambda: name in (at := self.poses()) and is_nearer(at[name], pose, before)
         )
 
-    def put(self, sdf: str, pose: Pose) -> None:
+    def spawn(self, sdf: str, pose: Pose) -> None:
         """Through the factory; the one that was only out of sight comes back."""
-        name = name_in(sdf)
+        name = model_name(sdf)
         if name == self.line.world and name in self._models(hidden=True):
             self.move(name, pose)
             return
         self.line.say("factory", "Factory", {"sdf": sdf, "pose": told(pose)})
         self._wait(f"{name} does not appear", lambda: name in self.poses())
 
-    def take(self, name: str) -> None:
+    def delete(self, name: str) -> None:
         """By a request; that each of its parts is gone too is told in a flood of responses, which are not listened to.
 
         Gazebo 11 now and then falls silent on a topic where it says much at once. It would delete all there is for the
@@ -164,7 +164,7 @@ class ClassicWorld(LiveWorld):
         return {model["name"]: model for model in models if hidden or model["pose"]["position"]["z"] < _AWAY}
 
     def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + TIMEOUT
         while not until():
             if time.monotonic() > end:
                 raise SimulatorFailed(f"Gazebo Classic: {otherwise}")
@@ -183,7 +183,7 @@ def classic_world(address: tuple[str, int]) -> Iterator[ClassicWorld]:
 def _contact(message: Mapping[str, Any]) -> Contact:
     points = [(point["x"], point["y"], point["z"]) for point in message["position"]]
     x, y, z = (fmean(along) for along in zip(*points, strict=True))
-    return Contact(names=(message["collision1"], message["collision2"]), at=(x, y, z))
+    return Contact(collisions=(message["collision1"], message["collision2"]), position=(x, y, z))
 
 
 def _seconds(time_: Mapping[str, int]) -> float:

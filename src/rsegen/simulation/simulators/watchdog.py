@@ -1,8 +1,8 @@
-"""A program that ends a session of processes as soon as whoever started it is gone.
+"""A program that ends a session of processes as soon as the process that started it is gone.
 
-python watch.py: its standard input names the session; where that closes, for whatever reason, the session is ended. A
-session and not a group of processes, because `gz sim` puts its server and its window into groups of their own. It is
-run by its path, so that it is there at once: it imports nothing of rsegen.
+python watchdog.py: its standard input names the session; when that closes, for whatever reason, the session is ended.
+It is a session and not a process group, because `gz sim` puts its server and its window into groups of their own. It is
+run by its path and imports nothing of rsegen, so that it starts at once.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import sys
 import time
 from contextlib import suppress
 
-PATIENCE = 5.0
-"""Seconds between asking and killing."""
+TIMEOUT = 5.0
+"""Seconds between SIGINT and SIGKILL."""
 
 
 def main() -> None:
@@ -26,12 +26,12 @@ def main() -> None:
 
 
 def end(session: int) -> None:
-    """Ask every process of a session to end; kill what is still there later."""
+    """Send SIGINT to every process of a session, and SIGKILL to those that still run after some seconds."""
     for word in (signal.SIGINT, signal.SIGKILL):
         for process in members(session):
             with suppress(ProcessLookupError):
                 os.kill(process, word)
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + TIMEOUT
         while members(session):
             if time.monotonic() > deadline:
                 break
@@ -39,7 +39,7 @@ def end(session: int) -> None:
 
 
 def members(session: int) -> list[int]:
-    """The processes of a session that still run."""
+    """The ids of the processes of a session that still run."""
     import psutil
 
     found = []

@@ -10,8 +10,8 @@ from xml.etree import ElementTree
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.exporters.gazebo.sdf import numbers
 from rsegen.io.text_files import elements, text_of
-from rsegen.simulation.robots.commands import Command, pose, published, twist
-from rsegen.simulation.robots.links import HERE, Place
+from rsegen.simulation.robots.commands import Command, pose_text, publish_command, twist_text
+from rsegen.simulation.robots.links import ORIGIN, PoseTuple
 from rsegen.simulation.robots.solids import Vector
 
 MAX_MIB = 4
@@ -24,7 +24,7 @@ _SYSTEM = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-(?:diff-drive|track
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class OwnRobot:
+class SdfRobot:
     """A model as it was found: its name, its <model> as text, the simulator and the topic that it is driven by.
 
     its_simulator and topic are None where no drive in it is a known one; it then stands in the world and is not
@@ -33,45 +33,45 @@ class OwnRobot:
 
     kind: str
     text: str
-    its_simulator: str | None = None
+    backend: str | None = None
     topic: str | None = None
     size: Vector = (0.5, 0.5, 0.5)
     speed: float = 0.2
     turn: float = 0.5
 
-    def model(self, name: str, simulator: str = "classic", at: Place = HERE) -> str:
+    def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN) -> str:
         """Its <model> under a name, with its origin put there."""
         model = ElementTree.fromstring(self.text)  # noqa: S314  # was found to be plain elements
         model.set("name", name)
-        place = model.find("pose")
-        place = ElementTree.Element("pose") if place is None else place
-        if place not in list(model):
-            model.insert(0, place)
-        place.text = numbers(at)
+        pose = model.find("pose")
+        pose = ElementTree.Element("pose") if pose is None else pose
+        if pose not in list(model):
+            model.insert(0, pose)
+        pose.text = numbers(at)
         return _outer(model)
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
         """What the robot of a name is told to go forward at v, m/s, and to turn at w, rad/s."""
-        if self.topic is None or self.its_simulator is None:
+        if self.topic is None or self.backend is None:
             raise ParameterError(self.kind, "no drive that rsegen knows, so it cannot be commanded")
-        if self.its_simulator != simulator:
-            raise ParameterError(self.kind, f"its drive is for {self.its_simulator}, not for {simulator}")
+        if self.backend != simulator:
+            raise ParameterError(self.kind, f"its drive is for {self.backend}, not for {simulator}")
         topic = self.topic.replace("{name}", name)
         if topic.endswith("vel_cmd") and simulator == "classic":
-            return published(topic, "Pose", pose(v, w), "classic")
-        return published(topic, "Twist", twist(v, w), simulator)
+            return publish_command(topic, "Pose", pose_text(v, w), "classic")
+        return publish_command(topic, "Twist", twist_text(v, w), simulator)
 
 
-def from_file(path: str | Path) -> OwnRobot:
+def from_file(path: str | Path) -> SdfRobot:
     """The one model in an SDF file; FileError, in one line, where the file holds anything else."""
     return parsed(text_of(Path(path), MAX_MIB, "a robot"), str(path))
 
 
-def parsed(text: str, where: str) -> OwnRobot:
+def parsed(text: str, where: str) -> SdfRobot:
     """The one model in a text of SDF; a document type and entities are refused, as bombs are made of them."""
     model = _model(elements(text, where), where)
     simulator, topic = _drive(model)
-    return OwnRobot(kind=model.get("name", ""), text=_outer(model), its_simulator=simulator, topic=topic)
+    return SdfRobot(kind=model.get("name", ""), text=_outer(model), backend=simulator, topic=topic)
 
 
 def _model(root: ElementTree.Element, where: str) -> ElementTree.Element:

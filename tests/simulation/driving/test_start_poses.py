@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rsegen import Placement, Random, Recipe, StepField, build
 from rsegen.errors import ParameterError
-from rsegen.simulation.driving.start_poses import DROP, GAP, beside, on_top
+from rsegen.simulation.driving.start_poses import DROP_HEIGHT, GAP, adjacent_pose, poses_on_map
 
 SIZE = (0.3, 0.2, 0.2)
 
@@ -33,9 +33,9 @@ def under(found: StepField, x: float, y: float, reach: float) -> np.ndarray:
 @given(seed=st.integers(0, 1000))
 def test_on_top_of_everything_under_them_and_apart(seed: int) -> None:
     found, reach = field(seed), hypot(*SIZE[:2]) / 2
-    places = on_top(found, [SIZE] * 3, np.random.default_rng(seed))
+    places = poses_on_map(found, [SIZE] * 3, np.random.default_rng(seed))
     for number, place in enumerate(places):
-        assert place.z - DROP >= under(found, place.x, place.y, reach).max() - 1e-9
+        assert place.z - DROP_HEIGHT >= under(found, place.x, place.y, reach).max() - 1e-9
         assert abs(place.x) + reach <= 1
         for other in places[:number]:
             assert hypot(place.x - other.x, place.y - other.y) > 2 * reach + GAP
@@ -45,19 +45,19 @@ def test_where_there_is_even_ground_they_stand_on_it() -> None:
     levels = np.random.default_rng(1).integers(0, 5, (20, 20)).astype(np.int16)
     levels[3:10, 8:15] = 2
     found = StepField(levels=levels, frame=levels < 0, block_width=0.1, unit=0.1, frame_height=0.1)
-    (place,) = on_top(found, [SIZE], np.random.default_rng(1))
+    (place,) = poses_on_map(found, [SIZE], np.random.default_rng(1))
     assert set(under(found, place.x, place.y, 0.18).tolist()) == {0.2}
-    assert place.z == pytest.approx(0.2 + DROP)
+    assert place.z == pytest.approx(0.2 + DROP_HEIGHT)
 
 
 def test_what_is_too_large_or_too_many_is_said() -> None:
-    with pytest.raises(ParameterError, match="robot: it is too large to stand on 4 x 4 cells"):
-        on_top(field(1, blocks=4), [(0.5, 0.5, 0.2)], np.random.default_rng(1))
-    with pytest.raises(ParameterError, match="robots: there is no room on 10 x 10 cells for so many"):
-        on_top(field(1, blocks=10), [SIZE] * 9, np.random.default_rng(1))
+    with pytest.raises(ParameterError, match="robot: it is too large to start on 4 x 4 cells"):
+        poses_on_map(field(1, blocks=4), [(0.5, 0.5, 0.2)], np.random.default_rng(1))
+    with pytest.raises(ParameterError, match="robots: not enough room on 10 x 10 cells; give fewer"):
+        poses_on_map(field(1, blocks=10), [SIZE] * 9, np.random.default_rng(1))
 
 
 def test_beside_the_map_is_beyond_its_rim_on_the_ground() -> None:
-    place = beside(field(1), SIZE, 0.5)
+    place = adjacent_pose(field(1), SIZE, 0.5)
     assert place.x + SIZE[0] / 2 == pytest.approx(-1 - GAP)
-    assert (place.y, place.z, place.yaw) == (0.5, DROP, 0)
+    assert (place.y, place.z, place.yaw) == (0.5, DROP_HEIGHT, 0)

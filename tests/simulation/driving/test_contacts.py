@@ -6,12 +6,12 @@ import csv as tables
 
 import pytest
 
-from rsegen.simulation.driving.contacts import csv, shares, touches
-from rsegen.simulation.simulators.live import Contact
+from rsegen.simulation.driving.contacts import contact_shares, contacts_csv, robot_contacts
+from rsegen.simulation.simulators.live_world import Contact
 
 
 def contact(one: str, other: str) -> Contact:
-    return Contact(names=(one, other), at=(1.0, 2.0, 0.03))
+    return Contact(collisions=(one, other), position=(1.0, 2.0, 0.03))
 
 
 HULL, WHEEL = "a::base::hull", "a::left::tread"
@@ -25,18 +25,18 @@ LOOKS = [
 
 
 def test_each_part_touches_in_a_share_of_the_looks() -> None:
-    assert shares(LOOKS, "a") == {"left::tread": 0.75, "base::hull": 0.5}
-    assert list(shares(LOOKS, "a")) == ["left::tread", "base::hull"]
-    assert shares(LOOKS, "b") == {"base::hull": 0.25}
+    assert contact_shares(LOOKS, "a") == {"left::tread": 0.75, "base::hull": 0.5}
+    assert list(contact_shares(LOOKS, "a")) == ["left::tread", "base::hull"]
+    assert contact_shares(LOOKS, "b") == {"base::hull": 0.25}
 
 
-@pytest.mark.parametrize("looks", [[], [(0.0, []), (0.5, [])]])
-def test_nothing_is_told_of_nothing(looks: list[tuple[float, list[Contact]]]) -> None:
-    assert shares(looks, "a") == {}
+@pytest.mark.parametrize("samples", [[], [(0.0, []), (0.5, [])]])
+def test_nothing_is_told_of_nothing(samples: list[tuple[float, list[Contact]]]) -> None:
+    assert contact_shares(samples, "a") == {}
 
 
 def test_a_robot_touches_other_models_and_robots_and_not_itself() -> None:
-    found = [(touch.t, touch.robot, touch.other) for touch in touches(LOOKS, ["a", "b"])]
+    found = [(contact.t, contact.robot, contact.other) for contact in robot_contacts(LOOKS, ["a", "b"])]
     assert found == [
         (0.5, "a", "map"),
         (1.0, "a", "map"),
@@ -50,7 +50,7 @@ def test_a_robot_touches_other_models_and_robots_and_not_itself() -> None:
 
 
 def test_a_table_is_read_back() -> None:
-    rows = list(tables.DictReader(csv(LOOKS[:2], ["a"])))
+    rows = list(tables.DictReader(contacts_csv(LOOKS[:2], ["a"])))
     assert rows == [
         {"t": "0.5", "robot": "a", "part": "left::tread", "other": "map", "x": "1.0000", "y": "2.0000", "z": "0.0300"}
     ]
