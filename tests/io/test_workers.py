@@ -20,7 +20,16 @@ from rsegen.io import work
 from rsegen.io.exports import ExportedMap
 from rsegen.recipe.codec import decode
 from tests.support.complaints import exit_code, the_line
-from tests.support.runs import contents, ended, started, started_with_small_files, until_there, whole_maps_only
+from tests.support.patience import PATIENCE
+from tests.support.runs import (
+    contents,
+    ended,
+    started,
+    started_with_small_files,
+    until_it_has,
+    until_there,
+    whole_maps_only,
+)
 
 OBSTACLE = ["--obstacle", "random max_height=5", "--seed", "7"]
 MANY = [*OBSTACLE, "--maps", "50000", "--workers", "2"]
@@ -168,7 +177,7 @@ def test_ctrl_c_ends_all_workers_and_leaves_whole_maps(
     code, err = ended(process)
     assert code == 1
     assert the_line(err).startswith("rsegen: stopped; ")
-    assert not psutil.wait_procs(workers, timeout=10)[1]
+    assert not psutil.wait_procs(workers, timeout=PATIENCE)[1]
     made = list(tmp_path.glob("out/*"))
     assert not made or whole_maps_only(tmp_path / "out")
     words = f"stopped; {len(made)} of 50000 maps are" if many[0] == "generate" else "stopped; the maps that were"
@@ -178,8 +187,7 @@ def test_ctrl_c_ends_all_workers_and_leaves_whole_maps(
 def test_ctrl_c_stops_in_the_middle_of_a_large_map(tmp_path: Path) -> None:
     flags = ["--chunks", "40", "--mesh-type", "multi", "--maps", "20", "--workers", "2"]
     process = started("generate", *OBSTACLE, *flags, "-o", tmp_path / "out")
-    while not list(tmp_path.glob("out/.rse_*/*.world")):
-        assert process.poll() is None
+    until_it_has(process, lambda: list(tmp_path.glob("out/.rse_*/*.world")))
     to_it_alone(process.pid)
     code, err = ended(process)
     assert code == 1
@@ -208,4 +216,4 @@ def test_workers_end_when_the_one_who_started_them_is_killed(tmp_path: Path, man
     process.kill()
     ended(process)
     assert len(workers) >= 2
-    assert not psutil.wait_procs(workers, timeout=10)[1]
+    assert not psutil.wait_procs(workers, timeout=PATIENCE)[1]

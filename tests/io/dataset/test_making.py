@@ -21,7 +21,7 @@ from rsegen.io import work
 from rsegen.io.dataset import making
 from rsegen.recipe.codec import decode
 from tests.support.complaints import exit_code, snapshot, the_line
-from tests.support.runs import contents, ended, started
+from tests.support.runs import contents, ended, started, until_it_has
 
 OBSTACLE = ["--obstacle", "random max_height=5", "--seed", "7"]
 MANY = ["dataset", *OBSTACLE, "--maps", "40000", "--shard-maps", "500", "--workers", "2"]
@@ -60,8 +60,7 @@ def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 def until_made(process: subprocess.Popen[str], folder: Path, shards: int) -> None:
     """Wait until the record has so many shards."""
     record = folder / "unfinished.jsonl"
-    while not record.is_file() or record.read_text("utf-8").count("\n") <= shards:
-        assert process.poll() is None, process.communicate()
+    until_it_has(process, lambda: record.is_file() and record.read_text("utf-8").count("\n") > shards)
 
 
 def end_by(signal_: signal.Signals) -> Callable[[Path], tuple[int, str]]:
