@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,14 @@ def test_a_data_set_is_the_same_whoever_makes_it(tmp_path: Path, monkeypatch: py
         make_dataset(RECIPE, tmp_path / str(workers), metrics=metrics, shard_maps=3, workers=workers)
     assert contents(tmp_path / "1") == contents(tmp_path / "2") == contents(tmp_path / "3")
     assert len(contents(tmp_path / "1")) == 1 + 5 * (1 + (metrics != "none"))
+
+
+def test_the_maps_of_a_constrained_recipe_keep_to_it(tmp_path: Path) -> None:
+    recipe = replace(RECIPE, max_step=1)
+    made = make_dataset(recipe, tmp_path, shard_maps=5)
+    fields = [rsegen.build(recipe, index) for index in recipe.indices]
+    assert [field.blocks.tolist() for field in fields] == np.asarray(made[:]).tolist()
+    assert fields != [rsegen.build(RECIPE, index) for index in recipe.indices]
 
 
 def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
