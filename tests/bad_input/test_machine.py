@@ -75,6 +75,7 @@ def test_an_impatient_second_ctrl_c_does_not_disturb_the_clearing_up(
     assert snapshot(tmp_path) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_a_run_that_is_stopped_leaves_whole_maps_only(tmp_path: Path, name: str) -> None:
     process = started("generate", *OBSTACLE, "--maps", "100000", "-o", tmp_path / "out")
@@ -160,6 +161,7 @@ def test_a_disk_that_may_only_be_read(disk: Path, refused: Refused) -> None:
         assert "cannot be written: Read-only file system" in refused(*command)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
 @pytest.mark.parametrize(
     "command", [["schema"], ["obstacles", "--json"], ["--version"], ["generate", "--help"]], ids=" ".join
@@ -170,6 +172,7 @@ def test_a_report_that_cannot_be_printed(command: list[str]) -> None:
     assert (code, the_line(err)) == (1, "rsegen: what was to be printed: No space left on device")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [["schema"], ["obstacles"], ["--help"]], ids=" ".join)
 def test_a_reader_that_has_gone_hears_nothing_more(command: list[str]) -> None:
     reader, pipe = os.pipe()
@@ -180,6 +183,7 @@ def test_a_reader_that_has_gone_hears_nothing_more(command: list[str]) -> None:
         os.close(pipe)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("closed", [">&-", "2>&-"])
 def test_closed_output_does_not_keep_a_map_from_being_made(tmp_path: Path, closed: str) -> None:
     process = started("generate", *OBSTACLE, "--maps", "2", "-o", tmp_path / "out", after=closed)
@@ -187,6 +191,7 @@ def test_closed_output_does_not_keep_a_map_from_being_made(tmp_path: Path, close
     assert whole_maps_only(tmp_path / "out")
 
 
+@pytest.mark.slow
 def test_a_folder_that_cannot_be_printed_is_written_all_the_same(tmp_path: Path) -> None:
     for code, words in ((0, ""), (2, "is there already")):
         process = started("generate", *OBSTACLE, "-o", tmp_path / "über", PYTHONIOENCODING="ascii")

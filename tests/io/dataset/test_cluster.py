@@ -45,6 +45,7 @@ def kill_a_worker(parent: int) -> None:
     worker.kill()
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_costs_nothing(tmp_path: Path, whole: dict[str, bytes]) -> None:
     folder = tmp_path / "set"
     process = started(*MANY, "--workers", "2", "--scheduler", "local", "-o", folder)
@@ -67,6 +68,7 @@ def address(tmp_path: Path) -> Iterator[str]:
     process.communicate("\n", timeout=PATIENCE)
 
 
+@pytest.mark.slow
 def test_a_cluster_that_runs_makes_the_same_bytes(address: str, tmp_path: Path, whole: dict[str, bytes]) -> None:
     process = started(*MANY, "--scheduler", address, "-o", tmp_path / "set")
     code, err = ended(process)
@@ -74,6 +76,7 @@ def test_a_cluster_that_runs_makes_the_same_bytes(address: str, tmp_path: Path, 
     assert contents(tmp_path / "set") == whole
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_is_not_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -44,6 +44,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return contents(folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("metrics", ["npy", "parquet", "none"])
 def test_a_data_set_is_the_same_whoever_makes_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, metrics: str) -> None:
     monkeypatch.setattr(work, "WORTHWHILE", 0.0)
@@ -93,6 +94,7 @@ def kill_a_worker(folder: Path) -> tuple[int, str]:
 STOPS = {"SIGINT": end_by(signal.SIGINT), "SIGKILL": end_by(signal.SIGKILL), "a worker": kill_a_worker}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stop", STOPS.values(), ids=STOPS)
 def test_a_run_that_was_stopped_goes_on(
     tmp_path: Path, whole: dict[str, bytes], stop: Callable[[Path], tuple[int, str]]
@@ -110,6 +112,7 @@ def test_a_run_that_was_stopped_goes_on(
     assert contents(folder) == whole
 
 
+@pytest.mark.slow
 def test_the_message_of_a_stopped_run_says_how_to_go_on(tmp_path: Path) -> None:
     code, err = STOPS["SIGINT"](tmp_path / "set")
     found = re.fullmatch(
@@ -175,6 +178,7 @@ def test_a_run_that_was_killed_at_once_goes_on(tmp_path: Path, text: str) -> Non
     assert not (tmp_path / "unfinished.jsonl").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no locks there")
 def test_two_runs_do_not_make_one_data_set(tmp_path: Path, whole: dict[str, bytes]) -> None:
     folder = tmp_path / "set"
