@@ -102,7 +102,7 @@ YAML: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
     "itself as a list": ("obstacles: &a [*a]\n", ["obstacles[0]: [[", "is not an obstacle"]),
     "deep nesting": (f"obstacles: {'[' * 600}{']' * 600}\n", ["nested too deeply"]),
     "deep nesting of keys": ("{a: " * 3000, ["nested too deeply"]),
-    "a bomb": (BOMB, ["description: [[", "give one line of up to 500 characters"]),
+    "a bomb": (BOMB, ["description: invalid value [[", "expected one line of up to 500 characters"]),
     "a bomb as a kind": (f"{BOMB}obstacles: [{{kind: *i, max_height: 3}}]\n", ["obstacles[0].kind", *KINDS]),
     "a bomb as a place": (f"{BOMB}obstacles: [{{kind: peak, max_height: 3, first: *i}}]\n", ["obstacles[0].first"]),
     "any bytes": (bytes(range(256)), ["not a text in UTF-8"]),

@@ -130,6 +130,7 @@ def test_maps_that_keep_to_constraints_follow_the_line_too(tmp_path: Path) -> No
         assert row.highest_step <= 0.2
 
 
+@pytest.mark.slow
 def test_workers_make_the_same(tmp_path: Path) -> None:
     recipe = replace(RANDOM, maps=250)
     series(recipe, tmp_path / "1")
@@ -137,6 +138,7 @@ def test_workers_make_the_same(tmp_path: Path) -> None:
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("same_field", "fields"), [(False, range(8)), (True, range(1))])
 def test_workers_measure_the_fields_and_make_the_maps(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, same_field: bool, fields: range

@@ -152,6 +152,7 @@ def test_a_list_of_formats_that_is_none_has_none(content: bytes, tmp_path: Path)
     assert standing(SMALL, tmp_path, Sidecars().stand) == 3
 
 
+@pytest.mark.slow
 def test_workers_make_the_same_files(tmp_path: Path) -> None:
     many: Recipe = replace(SMALL, maps=150)
     formats = [Heightmap(pixels=2), Occupancy(climb_cm=12)]

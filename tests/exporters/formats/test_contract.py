@@ -44,6 +44,7 @@ def test_the_same_map_gives_the_same_bytes_in_files_that_stay_in_their_folder(cl
         assert ".." not in path.parts
 
 
+@pytest.mark.slow
 def test_the_same_bytes_come_from_another_process(tmp_path: Path) -> None:
     (tmp_path / "recipe.json").write_text(to_json(SMALL))
     to = ",".join(FORMATS)

@@ -103,6 +103,7 @@ def faces(obj: bytes) -> Iterator[tuple[int, Face]]:
             yield material, tuple(corners[int(corner.partition("/")[0]) - 1] for corner in rest)
 
 
+@pytest.mark.slow
 @given(gripping(MESHES))
 @settings(max_examples=60)
 def test_meshes_that_are_touched_are_together_the_faces_that_are_seen_each_of_one_friction(scene: Scene) -> None:
@@ -118,6 +119,7 @@ def test_meshes_that_are_touched_are_together_the_faces_that_are_seen_each_of_on
         assert touched == seen
 
 
+@pytest.mark.slow
 @given(gripping(MESHES))
 @settings(max_examples=40)
 def test_nothing_but_frictions_and_what_is_touched_differs_from_a_map_of_one_friction(scene: Scene) -> None:
@@ -133,6 +135,7 @@ def test_nothing_but_frictions_and_what_is_touched_differs_from_a_map_of_one_fri
     assert used == {path for path in own if path.endswith(".obj")}
 
 
+@pytest.mark.slow
 @given(gripping(BOXES))
 @settings(max_examples=60)
 def test_boxes_rebuild_the_map_each_of_one_friction(scene: Scene) -> None:

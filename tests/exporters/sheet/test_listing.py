@@ -35,6 +35,7 @@ def rows_of(recipe: Recipe) -> list[dict[str, str]]:
     return list(csv.DictReader(line for line in text_of(recipe).splitlines() if not line.startswith("#")))
 
 
+@pytest.mark.slow
 @given(recipe=recipes())
 def test_a_map_rebuilt_from_its_sheet_is_the_map(recipe: Recipe, tmp_path_factory: pytest.TempPathFactory) -> None:
     again = imported(written(tmp_path_factory.mktemp("again"), text_of(recipe)), Table())
@@ -132,6 +133,7 @@ def test_a_list_without_comments_is_a_map_without_frames(tmp_path: Path) -> None
 HEAD = "pallet,order,x,y,height_cm\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -22,7 +22,7 @@ from rsegen.io import work
 from rsegen.io.dataset import making
 from rsegen.recipe.codec import decode
 from tests.support.complaints import exit_code, snapshot, the_line
-from tests.support.runs import contents, ended, started
+from tests.support.runs import contents, ended, started, until_it_has
 
 OBSTACLE = ["--obstacle", "random max_height=5", "--seed", "7"]
 MANY = ["dataset", *OBSTACLE, "--maps", "40000", "--shard-maps", "500", "--workers", "2"]
@@ -44,6 +44,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return contents(folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("metrics", ["npy", "parquet", "none"])
 def test_a_data_set_is_the_same_whoever_makes_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, metrics: str) -> None:
     monkeypatch.setattr(work, "WORTHWHILE", 0.0)
@@ -51,6 +52,14 @@ def test_a_data_set_is_the_same_whoever_makes_it(tmp_path: Path, monkeypatch: py
         make_dataset(RECIPE, tmp_path / str(workers), metrics=metrics, shard_maps=3, workers=workers)
     assert contents(tmp_path / "1") == contents(tmp_path / "2") == contents(tmp_path / "3")
     assert len(contents(tmp_path / "1")) == 1 + 5 * (1 + (metrics != "none"))
+
+
+def test_the_maps_of_a_constrained_recipe_keep_to_it(tmp_path: Path) -> None:
+    recipe = replace(RECIPE, max_step=1)
+    made = make_dataset(recipe, tmp_path, shard_maps=5)
+    fields = [rsegen.build(recipe, index) for index in recipe.indices]
+    assert [field.blocks.tolist() for field in fields] == np.asarray(made[:]).tolist()
+    assert fields != [rsegen.build(RECIPE, index) for index in recipe.indices]
 
 
 def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -61,8 +70,7 @@ def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 def until_made(process: subprocess.Popen[str], folder: Path, shards: int) -> None:
     """Wait until the record has so many shards."""
     record = folder / "unfinished.jsonl"
-    while not record.is_file() or record.read_text("utf-8").count("\n") <= shards:
-        assert process.poll() is None, process.communicate()
+    until_it_has(process, lambda: record.is_file() and record.read_text("utf-8").count("\n") > shards)
 
 
 def end_by(signal_: signal.Signals) -> Callable[[Path], tuple[int, str]]:
@@ -86,6 +94,7 @@ def kill_a_worker(folder: Path) -> tuple[int, str]:
 STOPS = {"SIGINT": end_by(signal.SIGINT), "SIGKILL": end_by(signal.SIGKILL), "a worker": kill_a_worker}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stop", STOPS.values(), ids=STOPS)
 def test_a_run_that_was_stopped_goes_on(
     tmp_path: Path, whole: dict[str, bytes], stop: Callable[[Path], tuple[int, str]]
@@ -103,6 +112,7 @@ def test_a_run_that_was_stopped_goes_on(
     assert contents(folder) == whole
 
 
+@pytest.mark.slow
 def test_the_message_of_a_stopped_run_says_how_to_go_on(tmp_path: Path) -> None:
     code, err = STOPS["SIGINT"](tmp_path / "set")
     found = re.fullmatch(
@@ -168,6 +178,7 @@ def test_a_run_that_was_killed_at_once_goes_on(tmp_path: Path, text: str) -> Non
     assert not (tmp_path / "unfinished.jsonl").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no locks there")
 def test_two_runs_do_not_make_one_data_set(tmp_path: Path, whole: dict[str, bytes]) -> None:
     folder = tmp_path / "set"

@@ -72,6 +72,7 @@ def test_levels_are_read_as_one_array(dataset: Dataset) -> None:
         dataset[0][0, 0] = 1
 
 
+@pytest.mark.slow
 def test_it_goes_to_other_processes(dataset: Dataset) -> None:
     dataset[0]
     assert np.array_equal(pickle.loads(pickle.dumps(dataset))[7], dataset[7])  # noqa: S301  # our own

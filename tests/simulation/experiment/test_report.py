@@ -87,6 +87,7 @@ def test_a_median_leaves_out_what_is_not_there() -> None:
     assert median_of([outcome(1)], "rtf") is None
 
 
+@pytest.mark.slow
 def test_the_plot_is_a_picture(results: Results) -> None:
     with Image.open(io.BytesIO(plot(PLAN, results))) as picture:
         assert picture.size == (1100, 450)

@@ -35,6 +35,7 @@ def message_of(type_name: str) -> st.SearchStrategy[dict[str, Any]]:
     return st.fixed_dictionaries({}, optional=optional)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("type_name", TYPES)
 @given(data=st.data())
 def test_every_message_comes_back_from_its_bytes(type_name: str, data: st.DataObject) -> None:
