@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from rsegen.field.stepfield import StepField, Window
+from rsegen.field.stepfield import CellWindow, StepField
 from rsegen.gui.cells import Layout, Point
 from rsegen.gui.session import Row
 from rsegen.params.places import Cell
@@ -46,7 +46,7 @@ def handles_of(rows: Sequence[Row], shape: Cell) -> list[Handle]:
     ]
 
 
-def spanned(handle: Handle, field: StepField) -> Window | None:
+def spanned(handle: Handle, field: StepField) -> CellWindow | None:
     """The field cells between the ends of an obstacle, frames counted; none where an end is missing."""
     if handle.first is None or handle.last is None:
         return None

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Array, StepField, Window
+from rsegen.field.stepfield import Array, CellWindow, StepField
 from rsegen.geometry import surface
 from rsegen.gui.colours import Bytes, palette
 
@@ -50,7 +50,7 @@ def block_edges(field: StepField) -> Lines:
     return _joined([rings.reshape(-1, 3), _posts(field)], [_ring_pairs(len(i)), None])
 
 
-def box_edges(field: StepField, window: Window) -> Lines:
+def box_edges(field: StepField, window: CellWindow) -> Lines:
     """The twelve edges of a box round a window of cells, as high as what stands there and a fifth of a block more."""
     edges = [line[[part.start, part.stop]] for line, part in zip(field.edges(), window, strict=True)]
     top = float(field.heights[window].max(initial=0.0)) + field.block_width / 5

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Array, Window
+from rsegen.field.stepfield import Array, CellWindow
 from rsegen.gui.axes import Bounds, marks
 from rsegen.gui.colours import GROUND
 from rsegen.gui.sight import SOUTH_EAST, VIEW_ANGLE, viewpoint
@@ -42,7 +42,7 @@ class Stage:
         self._ink = (0.0, 0.0, 0.0)
         self._fitted: tuple[float, ...] | None = None
 
-    def show(self, scene: Scene, made: Solid, window: Window | None) -> None:
+    def show(self, scene: Scene, made: Solid, window: CellWindow | None) -> None:
         """The solid of a scene, a box round a window of its cells; the camera stays, unless the extent is another."""
         field = scene.field
         _fill_faces(self._solid, made)

@@ -23,7 +23,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 from rsegen.errors import FileError
 from rsegen.exporters.scene import Scene
 from rsegen.field.coarse import coarse_window
-from rsegen.field.stepfield import Window
+from rsegen.field.stepfield import CellWindow
 from rsegen.gui.legend import Legend
 from rsegen.gui.look import Look, look_of
 from rsegen.gui.stage import Plotter, Stage
@@ -71,14 +71,14 @@ class FieldView(QWidget):
         row.addWidget(_sorry(why) if (why := unavailable()) else self._plotter_widget(), stretch=1)
         row.addLayout(self._beside())
 
-    def show(self, scene: Scene | None = None, highlighted: Window | None = None) -> None:
+    def show(self, scene: Scene | None = None, highlighted: CellWindow | None = None) -> None:
         """Show a scene with a window of its cells outlined, the camera where it was; without a scene, the widget."""
         if scene is None:
             super().show()
             return
         self.show_look(look_of(scene), highlighted)
 
-    def show_look(self, look: Look, highlighted: Window | None = None) -> None:
+    def show_look(self, look: Look, highlighted: CellWindow | None = None) -> None:
         """Show what was made of a scene before."""
         self._legend.show_rows(look.legend)
         self._note.setText(f"each column the highest\nof {look.factor} x {look.factor} cells")

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Window as Window_
+from rsegen.field.stepfield import CellWindow
 from rsegen.gui.brushes import Brushes
 from rsegen.gui.editors import named
 from rsegen.gui.files import dropped, take_dropped
@@ -231,7 +231,7 @@ class Window(QMainWindow):
     def _handles(self) -> list[Handle]:
         return handles_of(self.session.draft.rows, self.scene.field.blocks.shape) if self.scene else []
 
-    def _highlighted(self) -> Window_ | None:
+    def _highlighted(self) -> CellWindow | None:
         """The cells, frames counted, of the obstacle that is edited."""
         handle = next((each for each in self._handles() if each.row == self.selected), None)
         return spanned(handle, self.scene.field) if handle and self.scene else None
