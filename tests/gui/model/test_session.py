@@ -2,32 +2,18 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 
 from rsegen import Recipe, build, load
-from rsegen.cli.commands import parser
-from rsegen.cli.flags import recipe_from
-from rsegen.gui.model.as_code import command_line, python_code
 from rsegen.gui.model.session import Session, aligned, draft_of
+from tests.support.full_recipe import FULL
 from tests.support.strategies import recipes
 
 PEAK = {"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]}
 RANDOM = {"kind": "random", "max_height": 3}
-OPEN = Recipe(
-    seed=1,
-    frame_friction=0.4,
-    level_friction=(0.9, 0.1),
-    frame_colour="#102030",
-    level_colours=("#ffffff", "#ABCDEF"),
-    max_step=2,
-    crossable_by=(20, 12.5, 10),
-    inventory=(5, 0, 7),
-)
-"""It gives all that may be left open."""
 
 
 @pytest.fixture
@@ -176,23 +162,6 @@ def test_what_may_lie_askew_is_left_as_it_is() -> None:
 
 
 @given(recipes())
-@example(OPEN)
+@example(FULL)
 def test_a_draft_is_its_recipe(recipe: Recipe) -> None:
     assert draft_of(recipe).recipe() == recipe
-
-
-@given(recipes())
-@example(OPEN)
-def test_the_command_line_makes_the_same_recipe(recipe: Recipe) -> None:
-    words = shlex.split(command_line(recipe, "worlds"))
-    assert recipe_from(parser().parse_args(words[1:])) == recipe
-
-
-@given(recipes())
-@example(OPEN)
-@settings(max_examples=30)
-def test_the_python_code_makes_the_same_recipe(recipe: Recipe) -> None:
-    code = python_code(recipe, "worlds").rpartition("rsegen.generate")[0]
-    names: dict[str, object] = {}
-    exec(code, names)  # noqa: S102  # our own
-    assert names["recipe"] == recipe

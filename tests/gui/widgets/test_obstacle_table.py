@@ -109,3 +109,20 @@ def test_only_what_can_be_done_can_be_chosen(window: Window) -> None:
     assert possible(window).isdisjoint({"Undo", "Redo"} | ROWS)
     assert not window.forms.remove.isEnabled()
     assert not window.forms.clear.isEnabled()
+
+
+def edit(window: Window, row: int, column: int, text: str) -> None:
+    item = window.views.table.item(row, column)
+    assert item is not None
+    item.setText(text)
+
+
+def test_a_kind_that_there_is_not_is_an_error_and_can_be_corrected(window: Window) -> None:
+    window.document.select(0)
+    edit(window, 0, 1, "pyramid")
+    assert "pyramid" in window.forms.error_label.text()
+    edit(window, 0, 2, "4")
+    edit(window, 0, 1, "peak")
+    assert window.forms.error_label.isHidden()
+    assert kinds(window)[0] == "peak"
+    assert window.session.draft.rows[0].entry["max_height"] == 4

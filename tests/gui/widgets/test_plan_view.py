@@ -17,10 +17,11 @@ from PySide6.QtTest import QSignalSpy, QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QVBoxLayout, QWidget
 
 from rsegen import Placement, Random, Recipe, Scene, compose
+from rsegen.gui.model.handles import Handle
 from rsegen.gui.model.painting import UNPAINTED
 from rsegen.gui.model.plan_layout import fit
 from rsegen.gui.widgets.plan_painting import plan_area
-from rsegen.gui.widgets.plan_view import Handle, PlanView
+from rsegen.gui.widgets.plan_view import PlanView
 from rsegen.params.places import Cell
 
 LEFT = Qt.MouseButton.LeftButton

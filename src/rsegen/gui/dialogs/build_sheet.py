@@ -11,7 +11,7 @@ from rsegen.gui.widgets.options_form import OptionsForm
 from rsegen.gui.widgets.run_form import FormTexts
 from rsegen.recipe.recipe import Recipe
 
-_WORDS = FormTexts("sheet_folder", "sheets", "build sheet", "Write", "write the build sheet as PDF and CSV")
+_TEXTS = FormTexts("sheet_folder", "sheets", "build sheet", "Write", "write the build sheet as PDF and CSV")
 
 
 class SheetDialog(JobDialog):
@@ -19,16 +19,16 @@ class SheetDialog(JobDialog):
 
     def __init__(self, recipe: Recipe, index: int, parent: QWidget | None = None) -> None:
         name = recipe.map_name(index)
-        super().__init__("sheet_dialog", f"Build sheet of {name}", _WORDS, parent)
+        super().__init__("sheet_dialog", f"Build sheet of {name}", _TEXTS, parent)
         self.setMinimumWidth(540)
         self._recipe = recipe.alone(index)
         self._saw = OptionsForm(CutSettings)
         pages = page_count(recipe)
-        said = f"The cutting list, and the place of each block: {name}.pdf ({pages} pages of A4) and {name}.csv"
+        about = f"The cutting list, and the place of each block: {name}.pdf ({pages} pages of A4) and {name}.csv"
         body = QWidget()
         column = QVBoxLayout(body)
         column.setContentsMargins(0, 0, 0, 0)
-        column.addWidget(QLabel(said, wordWrap=True))
+        column.addWidget(QLabel(about, wordWrap=True))
         column.addWidget(self._saw)
         self.lay_out(body)
 

@@ -64,21 +64,6 @@ class DatasetDialog(QDialog):
         super().done(result)
 
     def _lay_out(self) -> None:
-        maps, (n_x, n_y) = self._recipe.maps, self._recipe.grid.shape
-        said = QLabel(f"{maps:,} maps of {n_x} x {n_y} blocks\nseed {self._recipe.seed}")
-        folder = QLabel(self._folder.name or str(self._folder), textFormat=Qt.TextFormat.PlainText)
-        folder.setToolTip(str(self._folder))
-        font = folder.font()
-        font.setBold(True)
-        folder.setFont(font)
-        form = QFormLayout()
-        form.addRow(f"&Map, 0 to {maps - 1}", self._number)
-        words = QVBoxLayout()
-        for label in (folder, said):
-            words.addWidget(label)
-        words.addSpacing(12)
-        words.addLayout(form)
-        words.addStretch(1)
         standard = QDialogButtonBox.StandardButton
         buttons = QDialogButtonBox(standard.Open | standard.Cancel)
         buttons.accepted.connect(self.accept)
@@ -86,13 +71,31 @@ class DatasetDialog(QDialog):
         above = QHBoxLayout()
         above.addWidget(self._picture)
         above.addSpacing(12)
-        above.addLayout(words, stretch=1)
+        above.addLayout(self._description(), stretch=1)
         column = QVBoxLayout(self)
         column.addLayout(above)
         column.addWidget(_line())
         column.addWidget(buttons)
         self._number.selectAll()
         self._number.setFocus()
+
+    def _description(self) -> QVBoxLayout:
+        """The folder, size and seed of the data set, and the field for the number."""
+        maps, (n_x, n_y) = self._recipe.maps, self._recipe.grid.shape
+        folder = QLabel(self._folder.name or str(self._folder), textFormat=Qt.TextFormat.PlainText)
+        folder.setToolTip(str(self._folder))
+        font = folder.font()
+        font.setBold(True)
+        folder.setFont(font)
+        form = QFormLayout()
+        form.addRow(f"&Map, 0 to {maps - 1}", self._number)
+        column = QVBoxLayout()
+        for label in (folder, QLabel(f"{maps:,} maps of {n_x} x {n_y} blocks\nseed {self._recipe.seed}")):
+            column.addWidget(label)
+        column.addSpacing(12)
+        column.addLayout(form)
+        column.addStretch(1)
+        return column
 
     def _draw(self) -> None:
         recipe, index = self._recipe, self._recipe.indices[self._number.value()]

@@ -11,14 +11,14 @@ from rsegen.gui.widgets.named import named
 from rsegen.gui.widgets.run_form import FormTexts
 from rsegen.recipe.recipe import Recipe
 
-_WORDS = FormTexts("export_folder", "exported", "maps", "Export", "write the maps in the formats that are ticked")
+_TEXTS = FormTexts("export_folder", "exported", "maps", "Export", "write the maps in the formats that are ticked")
 
 
 class ExportDialog(JobDialog):
     """Asks for formats, and for all maps or the one that is shown."""
 
     def __init__(self, recipe: Recipe, index: int, parent: QWidget | None = None) -> None:
-        super().__init__("export_dialog", "Export for other programs", _WORDS, parent)
+        super().__init__("export_dialog", "Export for other programs", _TEXTS, parent)
         self.resize(900, 620)
         self._recipe, self._index = recipe, index
         self._formats = FormatList()

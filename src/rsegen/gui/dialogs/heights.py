@@ -43,12 +43,12 @@ class HeightsDialog(QDialog):
         super().accept()
 
     def _lay_out(self) -> None:
-        said = QLabel((self._format.__doc__ or "").splitlines()[0], wordWrap=True)
+        about = QLabel((self._format.__doc__ or "").splitlines()[0], wordWrap=True)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
-        column.addWidget(said)
+        column.addWidget(about)
         column.addWidget(self._options)
         column.addWidget(self._error_label)
         column.addWidget(buttons)

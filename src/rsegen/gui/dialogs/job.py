@@ -14,12 +14,12 @@ from rsegen.gui.widgets.run_form import FormTexts, RunForm
 class JobDialog(QDialog):
     """The base of dialogs that run a job; their options cannot be changed during a run, and closing cancels it."""
 
-    def __init__(self, name: str, title: str, words: FormTexts, parent: QWidget | None = None) -> None:
+    def __init__(self, name: str, title: str, texts: FormTexts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         named(self, name)
         self.setWindowTitle(title)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.form = RunForm(words)
+        self.form = RunForm(texts)
         self.form.start.setDefault(True)
         self.form.start.clicked.connect(self._write)
         self.form.changed.connect(self.show_state)

@@ -23,7 +23,7 @@ def command_line(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
 
 def python_code(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
     """The program that generates the maps of a recipe, with build sheets or without."""
-    lines = ["import rsegen", "", "recipe = rsegen.Recipe("]
+    lines = ["import rsegen", *_imports(recipe), "", "recipe = rsegen.Recipe("]
     lines += [f"    {name}={_tuple(value)!r}," for name, value in _stated(recipe).items()]
     lines += ["    obstacles=[", *(f"        {_call(placement)}," for placement in recipe.obstacles), "    ],", ")"]
     return "\n".join([*lines, f"rsegen.generate(recipe, {folder!r}{', sheet=True' if sheets else ''})", ""])
@@ -35,13 +35,24 @@ def _stated(recipe: Recipe) -> Entry:
     return {name: value for name, value in values.items() if value != default.get(name) or name == "seed"}
 
 
+def _imports(recipe: Recipe) -> list[str]:
+    """The imports of obstacle kinds that other packages define."""
+    others = {type(placement.obstacle) for placement in recipe.obstacles if not _is_ours(type(placement.obstacle))}
+    return sorted(f"from {cls.__module__} import {cls.__name__}" for cls in others)
+
+
+def _is_ours(cls: type) -> bool:
+    return cls.__module__.partition(".")[0] == "rsegen"
+
+
 def _call(placement: Placement) -> str:
     entry = placement.entry()
     own = parameters(KINDS[entry.pop("kind")])
-    name = type(placement.obstacle).__name__
+    cls = type(placement.obstacle)
+    name = f"rsegen.{cls.__name__}" if _is_ours(cls) else cls.__name__
     inner = ", ".join(f"{key}={_tuple(entry.pop(key))!r}" for key in list(entry) if key in own)
     outer = "".join(f", {key}={_tuple(value)!r}" for key, value in entry.items())
-    return f"rsegen.Placement(obstacle=rsegen.{name}({inner}){outer})"
+    return f"rsegen.Placement(obstacle={name}({inner}){outer})"
 
 
 def _words(entry: Entry) -> Iterator[str]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from rsegen.field.stepfield import CellWindow, StepField
 from rsegen.gui.model.plan_layout import PlanLayout, Point
-from rsegen.gui.model.session import Row
+from rsegen.gui.model.session import ObstacleRow
 from rsegen.params.places import Cell
 from rsegen.params.sorts import Json
 
@@ -37,7 +37,7 @@ class Handle:
         return self.first if end == "first" else self.last
 
 
-def handles_of(rows: Sequence[Row], shape: Cell) -> list[Handle]:
+def handles_of(rows: Sequence[ObstacleRow], shape: Cell) -> list[Handle]:
     """The handles of the rows that are switched on; an end that is random or outside the map is None."""
     return [
         Handle(row=number, first=_place(row.entry.get("first"), shape), last=_place(row.entry.get("last"), shape))

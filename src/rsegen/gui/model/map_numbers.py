@@ -52,14 +52,14 @@ def costs(scene: Scene, robot: str = "") -> Costs:
 
     A map without obstacles gets no warning that it is empty.
     """
-    said = warnings(scene) if scene.recipe.obstacles else ()
+    found_warnings = warnings(scene) if scene.recipe.obstacles else ()
     n_x, n_y = scene.field.shape
     if n_x * n_y > COUNTED:
-        return Costs("", said)
+        return Costs("", found_warnings)
     found = map_summary(scene)
     models = f"{found.models:,} model{'s'[: found.models != 1]}"
     text = f"{models}, {found.faces:,} faces, {_size(found.bytes)}"
-    return Costs(text, said, crossing(scene.field, robot) if robot else "")
+    return Costs(text, found_warnings, crossing(scene.field, robot) if robot else "")
 
 
 def largest_step(field: StepField) -> float:

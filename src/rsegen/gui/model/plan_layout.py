@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import StepField
+from rsegen.gui.model.colours import centimetres
 from rsegen.params.places import Cell
 
 Point = tuple[float, float]
@@ -101,6 +103,15 @@ def ticks(cells: int, side: float, room: float) -> range:
         step * 10**power for power in range(10) for step in _STEPS if step * 10**power * side >= room or power == 9
     )
     return range(0, cells, step)
+
+
+def describe_cell(scene: Scene, layout: PlanLayout, cell: Cell) -> str:
+    """The content of a field cell as text: `block 3, 4: level 2, 20 cm`, or `frame: 10 cm`."""
+    if scene.field.frame[cell]:
+        return f"frame: {centimetres(scene.field.frame_height)}"
+    x, y = layout.block_of(cell) or cell
+    level = int(scene.field.levels[cell])
+    return f"block {x}, {y}: level {level}, {centimetres(level * scene.field.unit)}"
 
 
 def _nearest(along: tuple[int, ...], at: int) -> int:

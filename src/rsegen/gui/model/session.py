@@ -25,7 +25,7 @@ Entry = Mapping[str, Json]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Row:
+class ObstacleRow:
     """One row of the list: an obstacle, and whether it is switched on."""
 
     entry: Entry
@@ -37,7 +37,7 @@ class Draft:
     """Everything that undo restores: the global parameters as a recipe file has them, and the list of obstacles."""
 
     values: Entry
-    rows: tuple[Row, ...] = ()
+    rows: tuple[ObstacleRow, ...] = ()
 
     def recipe(self) -> Recipe:
         """The recipe of the rows that are switched on; a ParameterError counts all rows, also those switched off."""
@@ -108,7 +108,7 @@ class Session:
     def add(self, entry: Entry, at: int | None = None, *, gesture: object = None) -> int:
         """Add an obstacle, at the end by default; gives its row."""
         at = len(self.draft.rows) if at is None else at
-        row = Row(entry=MappingProxyType({**entry, "key": self._free_key()}))
+        row = ObstacleRow(entry=MappingProxyType({**entry, "key": self._free_key()}))
         self._put_rows((*self.draft.rows[:at], row, *self.draft.rows[at:]), gesture)
         return at
 
@@ -175,10 +175,10 @@ class Session:
         self.path, self._saved = path, self.draft
         self.changed()
 
-    def _put_rows(self, rows: tuple[Row, ...], gesture: object = None) -> None:
+    def _put_rows(self, rows: tuple[ObstacleRow, ...], gesture: object = None) -> None:
         self._put(replace(self.draft, rows=rows), gesture)
 
-    def _change(self, number: int, row: Row, gesture: object) -> None:
+    def _change(self, number: int, row: ObstacleRow, gesture: object) -> None:
         rows = (*self.draft.rows[:number], row, *self.draft.rows[number + 1 :])
         self._put(replace(self.draft, rows=rows), gesture)
 
@@ -222,7 +222,7 @@ def aligned(entry: Entry, end: str) -> Entry:
 
 def draft_of(recipe: Recipe) -> Draft:
     """The draft of a recipe."""
-    rows = tuple(Row(entry=MappingProxyType(placement.entry())) for placement in recipe.obstacles)
+    rows = tuple(ObstacleRow(entry=MappingProxyType(placement.entry())) for placement in recipe.obstacles)
     return Draft(values=recipe.values(), rows=rows)
 
 

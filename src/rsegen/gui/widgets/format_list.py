@@ -46,9 +46,9 @@ class FormatList(QWidget):
     def _add(self, name: str, cls: type[Format]) -> None:
         row, reason = self._grid.rowCount(), _missing(cls)
         self._boxes[name] = box = named(QCheckBox(name), f"format_{name}", title=name, tip=summary(cls))
-        said = QLabel(summary(cls), wordWrap=True)
-        said.setContentsMargins(0, 3, 0, 3)  # in line with the box
-        for column, widget in enumerate((box, said)):
+        about = QLabel(summary(cls), wordWrap=True)
+        about.setContentsMargins(0, 3, 0, 3)  # in line with the box
+        for column, widget in enumerate((box, about)):
             widget.setEnabled(not reason)
             self._grid.addWidget(widget, row, column, Qt.AlignmentFlag.AlignTop)
         box.toggled.connect(self.changed)

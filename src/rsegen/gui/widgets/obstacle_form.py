@@ -78,19 +78,9 @@ class ObstacleForm(QWidget):
         self._heights = named(QLabel(wordWrap=True), "heights")
         self._editors: dict[str, Editor] = {}
         self._fields = QFormLayout()
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        top = QFormLayout()
-        top.addRow("Obstacle type", self.kind)
-        column.addLayout(top)
-        column.addLayout(self._fields)
-        column.addWidget(self._heights)
-        column.addWidget(self.default_ends)
-        ends = QGridLayout()
-        column.addLayout(ends)
-        for number, coordinate in enumerate(self.coordinates):
+        for coordinate in self.coordinates:
             coordinate.edited.connect(self._emit)
-            ends.addWidget(coordinate, number % 2, number // 2)
+        self._lay_out()
         self._grid, self._unit = Grid(10, 10, 10), 10.0
         self.show_entry(DEFAULT, self._grid, self._unit)
 
@@ -104,8 +94,10 @@ class ObstacleForm(QWidget):
         return found
 
     def show_entry(self, entry: Entry, grid: Grid, unit_cm: float) -> None:
-        """Show an obstacle without a signal."""
+        """Show an obstacle without a signal; an unknown kind, typed into the table, leaves the form as it is."""
         self._grid, self._unit = grid, unit_cm
+        if entry["kind"] not in KINDS:
+            return
         blocker = QSignalBlocker(self.kind)
         self.kind.setCurrentText(entry["kind"])
         del blocker
@@ -114,6 +106,20 @@ class ObstacleForm(QWidget):
             each.show_value(entry.get(name, _default(entry["kind"], name)))
         self._show_ends(entry)
         self._describe()
+
+    def _lay_out(self) -> None:
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        top = QFormLayout()
+        top.addRow("Obstacle type", self.kind)
+        column.addLayout(top)
+        column.addLayout(self._fields)
+        column.addWidget(self._heights)
+        column.addWidget(self.default_ends)
+        ends = QGridLayout()
+        column.addLayout(ends)
+        for number, coordinate in enumerate(self.coordinates):
+            ends.addWidget(coordinate, number % 2, number // 2)
 
     def _show_ends(self, entry: Entry) -> None:
         blocker = QSignalBlocker(self.default_ends)

@@ -9,8 +9,8 @@ from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalett
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QTableWidget, QTableWidgetItem, QWidget
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles import KINDS
-from rsegen.gui.model.session import Row
+from rsegen.field.obstacles import KINDS, Obstacle
+from rsegen.gui.model.session import ObstacleRow
 from rsegen.gui.widgets.message_label import ink
 from rsegen.gui.widgets.named import named
 from rsegen.params.sorts import Json, parameters
@@ -44,7 +44,7 @@ class ObstacleTable(QTableWidget):
         self.verticalHeader().hide()
         self.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         self.horizontalHeader().setStretchLastSection(True)
-        self._rows: Sequence[Row] = ()
+        self._rows: Sequence[ObstacleRow] = ()
         self._dragged: int | None = None
         self._pressed = 0
         self._gap: int | None = None
@@ -57,7 +57,7 @@ class ObstacleTable(QTableWidget):
         found = self.selectionModel().selectedRows()
         return found[0].row() if found else -1
 
-    def show_rows(self, rows: Sequence[Row], selected: int, problem: ParameterError | None) -> None:
+    def show_rows(self, rows: Sequence[ObstacleRow], selected: int, problem: ParameterError | None) -> None:
         """Show the rows of a draft without a signal; a row with a problem is red and has it as tooltip."""
         self._rows = rows
         blockers = [QSignalBlocker(self), QSignalBlocker(self.selectionModel())]
@@ -147,7 +147,7 @@ class ObstacleTable(QTableWidget):
         self.edited.emit(item.row(), entry)
 
 
-def _item(number: int, row: Row, key: str) -> QTableWidgetItem:
+def _item(number: int, row: ObstacleRow, key: str) -> QTableWidgetItem:
     item = QTableWidgetItem(_text(row.entry.get(key)) if key else str(number + 1))
     if not key:
         item.setFlags(item.flags() & ~Qt.ItemFlag.ItemIsEditable | Qt.ItemFlag.ItemIsUserCheckable)
@@ -162,8 +162,9 @@ def _text(value: Json) -> str:
 
 
 def _parsed(kind: str, key: str, text: str) -> Json:
+    """The value of a text that was typed into a cell; the kind may be unknown."""
     if key == "kind":
         return text
-    sort = {**parameters(KINDS[kind]), **parameters(Placement)}[key]
+    sort = {**parameters(KINDS.get(kind, Obstacle)), **parameters(Placement)}[key]
     found = sort.parse(text.replace(" ", ""))
     return list(found) if isinstance(found, tuple) else found

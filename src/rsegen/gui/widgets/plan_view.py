@@ -9,14 +9,11 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintE
 from PySide6.QtWidgets import QApplication, QSizePolicy, QWidget
 
 from rsegen.exporters.scene import Scene
-from rsegen.gui.model.colours import centimetres
 from rsegen.gui.model.handles import ENDS, Grip, Handle, cell_of, grip_at, moved
 from rsegen.gui.model.painting import UNPAINTED, next_cell, stroke
-from rsegen.gui.model.plan_layout import PlanLayout, fit
+from rsegen.gui.model.plan_layout import PlanLayout, describe_cell, fit
 from rsegen.gui.widgets import plan_painting
 from rsegen.params.places import Cell
-
-__all__ = ["Handle", "PlanView", "describe_cell"]
 
 _STEPS = {
     Qt.Key.Key_Left: (-1, 0),
@@ -30,8 +27,8 @@ class PlanView(QWidget):
     """A scene from above, north up, with the ends of its obstacles.
 
     hovered: what is under the cursor, empty outside the map. chosen: the row of the obstacle whose handle was pressed.
-    moved: row, "first" or "last", x, y. drawn: x and y of the first end, x and y of the last. painted: cells, the level
-    they are to have (BARE: none), and the number of the stroke. All in block cells.
+    moved: row, "first" or "last", x, y. drawn: x and y of the first end, x and y of the last. painted: cells, their
+    new level (UNPAINTED to erase), and the number of the stroke. All in block cells.
     """
 
     hovered = Signal(str)
@@ -193,7 +190,7 @@ class PlanView(QWidget):
         self.setAccessibleName("Plan of the map")
         self.setAccessibleDescription(
             "The map from above, x to the right and y up. Drag across cells to draw an obstacle, drag a handle to move "
-            "an end of one. Arrow keys move the end touched last by one cell; Tab switches between first and last."
+            "an end of one. Arrow keys move the end used last by one cell; Tab switches between first and last."
         )
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
@@ -286,12 +283,3 @@ class PlanView(QWidget):
         if text != self.toolTip():
             self.setToolTip(text)
             self.hovered.emit(text)
-
-
-def describe_cell(scene: Scene, layout: PlanLayout, cell: Cell) -> str:
-    """The content of a field cell as text: `block 3, 4: level 2, 20 cm`, or `frame: 10 cm`."""
-    if scene.field.frame[cell]:
-        return f"frame: {centimetres(scene.field.frame_height)}"
-    x, y = layout.block_of(cell) or cell
-    level = int(scene.field.levels[cell])
-    return f"block {x}, {y}: level {level}, {centimetres(level * scene.field.unit)}"

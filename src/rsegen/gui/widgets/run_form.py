@@ -29,7 +29,7 @@ from rsegen.gui.widgets.named import named
 from rsegen.gui.workers.job_thread import JobThread
 from rsegen.io.writer import refuse_not_a_folder
 
-_LOOKED_FOR = 10_000
+_CHECKED = 10_000
 """At most this many files are checked, to ask before they are replaced."""
 
 
@@ -48,12 +48,12 @@ class RunForm(QWidget):
 
     changed = Signal()
 
-    def __init__(self, words: FormTexts, *beside: QWidget) -> None:
+    def __init__(self, texts: FormTexts, *beside: QWidget) -> None:
         """`beside` are widgets right of the button, hidden with it during a run."""
         super().__init__()
         self.run: JobThread | None = None
         self.written: Path | None = None
-        self._words, self._beside, self._force = words, beside, False
+        self._texts, self._beside, self._force = texts, beside, False
         self._make_widgets()
         self._lay_out()
         self._choose.clicked.connect(self._choose_folder)
@@ -84,12 +84,12 @@ class RunForm(QWidget):
         except RsegenError as error:
             self.error_label.show_message(str(error))
             return False
-        self._force = any(path.exists() for path in islice(job.paths(), _LOOKED_FOR))
+        self._force = any(path.exists() for path in islice(job.paths(), _CHECKED))
         return not self._force or QMessageBox.question(self, "rsegen", job.question) == QMessageBox.StandardButton.Yes
 
     def write(self, job: Job) -> None:
         """Run a job in a thread, and remember its folder."""
-        QSettings("rsegen", "rsegen").setValue(self._words.key, str(job.folder.absolute()))
+        QSettings("rsegen", "rsegen").setValue(self._texts.key, str(job.folder.absolute()))
         self.run = run = JobThread(job, force=self._force)
         self.bar.setRange(0, job.steps if 1 < job.steps < 2**31 else 0)
         self.bar.setValue(0)
@@ -115,14 +115,14 @@ class RunForm(QWidget):
             self.run.wait()
 
     def _make_widgets(self) -> None:
-        words = self._words
-        last = QSettings("rsegen", "rsegen").value(words.key)
-        tip = f"the folder to write the {words.what} into; it is created if it does not exist"
-        self._line = named(QLineEdit(str(last or words.default)), "folder", title="output folder", tip=tip)
+        texts = self._texts
+        last = QSettings("rsegen", "rsegen").value(texts.key)
+        tip = f"the folder to write the {texts.what} into; it is created if it does not exist"
+        self._line = named(QLineEdit(str(last or texts.default)), "folder", title="output folder", tip=tip)
         self._choose = named(QToolButton(), "choose_folder", title="choose a folder", tip="choose a folder")
         self._choose.setText("...")
         self.error_label = MessageLabel("folder_error")
-        self.start = named(QPushButton(words.button), "start", tip=words.tip)
+        self.start = named(QPushButton(texts.button), "start", tip=texts.tip)
         self.cancel = named(QPushButton("Cancel"), "cancel", tip="stop; whatever is complete stays")
         self.bar = named(QProgressBar(), "progress")
         self._outcome = named(QLabel(wordWrap=True), "outcome")
@@ -145,11 +145,11 @@ class RunForm(QWidget):
 
     def _refuse(self) -> None:
         if not self._line.text().strip():
-            raise OutputError(f"give a folder to write the {self._words.what} into, such as {self._words.default}")
+            raise OutputError(f"give a folder to write the {self._texts.what} into, such as {self._texts.default}")
         refuse_not_a_folder(self.folder)
 
     def _choose_folder(self) -> None:
-        title = f"Where to write the {self._words.what}"
+        title = f"Where to write the {self._texts.what}"
         folder = QFileDialog.getExistingDirectory(self, title, str(self.folder.absolute()))
         if folder:
             self.folder = Path(folder)

@@ -9,7 +9,7 @@ from rsegen.gui.widgets.named import named
 from rsegen.gui.widgets.run_form import FormTexts, RunForm
 from rsegen.recipe.recipe import Recipe
 
-_WORDS = FormTexts("folder", "worlds", "maps", "Start", "write the maps into the folder (F5)")
+_TEXTS = FormTexts("folder", "worlds", "maps", "Start", "write the maps into the folder (F5)")
 
 
 class StartForm(RunForm):
@@ -20,7 +20,7 @@ class StartForm(RunForm):
         sheets = named(QCheckBox("Build sheets"), "sheets", tip=tip)
         tip = "write the maps for other programs: meshes, arrays, images and more (Ctrl+Shift+E)"
         export = named(QPushButton("Export..."), "export", tip=tip)
-        super().__init__(_WORDS, sheets, export)
+        super().__init__(_TEXTS, sheets, export)
         self.sheets, self.export = sheets, export
         sheets.toggled.connect(lambda: self.error_label.show_message(""))
 
