@@ -13,15 +13,17 @@ from PIL import Image
 pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]'")
 
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QTimer, QUrl
-from PySide6.QtGui import QDragEnterEvent, QDropEvent
+from PySide6.QtGui import QAction, QDragEnterEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
     QApplication,
     QComboBox,
     QDoubleSpinBox,
+    QFileDialog,
     QLabel,
     QLineEdit,
+    QMessageBox,
     QSlider,
     QSpinBox,
     QTableWidgetItem,
@@ -34,7 +36,7 @@ from rsegen.gui.model.plan_layout import fit
 from rsegen.gui.model.session import Session
 from rsegen.gui.widgets.plan_painting import plan_area
 from rsegen.gui.window import Window
-from tests.support.clicking import click, find, shown
+from tests.support.clicking import answer, click, find, shown
 from tests.support.waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
@@ -341,3 +343,14 @@ def test_tab_goes_through_the_window_as_it_is_read(window: Window) -> None:
 def test_every_button_says_what_it_does(window: Window) -> None:
     silent = [button.objectName() for button in window.findChildren(QAbstractButton) if not button.toolTip()]
     assert [name for name in silent if name and not name.startswith("qt_") and name not in SELF_EXPLAINING] == []
+
+
+def test_a_picture_that_cannot_be_written_is_one_line(
+    window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "nowhere" / "x.png"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", staticmethod(lambda *_: (str(path), "")))
+    messages = answer(QMessageBox.StandardButton.Ok)
+    (action,) = window.findChildren(QAction, "Save picture")
+    action.trigger()
+    assert messages == [f"{path}: cannot be written as a picture; give a name in an existing folder, such as x.png"]
