@@ -21,7 +21,7 @@ from rsegen.exporters.gazebo import export
 from rsegen.exporters.pictures.preview import picture
 from rsegen.exporters.scene import FRAME_COLOUR, Colour, level_colour
 from rsegen.exporters.sheet.plan import block_colour
-from rsegen.gui.colours import cells, legend
+from rsegen.gui.model.colours import cells, legend
 
 PLAIN = Recipe(seed=1, chunk_size=4, obstacles=(Placement(obstacle=Random(max_height=4)),))
 PAINTED = replace(PLAIN, frame_colour="#336699", level_colours=("#ff0000", "#00FF33"))

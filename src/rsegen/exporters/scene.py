@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField, Window
+from rsegen.field.stepfield import NANOMETRE_DIGITS, CellWindow, StepField
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 
@@ -63,7 +63,7 @@ class Scene:
         return self.friction if said is None else said
 
     def by_friction(
-        self, field: StepField, window: Window | None = None
+        self, field: StepField, window: CellWindow | None = None
     ) -> Sequence[tuple[float, Sequence[int] | None]]:
         """Every coefficient in a field of it, or in a window of that, the lowest first, and the materials that have it.
 

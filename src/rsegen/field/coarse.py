@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.stepfield import StepField, Window
+from rsegen.field.stepfield import CellWindow, StepField
 
 
 def coarseness(field: StepField, most: int) -> int:
@@ -30,7 +30,7 @@ def coarse(field: StepField, factor: int) -> StepField:
     )
 
 
-def coarse_window(field: StepField, window: Window, factor: int) -> Window:
+def coarse_window(field: StepField, window: CellWindow, factor: int) -> CellWindow:
     """The wide cells that a window of a field has a part in."""
     x, y = (
         slice(min(part.start // factor, cells // factor - 1), min(-(-part.stop // factor), cells // factor))

@@ -17,7 +17,7 @@ Mask = NDArray[np.bool_]
 Array = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
-Window = tuple[slice, slice]
+CellWindow = tuple[slice, slice]
 """Cells of a field, from start to stop along x and y, frames counted."""
 
 NANOMETRE_DIGITS = 9
@@ -60,16 +60,16 @@ class StepField:
         return self.levels.shape[0], self.levels.shape[1]
 
     @property
-    def whole(self) -> Window:
+    def whole(self) -> CellWindow:
         """All its cells."""
         return slice(0, self.shape[0]), slice(0, self.shape[1])
 
-    def stands(self, window: Window | None = None) -> bool:
+    def stands(self, window: CellWindow | None = None) -> bool:
         """Whether anything in it, or in a window of it, is above the ground."""
         part = window or self.whole
         return bool(self.levels[part].any()) or self._frame_stands(part)
 
-    def materials(self, window: Window | None = None) -> list[int]:
+    def materials(self, window: CellWindow | None = None) -> list[int]:
         """What stands in it, or in a window of it: 0 for a frame, any other the level of blocks."""
         part = window or self.whole
         levels = np.flatnonzero(np.bincount(self.levels[part].ravel())).tolist()
@@ -120,10 +120,10 @@ class StepField:
                 part = slice(cuts_x[i], cuts_x[i + 1]), slice(cuts_y[j], cuts_y[j + 1])
                 yield Pallet(chunk=(i, j), centre=(float(x), float(y)), field=self._part(part))
 
-    def _frame_stands(self, part: Window) -> bool:
+    def _frame_stands(self, part: CellWindow) -> bool:
         return bool(round(self.frame_height, NANOMETRE_DIGITS) and self.frame[part].any())
 
-    def _part(self, part: Window) -> StepField:
+    def _part(self, part: CellWindow) -> StepField:
         return StepField(
             levels=self.levels[part],
             frame=self.frame[part],

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from rsegen.field.stepfield import StepField, Window
+from rsegen.field.stepfield import CellWindow, StepField
 from rsegen.geometry.blocks import blocks
 from rsegen.geometry.boxes import Boxes, boxes, single_boxes
 from rsegen.geometry.mesh import NORMALS, Mesh
@@ -28,7 +28,7 @@ PIECE = 512
 """Side of the pieces, in cells, that large maps are made in, so that memory does not grow with the map."""
 
 
-def meshes(field: StepField, mesh: str, window: Window | None = None) -> Iterator[Mesh]:
+def meshes(field: StepField, mesh: str, window: CellWindow | None = None) -> Iterator[Mesh]:
     """A field, or a window of it, as a recipe's `mesh` says; large ones in pieces, but for a watertight mesh."""
     if mesh == "watertight":
         yield watertight(field)

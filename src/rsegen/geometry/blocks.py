@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rsegen.field.stepfield import StepField, Window
+from rsegen.field.stepfield import CellWindow, StepField
 from rsegen.geometry.mesh import Mesh
 from rsegen.geometry.relief import relief
 
@@ -15,7 +15,7 @@ _SIDES = np.array([[1, 2, 6, 5], [3, 0, 4, 7], [2, 3, 7, 6], [0, 1, 5, 4], [4, 5
 """Of a cube, by corners; in the order of NORMALS."""
 
 
-def blocks(field: StepField, window: Window | None = None) -> Mesh:
+def blocks(field: StepField, window: CellWindow | None = None) -> Mesh:
     """The blocks and frame cells of a field, or of a window of it, that stand above the ground; nothing is merged."""
     ground = relief(field, window)
     x, y = np.nonzero(ground.cells)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Ints, StepField, Window
+from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, CellWindow, Ints, StepField
 from rsegen.geometry.faces import Lattice
 
 
@@ -27,7 +27,7 @@ class Relief(NamedTuple):
         return self.labels[1:-1, 1:-1]
 
 
-def relief(field: StepField, window: Window | None = None) -> Relief:
+def relief(field: StepField, window: CellWindow | None = None) -> Relief:
     """The relief of a window of a field, or of the whole field; outside the field there is ground."""
     cells_x, cells_y = window or field.whole
     seen = slice(max(cells_x.start - 1, 0), cells_x.stop + 1), slice(max(cells_y.start - 1, 0), cells_y.stop + 1)
@@ -40,14 +40,14 @@ def relief(field: StepField, window: Window | None = None) -> Relief:
     return Relief(around, kinds, Lattice(lines=lines))
 
 
-def windows(window: Window, side: int) -> Iterator[Window]:
+def windows(window: CellWindow, side: int) -> Iterator[CellWindow]:
     """A window cut into parts of at most `side` x `side` cells, from the corner of smallest x and y on."""
     for x in range(window[0].start, window[0].stop, side):
         for y in range(window[1].start, window[1].stop, side):
             yield slice(x, min(x + side, window[0].stop)), slice(y, min(y + side, window[1].stop))
 
 
-def _labels(field: StepField, seen: Window) -> tuple[Ints, int, Array]:
+def _labels(field: StepField, seen: CellWindow) -> tuple[Ints, int, Array]:
     """The label of every cell, the number of kinds, and the heights that ranks stand for."""
     levels, frame = field.levels[seen], field.frame[seen]
     known = np.flatnonzero(np.bincount(levels.ravel()))

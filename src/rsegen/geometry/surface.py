@@ -12,14 +12,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from rsegen.field.stepfield import Ints, StepField, Window
+from rsegen.field.stepfield import CellWindow, Ints, StepField
 from rsegen.geometry.faces import Faces
 from rsegen.geometry.mesh import Mesh
 from rsegen.geometry.rectangles import Rectangles, merge, merge_hanging
 from rsegen.geometry.relief import Relief, relief
 
 
-def surface(field: StepField, window: Window | None = None) -> Mesh:
+def surface(field: StepField, window: CellWindow | None = None) -> Mesh:
     """The mesh of a field, or of those of its cells in a window; empty where all of them are at level 0."""
     ground = relief(field, window)
     return ground.lattice.weld(Faces.joined([tops(ground), risers(ground, axis=0), risers(ground, axis=1)]))

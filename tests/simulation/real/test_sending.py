@@ -17,7 +17,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from rsegen import generate
-from rsegen.gui.session import Session
+from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.simulators import Installation
@@ -46,7 +46,7 @@ def test_a_map_is_sent_and_the_next_one_takes_its_place(
             window.session.set("unit_cm", 5)
         with server.connect() as live:
             there = set(live.poses())
-        window.take(Session.new())
+        window.document.open(Session.new())
         window.close()
     assert app
     assert "rse_0000-2" in there
@@ -61,6 +61,6 @@ def test_where_nothing_runs_the_window_says_so(tmp_path: Path, monkeypatch: pyte
     QTest.qWaitForWindowExposed(window)
     QTest.keyClick(window, Qt.Key.Key_F6)
     until(lambda: "no simulation runs" in window.statusBar().currentMessage())
-    window.take(Session.new())
+    window.document.open(Session.new())
     window.close()
     assert app

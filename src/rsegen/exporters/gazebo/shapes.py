@@ -16,7 +16,7 @@ from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.gazebo.obj import mtl, obj
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import StepField, Window
+from rsegen.field.stepfield import CellWindow, StepField
 from rsegen.geometry import Boxes, Mesh, boxes, meshes, single_boxes, windows
 
 
@@ -70,7 +70,7 @@ class _Touched(NamedTuple):
     """A mesh file that is touched: its path, what part of a field is in it, and of which materials (None: of all)."""
 
     path: str
-    part: Window
+    part: CellWindow
     friction: float
     materials: Sequence[int] | None
 
@@ -97,7 +97,7 @@ def _boxes(scene: Scene, field: StepField) -> Iterator[tuple[float, Boxes]]:
     return ((friction, cut(part)) for friction, part in parted(scene, field))
 
 
-def _parts(scene: Scene, field: StepField, stem: str) -> Iterator[tuple[str, Window]]:
+def _parts(scene: Scene, field: StepField, stem: str) -> Iterator[tuple[str, CellWindow]]:
     """The name of every mesh and what part of the field is in it: all of it, or a tile that has anything in it."""
     tile = scene.recipe.tile
     for part in windows(field.whole, tile or max(field.shape)):
