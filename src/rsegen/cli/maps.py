@@ -7,7 +7,7 @@ import os.path
 from pathlib import Path
 
 from rsegen.cli.targets import found, recipe_files
-from rsegen.io.dataset.naming import recipe_in
+from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.spawning.maps import Map, made
 

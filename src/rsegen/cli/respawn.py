@@ -16,7 +16,7 @@ from rsegen.errors import ParameterError, shown
 from rsegen.exporters.gazebo.sdf import numbers
 from rsegen.exporters.scene import compose
 from rsegen.field.stepfield import StepField
-from rsegen.io.dataset.naming import recipe_in
+from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.simulators.connecting import joined
 from rsegen.simulation.simulators.live import Pose

@@ -13,7 +13,7 @@ from rsegen.gui.files import choose_map
 from rsegen.gui.session import Session
 from rsegen.gui.window import Window
 from rsegen.io.dataset.manifest import read_manifest
-from rsegen.io.dataset.naming import dataset_at
+from rsegen.io.dataset.map_reference import dataset_at
 from rsegen.recipe.examples import EXAMPLES
 
 

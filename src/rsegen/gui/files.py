@@ -16,8 +16,8 @@ from rsegen.gui.dataset_dialog import DatasetDialog
 from rsegen.gui.reading import Reading
 from rsegen.gui.session import Session
 from rsegen.io.dataset.manifest import MANIFEST
-from rsegen.io.dataset.naming import dataset_at
-from rsegen.io.importers import FORMATS
+from rsegen.io.dataset.map_reference import dataset_at
+from rsegen.io.importers import IMPORTERS
 
 if TYPE_CHECKING:
     from rsegen.gui.window import Window
@@ -76,7 +76,7 @@ def choose_map(window: Window, folder: Path) -> None:
 
 def choose_heights(window: Window) -> None:
     """Read heights from a file that is asked for."""
-    suffixes = " ".join(f"*{suffix}" for suffix in FORMATS)
+    suffixes = " ".join(f"*{suffix}" for suffix in IMPORTERS)
     name, _ = QFileDialog.getOpenFileName(window, "Read heights", "", f"Tables, arrays, images, maps ({suffixes})")
     if name:
         read_heights(window, Path(name))
@@ -98,7 +98,7 @@ def take_dropped(window: Window, path: Path) -> None:
 def dropped(event: QDropEvent) -> Path | None:
     """The recipe, data set or file of heights that is dragged, if it is one."""
     paths = (Path(url.toLocalFile()) for url in event.mimeData().urls())
-    known = {*RECIPE_SUFFIXES, *FORMATS}
+    known = {*RECIPE_SUFFIXES, *IMPORTERS}
     return next((path for path in paths if path.suffix.lower() in known or (path / MANIFEST).is_file()), None)
 
 

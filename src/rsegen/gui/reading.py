@@ -10,7 +10,7 @@ from rsegen.errors import RsegenError
 from rsegen.gui.editors import TextEditor, named
 from rsegen.gui.notice import Notice
 from rsegen.gui.options_form import OptionsForm
-from rsegen.io.importers import format_of, imported
+from rsegen.io.importers import imported, importer_for
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 
@@ -23,7 +23,7 @@ class Reading(QDialog):
         named(self, "reading")
         self.setWindowTitle(f"Read heights from {path.name}")
         self.recipe: Recipe | None = None
-        self._path, self._format = path, format_of(path)
+        self._path, self._format = path, importer_for(path)
         self._options = OptionsForm(self._format)
         self._unit = TextEditor("unit_cm", parameters(Recipe)["unit_cm"])
         self._options.add(self._unit, "Unit in cm (else as in the file)")

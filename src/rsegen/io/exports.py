@@ -13,9 +13,9 @@ from pathlib import Path
 from rsegen.errors import OutputError
 from rsegen.exporters.formats import Format, bytes_a_cell, exported, refuse_unready
 from rsegen.exporters.scene import compose
-from rsegen.io.resources import maps_at_once, refuse_too_large, refuse_too_many
+from rsegen.io.resources import maps_in_memory, refuse_too_large, refuse_too_many
 from rsegen.io.sidecars import Sidecars
-from rsegen.io.work import WORKERS, carried_out
+from rsegen.io.work import WORKERS, run_in_order
 from rsegen.io.writer import refuse_not_a_folder, refuse_taken, write
 from rsegen.recipe.recipe import Recipe
 
@@ -55,10 +55,10 @@ def export_maps(
         formats=tuple(formats),
         force=force,
         seconds=_seconds(recipes, formats),
-        at_once=min((maps_at_once(recipe, bytes_a_cell(formats)) for recipe in recipes), default=1),
+        at_once=min((maps_in_memory(recipe, bytes_a_cell(formats)) for recipe in recipes), default=1),
     )
     maps = [(recipe, index) for recipe in recipes for index in recipe.indices]
-    return carried_out(order, maps, workers, progress)
+    return run_in_order(order, maps, workers, progress)
 
 
 _Map = tuple[Recipe, int]

@@ -51,7 +51,7 @@ def to_yaml(recipe: Recipe) -> str:
 
 def _parse_json(text: str, path: Path) -> object:
     def unique(pairs: list[tuple[str, Json]]) -> dict[str, Json]:
-        _refuse_twins((key, str(path)) for key, _ in pairs)
+        _refuse_duplicates((key, str(path)) for key, _ in pairs)
         return dict(pairs)
 
     try:
@@ -59,7 +59,7 @@ def _parse_json(text: str, path: Path) -> object:
     except json.JSONDecodeError as error:
         raise FileError(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
     except (RecursionError, ValueError) as error:
-        raise FileError(f"{path}: not a recipe: {_words(error)}") from None
+        raise FileError(f"{path}: not a recipe: {_parser_message(error)}") from None
 
 
 def _parse_yaml(text: str, path: Path) -> object:
@@ -71,7 +71,7 @@ def _parse_yaml(text: str, path: Path) -> object:
         def compose_mapping_node(self, anchor: Any) -> Any:
             node = super().compose_mapping_node(anchor)
             keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-            _refuse_twins((key.value, f"{path}:{key.start_mark.line + 1}") for key in keys)
+            _refuse_duplicates((key.value, f"{path}:{key.start_mark.line + 1}") for key in keys)
             return node
 
         def flatten_mapping(self, node: Any) -> None:
@@ -85,10 +85,10 @@ def _parse_yaml(text: str, path: Path) -> object:
     except Exception as error:  # PyYAML fails in many ways at values that are not what their tags say
         mark = getattr(error, "problem_mark", None)
         at = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
-        raise FileError(f"{path}{at}: not YAML: {_words(error)}") from None
+        raise FileError(f"{path}{at}: not YAML: {_parser_message(error)}") from None
 
 
-def _refuse_twins(keys: Iterable[tuple[str, str]]) -> None:
+def _refuse_duplicates(keys: Iterable[tuple[str, str]]) -> None:
     """A FileError for the first key that has been there before; each comes with its place."""
     seen = set()
     for key, where in keys:
@@ -97,7 +97,7 @@ def _refuse_twins(keys: Iterable[tuple[str, str]]) -> None:
         seen.add(key)
 
 
-def _words(error: Exception) -> str:
+def _parser_message(error: Exception) -> str:
     """What a parser says, in a few words and without its advice to programmers."""
     if isinstance(error, RecursionError):
         return "nested too deeply"

@@ -11,25 +11,25 @@ from rsegen.errors import TooLarge, shown
 from rsegen.geometry import PIECE
 from rsegen.recipe.recipe import Recipe
 
-BYTES_A_CELL = 16
+BYTES_PER_CELL = 16
 """Of memory for every cell of a map: measured between 1000 x 1000 and 4000 x 4000 blocks, rounded up."""
 
-BYTES_A_CELL_OF_DIFFICULTY = 150
+BYTES_PER_CELL_OF_DIFFICULTY = 150
 """While a map is eased: measured on random maps and peaks of 1000 x 1000 blocks, rounded up."""
 
-BYTES_A_CELL_OF_A_PIECE = {"merged": 1000, "blocks": 1000, "watertight": 3500}
+BYTES_PER_CELL_OF_A_PIECE = {"merged": 1000, "blocks": 1000, "watertight": 3500}
 """While it is made into a mesh: measured on random pieces of 5 and of 100 levels, rounded up."""
 
-BYTES_A_CELL_OF_METRICS = 300
+BYTES_PER_CELL_OF_METRICS = 300
 """Of memory while a map is measured: between 180 and 290 on random maps of 1000 x 1000 blocks, by the robot."""
 
-BYTES_A_MAP = 1500
+BYTES_PER_MAP = 1500
 """What is kept of each map that is done, to be told at the end: measured on thousands of maps, rounded down."""
 
-BYTES_A_WORKER = 50_000_000
+BYTES_PER_WORKER = 50_000_000
 """What a worker takes before it has begun: measured with numpy 2.4, rounded up."""
 
-BYTES_ON_DISK = 3 * 4096
+DISK_BYTES_PER_MAP = 3 * 4096
 """What a map takes on the disk at the very least: three files, of a block each."""
 
 
@@ -44,15 +44,15 @@ def refuse_too_large(recipe: Recipe, more: int = 0) -> None:
         )
 
 
-def maps_at_once(recipe: Recipe, more: int = 0) -> int:
+def maps_in_memory(recipe: Recipe, more: int = 0) -> int:
     """How many of its maps fit into memory together, with so many bytes more for each cell."""
-    each = _memory(recipe) + more * prod(_shape(recipe)) + BYTES_A_WORKER
+    each = _memory(recipe) + more * prod(_shape(recipe)) + BYTES_PER_WORKER
     return max(1, _free_memory() // each)
 
 
 def refuse_too_many(maps: int, folder: Path) -> None:
     """Raise TooLarge where the maps would not fit on the folder's disk, nor what is kept of them into memory."""
-    room = (("memory", BYTES_A_MAP, _free_memory()), ("disk", BYTES_ON_DISK, _free_disk(folder)))
+    room = (("memory", BYTES_PER_MAP, _free_memory()), ("disk", DISK_BYTES_PER_MAP, _free_disk(folder)))
     for what, each, free in room:
         if maps * each > free:
             raise TooLarge(
@@ -75,8 +75,8 @@ def _memory(recipe: Recipe) -> int:
     cells = prod(_shape(recipe))
     model = (recipe.chunk_size + 2) ** 2 if recipe.mesh_type == "pallet" else cells
     piece = min(cells, model if recipe.mesh == "watertight" else PIECE**2)
-    eased = BYTES_A_CELL_OF_DIFFICULTY * (recipe.difficulty < 1)
-    return cells * (BYTES_A_CELL + eased) + piece * BYTES_A_CELL_OF_A_PIECE[recipe.mesh]
+    eased = BYTES_PER_CELL_OF_DIFFICULTY * (recipe.difficulty < 1)
+    return cells * (BYTES_PER_CELL + eased) + piece * BYTES_PER_CELL_OF_A_PIECE[recipe.mesh]
 
 
 def _shape(recipe: Recipe) -> tuple[int, int]:

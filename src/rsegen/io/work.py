@@ -11,8 +11,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-from rsegen.io.workers import shared_out
-from rsegen.io.writer import clear_away, parent_of, told
+from rsegen.io.workers import run_in_workers
+from rsegen.io.writer import as_write_errors, parents_made, remove_leftovers
 from rsegen.params.sorts import Integer
 
 WORTHWHILE = 1.0
@@ -29,7 +29,7 @@ Made = TypeVar("Made")
 Made_co = TypeVar("Made_co", covariant=True)
 
 
-class Work(Protocol[Item_contra, Made_co]):
+class Task(Protocol[Item_contra, Made_co]):
     """What is done for each of many items: all that a worker is told, but which of them are its own."""
 
     @property
@@ -44,7 +44,7 @@ class Work(Protocol[Item_contra, Made_co]):
         """What comes of some of them."""
 
 
-class Writing(Work[Item_contra, Made_co], Protocol[Item_contra, Made_co]):
+class MapTask(Task[Item_contra, Made_co], Protocol[Item_contra, Made_co]):
     """Work that puts a map into a folder for each item."""
 
     @property
@@ -55,7 +55,7 @@ class Writing(Work[Item_contra, Made_co], Protocol[Item_contra, Made_co]):
         """What the map of an item is called."""
 
 
-def each(work: Work[Item, Made], items: Sequence[Item], workers: int) -> Generator[Made, None, None]:
+def run_each(work: Task[Item, Made], items: Sequence[Item], workers: int) -> Generator[Made, None, None]:
     """What comes of the items, made here or, where that is quicker, by workers."""
     workers = min(workers, len(items), work.at_once)
     if workers <= 1 or len(items) * work.seconds < WORTHWHILE:
@@ -63,11 +63,11 @@ def each(work: Work[Item, Made], items: Sequence[Item], workers: int) -> Generat
             yield from work([item])
         return
     batch = math.ceil(min(BATCH / work.seconds, len(items) / workers / 4))
-    yield from shared_out(work, items, batch=batch, workers=workers)
+    yield from run_in_workers(work, items, batch=batch, workers=workers)
 
 
-def carried_out(
-    work: Writing[Item, Made], items: Sequence[Item], workers: int, progress: Callable[[Made], object] | None
+def run_in_order(
+    work: MapTask[Item, Made], items: Sequence[Item], workers: int, progress: Callable[[Made], object] | None
 ) -> tuple[Made, ...]:
     """What comes of the items, on disk; `progress` is told of each that is done."""
     done = []
@@ -79,11 +79,11 @@ def carried_out(
     return tuple(done)
 
 
-def _whole(work: Writing[Item, Made], items: Sequence[Item], workers: int) -> Generator[Made, None, None]:
+def _whole(work: MapTask[Item, Made], items: Sequence[Item], workers: int) -> Generator[Made, None, None]:
     """The same one by one; what a worker leaves that is killed goes."""
-    with told(work.folder), parent_of(work.folder / "map"):
+    with as_write_errors(work.folder), parents_made(work.folder / "map"):
         try:
-            yield from each(work, items, workers)
+            yield from run_each(work, items, workers)
         except BaseException:
-            clear_away(work.folder, lambda name: name in map(work.map_name, items))
+            remove_leftovers(work.folder, lambda name: name in map(work.map_name, items))
             raise

@@ -34,7 +34,7 @@ AHEAD = 3
 MOST = 61 if sys.platform == "win32" else 1024
 """Windows waits for no more than 63 things at once."""
 
-_STOPS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+_STOP_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
 def cores() -> int:
@@ -42,7 +42,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
 
 
-def shared_out(
+def run_in_workers(
     work: Callable[[Sequence[Item]], Sequence[Made]], items: Iterable[Item], *, batch: int, workers: int
 ) -> Iterator[Made]:
     """What `work` makes of the items, in their order, `batch` of them at a time, each in one of the workers.
@@ -51,9 +51,9 @@ def shared_out(
     """
     context = multiprocessing.get_context("spawn")
     told, tell = context.Pipe(duplex=False)
-    pool = ProcessPoolExecutor(min(workers, MOST), context, _begin, (told,))
+    pool = ProcessPoolExecutor(min(workers, MOST), context, _start_worker, (told,))
     try:
-        yield from _in_order(partial(_submit, pool, partial(_undisturbed, work)), _batches(items, batch), workers)
+        yield from _in_order(partial(_submit, pool, partial(_interruptible, work)), _batches(items, batch), workers)
     except BrokenProcessPool as error:
         raise WorkerLost("a worker was lost: it was killed, or ran out of memory; give fewer --workers") from error
     finally:
@@ -86,12 +86,12 @@ def _result(future: Future[Sequence[Made]]) -> Sequence[Made]:
 def _submit(
     pool: ProcessPoolExecutor, work: Callable[[Sequence[Item]], Sequence[Made]], batch: Sequence[Item]
 ) -> Future[Sequence[Made]]:
-    with _unhurried(), _deaf():
+    with _defer_signals(), _block_sigint():
         return pool.submit(work, batch)
 
 
 @contextmanager
-def _deaf() -> Iterator[None]:
+def _block_sigint() -> Iterator[None]:
     """What is started here hears no Ctrl-C, from its first instant on."""
     if sys.platform == "win32":
         yield
@@ -104,13 +104,13 @@ def _deaf() -> Iterator[None]:
 
 
 @contextmanager
-def _unhurried() -> Iterator[None]:
+def _defer_signals() -> Iterator[None]:
     """Signals wait until this is over: a worker that is half started would complain.
 
     A mask would not do: threads of numerical libraries have none, and what they hear Python takes for its own.
     """
     here = threading.current_thread() is threading.main_thread()
-    handlers = {each: signal.getsignal(each) for each in _STOPS if here}
+    handlers = {each: signal.getsignal(each) for each in _STOP_SIGNALS if here}
     handlers = {each: handler for each, handler in handlers.items() if handler not in (signal.SIG_IGN, None)}
     heard: list[int] = []
     try:
@@ -127,13 +127,13 @@ def _unhurried() -> Iterator[None]:
 # In a worker.
 
 
-def _begin(told: Connection) -> None:
+def _start_worker(told: Connection) -> None:
     """A worker's first act: be deaf to Ctrl-C, and listen to the one who gives the work."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_listen, args=(told,), daemon=True).start()
+    threading.Thread(target=_watch_parent, args=(told,), daemon=True).start()
 
 
-def _listen(told: Connection) -> None:
+def _watch_parent(told: Connection) -> None:
     """Where work is to stop, interrupt all that is still begun; where nobody is left to want it, end at once."""
     parent = multiprocessing.parent_process()
     gone = [parent.sentinel] if parent else []
@@ -143,7 +143,7 @@ def _listen(told: Connection) -> None:
     os._exit(1)
 
 
-def _undisturbed(work: Callable[[Sequence[Item]], Sequence[Made]], batch: Sequence[Item]) -> Sequence[Made]:
+def _interruptible(work: Callable[[Sequence[Item]], Sequence[Made]], batch: Sequence[Item]) -> Sequence[Made]:
     """The work, which may be interrupted once; what is around it, and its clearing up, may not."""
 
     def stop(signal_: int, frame: object) -> NoReturn:

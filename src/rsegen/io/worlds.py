@@ -18,10 +18,10 @@ from rsegen.exporters.gazebo import export
 from rsegen.exporters.map_summary import warnings
 from rsegen.exporters.scene import Scene, compose
 from rsegen.io.existing import complete, is_map_of
-from rsegen.io.resources import maps_at_once, refuse_too_large, refuse_too_many
+from rsegen.io.resources import maps_in_memory, refuse_too_large, refuse_too_many
 from rsegen.io.sidecars import Sidecars
-from rsegen.io.work import WORKERS, carried_out
-from rsegen.io.writer import clear_away, refuse_not_a_folder, refuse_taken, write
+from rsegen.io.work import WORKERS, run_in_order
+from rsegen.io.writer import refuse_not_a_folder, refuse_taken, remove_leftovers, write
 from rsegen.recipe.recipe import Recipe
 
 
@@ -97,12 +97,12 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
     already = complete(recipe, folder, extras.stand) if resume else frozenset()
     refuse_too_many(recipe.maps - len(already), folder)
     if resume:
-        clear_away(folder, partial(is_map_of, recipe))
+        remove_leftovers(folder, partial(is_map_of, recipe))
     else:
         refuse_taken((os.path.join(folder, recipe.map_name(index)) for index in recipe.indices), force=force)
     order = _Order(recipe=recipe, folder=folder, replace=force or resume, extras=extras)
     left = [index for index in recipe.indices if index not in already]
-    maps = carried_out(order, left, workers, progress)
+    maps = run_in_order(order, left, workers, progress)
     return Generated(recipe=recipe, folder=folder, maps=maps, already=tuple(sorted(already)))
 
 
@@ -142,7 +142,7 @@ class _Order:
 
     @property
     def at_once(self) -> int:
-        return maps_at_once(self.recipe, self.extras.bytes_a_cell)
+        return maps_in_memory(self.recipe, self.extras.bytes_a_cell)
 
     def map_name(self, index: int) -> str:
         return self.recipe.map_name(index)

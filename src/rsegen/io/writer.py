@@ -50,7 +50,7 @@ def write(bundle: Bundle, folder: Path, *, force: bool = False) -> tuple[str, ..
     OutputError where the folder is taken or may not be written; WriteError where the disk fails in the middle.
     """
     refuse_taken([folder], force=force)
-    with told(folder), parent_of(folder):
+    with as_write_errors(folder), parents_made(folder):
         hidden = _hidden(folder)
         try:
             os.mkdir(hidden)
@@ -62,12 +62,12 @@ def write(bundle: Bundle, folder: Path, *, force: bool = False) -> tuple[str, ..
     return tuple(map(str, sorted(bundle)))
 
 
-def clear_away(folder: Path, names: Callable[[str], bool]) -> None:
+def remove_leftovers(folder: Path, names: Callable[[str], bool]) -> None:
     """Clear away what a killed run left of the maps called so: half a map goes, a map half replaced comes back.
 
     Only real folders with a hidden name just as `write` makes them are taken for such.
     """
-    with told(folder), suppress(FileNotFoundError), os.scandir(folder) as entries:
+    with as_write_errors(folder), suppress(FileNotFoundError), os.scandir(folder) as entries:
         for entry in entries:
             match = _HIDDEN.fullmatch(entry.name)
             if match and names(match["name"]) and entry.is_dir(follow_symlinks=False):
@@ -87,7 +87,7 @@ def refuse_taken_file(path: Path, *, force: bool) -> None:
 def write_file(content: Iterable[bytes], path: Path, *, force: bool = False) -> None:
     """Write one file, whole or not at all; an OutputError where it is there already, unless `force`."""
     refuse_taken_file(path, force=force)
-    with told(path), parent_of(path):
+    with as_write_errors(path), parents_made(path):
         hidden = _hidden(path)
         try:
             _fill(hidden, content)
@@ -141,7 +141,7 @@ def _clear(hidden: Path, folder: Path, *, replaced: bool) -> None:
 
 
 @contextmanager
-def parent_of(folder: Path) -> Iterator[None]:
+def parents_made(folder: Path) -> Iterator[None]:
     """Make the folders above; where what is tried in them was in vain, take the new ones away again."""
     if os.path.isdir(folder.parent):
         yield
@@ -158,7 +158,7 @@ def parent_of(folder: Path) -> Iterator[None]:
 
 
 @contextmanager
-def told(folder: Path) -> Iterator[None]:
+def as_write_errors(folder: Path) -> Iterator[None]:
     """What the system says, as one line of ours."""
     try:
         yield

@@ -53,7 +53,7 @@ def test_a_data_set_is_the_same_whoever_makes_it(tmp_path: Path, monkeypatch: py
 
 
 def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(work, "shared_out", lambda *_, **__: pytest.fail("workers were started"))
+    monkeypatch.setattr(work, "run_in_workers", lambda *_, **__: pytest.fail("workers were started"))
     assert len(make_dataset(RECIPE, tmp_path, shard_maps=1, workers=8)) == 13
 
 
@@ -144,8 +144,8 @@ def test_a_record_that_was_cut_off_is_believed_as_far_as_it_goes(tmp_path: Path)
     make_dataset(RECIPE, folder, shard_maps=3)
     expected = contents(folder)
     layout, shards = rsegen.io.dataset.manifest.read_manifest(folder)
-    lines = [rsegen.io.dataset.manifest.next_line(layout, shard) for shard in shards]
-    text = rsegen.io.dataset.manifest.first_line(layout) + "".join(lines[:2]) + lines[2][:40]
+    lines = [rsegen.io.dataset.manifest.record_entry(layout, shard) for shard in shards]
+    text = rsegen.io.dataset.manifest.record_header(layout) + "".join(lines[:2]) + lines[2][:40]
     (folder / "unfinished.jsonl").write_text(text, "utf-8")
     (folder / "manifest.json").unlink()
     told: list[tuple[int, bool]] = []

@@ -8,13 +8,13 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from rsegen.errors import DatasetDamaged
-from rsegen.io.dataset.layout import Layout
-from rsegen.io.dataset.manifest import Part, Shard
+from rsegen.io.dataset.layout import ShardLayout
+from rsegen.io.dataset.manifest import Shard, ShardFile
 
 _AT_ONCE = 2**20
 
 
-def refuse_other_sizes(folder: Path, layout: Layout, shards: Iterable[Shard]) -> None:
+def refuse_other_sizes(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
     """Raise DatasetDamaged for the first file that is not there, or has another size than the manifest says."""
     for path, part in _files(folder, layout, shards):
         found = path.stat().st_size if path.is_file() else None
@@ -23,34 +23,34 @@ def refuse_other_sizes(folder: Path, layout: Layout, shards: Iterable[Shard]) ->
             raise DatasetDamaged(f"{path}: {there}; the command that made the data set mends it with --resume")
 
 
-def refuse_other_checksums(folder: Path, layout: Layout, shards: Iterable[Shard]) -> None:
+def refuse_other_checksums(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
     """Raise DatasetDamaged for the first file whose content is another."""
     for path, part in _files(folder, layout, shards):
-        if measured(path) != part:
+        if shard_file(path) != part:
             raise DatasetDamaged(
                 f"{path}: is not as it was made, its checksum is another; "
                 "the command that made the data set mends it with --resume"
             )
 
 
-def drawn(maps: int, wanted: int) -> list[int]:
+def random_places(maps: int, wanted: int) -> list[int]:
     """So many places of maps, by chance; all of them where there are no more."""
     return sorted(random.SystemRandom().sample(range(maps), min(wanted, maps)))
 
 
-def measured(path: Path) -> Part | None:
+def shard_file(path: Path) -> ShardFile | None:
     """The size and checksum of a file; None where there is none."""
     try:
         with open(path, "rb") as file:
             checksum = hashlib.sha256()
             while piece := file.read(_AT_ONCE):
                 checksum.update(piece)
-            return Part(bytes=file.tell(), sha256=checksum.hexdigest())
+            return ShardFile(bytes=file.tell(), sha256=checksum.hexdigest())
     except FileNotFoundError:
         return None
 
 
-def _files(folder: Path, layout: Layout, shards: Iterable[Shard]) -> Iterator[tuple[Path, Part]]:
+def _files(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> Iterator[tuple[Path, ShardFile]]:
     for shard in shards:
         names = layout.names(shard.number)
-        yield from ((folder / names[what], part) for what, part in shard.parts.items())
+        yield from ((folder / names[what], part) for what, part in shard.files.items())

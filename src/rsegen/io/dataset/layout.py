@@ -33,7 +33,7 @@ ROW = np.dtype([("map", "<i8"), *((name, "<f4") for name in COLUMNS)])
 
 
 @dataclass(frozen=True, kw_only=True)
-class Layout:
+class ShardLayout:
     """A recipe of many maps, how many of them a shard has (0: about a million cells), and the form of the metrics."""
 
     recipe: Recipe

@@ -22,25 +22,25 @@ import numpy as np
 from rsegen.errors import OutputError, ParameterError
 from rsegen.field.metrics.many import many
 from rsegen.field.stepfield import Levels
-from rsegen.io.dataset.checking import measured
+from rsegen.io.dataset.checking import shard_file
 from rsegen.io.dataset.cluster import dask, on_cluster
-from rsegen.io.dataset.layout import Layout
+from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.dataset.manifest import (
     MANIFEST,
     RECORD,
-    Part,
     Shard,
-    first_line,
+    ShardFile,
     manifest,
-    next_line,
     read_manifest,
     read_record,
+    record_entry,
+    record_header,
 )
 from rsegen.io.dataset.reading import Dataset
 from rsegen.io.dataset.tables import arrow, npy, table
-from rsegen.io.resources import BYTES_A_CELL_OF_METRICS, maps_at_once, refuse_full, refuse_too_large
-from rsegen.io.work import WORKERS, each
-from rsegen.io.writer import parent_of, refuse_not_a_folder, told, write_file
+from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS, maps_in_memory, refuse_full, refuse_too_large
+from rsegen.io.work import WORKERS, run_each
+from rsegen.io.writer import as_write_errors, parents_made, refuse_not_a_folder, write_file
 from rsegen.recipe.building import blocks
 from rsegen.recipe.recipe import Recipe
 
@@ -77,12 +77,12 @@ def make_dataset(  # noqa: PLR0913  # each is a flag of the command
     folder, workers = Path(folder), WORKERS.check("workers", workers)
     if force and resume:
         raise ParameterError("resume", "--resume and --force exclude each other")
-    layout = Layout(recipe=recipe, shard_maps=shard_maps, metrics=metrics)
+    layout = ShardLayout(recipe=recipe, shard_maps=shard_maps, metrics=metrics)
     if layout.metrics == "parquet":
         arrow()
     if scheduler is not None:
         dask()
-    refuse_too_large(recipe, 0 if layout.metrics == "none" else BYTES_A_CELL_OF_METRICS)
+    refuse_too_large(recipe, 0 if layout.metrics == "none" else BYTES_PER_CELL_OF_METRICS)
     refuse_not_a_folder(folder)
     _refuse_taken(folder, force=force, resume=resume)
     order = Order(layout=layout, folder=folder.absolute())
@@ -91,7 +91,7 @@ def make_dataset(  # noqa: PLR0913  # each is a flag of the command
     refuse_full((recipe.maps - maps_there) * layout.bytes_a_map, folder)
     if progress:
         progress(maps_there, already=True)
-    with told(folder), parent_of(folder / MANIFEST), _alone(folder / RECORD) as record:
+    with as_write_errors(folder), parents_made(folder / MANIFEST), _alone(folder / RECORD) as record:
         _clear(folder, everything=not resume)
         _finish(order, there, partial(_made, workers=workers, scheduler=scheduler), record, progress)
     return Dataset(folder)
@@ -101,7 +101,7 @@ def make_dataset(  # noqa: PLR0913  # each is a flag of the command
 class Order:
     """Which shards to make, and where: all that a worker is told."""
 
-    layout: Layout
+    layout: ShardLayout
     folder: Path
 
     @property
@@ -113,7 +113,7 @@ class Order:
     @property
     def at_once(self) -> int:
         """How many fit into memory together."""
-        return maps_at_once(self.layout.recipe)
+        return maps_in_memory(self.layout.recipe)
 
     def __call__(self, numbers: Iterable[int]) -> tuple[Shard, ...]:
         """Shards, on disk."""
@@ -122,11 +122,11 @@ class Order:
     def made(self, number: int) -> Shard:
         """One shard, on disk; its levels are there last."""
         layout, names = self.layout, self.layout.names(number)
-        levels, parts = self._levels(number), {}
+        levels, files = self._levels(number), {}
         if layout.metrics != "none":
             content = table(layout.metrics, layout.indices(number), many(levels, layout.like))
-            parts["metrics"] = self._written(names["metrics"], content)
-        return Shard(number=number, parts={"levels": self._written(names["levels"], npy(levels)), **parts})
+            files["metrics"] = self._written(names["metrics"], content)
+        return Shard(number=number, files={"levels": self._written(names["levels"], npy(levels)), **files})
 
     def _levels(self, number: int) -> Levels:
         levels = np.empty(self.layout.shape(number), dtype=np.int16)
@@ -137,12 +137,12 @@ class Order:
             raise OverflowError(f"a level of shard {number} is no {self.layout.dtype}")
         return found
 
-    def _written(self, name: str, content: bytes) -> Part:
+    def _written(self, name: str, content: bytes) -> ShardFile:
         write_file([content], self.folder / name, force=True)
-        return Part(bytes=len(content), sha256=hashlib.sha256(content).hexdigest())
+        return ShardFile(bytes=len(content), sha256=hashlib.sha256(content).hexdigest())
 
 
-def complete_maps(layout: Layout, folder: Path) -> int:
+def complete_maps(layout: ShardLayout, folder: Path) -> int:
     """How many maps of a run that was stopped are in whole shards."""
     if not (folder / RECORD).is_file():
         return 0
@@ -172,14 +172,14 @@ def _there(order: Order) -> Iterator[Shard]:
         )
     for shard in recorded:
         names = order.layout.names(shard.number)
-        if all(part == measured(order.folder / names[what]) for what, part in shard.parts.items()):
+        if all(part == shard_file(order.folder / names[what]) for what, part in shard.files.items()):
             yield shard
 
 
 def _recorded(order: Order) -> list[Shard] | None:
     if (order.folder / MANIFEST).is_file():
         layout, shards = read_manifest(order.folder)
-        return shards if first_line(layout) == first_line(order.layout) else None
+        return shards if record_header(layout) == record_header(order.layout) else None
     return read_record(order.folder, order.layout) if (order.folder / RECORD).is_file() else []
 
 
@@ -213,11 +213,11 @@ def _finish(order: Order, there: dict[int, Shard], maker: _Maker, record: TextIO
     done, made = dict(there), maker(order, frozenset(there))
     try:
         record.truncate(0)
-        record.write(first_line(layout) + "".join(next_line(layout, shard) for shard in there.values()))
+        record.write(record_header(layout) + "".join(record_entry(layout, shard) for shard in there.values()))
         record.flush()
         with closing(made):
             for shard in made:
-                record.write(next_line(layout, shard))
+                record.write(record_entry(layout, shard))
                 record.flush()
                 done[shard.number] = shard
                 if progress:
@@ -238,5 +238,5 @@ def _made(order: Order, there: frozenset[int], *, workers: int, scheduler: str |
     """The shards that are not there, made by a cluster, by workers where that is quicker, or here."""
     left = [number for number in range(order.layout.shards) if number not in there]
     if scheduler is None or not left:
-        return each(order, left, workers)
+        return run_each(order, left, workers)
     return on_cluster(order.made, left, scheduler=scheduler, workers=min(workers, len(left), order.at_once))

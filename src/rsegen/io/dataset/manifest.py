@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.io.dataset.layout import Layout
+from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.recipe_file import content
 from rsegen.io.text_files import text_of
 from rsegen.params.sorts import Integer, Text
@@ -31,7 +31,7 @@ _SIZE = Integer(0, unit="bytes")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Part:
+class ShardFile:
     """One file: its size, and its checksum."""
 
     bytes: int
@@ -43,10 +43,10 @@ class Shard:
     """The files of one shard by what they hold: levels and, unless there are none, metrics."""
 
     number: int
-    parts: Mapping[str, Part]
+    files: Mapping[str, ShardFile]
 
 
-def head(layout: Layout) -> dict[str, Any]:
+def header(layout: ShardLayout) -> dict[str, Any]:
     """All of a manifest but the shards."""
     return {
         "dataset": FORMAT,
@@ -60,24 +60,24 @@ def head(layout: Layout) -> dict[str, Any]:
     }
 
 
-def manifest(layout: Layout, shards: Iterable[Shard]) -> bytes:
+def manifest(layout: ShardLayout, shards: Iterable[Shard]) -> bytes:
     """The text of a manifest, a shard a line."""
-    lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in head(layout).items()]
+    lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in header(layout).items()]
     rows = ",\n".join(f"    {json.dumps(_entry(layout, shard))}" for shard in shards)
     return ("{\n" + ",\n".join([*lines, f'  "shards": [\n{rows}\n  ]']) + "\n}\n").encode()
 
 
-def first_line(layout: Layout) -> str:
+def record_header(layout: ShardLayout) -> str:
     """The line that a record starts with."""
-    return f"{json.dumps(head(layout))}\n"
+    return f"{json.dumps(header(layout))}\n"
 
 
-def next_line(layout: Layout, shard: Shard) -> str:
+def record_entry(layout: ShardLayout, shard: Shard) -> str:
     """The line of a record for one more shard."""
     return f"{json.dumps({'shard': shard.number, **_entry(layout, shard)})}\n"
 
 
-def read_manifest(folder: Path) -> tuple[Layout, list[Shard]]:
+def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
     """What the manifest of a data set says; FileError where there is none, ParameterError where a value is wrong."""
     path = folder / MANIFEST
     if not path.is_file():
@@ -94,7 +94,7 @@ def read_manifest(folder: Path) -> tuple[Layout, list[Shard]]:
         raise error.of(str(path)) from None
 
 
-def read_record(folder: Path, layout: Layout) -> list[Shard] | None:
+def read_record(folder: Path, layout: ShardLayout) -> list[Shard] | None:
     """The shards in the record of a run that was stopped; None where it was to make something else.
 
     A last line that was cut off does not count, nor does a first one.
@@ -103,7 +103,7 @@ def read_record(folder: Path, layout: Layout) -> list[Shard] | None:
     start, *lines = text_of(path, LARGEST_MIB, "a record of a data set").split("\n")
     if not lines:
         return []
-    if f"{start}\n" != first_line(layout):
+    if f"{start}\n" != record_header(layout):
         return None
     try:
         found = [json.loads(line) for line in lines[:-1]]
@@ -112,14 +112,14 @@ def read_record(folder: Path, layout: Layout) -> list[Shard] | None:
         raise FileError(f"{path}: was changed by something else: {error}") from None
 
 
-def _entry(layout: Layout, shard: Shard) -> dict[str, object]:
+def _entry(layout: ShardLayout, shard: Shard) -> dict[str, object]:
     names = layout.names(shard.number)
     return {
-        what: {"file": names[what], "bytes": part.bytes, "sha256": part.sha256} for what, part in shard.parts.items()
+        what: {"file": names[what], "bytes": part.bytes, "sha256": part.sha256} for what, part in shard.files.items()
     }
 
 
-def _layout(found: Mapping[str, Any]) -> Layout:
+def _layout(found: Mapping[str, Any]) -> ShardLayout:
     """The layout that a manifest names; ParameterError where the rest of it says otherwise."""
     for key in ("recipe", "shard_maps", "metrics", "shards"):
         if key not in found:
@@ -128,8 +128,8 @@ def _layout(found: Mapping[str, Any]) -> Layout:
         recipe = decode(found["recipe"])
     except ParameterError as error:
         raise error.inside("recipe") from None
-    layout = Layout(recipe=recipe, shard_maps=found["shard_maps"], metrics=found["metrics"])
-    expected = head(layout)
+    layout = ShardLayout(recipe=recipe, shard_maps=found["shard_maps"], metrics=found["metrics"])
+    expected = header(layout)
     for key in ("maps", "shape", "dtype", "axes", "shard_maps"):
         if found.get(key) != expected[key]:
             raise ParameterError(
@@ -138,23 +138,23 @@ def _layout(found: Mapping[str, Any]) -> Layout:
     return layout
 
 
-def _shards(layout: Layout, entries: object) -> list[Shard]:
+def _shards(layout: ShardLayout, entries: object) -> list[Shard]:
     if not isinstance(entries, Sequence) or len(entries) != layout.shards:
         raise ParameterError("shards", f"are not the {layout.shards} that {layout.recipe.maps} maps need")
     return [_shard(layout, number, entry) for number, entry in enumerate(entries)]
 
 
-def _shard(layout: Layout, number: object, entry: object) -> Shard:
+def _shard(layout: ShardLayout, number: object, entry: object) -> Shard:
     """One shard, whose files have the names that they must have and a size that they can have."""
     number = Integer(0, layout.shards - 1).check("shard", number)
     where, names = f"shards[{number}]", layout.names(number)
-    parts = {}
+    files = {}
     for what, name in names.items():
         found = entry.get(what) if isinstance(entry, Mapping) else None
         if not isinstance(found, Mapping) or found.get("file") != name:
             raise ParameterError(f"{where}.{what}", f"{shown(found)} is not the file {name}")
-        parts[what] = Part(
+        files[what] = ShardFile(
             bytes=_SIZE.check(f"{where}.{what}.bytes", found.get("bytes")),
             sha256=_SHA256.check(f"{where}.{what}.sha256", found.get("sha256")),
         )
-    return Shard(number=number, parts=parts)
+    return Shard(number=number, files=files)

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from rsegen.errors import DatasetDamaged
 from rsegen.field.metrics.many import many
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.io.dataset.checking import drawn, refuse_other_checksums, refuse_other_sizes
-from rsegen.io.dataset.layout import ROW, Layout
+from rsegen.io.dataset.checking import random_places, refuse_other_checksums, refuse_other_sizes
+from rsegen.io.dataset.layout import ROW, ShardLayout
 from rsegen.io.dataset.manifest import read_manifest
 from rsegen.io.dataset.tables import mapped, read_parquet
 from rsegen.io.dataset.tiles import Tiles, tiles
@@ -28,7 +28,7 @@ OPEN = 256
 class LevelsOfMaps:
     """The block levels of all maps as one array (maps, n_x, n_y) that is read only where it is looked at."""
 
-    def __init__(self, layout: Layout, folder: Path) -> None:
+    def __init__(self, layout: ShardLayout, folder: Path) -> None:
         self._layout = layout
         self._folder = folder
         self._shard = lru_cache(OPEN)(self._mapped)
@@ -39,7 +39,7 @@ class LevelsOfMaps:
         path = self._folder / self._layout.names(number)["levels"]
         return mapped(path, self._layout.shape(number), self._layout.dtype)
 
-    def __reduce__(self) -> tuple[type[LevelsOfMaps], tuple[Layout, Path]]:
+    def __reduce__(self) -> tuple[type[LevelsOfMaps], tuple[ShardLayout, Path]]:
         return LevelsOfMaps, (self._layout, self._folder)
 
     def __len__(self) -> int:
@@ -115,7 +115,7 @@ class Dataset:
     @property
     def bytes(self) -> int:
         """What its shards take on the disk."""
-        return sum(part.bytes for shard in self.shards for part in shard.parts.values())
+        return sum(part.bytes for shard in self.shards for part in shard.files.values())
 
     @cached_property
     def levels(self) -> LevelsOfMaps:
@@ -168,7 +168,7 @@ class Dataset:
         Those maps are drawn anew each time.
         """
         refuse_other_checksums(self.folder, self.layout, self.shards)
-        for place in drawn(len(self), rebuild):
+        for place in random_places(len(self), rebuild):
             if not np.array_equal(self[place], blocks(self.recipe, self.recipe.indices[place])):
                 raise DatasetDamaged(
                     f"{self.folder}#{place}: is not the map that this version of rsegen makes of the recipe"

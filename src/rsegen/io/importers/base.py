@@ -1,4 +1,4 @@
-"""What a format of heights is: options with their bounds, and how a file becomes levels.
+"""What an importer is: options with their bounds, and how a file becomes levels.
 
 A format is one file of this folder with one class: a frozen dataclass whose annotated fields are its options, under
 `@register`. Nothing else needs to know of it. Files come from strangers: nothing in them is trusted.
@@ -34,12 +34,12 @@ class Heights:
 
     levels: Ints
     unit_cm: float
-    said: Mapping[str, Any] = field(default_factory=dict)
+    recipe_values: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Format(ABC):
-    """A way to read heights, with its options."""
+class Importer(ABC):
+    """Reads heights from one sort of file, with its options."""
 
     name: ClassVar[str]
     suffixes: ClassVar[tuple[str, ...]]
@@ -80,14 +80,14 @@ def _others(count: int) -> str:
     return f" ({count} more such cell{'s'[: count > 1]})" if count else ""
 
 
-FORMATS: Registry[type[Format]] = Registry("format of heights")
+IMPORTERS: Registry[type[Importer]] = Registry("format of heights")
 """Every format by the suffixes of its files."""
 
-_Format = TypeVar("_Format", bound=type[Format])
+_Importer = TypeVar("_Importer", bound=type[Importer])
 
 
-def register(cls: _Format) -> _Format:
+def register(cls: _Importer) -> _Importer:
     """Make a format known by the suffixes of its files."""
     for suffix in cls.suffixes:
-        FORMATS.add(suffix, cls)
+        IMPORTERS.add(suffix, cls)
     return cls

@@ -13,7 +13,7 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array, Ints
-from rsegen.io.importers.base import USUAL_UNIT_CM, Format, Heights, refuse_too_many_cells, register
+from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
 from rsegen.params.places import Cell, Size2D
 from rsegen.params.sorts import Flag, Float, Integer
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Picture(Format):
+class Picture(Importer):
     """A grey image of 8 or 16 bits, white the highest; colours count by brightness, transparent parts as black."""
 
     name: ClassVar[str] = "image"

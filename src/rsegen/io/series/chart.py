@@ -12,8 +12,8 @@ import numpy as np
 from rsegen.exporters.pictures.preview import draw_cells
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import Array
-from rsegen.io.series.plan import Plan
-from rsegen.io.series.row import Row
+from rsegen.io.series.plan import SeriesPlan
+from rsegen.io.series.table import SeriesRow
 from rsegen.recipe.codec import to_json
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ PLANS = 8
 _INK, _LINE, _PALE = "#2b2b33", "#d6336c", "#a9a9b5"
 
 
-def chart(plan: Plan, rows: Sequence[Row]) -> bytes:
+def chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
     """A PNG, which carries the recipe at difficulty 1."""
     from matplotlib.figure import Figure
 
@@ -49,22 +49,22 @@ def _shown(maps: int) -> list[int]:
     return [int(number) for number in np.unique(np.rint(np.linspace(0, maps - 1, PLANS)))]
 
 
-def _scene(plan: Plan, row: Row) -> Scene:
+def _scene(plan: SeriesPlan, row: SeriesRow) -> Scene:
     recipe = replace(plan.whole(row.number), difficulty=row.recipe_difficulty)
     return compose(recipe, recipe.first_map)
 
 
-def _draw_rise(axes: Axes, plan: Plan, rows: Sequence[Row], shown: Sequence[int]) -> None:
+def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: Sequence[int]) -> None:
     from matplotlib.ticker import MaxNLocator
 
     numbers = np.array([row.number for row in rows])
-    asked, reached, full = (_centimetres(rows, name) for name in ("rms_asked", "rms", "rms_full"))
+    map_target, reached, full = (_centimetres(rows, name) for name in ("rms_asked", "rms", "rms_full"))
     of = "the rms step of the field as it is" if plan.same_field else "the mean rms step of the fields as they are"
     mean = float(np.nan_to_num(full).mean())
-    axes.plot(numbers, asked, color=_LINE, linewidth=2, label=f"asked for: difficulty x {mean:.3g} cm, {of}")
+    axes.plot(numbers, map_target, color=_LINE, linewidth=2, label=f"asked for: difficulty x {mean:.3g} cm, {of}")
     if not plan.same_field:
         axes.plot(numbers, full, "_", color=_PALE, markersize=9, label="the field as it is: it gets no rougher")
-    axes.vlines(numbers, asked, reached, color=_INK, linewidth=1)
+    axes.vlines(numbers, map_target, reached, color=_INK, linewidth=1)
     size = float(np.clip(260 / len(rows), 2, 7))
     axes.plot(numbers, reached, "o", color=_INK, markersize=size, label="reached", zorder=3)
     marked = np.isin(numbers, shown)
@@ -78,13 +78,13 @@ def _draw_rise(axes: Axes, plan: Plan, rows: Sequence[Row], shown: Sequence[int]
     axes.legend(frameon=False, loc="lower right")
 
 
-def _centimetres(rows: Sequence[Row], name: str) -> Array:
+def _centimetres(rows: Sequence[SeriesRow], name: str) -> Array:
     """A column of the table; not a number where it has no value."""
     found = (getattr(row, name) for row in rows)
     return np.array([np.nan if value is None else value * 100 for value in found], dtype=float)
 
 
-def _draw_plan(axes: Axes, scene: Scene, row: Row) -> None:
+def _draw_plan(axes: Axes, scene: Scene, row: SeriesRow) -> None:
     draw_cells(axes, scene)
     reached = "" if row.rms is None else f"\n{row.rms * 100:.3g} cm"
     axes.set_title(f"{row.number}: difficulty {row.difficulty:.3g}{reached}", fontsize=9, color=_INK)

@@ -14,7 +14,7 @@ DIGITS = 6
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Plan:
+class SeriesPlan:
     """As many maps as the recipe has, of difficulty `from_` to `to` in equal steps.
 
     What they are asked to measure lies on a straight line: difficulty * the mean rms step of all their fields as they

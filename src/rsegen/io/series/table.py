@@ -15,7 +15,7 @@ from rsegen.field.stepfield import NANOMETRE_DIGITS
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Row:
+class SeriesRow:
     """One map; what has no value, such as the steps of a single block, is None.
 
     difficulty: its place between the first and the last   rms_asked: difficulty * the mean rms_full of all maps
@@ -36,14 +36,14 @@ class Row:
     mean_height: float
 
 
-def measured(number: int, difficulty: float, scene: Scene, asked: float, full: float | None) -> Row:
+def series_row(number: int, difficulty: float, scene: Scene, rms_asked: float, full: float | None) -> SeriesRow:
     """The row of a map."""
     own, ways = steps(scene.field), opening(scene.field)
-    return Row(
+    return SeriesRow(
         number=number,
         map=scene.name,
         difficulty=difficulty,
-        rms_asked=None if own.rms is None else _rounded(asked),
+        rms_asked=None if own.rms is None else _rounded(rms_asked),
         rms=_rounded(own.rms),
         rms_full=_rounded(full),
         recipe_difficulty=scene.recipe.difficulty,
@@ -54,10 +54,10 @@ def measured(number: int, difficulty: float, scene: Scene, asked: float, full: f
     )
 
 
-def table(rows: Sequence[Row]) -> bytes:
+def rows_as_csv(rows: Sequence[SeriesRow]) -> bytes:
     """The rows as a CSV file; what is None is left empty."""
     stream = io.StringIO()
-    writer = csv.DictWriter(stream, [field.name for field in fields(Row)], lineterminator="\n")
+    writer = csv.DictWriter(stream, [field.name for field in fields(SeriesRow)], lineterminator="\n")
     writer.writeheader()
     writer.writerows(map(asdict, rows))
     return stream.getvalue().encode()

@@ -8,7 +8,7 @@ from math import fsum
 from typing import NamedTuple
 
 from rsegen.field.metrics.steps import steps
-from rsegen.io.series.plan import DIGITS, Plan
+from rsegen.io.series.plan import DIGITS, SeriesPlan
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 
@@ -16,7 +16,7 @@ _HALVINGS = 12
 """Of 0..1, for the difficulty of a map that keeps to constraints: finer than what a block changes."""
 
 
-class Asked(NamedTuple):
+class MapTarget(NamedTuple):
     """A map's recipe, and the rms steps of its field as it is and of the line at its place, metres."""
 
     recipe: Recipe
@@ -24,7 +24,7 @@ class Asked(NamedTuple):
     rms: float
 
 
-def rms_full(plan: Plan, number: int) -> float | None:
+def rms_full(plan: SeriesPlan, number: int) -> float | None:
     """The rms step of the field of map `number` as it is, metres; None where it has no steps."""
     return _rms(plan.whole(number))
 
@@ -34,12 +34,12 @@ def mean(found: Sequence[float | None]) -> float:
     return fsum(each or 0 for each in found) / len(found)
 
 
-def asked(plan: Plan, number: int, at_one: float) -> Asked:
+def map_target(plan: SeriesPlan, number: int, at_one: float) -> MapTarget:
     """What map `number` is to be, on the line to `at_one` at difficulty 1; at the most its field as it is."""
     whole, difficulty = plan.whole(number), plan.difficulty(number)
     full, rms = _rms(whole), difficulty * at_one
     share = _share(whole, rms, full) if full else difficulty
-    return Asked(replace(whole, difficulty=round(share, DIGITS)), full, rms)
+    return MapTarget(replace(whole, difficulty=round(share, DIGITS)), full, rms)
 
 
 def _share(whole: Recipe, rms: float, full: float) -> float:

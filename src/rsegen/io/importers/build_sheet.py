@@ -23,12 +23,12 @@ _SAID = re.compile(rf'^"?# *({"|".join(SAID)}): *([^\s,;"]{{1,40}})', re.MULTILI
 _MOST_ROWS = 1_000_000
 
 
-def is_list(text: str) -> bool:
+def is_build_sheet(text: str) -> bool:
     """Whether a text has the head of such a list."""
     return bool(_HEAD.search(text))
 
 
-def said(path: Path, text: str) -> dict[str, Any]:
+def recipe_values(path: Path, text: str) -> dict[str, Any]:
     """The parameters of a recipe that its comments say; a FileError for one that cannot be."""
     sorts = parameters(Recipe)
     try:
@@ -64,20 +64,20 @@ def _rows(path: Path, text: str) -> Iterator[tuple[int, Cell, float]]:
     lines = text[head.end() :].splitlines()[1:]
     if len(lines) > _MOST_ROWS:
         raise FileError(f"{path}: {len(lines):,} rows; up to {_MOST_ROWS:,} can be read")
-    for line, row in enumerate(_parted(path, lines, head[1]), first):
+    for line, row in enumerate(_split_rows(path, lines, head[1]), first):
         if any(row) and not row[0].startswith("#"):
             yield line, *_cell(f"{path}: line {line}", row, head[1])
 
 
-def _parted(path: Path, lines: Iterable[str], joint: str) -> Iterator[list[str]]:
+def _split_rows(path: Path, lines: Iterable[str], delimiter: str) -> Iterator[list[str]]:
     try:
-        for row in csv.reader(lines, delimiter=joint, quoting=csv.QUOTE_NONE):
+        for row in csv.reader(lines, delimiter=delimiter, quoting=csv.QUOTE_NONE):
             yield [cell.strip(' "') for cell in row]
     except csv.Error as error:
         raise FileError(f"{path}: {error}") from None
 
 
-def _cell(where: str, row: list[str], joint: str) -> tuple[Cell, float]:
+def _cell(where: str, row: list[str], delimiter: str) -> tuple[Cell, float]:
     """Where semicolons part the cells, a comma is a decimal point."""
     if len(row) < len(COLUMNS):
         raise FileError(f"{where}: {len(row)} cells, and {len(COLUMNS)} in the head")
@@ -86,6 +86,6 @@ def _cell(where: str, row: list[str], joint: str) -> tuple[Cell, float]:
         if not (text.isascii() and text.isdecimal() and len(text) < 8):
             raise FileError(f"{where}: {name} {shown(text)} is not the number of a cell, from 0 on")
     try:
-        return (int(x), int(y)), float(height.replace(",", ".") if joint == ";" else height)
+        return (int(x), int(y)), float(height.replace(",", ".") if delimiter == ";" else height)
     except ValueError:
         raise FileError(f"{where}: height_cm {shown(height)} is not a number") from None
