@@ -219,7 +219,7 @@ def test_who_stops_a_series_hears_how_to_go_on(
     def stopped(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules["rsegen.io.series.run"], "made", stopped)
+    monkeypatch.setattr(sys.modules["rsegen.io.series.run"], "write_world", stopped)
     assert main(["series", *FLAGS, "-o", str(tmp_path / "out")]) == 1
     assert "the same command with --seed 7 --resume makes the rest" in capsys.readouterr().err
     monkeypatch.undo()

@@ -18,7 +18,7 @@ import rsegen
 from rsegen import Dataset, Placement, Recipe, make_dataset
 from rsegen.errors import OutputError, TooLarge
 from rsegen.io import work
-from rsegen.io.dataset import making
+from rsegen.io.dataset import shards
 from rsegen.recipe.codec import decode
 from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.runs import contents, ended, started
@@ -120,7 +120,7 @@ def test_a_run_that_made_nothing_leaves_nothing(tmp_path: Path, monkeypatch: pyt
     def stopped(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(making, "blocks", stopped)
+    monkeypatch.setattr(shards, "blocks", stopped)
     with pytest.raises(KeyboardInterrupt):
         make_dataset(RECIPE, tmp_path / "a" / "set")
     assert list(tmp_path.iterdir()) == []

@@ -20,7 +20,7 @@ class MapTarget(NamedTuple):
     """A map's recipe, and the rms steps of its field as it is and of the line at its place, metres."""
 
     recipe: Recipe
-    full: float | None
+    rms_full: float | None
     rms: float
 
 
