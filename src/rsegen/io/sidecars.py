@@ -1,4 +1,4 @@
-"""Optional files in a map's folder beside its world: a picture, a build sheet, files for other programs."""
+"""Optional files in a map's folder, next to its world: a picture, a build sheet, files for other programs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FORMATS_FILE = "formats.json"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sidecars:
-    """A picture, a build sheet, and formats of other programs with their options."""
+    """Which optional files maps get: a picture, a build sheet, formats of other programs with their options."""
 
     preview: bool = False
     sheet: bool = False
@@ -51,7 +51,7 @@ class Sidecars:
         return all(listed.get(name) == wanted for name, wanted in options(self.formats).items())
 
     def seconds(self, cells: int) -> float:
-        """About how long they take for a map of so many cells."""
+        """About how long they take for a map with this many cells."""
         return 0.5 * len(self._makers) + (5e-3 + cells * 3e-5) * len(self.formats)
 
     @property

@@ -26,7 +26,7 @@ from rsegen.recipe.recipe import Recipe
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class GeneratedMap:
-    """One map on disk: where, how large (cells with frames, metres), its blocks of each level, what to know of it.
+    """One map on disk: its files, size (cells with frames, metres), number of blocks of each level, and warnings.
 
     `home` is the folder that all maps are in, `names` are those of the files in this map's own.
     """
@@ -47,7 +47,7 @@ class GeneratedMap:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """All that was written."""
+        """The files that were written."""
         return tuple(self.folder / name for name in self.names)
 
     @property
@@ -58,7 +58,7 @@ class GeneratedMap:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Generated:
-    """The maps of a recipe on disk: those that were made, and the indices of those that were there already."""
+    """The maps of a recipe on disk: those that were made, and the indices of those that existed already."""
 
     recipe: Recipe
     folder: Path
@@ -80,7 +80,7 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
 ) -> Generated:
     """Write every map of a recipe as `folder/NAME_000k`; `progress` is called with each that is done, in their order.
 
-    `force` replaces maps that are there already; `resume` leaves them, if each is the one that would be made, and makes
+    `force` replaces maps that exist already; `resume` keeps them, if each is the one that would be made, and makes
     the others; `preview` adds a picture to each, `sheet` a build sheet, `formats` files for other programs. With
     `workers` beyond 1, other processes take a part if that is quicker; a script then needs
     `if __name__ == "__main__":`. Raises, before anything is written, an OutputError if a map's folder is taken,

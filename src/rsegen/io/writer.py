@@ -149,10 +149,10 @@ def _staged(bundle: Bundle, folder: Path) -> Iterator[Path]:
 
 def _put_in_place(hidden: Path, folder: Path, *, force: bool) -> None:
     """Rename; a folder that exists is removed only when the new one is in its place, wherever it is interrupted."""
-    refuse_taken([folder], force=force)
-    if not folder.exists():
+    if not os.path.lexists(folder):
         os.rename(hidden, folder)
         return
+    refuse_taken([folder], force=force)
     old = folder.with_name(hidden.name + _OLD)
     try:
         folder.rename(old)

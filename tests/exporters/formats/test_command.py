@@ -19,7 +19,7 @@ from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.io.existing import count_complete
 from rsegen.io.sidecars import Sidecars
 from tests.exporters.formats.maps import RECIPES
-from tests.support.complaints import exit_code, the_line
+from tests.support.complaints import exit_code
 from tests.support.runs import contents
 
 SMALL = replace(RECIPES["frames round every chunk"], maps=3)

@@ -1,4 +1,4 @@
-"""Whether the files of a data set are what its manifest says."""
+"""Checks that the files of a data set are those that its manifest lists."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ _AT_ONCE = 2**20
 
 
 def refuse_other_sizes(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
-    """Raise DatasetDamaged for the first file that is not there, or has another size than the manifest says."""
+    """Raise DatasetDamaged for the first file that is missing, or has another size than the manifest says."""
     for path, part in _files(folder, layout, shards):
         found = path.stat().st_size if path.is_file() else None
         if found != part.bytes:
             there = "is missing" if found is None else f"has {found} bytes, and the manifest says {part.bytes}"
-            raise DatasetDamaged(f"{path}: {there}; the command that made the data set mends it with --resume")
+            raise DatasetDamaged(f"{path}: {there}; the command that made the data set repairs it with --resume")
 
 
 def refuse_other_checksums(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
-    """Raise DatasetDamaged for the first file whose content is another."""
+    """Raise DatasetDamaged for the first file with a wrong checksum."""
     for path, part in _files(folder, layout, shards):
         if shard_file(path) != part:
             raise DatasetDamaged(
-                f"{path}: is not as it was made, its checksum is another; "
-                "the command that made the data set mends it with --resume"
+                f"{path}: has changed, its checksum is wrong; "
+                "the command that made the data set repairs it with --resume"
             )
 
 
 def random_places(maps: int, wanted: int) -> list[int]:
-    """So many places of maps, by chance; all of them where there are no more."""
+    """`wanted` places of maps, chosen at random; all of them if there are fewer."""
     return sorted(random.SystemRandom().sample(range(maps), min(wanted, maps)))
 
 
 def shard_file(path: Path) -> ShardFile | None:
-    """The size and checksum of a file; None where there is none."""
+    """The size and checksum of a file; None if it does not exist."""
     try:
         with open(path, "rb") as file:
             checksum = hashlib.sha256()

@@ -1,7 +1,7 @@
-"""The manifest of a data set: what it is, and the size and checksum of every file. It may come from a stranger.
+"""The manifest of a data set: its recipe, and the size and checksum of every file. Nothing in it is trusted.
 
-While a data set is being made, the same stands line by line in a record, to which a line is added for each shard; when
-the last one is there, the manifest takes its place.
+While a data set is being made, a record has the same content line by line, with a new line for each shard; when the
+last one is made, the manifest replaces it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ RECORD = "unfinished.jsonl"
 FORMAT = 1
 AXES = "levels[k, i, j]: map k, cell i along +x, cell j along +y, frames left out; height = level * unit_cm"
 LARGEST_MIB = 256
-"""Of a record: that of a hundred million small maps has 5 MiB."""
+"""MiB of a record at most: that of a hundred million small maps has 5."""
 
 _SHA256 = Text(r"[0-9a-f]{64}", "64 hexadecimal digits")
 _SIZE = Integer(0, unit="bytes")
@@ -32,7 +32,7 @@ _SIZE = Integer(0, unit="bytes")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ShardFile:
-    """One file: its size, and its checksum."""
+    """The size and checksum of one file."""
 
     bytes: int
     sha256: str
@@ -40,14 +40,14 @@ class ShardFile:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Shard:
-    """The files of one shard by what they hold: levels and, unless there are none, metrics."""
+    """The files of one shard by their content: levels and, unless there are none, metrics."""
 
     number: int
     files: Mapping[str, ShardFile]
 
 
 def header(layout: ShardLayout) -> dict[str, Any]:
-    """All of a manifest but the shards."""
+    """The manifest without the shards."""
     return {
         "dataset": FORMAT,
         "recipe": encode(layout.recipe),
@@ -61,14 +61,14 @@ def header(layout: ShardLayout) -> dict[str, Any]:
 
 
 def manifest(layout: ShardLayout, shards: Iterable[Shard]) -> bytes:
-    """The text of a manifest, a shard a line."""
+    """The text of a manifest, one line per shard."""
     lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in header(layout).items()]
     rows = ",\n".join(f"    {json.dumps(_entry(layout, shard))}" for shard in shards)
     return ("{\n" + ",\n".join([*lines, f'  "shards": [\n{rows}\n  ]']) + "\n}\n").encode()
 
 
 def record_header(layout: ShardLayout) -> str:
-    """The line that a record starts with."""
+    """The first line of a record."""
     return f"{json.dumps(header(layout))}\n"
 
 
@@ -78,7 +78,7 @@ def record_entry(layout: ShardLayout, shard: Shard) -> str:
 
 
 def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
-    """What the manifest of a data set says; FileError where there is none, ParameterError where a value is wrong."""
+    """The content of a data set's manifest; FileError if there is none, ParameterError if a value is wrong."""
     path = folder / MANIFEST
     if not path.is_file():
         unfinished = (folder / RECORD).is_file()
@@ -95,9 +95,9 @@ def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
 
 
 def read_record(folder: Path, layout: ShardLayout) -> list[Shard] | None:
-    """The shards in the record of a run that was stopped; None where it was to make something else.
+    """The shards in the record of a run that was stopped; None if that run was making another data set.
 
-    A last line that was cut off does not count, nor does a first one.
+    An incomplete last line does not count, nor does an incomplete first one.
     """
     path = folder / RECORD
     start, *lines = text_of(path, LARGEST_MIB, "a record of a data set").split("\n")
@@ -120,7 +120,7 @@ def _entry(layout: ShardLayout, shard: Shard) -> dict[str, object]:
 
 
 def _layout(found: Mapping[str, Any]) -> ShardLayout:
-    """The layout that a manifest names; ParameterError where the rest of it says otherwise."""
+    """The layout of a manifest; ParameterError if other values of it contradict the recipe."""
     for key in ("recipe", "shard_maps", "metrics", "shards"):
         if key not in found:
             raise ParameterError(key, "is missing")
@@ -145,7 +145,7 @@ def _shards(layout: ShardLayout, entries: object) -> list[Shard]:
 
 
 def _shard(layout: ShardLayout, number: object, entry: object) -> Shard:
-    """One shard, whose files have the names that they must have and a size that they can have."""
+    """One shard; ParameterError if a file has a wrong name or an impossible size."""
     number = Integer(0, layout.shards - 1).check("shard", number)
     where, names = f"shards[{number}]", layout.names(number)
     files = {}

@@ -66,7 +66,7 @@ def plan_dataset(
     keeps = on_existing is OnExisting.KEEP
     existing = {shard.number: shard for shard in _existing(task)} if keeps else {}
     to_make = [number for number in range(layout.shards) if number not in existing]
-    disk = (recipe.maps - maps_in(layout, existing)) * layout.bytes_a_map
+    disk = (recipe.maps - maps_in(layout, existing)) * layout.bytes_per_map
     refuse_full(disk, folder)
     return DatasetPlan(
         task=task,

@@ -36,11 +36,11 @@ class ShardTask:
         return tuple(map(self.make, numbers))
 
     def make(self, number: int) -> Shard:
-        """One shard, on disk; its levels are there last."""
+        """One shard, on disk; its levels are written last."""
         layout, names = self.layout, self.layout.names(number)
         levels, files = self._levels(number), {}
         if layout.metrics != "none":
-            content = table(layout.metrics, layout.indices(number), many(levels, layout.like))
+            content = table(layout.metrics, layout.indices(number), many(levels, layout.flat_field))
             files["metrics"] = self._written(names["metrics"], content)
         return Shard(number=number, files={"levels": self._written(names["levels"], npy(levels)), **files})
 

@@ -1,4 +1,4 @@
-"""Heights from elsewhere: every file of this folder is a format, and is found by being there.
+"""Imports heights from files; every module of this folder is an importer for some file names.
 
 file --Format.read--> Heights --imported--> Recipe of one matrix
 """
@@ -18,7 +18,7 @@ IMPORTERS.gather(__name__, __path__)
 
 
 def importer_for(path: Path) -> type[Importer]:
-    """The format of a file by its suffix, or a FileError that lists the known ones."""
+    """The importer for a file by its suffix, or a FileError that lists the known ones."""
     found = IMPORTERS.get(path.suffix.lower())
     if not found:
         raise FileError(f"{path}: heights are read from files named {', '.join('*' + suffix for suffix in IMPORTERS)}")
@@ -26,10 +26,11 @@ def importer_for(path: Path) -> type[Importer]:
 
 
 def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_size: int | None = None) -> Recipe:
-    """The recipe of one map: the heights in a file as a matrix, without frames where the file says of none.
+    """The recipe of one map: the heights in a file as a matrix, without frames unless the file names them.
 
-    unit_cm is the step that heights are counted in, by default what the file says, and so is chunk_size. That must
-    divide both sides; where nothing is said it is 10 if that does, else the largest number up to 1000 that does.
+    unit_cm: the height of one level, by default that of the file
+    chunk_size: must divide both sides; by default that of the file, or 10 if it divides both sides, else the largest
+    number up to 1000 that does
     """
     heights = reading.read(path, unit_cm)
     matrix = Matrix.of(heights.levels)
@@ -47,7 +48,7 @@ def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_
 
 
 def _side(n_x: int, n_y: int, wished: int | None) -> int:
-    """The side of a chunk, which divides both sides of the map."""
+    """The side of a chunk, a divisor of both sides of the map."""
     common = math.gcd(n_x, n_y)
     if wished and common % wished:
         raise ParameterError("chunk_size", f"{wished} does not divide {n_x} x {n_y} cells; {common} does")

@@ -1,4 +1,4 @@
-"""Heights in an array that numpy saved."""
+"""Imports arrays that numpy saved (.npy)."""
 
 from __future__ import annotations
 

@@ -20,17 +20,17 @@ from rsegen.params.registry import Registry
 from rsegen.params.sorts import validate
 
 MOST_CELLS = 2**24
-"""Of a file that is read: 4096 x 4096."""
+"""Cells of a file at most: 4096 x 4096."""
 
 USUAL_UNIT_CM = 10.0
-"""Of heights where neither the file nor a person says another."""
+"""The unit of heights if neither the file nor the user gives one."""
 
 _HIGHEST = 32766
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Heights:
-    """What a file says: levels of shape (n_x, n_y), their unit [cm], and what it says of a recipe."""
+    """The content of a file: levels of shape (n_x, n_y), their unit [cm], and values of the recipe that it has."""
 
     levels: Ints
     unit_cm: float
@@ -49,17 +49,17 @@ class Importer(ABC):
 
     @abstractmethod
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """The heights in a file, in units of so many centimetres where that is said; a FileError where it has none."""
+        """The heights in a file, in units of `unit_cm` if that is given; a FileError if it has none."""
 
 
 def refuse_too_many_cells(path: Path, n_x: int, n_y: int) -> None:
-    """Raise a FileError where a file has too many cells to be read, or none: asked before they are."""
+    """Raise a FileError if a file has too many cells, or none; called before they are read."""
     if not 0 < n_x * n_y <= MOST_CELLS:
         raise FileError(f"{path}: {n_x} x {n_y} cells; from 1 up to {MOST_CELLS:,} can be read")
 
 
 def whole_units(path: Path, heights_cm: Array, unit_cm: float, *, rounded: bool) -> Ints:
-    """Heights [cm], shape (n_x, n_y), as levels; a FileError for the first that is none, if it is not to be rounded."""
+    """Heights [cm], shape (n_x, n_y), as levels; a FileError for the first that is no whole unit, unless `rounded`."""
     units = heights_cm / unit_cm
     levels = np.floor(units + 0.5)
     bad = ~np.isfinite(units) | (levels < 0) | (levels > _HIGHEST)
@@ -81,13 +81,13 @@ def _others(count: int) -> str:
 
 
 IMPORTERS: Registry[type[Importer]] = Registry("format of heights")
-"""Every format by the suffixes of its files."""
+"""Every importer by the suffixes of its files."""
 
 _Importer = TypeVar("_Importer", bound=type[Importer])
 
 
 def register(cls: _Importer) -> _Importer:
-    """Make a format known by the suffixes of its files."""
+    """Register an importer under the suffixes of its files."""
     for suffix in cls.suffixes:
         IMPORTERS.add(suffix, cls)
     return cls

@@ -1,4 +1,4 @@
-"""Occupancy maps of ROS: map.yaml beside its image."""
+"""Imports occupancy maps of ROS: map.yaml with its image."""
 
 from __future__ import annotations
 

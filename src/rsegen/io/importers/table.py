@@ -1,4 +1,4 @@
-"""Heights in a table of text: what a person types in, a spreadsheet exports, or rsegen wrote."""
+"""Imports tables of heights: typed by hand, exported by a spreadsheet, or written by rsegen."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Table(Importer):
     rounded: Annotated[bool, Flag(help="round heights that are no whole units, which are refused otherwise")] = False
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """Blank and bad cells are refused with their place. A build sheet says all its parameters itself."""
+        """Blank and invalid cells are refused with their place. A build sheet has all its parameters in itself."""
         text = text_of(path, _MOST_MIB, "a table of heights")
         if build_sheet.is_build_sheet(text):
             return self._read_list(path, text, unit_cm)
@@ -54,7 +54,7 @@ class Table(Importer):
 
 
 def centimetres(values: str, unit_cm: float) -> float:
-    """How many are in one of what a file's numbers are."""
+    """Centimetres of one unit of a file's numbers."""
     return {"cm": 1.0, "m": 100.0, "levels": unit_cm}[values]
 
 
@@ -75,7 +75,7 @@ def _numbers(path: Path, text: str) -> Array:
 
 
 def _cells(line: str) -> list[str]:
-    """A line's cells; where semicolons part them, a comma is a decimal point."""
+    """A line's cells; if semicolons separate them, a comma is a decimal point."""
     if ";" in line:
         return [cell.strip().replace(",", ".") for cell in line.split(";")]
     delimiter = next((delimiter for delimiter in ",\t" if delimiter in line), None)

@@ -1,4 +1,4 @@
-"""Maps of difficulty that rises evenly, in one folder: for learning step by step, and for trials in steps."""
+"""Maps of evenly rising difficulty in one folder: for curriculum learning, and for trials of rising difficulty."""
 
 from rsegen.io.series.plan import SeriesPlan
 from rsegen.io.series.run import Series, series

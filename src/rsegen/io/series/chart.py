@@ -1,4 +1,4 @@
-"""How a series rises, as a picture: the rms step of every map, and plans of some of them."""
+"""The chart of a series: the rms step of every map, and plans of some of them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PLANS = 8
-"""At most so many plans, evenly spaced."""
+"""Plans that are drawn at most, evenly spaced."""
 _INK, _LINE, _PALE = "#2b2b33", "#d6336c", "#a9a9b5"
 
 
@@ -58,13 +58,13 @@ def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: S
     from matplotlib.ticker import MaxNLocator
 
     numbers = np.array([row.number for row in rows])
-    map_target, reached, full = (_centimetres(rows, name) for name in ("rms_asked", "rms", "rms_full"))
+    asked, reached, full = (_centimetres(rows, name) for name in ("rms_asked", "rms", "rms_full"))
     of = "the rms step of the field as it is" if plan.same_field else "the mean rms step of the fields as they are"
     mean = float(np.nan_to_num(full).mean())
-    axes.plot(numbers, map_target, color=_LINE, linewidth=2, label=f"asked for: difficulty x {mean:.3g} cm, {of}")
+    axes.plot(numbers, asked, color=_LINE, linewidth=2, label=f"asked for: difficulty x {mean:.3g} cm, {of}")
     if not plan.same_field:
         axes.plot(numbers, full, "_", color=_PALE, markersize=9, label="the field as it is: it gets no rougher")
-    axes.vlines(numbers, map_target, reached, color=_INK, linewidth=1)
+    axes.vlines(numbers, asked, reached, color=_INK, linewidth=1)
     size = float(np.clip(260 / len(rows), 2, 7))
     axes.plot(numbers, reached, "o", color=_INK, markersize=size, label="reached", zorder=3)
     marked = np.isin(numbers, shown)
@@ -79,7 +79,7 @@ def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: S
 
 
 def _centimetres(rows: Sequence[SeriesRow], name: str) -> Array:
-    """A column of the table; not a number where it has no value."""
+    """A column of the table; NaN for values that do not exist."""
     found = (getattr(row, name) for row in rows)
     return np.array([np.nan if value is None else value * 100 for value in found], dtype=float)
 

@@ -1,4 +1,7 @@
-"""A series on disk: its maps, a table of what they measure, and a picture of how they rise."""
+"""Writes a series: its maps, a table of what they measure, and a chart of how they rise.
+
+recipe --plan_series--> SeriesRun --run--> rows and maps --> Series
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,7 @@ _BYTES_PER_CELL = BYTES_PER_CELL_OF_METRICS + BYTES_PER_CELL_OF_DIFFICULTY
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Series:
-    """A series on disk: a row for each map; `maps` are those that were made, the others were there already."""
+    """A series on disk: a row for each map; `maps` are those that were made, the others existed already."""
 
     plan: SeriesPlan
     folder: Path
@@ -42,7 +45,7 @@ class Series:
 
     @property
     def picture(self) -> Path:
-        """The measure over the maps, and plans of some of them."""
+        """The chart: rms steps over the maps, and plans of some of them."""
         return self.folder / PICTURE
 
 
@@ -130,7 +133,7 @@ def _existing(plan: SeriesPlan, rms: float, folder: Path, sidecars: Sidecars) ->
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _FieldTask:
-    """Measures the fields of a series as they are."""
+    """Measures the fields of a series as designed."""
 
     plan: SeriesPlan
 
