@@ -22,7 +22,7 @@ from rsegen.io.exports import plan_exports
 from rsegen.io.series.plan import SeriesPlan
 from rsegen.io.series.run import plan_series
 from rsegen.io.sidecars import Sidecars
-from rsegen.io.worlds import plan_worlds
+from rsegen.io.worlds import make_worlds, plan_worlds
 from tests.support.complaints import snapshot
 
 RECIPE = Recipe(seed=7, maps=4, chunk_size=4, obstacles=(Placement(obstacle=Random(max_height=3)),))
@@ -138,3 +138,35 @@ def test_workers_are_no_more_than_fit_into_the_memory(tmp_path: Path, monkeypatc
     plan = plan_worlds(RECIPE, tmp_path, Sidecars(), OnExisting.REFUSE, workers=100)
     assert plan.workers == 4
     assert plan.needs.maps_at_once == 4
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_memory_and_disk_are_measured_once_in_a_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, workers: int
+) -> None:
+    asked: list[str] = []
+
+    def counted(name: str) -> Callable[..., float]:
+        measure: Callable[..., float] = getattr(resources, name)
+
+        def measured(*arguments: Any) -> float:
+            asked.append(name)
+            return measure(*arguments)
+
+        return measured
+
+    for name in ("_free_memory", "_free_disk"):
+        monkeypatch.setattr(resources, name, counted(name))
+    rsegen.generate(RECIPE, tmp_path / "out", workers=workers)
+    assert asked == ["_free_memory", "_free_disk"]
+
+
+def test_nothing_is_checked_again_once_the_first_map_is_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def late(*_: object, **__: object) -> None:
+        pytest.fail("checked after the plan")
+
+    plan = plan_worlds(RECIPE, tmp_path / "out", Sidecars(), OnExisting.REFUSE)
+    for name in ("check_needs", "refuse_taken", "refuse_not_a_folder", "existing_maps"):
+        monkeypatch.setattr(f"rsegen.io.worlds.{name}", late)
+    monkeypatch.setattr("rsegen.io.writer.refuse_taken", late)
+    assert len(make_worlds(RECIPE, plan).maps) == 4

@@ -124,7 +124,8 @@ def _shape(recipe: Recipe) -> tuple[int, int]:
     """Cells along x and y, frames included: small chunks have more frame than blocks."""
     chunks_x, chunks_y = recipe.chunks
     frames_x, frames_y = {"none": (0, 0), "outer": (2, 2), "divided": (2 * chunks_x, 2 * chunks_y)}[recipe.boundary]
-    return recipe.grid.n_x + frames_x, recipe.grid.n_y + frames_y
+    n_x, n_y = recipe.grid.shape
+    return n_x + frames_x, n_y + frames_y
 
 
 def _free_memory() -> int:

@@ -99,11 +99,10 @@ def plan_worlds(
     recipe: Recipe, folder: Path, sidecars: Sidecars, on_existing: OnExisting, workers: int = 1
 ) -> WorldsPlan:
     """Check that the worlds of a recipe can be made, and plan it; nothing is written. Raises as `generate` does."""
-    workers = WORKERS.check("workers", workers)
-    sidecars.refuse(recipe)
+    workers, keep = WORKERS.check("workers", workers), on_existing is OnExisting.KEEP
     refuse_not_a_folder(folder)
-    keep = on_existing is OnExisting.KEEP
     existing = existing_maps(recipe, folder, sidecars.complete_in) if keep else []
+    sidecars.refuse(recipe)
     needs = check_needs([recipe], recipe.maps - len(existing), folder, sidecars.bytes_per_cell)
     if not keep:
         homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
@@ -129,12 +128,12 @@ def make_worlds(recipe: Recipe, plan: WorldsPlan, progress: Callable[[GeneratedM
 
 def write_world(scene: Scene, folder: Path, sidecars: Sidecars, *, replace: bool) -> GeneratedMap:
     """Write the world of one map, and its sidecars, into `folder`."""
-    bundle = {**export(scene), **sidecars.files(scene)}
+    bundle, name = {**export(scene), **sidecars.files(scene)}, scene.name
     return GeneratedMap(
-        name=scene.name,
+        name=name,
         index=scene.index,
         home=folder,
-        names=tuple(map(sys.intern, write(bundle, folder / scene.name, force=replace))),
+        names=tuple(map(sys.intern, write(bundle, folder / name, force=replace))),
         cells=scene.field.shape,
         extent=scene.field.extent,
         level_counts=scene.field.level_counts(),

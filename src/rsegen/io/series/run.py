@@ -5,9 +5,10 @@ recipe --plan_series--> SeriesRun --run--> rows and maps --> Series
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import prod
 from pathlib import Path
 
@@ -70,16 +71,15 @@ def series(  # noqa: PLR0913  # each is a flag of the command
     With `same_field` all are one field, else each is a new one. The rest is as in `generate`; `progress` is called
     with the row of each map that is done. Table and picture come last, whole or not at all.
     """
-    series_plan = SeriesPlan(
-        recipe=recipe if maps is None else replace(recipe, maps=maps), from_=from_, to=to, same_field=same_field
-    )
+    recipe = recipe if maps is None else dataclasses.replace(recipe, maps=maps)
+    series_plan = SeriesPlan(recipe=recipe, from_=from_, to=to, same_field=same_field)
     sidecars = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
     on_existing = OnExisting.of(force=force, resume=resume)
     plan = plan_series(series_plan, Path(folder), sidecars, on_existing, workers)
     results = run(plan, progress and (lambda result: progress(result[0])))
-    rows = tuple(row for row, _ in results)
-    _write_both(series_plan, rows, plan.folder, force=force or resume)
-    return Series(plan=series_plan, folder=plan.folder, rows=rows, maps=tuple(made for _, made in results if made))
+    rows, made = tuple(row for row, _ in results), tuple(made for _, made in results if made)
+    _write_both(series_plan, rows, plan.folder, replace=force or resume)
+    return Series(plan=series_plan, folder=plan.folder, rows=rows, maps=made)
 
 
 RowAndMap = tuple[SeriesRow, GeneratedMap | None]
@@ -172,9 +172,9 @@ class _SeriesTask:
         return series_row(number, self.plan.difficulty(number), scene, target.rms, target.rms_full), made
 
 
-def _write_both(plan: SeriesPlan, rows: tuple[SeriesRow, ...], folder: Path, *, force: bool) -> None:
+def _write_both(plan: SeriesPlan, rows: tuple[SeriesRow, ...], folder: Path, *, replace: bool) -> None:
     from rsegen.io.series.chart import chart
 
     content = {TABLE: rows_as_csv(rows), PICTURE: chart(plan, rows)}
     for name, whole in content.items():
-        write_file([whole], folder / name, force=force)
+        write_file([whole], folder / name, force=replace)
