@@ -141,7 +141,7 @@ def test_what_is_not_a_map_is_refused(tmp_path: Path, name: str) -> None:
 
 
 def test_to_keep_and_to_replace_exclude_each_other(tmp_path: Path) -> None:
-    with pytest.raises(ParameterError, match="resume: keeps the maps that are there, and force replaces them"):
+    with pytest.raises(ParameterError, match="resume: --resume and --force exclude each other"):
         rsegen.generate(Recipe(seed=7), tmp_path, resume=True, force=True)
     assert list(tmp_path.iterdir()) == []
 

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 from rsegen.cli.inventory import inventory_in
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.obstacles import kind
-from rsegen.io.dataset.naming import recipe_in
+from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import OTHER_NAMES, decode_placement
 from rsegen.recipe.examples import or_example

@@ -21,7 +21,7 @@ from rsegen.exporters.pictures.preview import picture_format
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Metrics, RobotLimits, metrics
 from rsegen.field.metrics.entry import entry, row
-from rsegen.io.resources import BYTES_A_CELL_OF_METRICS
+from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS
 from rsegen.io.targets import every
 from rsegen.io.writer import refuse_taken_file, write_file
 from rsegen.simulation.robots import ROBOTS, robot
@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Measure, draw and print."""
     climber = _climber(arguments)
     path = _picture(arguments, climber)
-    scenes = every(arguments.target, arguments.map, BYTES_A_CELL_OF_METRICS)
+    scenes = every(arguments.target, arguments.map, BYTES_PER_CELL_OF_METRICS)
     first = next(scenes)
     found = metrics(first.field, climber)
     if path and found.reach:

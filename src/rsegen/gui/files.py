@@ -17,8 +17,8 @@ from rsegen.gui.model.document import Document
 from rsegen.gui.model.session import Session
 from rsegen.gui.widgets.recent_files import RecentFiles
 from rsegen.io.dataset.manifest import MANIFEST
-from rsegen.io.dataset.naming import dataset_at
-from rsegen.io.importers import FORMATS
+from rsegen.io.dataset.map_reference import dataset_at
+from rsegen.io.importers import IMPORTERS
 
 RECIPE_SUFFIXES = (".yaml", ".yml", ".json")
 RECIPES = f"Recipes ({' '.join('*' + suffix for suffix in RECIPE_SUFFIXES)})"
@@ -83,7 +83,7 @@ class Files:
 
     def choose_heights(self) -> None:
         """Ask for a file of heights, and read it."""
-        suffixes = " ".join(f"*{suffix}" for suffix in FORMATS)
+        suffixes = " ".join(f"*{suffix}" for suffix in IMPORTERS)
         filter_ = f"Tables, arrays, images, maps ({suffixes})"
         name, _ = QFileDialog.getOpenFileName(self._parent, "Read heights", "", filter_)
         if name:
@@ -138,5 +138,5 @@ class Files:
 def dropped_path(event: QDropEvent) -> Path | None:
     """The path that is dragged if it is a recipe, a data set or a file of heights."""
     paths = (Path(url.toLocalFile()) for url in event.mimeData().urls())
-    known = {*RECIPE_SUFFIXES, *FORMATS}
+    known = {*RECIPE_SUFFIXES, *IMPORTERS}
     return next((path for path in paths if path.suffix.lower() in known or (path / MANIFEST).is_file()), None)

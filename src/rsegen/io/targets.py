@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.exporters.scene import Scene, compose
-from rsegen.io.dataset.naming import recipe_in
+from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.io.resources import refuse_too_large
 from rsegen.recipe.examples import or_example
 from rsegen.recipe.recipe import Recipe

@@ -12,7 +12,7 @@ import pytest
 import rsegen
 from rsegen import Recipe, Scene, compose, load
 from rsegen.exporters.formats import FORMATS, Format, base, exported, summary
-from rsegen.io.importers import FORMATS as READ
+from rsegen.io.importers import IMPORTERS as READ
 from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import to_json
 from tests.exporters.formats.maps import RECIPES, SCENES, made

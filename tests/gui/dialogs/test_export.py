@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NoReturn
@@ -127,26 +128,37 @@ def test_a_format_that_needs_what_is_missing_is_grey_and_says_how_to_get_it(
     assert not dialog.findChildren(QLabel, "missing_mjcf")
 
 
-def test_maps_that_are_there_are_replaced_only_by_leave(window: Window, tmp_path: Path) -> None:
+def test_formats_that_exist_are_replaced_only_after_a_question(window: Window, tmp_path: Path) -> None:
     dialog = opened(window, tmp_path)
     exported(dialog, "urdf")
-    before = os.stat(tmp_path / "rse_0000").st_ino
+    before = os.stat(tmp_path / "rse_0000" / "urdf").st_ino
     asked = answer(Said.No)
     click(dialog, "start")
-    assert asked == [f"{tmp_path} already contains maps named rse. Replace them?"]
-    assert os.stat(tmp_path / "rse_0000").st_ino == before
+    assert asked == [f"{tmp_path} holds maps of the name rse already. Write or replace their urdf?"]
+    assert os.stat(tmp_path / "rse_0000" / "urdf").st_ino == before
     answer(Said.Yes)
     exported(dialog)
-    assert os.stat(tmp_path / "rse_0000").st_ino != before
+    assert os.stat(tmp_path / "rse_0000" / "urdf").st_ino != before
 
 
-def test_a_world_is_never_replaced(window: Window, tmp_path: Path) -> None:
+def test_a_world_gets_a_format_and_stays_as_it_is(window: Window, tmp_path: Path) -> None:
     generate(window.session.recipe, tmp_path)
     before = files(tmp_path)
     dialog = opened(window, tmp_path)
     answer(Said.Yes)
     exported(dialog, "urdf")
-    assert said(dialog, "folder_error").startswith(f"{tmp_path / 'rse_0000'}: has a world in it")
+    after = files(tmp_path)
+    assert before.items() <= after.items()
+    assert (tmp_path / "rse_0000" / "urdf").is_dir()
+
+
+def test_the_world_of_another_map_is_never_replaced(window: Window, tmp_path: Path) -> None:
+    generate(replace(window.session.recipe, seed=99), tmp_path)
+    before = files(tmp_path)
+    dialog = opened(window, tmp_path)
+    answer(Said.Yes)
+    exported(dialog, "urdf")
+    assert said(dialog, "folder_error").startswith(f"{tmp_path / 'rse_0000'}: has the world of another map in it")
     assert files(tmp_path) == before
 
 

@@ -19,7 +19,7 @@ import rsegen
 from rsegen import Dataset, Placement, Recipe, make_dataset
 from rsegen.errors import OutputError, TooLarge
 from rsegen.io import work
-from rsegen.io.dataset import making
+from rsegen.io.dataset import shards
 from rsegen.recipe.codec import decode
 from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.runs import contents, ended, started, until_it_has
@@ -63,7 +63,7 @@ def test_the_maps_of_a_constrained_recipe_keep_to_it(tmp_path: Path) -> None:
 
 
 def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(work, "shared_out", lambda *_, **__: pytest.fail("workers were started"))
+    monkeypatch.setattr(work, "run_in_workers", lambda *_, **__: pytest.fail("workers were started"))
     assert len(make_dataset(RECIPE, tmp_path, shard_maps=1, workers=8)) == 13
 
 
@@ -131,7 +131,7 @@ def test_a_run_that_made_nothing_leaves_nothing(tmp_path: Path, monkeypatch: pyt
     def stopped(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(making, "blocks", stopped)
+    monkeypatch.setattr(shards, "blocks", stopped)
     with pytest.raises(KeyboardInterrupt):
         make_dataset(RECIPE, tmp_path / "a" / "set")
     assert list(tmp_path.iterdir()) == []
@@ -155,8 +155,8 @@ def test_a_record_that_was_cut_off_is_believed_as_far_as_it_goes(tmp_path: Path)
     make_dataset(RECIPE, folder, shard_maps=3)
     expected = contents(folder)
     layout, shards = rsegen.io.dataset.manifest.read_manifest(folder)
-    lines = [rsegen.io.dataset.manifest.next_line(layout, shard) for shard in shards]
-    text = rsegen.io.dataset.manifest.first_line(layout) + "".join(lines[:2]) + lines[2][:40]
+    lines = [rsegen.io.dataset.manifest.record_entry(layout, shard) for shard in shards]
+    text = rsegen.io.dataset.manifest.record_header(layout) + "".join(lines[:2]) + lines[2][:40]
     (folder / "unfinished.jsonl").write_text(text, "utf-8")
     (folder / "manifest.json").unlink()
     told: list[tuple[int, bool]] = []
@@ -244,8 +244,8 @@ def test_what_changes_no_map_does_not_make_another_data_set(tmp_path: Path, *, f
     make_dataset(RECIPE, tmp_path, shard_maps=3)
     if not finished:
         layout, shards = rsegen.io.dataset.manifest.read_manifest(tmp_path)
-        lines = [rsegen.io.dataset.manifest.next_line(layout, shard) for shard in shards[:2]]
-        (tmp_path / "unfinished.jsonl").write_text(rsegen.io.dataset.manifest.first_line(layout) + "".join(lines))
+        lines = [rsegen.io.dataset.manifest.record_entry(layout, shard) for shard in shards[:2]]
+        (tmp_path / "unfinished.jsonl").write_text(rsegen.io.dataset.manifest.record_header(layout) + "".join(lines))
         (tmp_path / "manifest.json").unlink()
     before = {path: path.read_bytes() for path in tmp_path.glob("*.npy")}
     other = replace(RECIPE, frame_colour="#ff0000", mesh_type="multi", name="other")

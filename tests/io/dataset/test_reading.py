@@ -161,7 +161,7 @@ def test_a_changed_byte_is_found(tmp_path: Path, capsys: pytest.CaptureFixture[s
         content = path.read_bytes()
         path.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
         assert exit_code("dataset", "--verify", tmp_path) == 1
-        assert f"{path}: is not as it was made" in the_line(capsys.readouterr().err)
+        assert f"{path}: has changed, its checksum is wrong" in the_line(capsys.readouterr().err)
         with pytest.raises(DatasetDamaged):
             found.verify(0)
         path.write_bytes(content)

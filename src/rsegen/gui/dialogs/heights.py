@@ -11,7 +11,7 @@ from rsegen.gui.widgets.editors import TextEditor
 from rsegen.gui.widgets.message_label import MessageLabel
 from rsegen.gui.widgets.named import named
 from rsegen.gui.widgets.options_form import OptionsForm
-from rsegen.io.importers import format_of, imported
+from rsegen.io.importers import imported, importer_for
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 
@@ -24,7 +24,7 @@ class HeightsDialog(QDialog):
         named(self, "heights_dialog")
         self.setWindowTitle(f"Read heights from {path.name}")
         self.recipe: Recipe | None = None
-        self._path, self._format = path, format_of(path)
+        self._path, self._format = path, importer_for(path)
         self._options = OptionsForm(self._format)
         self._unit = TextEditor("unit_cm", parameters(Recipe)["unit_cm"])
         self._options.add(self._unit, "Unit in cm (default: as in the file)")

@@ -72,6 +72,12 @@ class ExportJob(Job):
 
     formats: tuple[Format, ...]
 
+    @property
+    def question(self) -> str:
+        """What to ask before formats of maps are replaced; everything else in their folders stays."""
+        names = ", ".join(each.name for each in self.formats)
+        return f"{self.folder} holds maps of the name {self.recipe.name} already. Write or replace their {names}?"
+
     def refuse(self) -> None:
         """Raise a UserError if a format needs a package that is not installed."""
         refuse_unready(self.formats)

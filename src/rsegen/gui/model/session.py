@@ -13,7 +13,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from rsegen.errors import ParameterError
-from rsegen.io.dataset.naming import recipe_in
+from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.io.recipe_file import load, save
 from rsegen.params.sorts import Json
 from rsegen.params.streams import fresh_seed

@@ -12,7 +12,7 @@ from pathlib import Path
 from rsegen.errors import FileError, NoSimulator, OutputError, ParameterError, RsegenError
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
-from rsegen.io.dataset.naming import recipe_in
+from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.io.recipe_file import load
 from rsegen.io.resources import refuse_too_large
 from rsegen.io.targets import found, map_index, recipe_files

@@ -12,7 +12,7 @@ from pathlib import Path
 from rsegen.errors import ParameterError, shown
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
-from rsegen.io.dataset.naming import recipe_in
+from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.io.targets import recipe_files
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.simulators.connecting import connected

@@ -1,4 +1,4 @@
-"""The straight line that a series follows, and the recipes whose maps lie on it."""
+"""What each map of a series should measure: targets on a straight line, and the recipes whose maps reach them."""
 
 from __future__ import annotations
 
@@ -8,42 +8,42 @@ from math import fsum
 from typing import NamedTuple
 
 from rsegen.field.metrics.steps import steps
-from rsegen.io.series.plan import DIGITS, Plan
+from rsegen.io.series.plan import DIGITS, SeriesPlan
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 
 _HALVINGS = 12
-"""Of 0..1, for the difficulty of a map that keeps to constraints: finer than what a block changes."""
+"""Of the interval 0..1 in the search for the difficulty of a constrained map: finer than one block changes it."""
 
 
-class Asked(NamedTuple):
-    """A map's recipe, and the rms steps of its field as it is and of the line at its place, metres."""
+class MapTarget(NamedTuple):
+    """A map's recipe, the rms step of its field as designed, and the rms step that it should have, metres."""
 
     recipe: Recipe
-    full: float | None
+    rms_full: float | None
     rms: float
 
 
-def rms_full(plan: Plan, number: int) -> float | None:
-    """The rms step of the field of map `number` as it is, metres; None where it has no steps."""
+def rms_full(plan: SeriesPlan, number: int) -> float | None:
+    """The rms step of the field of map `number` as designed, metres; None if it has no steps."""
     return _rms(plan.whole(number))
 
 
 def mean(found: Sequence[float | None]) -> float:
-    """The mean of such rms steps, a field without steps counted as 0."""
+    """The mean of rms steps; a field without steps counts as 0."""
     return fsum(each or 0 for each in found) / len(found)
 
 
-def asked(plan: Plan, number: int, at_one: float) -> Asked:
-    """What map `number` is to be, on the line to `at_one` at difficulty 1; at the most its field as it is."""
+def map_target(plan: SeriesPlan, number: int, at_one: float) -> MapTarget:
+    """The target of map `number`, if difficulty 1 is an rms step of `at_one`; at most its field as designed."""
     whole, difficulty = plan.whole(number), plan.difficulty(number)
     full, rms = _rms(whole), difficulty * at_one
     share = _share(whole, rms, full) if full else difficulty
-    return Asked(replace(whole, difficulty=round(share, DIGITS)), full, rms)
+    return MapTarget(replace(whole, difficulty=round(share, DIGITS)), full, rms)
 
 
 def _share(whole: Recipe, rms: float, full: float) -> float:
-    """The difficulty at which a map measures so much; constraints lower it further, so there it is tried."""
+    """The difficulty at which a map has this rms step; searched for if constraints lower the steps further."""
     if rms >= full or not whole.is_constrained:
         return min(rms / full, 1.0)
     low, high = 0.0, 1.0

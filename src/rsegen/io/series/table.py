@@ -1,4 +1,4 @@
-"""What one map of a series was to measure, and what it measures: a line of series.csv, lengths in metres."""
+"""The rows of series.csv: what each map of a series should measure, and what it measures; lengths in metres."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from rsegen.field.stepfield import NANOMETRE_DIGITS
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Row:
-    """One map; what has no value, such as the steps of a single block, is None.
+class SeriesRow:
+    """The row of one map; a value that does not exist, such as the steps of a single block, is None.
 
     difficulty: its place between the first and the last   rms_asked: difficulty * the mean rms_full of all maps
-    rms: the step that it has   rms_full: the step that its field has as it is   recipe_difficulty: what its recipe says
+    rms: the rms step that it has   rms_full: that of its field as designed   recipe_difficulty: that of its recipe
     highest_step: between neighbouring blocks   opening_...: the climb at which it opens   mean_height: of its blocks
     """
 
@@ -36,14 +36,14 @@ class Row:
     mean_height: float
 
 
-def measured(number: int, difficulty: float, scene: Scene, asked: float, full: float | None) -> Row:
-    """The row of a map."""
+def series_row(number: int, difficulty: float, scene: Scene, rms_asked: float, full: float | None) -> SeriesRow:
+    """The row of map `number`, with its target and the rms step of its field as designed."""
     own, ways = steps(scene.field), opening(scene.field)
-    return Row(
+    return SeriesRow(
         number=number,
         map=scene.name,
         difficulty=difficulty,
-        rms_asked=None if own.rms is None else _rounded(asked),
+        rms_asked=None if own.rms is None else _rounded(rms_asked),
         rms=_rounded(own.rms),
         rms_full=_rounded(full),
         recipe_difficulty=scene.recipe.difficulty,
@@ -54,10 +54,10 @@ def measured(number: int, difficulty: float, scene: Scene, asked: float, full: f
     )
 
 
-def table(rows: Sequence[Row]) -> bytes:
-    """The rows as a CSV file; what is None is left empty."""
+def rows_as_csv(rows: Sequence[SeriesRow]) -> bytes:
+    """The rows as the content of a CSV file; None is an empty cell."""
     stream = io.StringIO()
-    writer = csv.DictWriter(stream, [field.name for field in fields(Row)], lineterminator="\n")
+    writer = csv.DictWriter(stream, [field.name for field in fields(SeriesRow)], lineterminator="\n")
     writer.writeheader()
     writer.writerows(map(asdict, rows))
     return stream.getvalue().encode()

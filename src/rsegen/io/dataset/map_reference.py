@@ -1,4 +1,4 @@
-"""DIR#17: one map of a data set, wherever a recipe is asked for; and where a data set is."""
+"""Reads DIR#17, one map of a data set, wherever a recipe file can be given; and finds the folder of a data set."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rsegen.recipe.recipe import Recipe
 
 
 def recipe_in(path: str | Path) -> Recipe:
-    """The recipe in a file, or, where there is no such file, that of the map of a data set that DIR#INDEX names."""
+    """The recipe in a file or, if there is no such file, of the map of a data set that DIR#INDEX names."""
     match = re.fullmatch(r"(.+)#([0-9]{1,19})", str(path))
     if not match or os.path.lexists(path):
         return load(path)
@@ -24,7 +24,7 @@ def recipe_in(path: str | Path) -> Recipe:
 
 
 def dataset_at(path: Path) -> Path | None:
-    """The folder of a data set, where a path is a folder or a manifest; none where it is anything else."""
+    """The folder of a data set, if the path is a folder or a manifest; else None."""
     if path.is_dir():
         return path
     return path.parent if path.name == MANIFEST and path.is_file() else None
