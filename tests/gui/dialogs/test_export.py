@@ -134,7 +134,7 @@ def test_formats_that_exist_are_replaced_only_after_a_question(window: Window, t
     before = os.stat(tmp_path / "rse_0000" / "urdf").st_ino
     asked = answer(Said.No)
     click(dialog, "start")
-    assert asked == [f"{tmp_path} holds maps of the name rse already. Write or replace their urdf?"]
+    assert asked == [f"{tmp_path} already contains maps named rse. Write or replace their urdf?"]
     assert os.stat(tmp_path / "rse_0000" / "urdf").st_ino == before
     answer(Said.Yes)
     exported(dialog)

@@ -76,7 +76,7 @@ class ExportJob(Job):
     def question(self) -> str:
         """What to ask before formats of maps are replaced; everything else in their folders stays."""
         names = ", ".join(each.name for each in self.formats)
-        return f"{self.folder} holds maps of the name {self.recipe.name} already. Write or replace their {names}?"
+        return f"{self.folder} already contains maps named {self.recipe.name}. Write or replace their {names}?"
 
     def refuse(self) -> None:
         """Raise a UserError if a format needs a package that is not installed."""
