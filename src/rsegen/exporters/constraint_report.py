@@ -8,7 +8,7 @@ from typing import Any
 
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics.pairs import differences
-from rsegen.field.metrics.reach import crossing
+from rsegen.field.metrics.traversability import crossing
 from rsegen.recipe.building import build
 from rsegen.recipe.constraints.inventory import blocks
 
@@ -31,7 +31,7 @@ def constraint_report(scene: Scene) -> dict[str, Any]:
     return found
 
 
-def told(scene: Scene) -> Iterator[str]:
+def describe_constraints(scene: Scene) -> Iterator[str]:
     """The same in words."""
     found = constraint_report(scene)
     if "max_step" in found:

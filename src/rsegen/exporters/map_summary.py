@@ -48,9 +48,9 @@ def map_summary(scene: Scene) -> MapSummary:
         unit_cm=scene.recipe.unit_cm,
         level_counts=scene.field.level_counts(),
         mesh_type=scene.recipe.mesh_type,
-        models=mesh_type.models(scene),
-        collisions=mesh_type.collisions(scene),
-        faces=seen or 6 * mesh_type.models(scene),
+        models=mesh_type.model_count(scene),
+        collisions=mesh_type.collision_count(scene),
+        faces=seen or 6 * mesh_type.model_count(scene),
         bytes=size,
         warnings=warnings(scene),
     )
@@ -66,13 +66,13 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     if _is_lost_on_meshes(scene.recipe):
         found.append("Gazebo Sim gives every mesh a friction of 1; for that of the recipe give collision boxes")
     mesh_type = MESH_TYPES[scene.recipe.mesh_type]
-    models = mesh_type.models(scene)
+    models = mesh_type.model_count(scene)
     if models > MANY:
         found.append(
             f"{models:,} models: Gazebo Classic needs about {models * 1.5 / 1000:,.1f} GB and {models / 100:,.0f} s to "
             "load them, Gazebo Sim CPU at every step; mesh_type pallet or single costs a hundredth"
         )
-    elif (collisions := mesh_type.collisions(scene)) > MANY:
+    elif (collisions := mesh_type.collision_count(scene)) > MANY:
         found.append(
             f"{collisions:,} collisions: Gazebo Classic needs about {collisions / 4000:,.1f} GB for them and longer to "
             "load and to step, Gazebo Sim several times the CPU; collision mesh costs next to nothing"

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 
 from rsegen.field.stepfield import StepField, Window
-from rsegen.geometry.blocks import blocks
-from rsegen.geometry.boxes import Boxes, boxes, single_boxes
+from rsegen.geometry.boxes import Boxes, box_per_block, boxes
+from rsegen.geometry.label_grid import split_window
 from rsegen.geometry.mesh import NORMALS, Mesh
-from rsegen.geometry.relief import windows
 from rsegen.geometry.surface import surface
+from rsegen.geometry.unmerged import unmerged
 from rsegen.geometry.watertight import watertight
 
 __all__ = [
@@ -15,13 +15,13 @@ __all__ = [
     "PIECE",
     "Boxes",
     "Mesh",
-    "blocks",
+    "box_per_block",
     "boxes",
     "meshes",
-    "single_boxes",
+    "split_window",
     "surface",
+    "unmerged",
     "watertight",
-    "windows",
 ]
 
 PIECE = 512
@@ -33,6 +33,6 @@ def meshes(field: StepField, mesh: str, window: Window | None = None) -> Iterato
     if mesh == "watertight":
         yield watertight(field)
         return
-    piece = {"merged": surface, "blocks": blocks}[mesh]
-    for part in windows(window or field.whole, PIECE):
+    piece = {"merged": surface, "blocks": unmerged}[mesh]
+    for part in split_window(window or field.whole, PIECE):
         yield piece(field, part)

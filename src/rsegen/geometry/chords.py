@@ -40,28 +40,28 @@ class _Runs(NamedTuple):
 
     def corners(self, *, last: bool) -> tuple[Ints, Ints]:
         """Of each run every corner in turn, with or without the last, and the number of the run that it belongs to."""
-        run, along = spread(self.length + last)
+        run, along = ragged(self.length + last)
         return self.start[run] + along * self.step, run
 
 
-def spread(counts: Ints) -> tuple[Ints, Ints]:
+def ragged(counts: Ints) -> tuple[Ints, Ints]:
     """So many entries for each count: whose each is, and its place among them. [2, 3] gives 0 0 1 1 1 and 0 1 0 1 2."""
     whose = np.repeat(np.arange(len(counts)), counts)
     return whose, np.arange(len(whose)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
-def walls(labels: Ints) -> Mask:
+def cuts_along_u(labels: Ints) -> Mask:
     """Which neighbours along v a cut along u goes between: (n_u, n_v - 1). Labels (n_u, n_v); 0 is nothing."""
     n_u, n_v = labels.shape
     concave, along_u, along_v = _runs(labels)
     wall = np.zeros((n_u + 1) * (n_v + 1), dtype=bool)
     if not concave.any():
         return wall.reshape(n_u + 1, n_v + 1)[:-1, 1:-1]
-    kept_u, kept_v = _apart(_chords(along_u, concave), _chords(along_v, concave), len(wall))
+    kept_u, kept_v = _independent_chords(_chords(along_u, concave), _chords(along_v, concave), len(wall))
     wall[kept_u.corners(last=False)[0]] = True
     for chords in (kept_u, kept_v):
         concave[chords.start] = concave[chords.end] = False
-    for cut in _shorter_ways(concave, along_u, along_v, kept_v):
+    for cut in _shorter_cuts(concave, along_u, along_v, kept_v):
         wall[cut.corners(last=False)[0]] = True
     return wall.reshape(n_u + 1, n_v + 1)[:-1, 1:-1]
 
@@ -89,7 +89,7 @@ def _chords(runs: _Runs, concave: Mask) -> _Runs:
     return runs.rows(concave[runs.start] & concave[runs.end])
 
 
-def _apart(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_Runs, _Runs]:
+def _independent_chords(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_Runs, _Runs]:
     """Chords of which no two meet, as many as can easily be had."""
     if not (len(along_u.start) and len(along_v.start)):
         return along_u, along_v
@@ -99,11 +99,11 @@ def _apart(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_Runs, _Runs]:
     at, a = along_u.corners(last=True)
     b = on[at]
     a, b = a[b >= 0], b[b >= 0] + len(along_u.start)
-    kept = _independent(a, b, np.concatenate([along_u.length, along_v.length]))
+    kept = _independent_set(a, b, np.concatenate([along_u.length, along_v.length]))
     return along_u.rows(kept[: len(along_u.start)]), along_v.rows(kept[len(along_u.start) :])
 
 
-def _independent(a: Ints, b: Ints, lengths: Ints) -> Mask:
+def _independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
     """Which chords stay, of a number of chords of which a[k] and b[k] meet.
 
     Taking one that meets a single other is never wrong; where there is none, one that meets fewer than all that it
@@ -129,7 +129,7 @@ def _independent(a: Ints, b: Ints, lengths: Ints) -> Mask:
     return kept
 
 
-def _shorter_ways(concave: Mask, along_u: _Runs, along_v: _Runs, kept_v: _Runs) -> tuple[_Runs, _Runs]:
+def _shorter_cuts(concave: Mask, along_u: _Runs, along_v: _Runs, kept_v: _Runs) -> tuple[_Runs, _Runs]:
     """The cuts along u of the corners that are nearer to the rim along u than along v; they end at a kept chord."""
     reach = np.zeros(len(concave), dtype=np.int32)
     reach[along_v.start] = reach[along_v.end] = along_v.length
@@ -146,6 +146,6 @@ def _until(stop: Mask, runs: _Runs) -> _Runs:
     """Every run as far as the first corner where it must stop."""
     if not len(runs.start):
         return runs
-    run, along = spread(runs.length + 1)
+    run, along = ragged(runs.length + 1)
     reached = np.where(stop[runs.start[run] + along * runs.step], along, runs.length[run])
     return runs._replace(length=np.minimum.reduceat(reached, np.flatnonzero(along == 0)))

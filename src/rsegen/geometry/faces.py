@@ -51,7 +51,7 @@ class Lattice:
         _, n_y, n_z = self.shape
         return n_y * n_z, n_z, 1
 
-    def ring(self, found: Rectangles, axes: tuple[int, int], at: Ints) -> Ints:
+    def corners_of(self, found: Rectangles, axes: tuple[int, int], at: Ints) -> Ints:
         """The corners (m, 4) of rectangles whose u and v run along two axes, at a number of the third axis each.
 
         In turn from u to v.

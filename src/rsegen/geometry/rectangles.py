@@ -1,7 +1,7 @@
 """Merging equal squares of a grid into few rectangles with short seams.
 
 labels of shape (n_u, n_v): squares of one label that touch are one plane, 0 is nothing. A plane is cut along v at every
-concave corner that `chords.walls` does not cut along u; what is left between the cuts are rectangles.
+concave corner that `chords.cuts_along_u` does not cut along u; what is left between the cuts are rectangles.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.field.stepfield import Ints
-from rsegen.geometry.chords import walls
+from rsegen.geometry.chords import cuts_along_u
 
 
 class Rectangles(NamedTuple):
@@ -31,7 +31,7 @@ class Rectangles(NamedTuple):
 
 def merge(labels: Ints) -> Rectangles:
     """Rectangles that cover every labelled square once; nearly the fewest that there can be."""
-    wall = walls(labels)
+    wall = cuts_along_u(labels)
     there, apart = labels != 0, labels[:, 1:] != labels[:, :-1]
     begins, ends = there.copy(), there.copy()
     begins[:, 1:] &= apart | wall
@@ -71,7 +71,7 @@ def merge_hanging(strips: Rectangles) -> Rectangles:
     """
     done = []
     while True:
-        hopeful = _has_twins(strips)
+        hopeful = _has_equal_depths(strips)
         done.append(strips.rows(~hopeful))
         strips = strips.rows(hopeful)
         if not len(strips.label):
@@ -103,7 +103,7 @@ def _joined(strips: Rectangles) -> Rectangles:
     return strips.rows(begins[:-1])._replace(u1=strips.u1[begins[1:]])
 
 
-def _has_twins(strips: Rectangles) -> NDArray[np.bool_]:
+def _has_equal_depths(strips: Rectangles) -> NDArray[np.bool_]:
     """Which strips are in a row of at least three, two of which hang equally far down."""
     row = np.zeros(len(strips.label), dtype=np.int64)
     np.cumsum(~_touching(strips), out=row[1:])

@@ -15,12 +15,12 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.field.stepfield import Ints, Mask, StepField
-from rsegen.geometry.chords import spread
+from rsegen.geometry.chords import ragged
+from rsegen.geometry.decimation import decimated
 from rsegen.geometry.faces import Faces, Lattice, welded
+from rsegen.geometry.label_grid import LabelGrid, label_grid
 from rsegen.geometry.mesh import Mesh
 from rsegen.geometry.rectangles import merge
-from rsegen.geometry.relief import Relief, relief
-from rsegen.geometry.sparing import without_needless
 from rsegen.geometry.surface import risers, tops
 
 
@@ -39,35 +39,35 @@ class _Outlines(NamedTuple):
 
 def watertight(field: StepField) -> Mesh:
     """The closed mesh of a field, in triangles; empty where every cell is at level 0."""
-    ground = relief(field)
-    rings = Faces.joined([tops(ground), bottoms(ground), risers(ground, axis=0), risers(ground, axis=1)])
-    triangles, ring = _fans(_outlines(rings, ground))
-    points, corners = welded(triangles, 2 * prod(ground.lattice.shape))
+    grid = label_grid(field)
+    rings = Faces.joined([tops(grid), bottoms(grid), risers(grid, axis=0), risers(grid, axis=1)])
+    triangles, ring = _fans(_outlines(rings, grid))
+    points, corners = welded(triangles, 2 * prod(grid.lattice.shape))
     faces = rings.rows(ring)._replace(corners=corners)
-    faces = without_needless(faces, ground.lattice.mesh(faces, points // 2).vertices)
+    faces = decimated(faces, grid.lattice.mesh(faces, points // 2).vertices)
     used, corners = welded(faces.corners, len(points))
-    return ground.lattice.mesh(faces._replace(corners=corners), points[used] // 2)
+    return grid.lattice.mesh(faces._replace(corners=corners), points[used] // 2)
 
 
-def bottoms(ground: Relief) -> Faces:
+def bottoms(grid: LabelGrid) -> Faces:
     """What looks down, at z = 0: one plane wherever blocks touch; all of it in the material of the lowest of them."""
-    found = merge((ground.cells != 0).astype(np.int8))
-    ring = ground.lattice.ring(found, (0, 1), np.zeros_like(found.u0))[:, ::-1]
-    material = (ground.cells[ground.cells != 0] % ground.kinds).min(initial=ground.kinds)
+    found = merge((grid.cells != 0).astype(np.int8))
+    ring = grid.lattice.corners_of(found, (0, 1), np.zeros_like(found.u0))[:, ::-1]
+    material = (grid.cells[grid.cells != 0] % grid.materials).min(initial=grid.materials)
     return Faces(ring, np.full(len(ring), 5), np.full(len(ring), material))
 
 
-def _outlines(rings: Faces, ground: Relief) -> _Outlines:
+def _outlines(rings: Faces, grid: LabelGrid) -> _Outlines:
     """The rings, with every corner of any ring that lies on their sides. A point is 2 * its place + its sheet."""
     corners = rings.corners.astype(np.int64)
-    places, count = _between(corners, ground.lattice)
+    places, count = _between(corners, grid.lattice)
     side = np.repeat(np.arange(corners.size), count)
     first = (np.cumsum(count) - count).reshape(corners.shape)
     after = np.arange(1, len(places) + 1)
     after[first[:, 0][1:] - 1] = first[:, 0][:-1]
     after[-1:] = first[-1:, 0]
-    beyond = _beyond(rings, ground.lattice).ravel()[side]
-    sheet = beyond & _pinched(places, ground)
+    beyond = _beyond(rings, grid.lattice).ravel()[side]
+    sheet = beyond & _pinched(places, grid)
     return _Outlines(2 * places + sheet, after, side // 4, side % 4, first)
 
 
@@ -85,7 +85,7 @@ def _between(corners: Ints, lattice: Lattice) -> tuple[Ints, Ints]:
         begin[here], steps[here] = at + axis * len(known), until - at
         sorted_along.append(known[order])
     count = np.abs(steps)
-    side, offset = spread(count)
+    side, offset = ragged(count)
     return np.concatenate(sorted_along)[begin[side] + offset * np.sign(steps)[side]], count
 
 
@@ -105,10 +105,10 @@ def _beyond(rings: Faces, lattice: Lattice) -> Mask:
     return found
 
 
-def _pinched(places: Ints, ground: Relief) -> Mask:
+def _pinched(places: Ints, grid: LabelGrid) -> Mask:
     """Where two blocks that lie across from one another touch, and the other two are lower."""
-    x, y, z = ground.lattice.unravelled(places)
-    top = ground.labels // ground.kinds
+    x, y, z = grid.lattice.unravelled(places)
+    top = grid.labels // grid.materials
     near_left, near_right, far_left, far_right = (top[x + i, y + j] >= np.maximum(z, 1) for i in (0, 1) for j in (0, 1))
     return np.asarray((near_left == far_right) & (near_right == far_left) & (near_left != near_right))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from rsegen.exporters.map_summary import map_summary, warnings
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics.reach import reach
+from rsegen.field.metrics.traversability import traversability
 from rsegen.field.stepfield import StepField
 from rsegen.gui.colours import GROUND, Rgb, centimetres, rgb
 from rsegen.simulation.robots import ROBOTS
@@ -66,7 +66,7 @@ def costs(scene: Scene, robot: str = "") -> Costs:
 
 def crossing(field: StepField, robot: str) -> str:
     """Whether a robot of some kind gets across, by the step that it climbs and its width, and how far it gets about."""
-    found = reach(field, ROBOTS[robot].climber)
+    found = traversability(field, ROBOTS[robot].climber)
     ways = {"west to east": found.west_east, "south to north": found.south_north}
     across = [name for name, way in ways.items() if way.crosses]
     return f"crosses {' and '.join(across)}" if across else f"does not cross; gets about on {found.cover:.0%} of it"

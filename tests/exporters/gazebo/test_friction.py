@@ -128,7 +128,7 @@ def test_nothing_but_frictions_and_what_is_touched_differs_from_a_map_of_one_fri
     told, usual = map_summary(scene), map_summary(plain)
     assert (told.faces, told.models) == (usual.faces, usual.models)
     shapes = [len(model.findall("link/collision")) for model in models(own, scene)]
-    assert sum(shapes) == told.collisions == MESH_TYPES[scene.recipe.mesh_type].collisions(scene)
+    assert sum(shapes) == told.collisions == MESH_TYPES[scene.recipe.mesh_type].collision_count(scene)
     used = {uri for model in models(own, scene) for uri in uris(model, "collision") + uris(model, "visual")}
     assert used == {path for path in own if path.endswith(".obj")}
 

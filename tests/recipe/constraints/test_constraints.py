@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen.cli import main
 from rsegen.exporters.constraint_report import constraint_report, missing
-from rsegen.exporters.pictures.preview import picture
+from rsegen.exporters.pictures.preview import preview_image
 from rsegen.field.metrics.pairs import differences
-from rsegen.field.metrics.reach import crossing
+from rsegen.field.metrics.traversability import crossing
 from rsegen.params.streams import generator
 from rsegen.recipe.constraints.inventory import fitted
 from tests.support.complaints import the_line
@@ -181,7 +181,7 @@ def test_a_map_of_blocks_higher_than_its_obstacles_is_drawn_and_coloured(tmp_pat
     assert (made.top_level, made.highest_level) == (4, 5)
     assert set(scene.field.level_counts()) == {0, 5}
     assert scene.colour(5) == scene.colour(4)
-    assert len(picture(scene)) > 10_000
+    assert len(preview_image(scene)) > 10_000
     (one,) = rsegen.generate(made, tmp_path).maps
     text = (one.folder / "meshes" / f"{scene.name}.obj").read_text()
     used = {line.split()[1] for line in text.splitlines() if line.startswith("usemtl")}

@@ -39,7 +39,7 @@ def live(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[LiveWorld]:
         return
     here = SIMULATORS["classic"].found() or missing("no Gazebo Classic 11: run scripts/gazebo-classic")
     file = tmp_path / "ground.world"
-    file.write_bytes(b"".join(sdf.encoded(sdf.world(rsegen.compose(rsegen.Recipe(seed=1)), ()))))
+    file.write_bytes(b"".join(sdf.utf8(sdf.world(rsegen.compose(rsegen.Recipe(seed=1)), ()))))
     with serving(here, file) as server, server.live() as world:
         yield world
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from rsegen.exporters.formats.base import MAT, Extra, Format, register
-from rsegen.exporters.formats.encoded import as_json, facts, mat, npy, recipe_of
+from rsegen.exporters.formats.encoded import as_json, mat, metadata, npy, recipe_json
 from rsegen.exporters.levels import csv
 from rsegen.exporters.scene import Scene
 
@@ -49,5 +49,5 @@ class Arrays(Format):
             "frame.npy": [npy(field.frame)],
             "levels.csv": csv(field),
             "levels.mat": [mat(variables)],
-            "meta.json": [as_json({**facts(scene), "files": _FILES, "recipe": recipe_of(scene)})],
+            "meta.json": [as_json({**metadata(scene), "files": _FILES, "recipe": recipe_json(scene)})],
         }

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.field.stepfield import StepField
+from rsegen.geometry.label_grid import label_grid
 from rsegen.geometry.rectangles import merge
-from rsegen.geometry.relief import relief
 
 
 class Column(NamedTuple):
@@ -22,10 +22,10 @@ class Column(NamedTuple):
 
 def columns(field: StepField) -> Iterator[Column]:
     """Few boxes that are together the blocks and frames of a field; no two of them overlap."""
-    ground = relief(field)
-    found = merge(ground.cells)
-    rank, material = np.divmod(found.label, ground.kinds)
-    x, y, z = ground.lattice.lines
+    grid = label_grid(field)
+    found = merge(grid.cells)
+    rank, material = np.divmod(found.label, grid.materials)
+    x, y, z = grid.lattice.lines
     low = np.stack([x[found.u0], y[found.v0], np.zeros(len(rank))], axis=1)
     high = np.stack([x[found.u1], y[found.v1], z[rank]], axis=1)
     rows = zip(((low + high) / 2).tolist(), (high - low).tolist(), material.tolist(), strict=True)

@@ -52,7 +52,7 @@ def as_json(content: Mapping[str, Json]) -> bytes:
     return (json.dumps(content, indent=2) + "\n").encode()
 
 
-def facts(scene: Scene) -> dict[str, Json]:
+def metadata(scene: Scene) -> dict[str, Json]:
     """What belongs to every map that leaves rsegen: lengths in metres, how to make it again."""
     field = scene.field
     return {
@@ -69,6 +69,6 @@ def facts(scene: Scene) -> dict[str, Json]:
     }
 
 
-def recipe_of(scene: Scene) -> dict[str, Json]:
+def recipe_json(scene: Scene) -> dict[str, Json]:
     """The content of the recipe of the map alone."""
     return encode(scene.alone)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from rsegen.exporters.formats.base import MESH, Extra, Format, register
-from rsegen.exporters.formats.light import linear
 from rsegen.exporters.formats.solid import BYTES_A_CELL, solid
+from rsegen.exporters.formats.srgb import srgb_to_linear
 from rsegen.exporters.gazebo.obj import material_name
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array
@@ -44,7 +44,7 @@ def _glb(scene: Scene) -> Iterator[bytes]:
     found = trimesh.Scene()
     for material, part in solid(scene.field).parts():
         name = material_name(material)
-        colour = [*linear(scene.colour(material)), 1.0]
+        colour = [*srgb_to_linear(scene.colour(material)), 1.0]
         matt = PBRMaterial(name=name, baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=1.0)
         mesh = part._replace(vertices=_y_up(part.vertices)).mesh
         mesh.visual = TextureVisuals(material=matt)

@@ -11,7 +11,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, register
-from rsegen.exporters.formats.encoded import as_json, facts, recipe_of
+from rsegen.exporters.formats.encoded import as_json, metadata, recipe_json
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Ints, StepField
@@ -39,21 +39,21 @@ class Heightmap(Format):
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The image and what it means."""
-        step = grey_step(scene.field)
-        said = {**facts(scene), **self._meaning(scene, step), "recipe": recipe_of(scene)}
+        step = sample_step(scene.field)
+        said = {**metadata(scene), **self._meaning(scene, step), "recipe": recipe_json(scene)}
         return {f"{scene.name}.png": self._png(scene.field, step), "heightmap.json": [as_json(said)]}
 
     def _png(self, field: StepField, step: int) -> Iterator[bytes]:
         from PIL import Image
 
-        rows = greys(field, step).T[::-1].repeat(self.pixels, axis=0).repeat(self.pixels, axis=1)
+        rows = samples(field, step).T[::-1].repeat(self.pixels, axis=0).repeat(self.pixels, axis=1)
         buffer = BytesIO()
         Image.fromarray(rows).save(buffer, "png")
         yield buffer.getvalue()
 
     def _meaning(self, scene: Scene, step: int) -> dict[str, Json]:
         field = scene.field
-        frame_error = np.abs(greys(field, step) * (field.unit / step) - field.heights).max()
+        frame_error = np.abs(samples(field, step) * (field.unit / step) - field.heights).max()
         return {
             "image": f"{scene.name}.png",
             "rows": "north up: the top row is the largest y, x grows to the right",
@@ -68,7 +68,7 @@ class Heightmap(Format):
         }
 
 
-def grey_step(field: StepField) -> int:
+def sample_step(field: StepField) -> int:
     """How many greys a level is: the most that divide white and leave nothing whiter than white."""
     frames = field.frame_height if field.frame.any() else 0.0
     levels = max(int(field.levels.max()), int(np.ceil(frames / field.unit - 1e-9)), 1)
@@ -78,7 +78,7 @@ def grey_step(field: StepField) -> int:
     return next(step for step in _STEPS if step * levels <= WHITE)
 
 
-def greys(field: StepField, step: int) -> Ints:
+def samples(field: StepField, step: int) -> Ints:
     """The grey of every cell, uint16 (n_x, n_y): level * step in a block, the nearest in a frame."""
     frame = int(np.floor(field.frame_height / field.unit * step + 0.5)) if field.frame.any() else 0
     return np.where(field.frame, frame, field.levels.astype(np.int64) * step).astype(np.uint16)

@@ -19,7 +19,7 @@ from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.formats.coloured import coloured_objs
 from rsegen.exporters.formats.columns import Column, columns
 from rsegen.exporters.gazebo.obj import material_name
-from rsegen.exporters.gazebo.sdf import encoded, numbers
+from rsegen.exporters.gazebo.sdf import numbers, utf8
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, StepField
@@ -52,8 +52,8 @@ class Mjcf(Format):
         """The map by its own name, the scene, and what the map is made of where that is not in it."""
         body = self._body(scene)
         return {
-            f"{scene.name}.xml": encoded(_map(scene, body)),
-            "scene.xml": encoded(_scene(scene)),
+            f"{scene.name}.xml": utf8(_map(scene, body)),
+            "scene.xml": utf8(_scene(scene)),
             **body.files,
         }
 
@@ -75,7 +75,7 @@ class _Body:
     assets: Iterable[str] = ()
     geoms: Iterable[str] = ()
     files: Mapping[str, Iterable[bytes]] = field(default_factory=dict)
-    touched: str = ""
+    collisions: str = ""
 
 
 def _boxes(scene: Scene) -> _Body:
@@ -90,16 +90,16 @@ def _meshes(scene: Scene) -> _Body:
     objs = coloured_objs(scene)
     named = {_material(scene, material): content for material, content in objs.items()}
     meshes = (f'    <mesh name="{name}" file="{name}.obj" inertia="shell"/>\n' for name in named)
-    seen = (
+    visuals = (
         f'      <geom type="mesh" mesh="{name}" material="{name}" contype="0" conaffinity="0" group="2"/>\n'
         for name in named
     )
-    touched = (_box(scene, column) for column in columns(scene.field))
+    collisions = (_box(scene, column) for column in columns(scene.field))
     return _Body(
         assets=chain(_materials(scene, objs), meshes),
-        geoms=chain(seen, touched),
+        geoms=chain(visuals, collisions),
         files={f"{name}.obj": content for name, content in named.items()},
-        touched=' group="3"',
+        collisions=' group="3"',
     )
 
 
@@ -152,7 +152,7 @@ def _map(scene: Scene, body: _Body) -> Iterator[str]:
 <mujoco model="{name}">
   <default>
     <default class="{name}">
-      <geom type="box" {_friction(scene.friction)}{body.touched}/>
+      <geom type="box" {_friction(scene.friction)}{body.collisions}/>
     </default>
   </default>
   <asset>
@@ -200,12 +200,12 @@ def _material(scene: Scene, material: int) -> str:
     return f"{scene.name}_{material_name(material)}"
 
 
-def _box(scene: Scene, column: Column, paint: str = "") -> str:
+def _box(scene: Scene, column: Column, material: str = "") -> str:
     """It has the map's friction by default."""
     friction = scene.friction_of(column.material)
     own = "" if friction == scene.friction else f" {_friction(friction)}"
     place = f'pos="{numbers(column.centre)}" size="{numbers(side / 2 for side in column.size)}"'
-    return f"      <geom {place}{own}{paint}/>\n"
+    return f"      <geom {place}{own}{material}/>\n"
 
 
 def _friction(sliding: float) -> str:

@@ -15,8 +15,8 @@ import numpy as np
 
 from rsegen.exporters.formats.base import MAT, Extra, Format, register
 from rsegen.exporters.formats.edges import COLUMNS, edges
-from rsegen.exporters.formats.encoded import as_json, facts, mat, north_up, npy, recipe_of
-from rsegen.exporters.formats.tags import Shape, peaks_and_pits, shapes
+from rsegen.exporters.formats.encoded import as_json, mat, metadata, north_up, npy, recipe_json
+from rsegen.exporters.formats.tags import ObstacleCells, obstacle_cells, peaks_and_pits
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Ints, Mask, StepField
@@ -78,7 +78,7 @@ class Posture(Format):
         field = scene.field
         limit = field.unit if self.climb_cm is None else self.climb_cm / 100
         peaks, pits = peaks_and_pits(field, limit)
-        return _Found(scene, limit, edges(field), tuple(shapes(scene)), peaks, pits)
+        return _Found(scene, limit, edges(field), tuple(obstacle_cells(scene)), peaks, pits)
 
     def _pose(self, field: StepField, side: int) -> dict[str, Json]:
         """Level with the map's middle, heading east: in the west of it at side -1, in the east at side 1."""
@@ -112,7 +112,7 @@ class Posture(Format):
         scene = found.scene
         plateaus = {tag: int(where.max()) + 1 for tag, where in (("peaks", found.peaks), ("pits", found.pits))}
         return {
-            **facts(scene),
+            **metadata(scene),
             "cells_per_block": self.per_block,
             "cell_m": scene.field.block_width / self.per_block,
             "raster": _RASTER,
@@ -126,7 +126,7 @@ class Posture(Format):
                 "recipe": [shape.entry() for shape in found.shapes],
                 "field": plateaus,
             },
-            "recipe": recipe_of(scene),
+            "recipe": recipe_json(scene),
         }
 
 
@@ -136,7 +136,7 @@ class _Found(NamedTuple):
     scene: Scene
     limit: float
     edges: Array
-    shapes: tuple[Shape, ...]
+    shapes: tuple[ObstacleCells, ...]
     peaks: Ints
     pits: Ints
 

@@ -35,7 +35,7 @@ class Ros2(Format):
             "launch/gazebo_sim.launch.py": _SIM.format(package=package, world=scene.name),
         }
         found = {path: [text.encode()] for path, text in texts.items()} | dict(_model(scene))
-        found[f"worlds/{scene.name}.world"] = sdf.encoded(sdf.world(scene, [_INCLUDE.format(name=scene.name)]))
+        found[f"worlds/{scene.name}.world"] = sdf.utf8(sdf.world(scene, [_INCLUDE.format(name=scene.name)]))
         return {f"{package}/{path}": content for path, content in found.items()}
 
 

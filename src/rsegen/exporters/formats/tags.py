@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics.regions import joined, neighbours
+from rsegen.field.metrics.regions import connected, neighbours
 from rsegen.field.obstacles.base import Shaped
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Ints, Mask, StepField
 from rsegen.params.places import Cell
@@ -25,7 +25,7 @@ from rsegen.recipe.building import placed
 _BLOCK, _FRAME, _GROUND = range(3)
 
 
-class Shape(NamedTuple):
+class ObstacleCells(NamedTuple):
     """A barrier or peak of the recipe: its number in the list, its kind, key and ends, and its cells (n_x, n_y).
 
     The ends count block cells with frames left out, as a recipe does. The cells are those where its own level is 1 or
@@ -45,7 +45,7 @@ class Shape(NamedTuple):
         return {**named, "first": list(self.first), "last": list(self.last), "cells": int(self.cells.sum())}
 
 
-def shapes(scene: Scene) -> Iterator[Shape]:
+def obstacle_cells(scene: Scene) -> Iterator[ObstacleCells]:
     """The barriers and peaks that the recipe names; none where it has a matrix or a random field alone."""
     field, recipe = scene.field, scene.recipe
     inside = np.ix_(field.inside(0), field.inside(1))
@@ -56,7 +56,7 @@ def shapes(scene: Scene) -> Iterator[Shape]:
             blocks[patch.window] = patch.footprint
             cells = np.zeros(field.shape, dtype=bool)
             cells[inside] = blocks
-            yield Shape(number, placement.obstacle.kind, placement.key or "", first, last, cells)
+            yield ObstacleCells(number, placement.obstacle.kind, placement.key or "", first, last, cells)
 
 
 def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
@@ -66,7 +66,7 @@ def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
     a, b = neighbours(tops.shape)
     height, kind = tops.ravel(), sort.ravel()
     alike = (height[a] == height[b]) & (kind[a] == kind[b])
-    plateau = joined(height.size, a[alike], b[alike])
+    plateau = connected(height.size, a[alike], b[alike])
     a, b = plateau[a[~alike]], plateau[b[~alike]]
     rise = round(limit * 10**NANOMETRE_DIGITS)
     peaks, pits = (

@@ -13,8 +13,8 @@ from typing import ClassVar
 from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.formats.coloured import coloured_objs
 from rsegen.exporters.gazebo.obj import material_name, mtl
-from rsegen.exporters.gazebo.sdf import encoded, numbers
-from rsegen.exporters.gazebo.shapes import parted
+from rsegen.exporters.gazebo.sdf import numbers, utf8
+from rsegen.exporters.gazebo.shapes import split_by_friction
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import StepField
@@ -38,7 +38,7 @@ class Urdf(Format):
         objs = coloured_objs(scene)
         meshes = {_mesh(scene, material): content for material, content in objs.items()}
         colours = {f"meshes/{scene.name}.mtl": mtl(scene)} if meshes else {}
-        return {f"{scene.name}.urdf": encoded(_robot(scene, objs)), **meshes, **colours}
+        return {f"{scene.name}.urdf": utf8(_robot(scene, objs)), **meshes, **colours}
 
 
 def _robot(scene: Scene, materials: Iterable[int]) -> Iterator[str]:
@@ -49,10 +49,10 @@ def _robot(scene: Scene, materials: Iterable[int]) -> Iterator[str]:
      In a ROS package, write package://PACKAGE/PATH/meshes/ for meshes/. -->
 <robot name="{scene.name}">
 """
-    seen = [_seen(scene, material) for material in materials]
-    for number, (friction, field) in enumerate(parted(scene, scene.field)):
+    visuals = [_visual(scene, material) for material in materials]
+    for number, (friction, field) in enumerate(split_by_friction(scene, scene.field)):
         name = f"{scene.name}_friction_{decimal(friction)}" if number else scene.name
-        yield from _link(name, friction, chain([] if number else seen, _touched(field)))
+        yield from _link(name, friction, chain([] if number else visuals, _collisions(field)))
         if number:
             yield _joint(scene.name, name)
     yield "</robot>\n"
@@ -78,7 +78,7 @@ def _joint(parent: str, child: str) -> str:
 """
 
 
-def _seen(scene: Scene, material: int) -> str:
+def _visual(scene: Scene, material: int) -> str:
     rgba = numbers((*scene.colour(material), 1))
     return f"""\
     <visual name="{material_name(material)}">
@@ -88,7 +88,7 @@ def _seen(scene: Scene, material: int) -> str:
 """
 
 
-def _touched(field: StepField) -> Iterator[str]:
+def _collisions(field: StepField) -> Iterator[str]:
     found = boxes(field)
     sizes, centres = found.high - found.low, (found.low + found.high) / 2
     for size, centre in zip(sizes.tolist(), centres.tolist(), strict=True):

@@ -12,8 +12,8 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.exporters.formats.base import Extra, Format, register
-from rsegen.exporters.formats.light import linear
 from rsegen.exporters.formats.solid import Solid, solid
+from rsegen.exporters.formats.srgb import srgb_to_linear
 from rsegen.exporters.gazebo.obj import material_name
 from rsegen.exporters.scene import Colour, Scene
 from rsegen.field.stepfield import Array
@@ -77,8 +77,8 @@ def _stage(scene: Scene) -> Any:
     found = solid(scene.field)
     if len(found.triangles):
         mesh = _mesh(root, scene, found)
-        _colour(root, scene, mesh, found)
-        _touch(root, scene, mesh, found)
+        _bind_colours(root, scene, mesh, found)
+        _add_physics(root, scene, mesh, found)
     return stage
 
 
@@ -95,7 +95,9 @@ def _mesh(root: Any, scene: Scene, found: Solid) -> Any:
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
     mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(_normals(found).astype(np.float32)))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.uniform)
-    colours = np.array([linear(scene.colour(kind)) for kind in range(int(found.materials.max()) + 1)], dtype=np.float32)
+    colours = np.array(
+        [srgb_to_linear(scene.colour(kind)) for kind in range(int(found.materials.max()) + 1)], dtype=np.float32
+    )
     shown = mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.uniform)
     shown.Set(Vt.Vec3fArray.FromNumpy(colours[found.materials]))
     return mesh
@@ -107,7 +109,7 @@ def _normals(found: Solid) -> Array:
     return np.sign(np.round(np.cross(second - first, third - first), 15)) + 0.0
 
 
-def _colour(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
+def _bind_colours(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
     """A subset of the faces for each material, bound to it."""
     from pxr import UsdGeom, UsdShade, Vt
 
@@ -115,7 +117,7 @@ def _colour(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
     for kind in np.unique(found.materials).tolist():
         faces = np.flatnonzero(found.materials == kind).astype(np.int32)
         subset = binding.CreateMaterialBindSubset(material_name(kind), Vt.IntArray.FromNumpy(faces))
-        material = _material(root, material_name(kind), linear(scene.colour(kind)))
+        material = _material(root, material_name(kind), srgb_to_linear(scene.colour(kind)))
         UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
     binding.SetMaterialBindSubsetsFamilyType(UsdGeom.Tokens.partition)
 
@@ -143,7 +145,7 @@ def _looks(root: Any) -> Any:
     return stage
 
 
-def _touch(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
+def _add_physics(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
     """What physics knows: a collider that is the triangles themselves, no rigid body, and the friction of each part."""
     from pxr import UsdPhysics, UsdShade
 
@@ -152,14 +154,14 @@ def _touch(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
     binding = UsdShade.MaterialBindingAPI(mesh.GetPrim())
     frictions = [scene.friction_of(kind) for kind in np.unique(found.materials).tolist()]
     whole = scene.friction if len(set(frictions)) > 1 else frictions[0]
-    binding.Bind(_rubbing(root, "friction", whole), materialPurpose="physics")
+    binding.Bind(_friction_material(root, "friction", whole), materialPurpose="physics")
     for subset, friction in zip(binding.GetMaterialBindSubsets(), frictions, strict=True):
         if friction != whole:
-            material = _rubbing(root, f"friction_{subset.GetPrim().GetName()}", friction)
+            material = _friction_material(root, f"friction_{subset.GetPrim().GetName()}", friction)
             UsdShade.MaterialBindingAPI(subset.GetPrim()).Bind(material, materialPurpose="physics")
 
 
-def _rubbing(root: Any, name: str, friction: float) -> Any:
+def _friction_material(root: Any, name: str, friction: float) -> Any:
     """A material of physics."""
     from pxr import UsdPhysics, UsdShade
 

@@ -26,10 +26,10 @@ class MeshType(Protocol):
     def files(self, scene: Scene) -> dict[str, Iterable[bytes]]:
         """The world, and whatever it needs beside it."""
 
-    def models(self, scene: Scene) -> int:
+    def model_count(self, scene: Scene) -> int:
         """How many models the world has."""
 
-    def collisions(self, scene: Scene) -> int:
+    def collision_count(self, scene: Scene) -> int:
         """How many shapes can be touched in it."""
 
 

@@ -10,8 +10,8 @@ from rsegen.exporters.scene import Colour, Scene
 
 VERSION = "1.6"
 
-HEAD = f'<?xml version="1.0"?>\n<!-- made by rsegen -->\n<sdf version="{VERSION}">\n'
-TAIL = "</sdf>\n"
+HEADER = f'<?xml version="1.0"?>\n<!-- made by rsegen -->\n<sdf version="{VERSION}">\n'
+FOOTER = "</sdf>\n"
 
 _WORLD = """\
   <world name="{name}">
@@ -51,9 +51,9 @@ _WORLD = """\
 def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
     """A world file: physics, light, a ground plane that reaches well beyond the map, and `models`."""
     side = max(100.0, 2 * max(scene.field.extent))
-    yield HEAD + _WORLD.format(name=scene.name, side=decimal(side), friction=_friction(scene.friction))
+    yield HEADER + _WORLD.format(name=scene.name, side=decimal(side), friction=_friction(scene.friction))
     yield from models
-    yield "  </world>\n" + TAIL
+    yield "  </world>\n" + FOOTER
 
 
 class Shape(NamedTuple):
@@ -64,7 +64,7 @@ class Shape(NamedTuple):
     name: str
     geometry: str
     centre: Sequence[float] = ()
-    paint: str = ""
+    material: str = ""
     friction: float = 1.0
 
 
@@ -78,7 +78,7 @@ def box(name: str, size: Iterable[float], centre: Sequence[float] = ()) -> Shape
     return Shape(name, f"<box><size>{numbers(size)}</size></box>", centre)
 
 
-def model(name: str, seen: Iterable[Shape], touched: Iterable[Shape], place: str = "0 0 0") -> Iterator[str]:
+def model(name: str, visuals: Iterable[Shape], collisions: Iterable[Shape], place: str = "0 0 0") -> Iterator[str]:
     """A static model of shapes to be seen and shapes to be touched, piece by piece; `place` is x, y and z, metres."""
     yield f"""\
     <model name="{name}">
@@ -86,10 +86,10 @@ def model(name: str, seen: Iterable[Shape], touched: Iterable[Shape], place: str
       <pose>{place} 0 0 0</pose>
       <link name="link">
 """
-    yield from _shapes(seen, touched)
+    yield from _shapes(visuals, collisions)
 
 
-def body(name: str, seen: Iterable[Shape], touched: Iterable[Shape]) -> Iterator[str]:
+def kinematic_model(name: str, visuals: Iterable[Shape], collisions: Iterable[Shape]) -> Iterator[str]:
     """The same as a body that nothing moves, for Gazebo Classic alone (decision 8)."""
     yield f"""\
     <model name="{name}">
@@ -101,12 +101,12 @@ def body(name: str, seen: Iterable[Shape], touched: Iterable[Shape]) -> Iterator
           <inertia><ixx>1000000</ixx><iyy>1000000</iyy><izz>1000000</izz></inertia>
         </inertial>
 """
-    yield from _shapes(seen, map(_lifted, touched))
+    yield from _shapes(visuals, map(_raised, collisions))
 
 
-def _shapes(seen: Iterable[Shape], touched: Iterable[Shape]) -> Iterator[str]:
-    yield from map(_touched, touched)
-    yield from map(_seen, seen)
+def _shapes(visuals: Iterable[Shape], collisions: Iterable[Shape]) -> Iterator[str]:
+    yield from map(_collision, collisions)
+    yield from map(_visual, visuals)
     yield "      </link>\n    </model>\n"
 
 
@@ -115,13 +115,13 @@ def numbers(values: Iterable[float]) -> str:
     return " ".join(map(decimal, values))
 
 
-def paint(colour: Colour) -> str:
+def material(colour: Colour) -> str:
     """A material of one colour."""
     rgba = numbers((*colour, 1))
     return f"<material><ambient>{rgba}</ambient><diffuse>{rgba}</diffuse></material>"
 
 
-def encoded(texts: Iterable[str]) -> Iterator[bytes]:
+def utf8(texts: Iterable[str]) -> Iterator[bytes]:
     """Text as bytes, piece by piece."""
     return (text.encode() for text in texts)
 
@@ -130,12 +130,12 @@ LIFT = 0.00001
 """Metres: a body that stood on the ground plane would touch it, at the foot of every wall and in every step."""
 
 
-def _lifted(shape: Shape) -> Shape:
+def _raised(shape: Shape) -> Shape:
     x, y, z = shape.centre or (0, 0, 0)
     return shape._replace(centre=(x, y, z + LIFT))
 
 
-def _touched(shape: Shape) -> str:
+def _collision(shape: Shape) -> str:
     """`kd` 1000 lets soft wheels roll over the seams between coplanar triangles, which ODE would take for bumps."""
     return f"""\
         <collision name="{shape.name}">{_pose(shape)}
@@ -148,10 +148,10 @@ def _touched(shape: Shape) -> str:
 """
 
 
-def _seen(shape: Shape) -> str:
+def _visual(shape: Shape) -> str:
     return f"""\
         <visual name="{shape.name}">{_pose(shape)}
-          <geometry>{shape.geometry}</geometry>{shape.paint and _LINE + shape.paint}
+          <geometry>{shape.geometry}</geometry>{shape.material and _LINE + shape.material}
         </visual>
 """
 

@@ -17,7 +17,7 @@ from rsegen.exporters.gazebo.obj import mtl, obj
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import StepField, Window
-from rsegen.geometry import Boxes, Mesh, boxes, meshes, single_boxes, windows
+from rsegen.geometry import Boxes, Mesh, box_per_block, boxes, meshes, split_window
 
 
 def mesh_files(scene: Scene, field: StepField, stem: str) -> dict[str, Iterable[bytes]]:
@@ -26,23 +26,23 @@ def mesh_files(scene: Scene, field: StepField, stem: str) -> dict[str, Iterable[
         f"meshes/{name}.obj": obj(meshes(field, scene.recipe.mesh, part), f"{scene.name}.mtl")
         for name, part in _parts(scene, field, stem)
     }
-    for each in _touched_meshes(scene, field, stem):
+    for each in _collision_meshes(scene, field, stem):
         if each.materials is not None:
             found[each.path] = obj(_of(each, scene, field), f"../{scene.name}.mtl")
     return found | ({f"meshes/{scene.name}.mtl": mtl(scene)} if found else {})
 
 
-def seen(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:
+def visuals(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:
     """The meshes as shapes; their URIs start with `root`."""
     names = [name for name, _ in _parts(scene, field, stem)]
     for shape, name in zip(_called("visual", len(names)), names, strict=True):
         yield sdf.mesh(shape, f"{root}meshes/{name}.obj")
 
 
-def touched(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:
+def collisions(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:
     """The same meshes, whole or cut by their friction, or boxes, as the recipe says."""
     if scene.recipe.collision == "mesh":
-        found = list(_touched_meshes(scene, field, stem))
+        found = list(_collision_meshes(scene, field, stem))
         for shape, each in zip(_called("collision", len(found)), found, strict=True):
             yield sdf.mesh(shape, root + each.path)._replace(friction=each.friction)
         return
@@ -53,20 +53,20 @@ def touched(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterat
             yield sdf.box(f"collision_{next(numbers)}", size, centre)._replace(friction=friction)
 
 
-def collisions(scene: Scene, field: StepField) -> int:
+def collision_count(scene: Scene, field: StepField) -> int:
     """How many shapes can be touched."""
     if scene.recipe.collision == "mesh":
-        return sum(1 for _ in _touched_meshes(scene, field, ""))
+        return sum(1 for _ in _collision_meshes(scene, field, ""))
     return sum(len(part) for _, part in _boxes(scene, field))
 
 
-def parted(scene: Scene, field: StepField) -> Iterator[tuple[float, StepField]]:
+def split_by_friction(scene: Scene, field: StepField) -> Iterator[tuple[float, StepField]]:
     """Every coefficient of friction in a field, and the field with nothing but what has it."""
     for friction, materials in scene.by_friction(field):
         yield friction, field if materials is None else field.only(materials)
 
 
-class _Touched(NamedTuple):
+class _CollisionMesh(NamedTuple):
     """A mesh file that is touched: its path, what part of a field is in it, and of which materials (None: of all)."""
 
     path: str
@@ -75,17 +75,17 @@ class _Touched(NamedTuple):
     materials: Sequence[int] | None
 
 
-def _touched_meshes(scene: Scene, field: StepField, stem: str) -> Iterator[_Touched]:
+def _collision_meshes(scene: Scene, field: StepField, stem: str) -> Iterator[_CollisionMesh]:
     """What is seen, or parts of it where it has several coefficients and is touched."""
     if scene.recipe.collision != "mesh":
         return
     for name, part in _parts(scene, field, stem):
         for friction, materials in scene.by_friction(field, part):
             cut = "" if materials is None else f"_friction_{decimal(friction)}"
-            yield _Touched(f"meshes/{'touched/' if cut else ''}{name}{cut}.obj", part, friction, materials)
+            yield _CollisionMesh(f"meshes/{'touched/' if cut else ''}{name}{cut}.obj", part, friction, materials)
 
 
-def _of(each: _Touched, scene: Scene, field: StepField) -> Iterator[Mesh]:
+def _of(each: _CollisionMesh, scene: Scene, field: StepField) -> Iterator[Mesh]:
     """The faces that have its materials."""
     for mesh in meshes(field, scene.recipe.mesh, each.part):
         yield mesh.part(np.isin(mesh.materials, each.materials or ()))
@@ -93,14 +93,14 @@ def _of(each: _Touched, scene: Scene, field: StepField) -> Iterator[Mesh]:
 
 def _boxes(scene: Scene, field: StepField) -> Iterator[tuple[float, Boxes]]:
     """Few boxes, or one a block, of each coefficient."""
-    cut = boxes if scene.recipe.collision == "boxes" else single_boxes
-    return ((friction, cut(part)) for friction, part in parted(scene, field))
+    cut = boxes if scene.recipe.collision == "boxes" else box_per_block
+    return ((friction, cut(part)) for friction, part in split_by_friction(scene, field))
 
 
 def _parts(scene: Scene, field: StepField, stem: str) -> Iterator[tuple[str, Window]]:
     """The name of every mesh and what part of the field is in it: all of it, or a tile that has anything in it."""
     tile = scene.recipe.tile
-    for part in windows(field.whole, tile or max(field.shape)):
+    for part in split_window(field.whole, tile or max(field.shape)):
         if field.stands(part):
             number = f"_{part[0].start // tile}_{part[1].start // tile}" if tile else ""
             yield f"{stem}{number}", part

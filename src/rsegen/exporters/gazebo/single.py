@@ -14,27 +14,27 @@ def files(scene: Scene) -> dict[str, Iterable[bytes]]:
     name = scene.name
     return {
         "model.config": [_config(name).encode()],
-        "model.sdf": sdf.encoded(chain([sdf.HEAD], _model(scene, f"model://{name}/"), [sdf.TAIL])),
-        f"{name}.world": sdf.encoded(sdf.world(scene, _model(scene))),
+        "model.sdf": sdf.utf8(chain([sdf.HEADER], _model(scene, f"model://{name}/"), [sdf.FOOTER])),
+        f"{name}.world": sdf.utf8(sdf.world(scene, _model(scene))),
         **shapes.mesh_files(scene, scene.field, name),
     }
 
 
-def models(scene: Scene) -> int:
+def model_count(scene: Scene) -> int:
     """One."""
     return 1
 
 
-def collisions(scene: Scene) -> int:
+def collision_count(scene: Scene) -> int:
     """Its mesh, or its tiles, or parts of one friction each, or its boxes."""
-    return shapes.collisions(scene, scene.field)
+    return shapes.collision_count(scene, scene.field)
 
 
 def _model(scene: Scene, root: str = "") -> Iterator[str]:
     """The map as a model; a recipe's URIs start with `root`."""
-    seen, touched = (shape(scene, scene.field, scene.name, root) for shape in (shapes.seen, shapes.touched))
-    model = sdf.body if scene.recipe.simulator == "classic" else sdf.model
-    return model(scene.name, seen, touched)
+    visuals, collisions = (shape(scene, scene.field, scene.name, root) for shape in (shapes.visuals, shapes.collisions))
+    model = sdf.kinematic_model if scene.recipe.simulator == "classic" else sdf.model
+    return model(scene.name, visuals, collisions)
 
 
 def _config(name: str) -> str:

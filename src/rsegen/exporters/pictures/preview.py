@@ -35,20 +35,20 @@ _AZIMUTH, _ELEVATION = np.radians(-62), np.radians(38)
 _LIT = {"top": 1.0, "x": 0.8, "y": 0.62}
 
 
-def picture(scene: Scene, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+def preview_image(scene: Scene, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
     """The picture as the bytes of a file."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(14, 6.6), dpi=100, layout="constrained")
     left, right = figure.subplots(1, 2)
     draw_plan(left, scene)
-    _view(right, scene)
-    _legend(figure, scene)
+    _draw_view(right, scene)
+    _draw_legend(figure, scene)
     figure.suptitle(_title(scene))
-    return saved(figure, scene, format)
+    return figure_bytes(figure, scene, format)
 
 
-def saved(figure: Figure, scene: Scene, format: str) -> bytes:  # noqa: A002  # matplotlib's word
+def figure_bytes(figure: Figure, scene: Scene, format: str) -> bytes:  # noqa: A002  # matplotlib's word
     """A figure about a map as the bytes of a file, which carries the map's recipe."""
     from matplotlib import rc_context
 
@@ -58,7 +58,7 @@ def saved(figure: Figure, scene: Scene, format: str) -> bytes:  # noqa: A002  # 
     return stream.getvalue()
 
 
-def saved_pages(figures: Iterable[Figure], scene: Scene) -> bytes:
+def pdf_bytes(figures: Iterable[Figure], scene: Scene) -> bytes:
     """Figures about a map as the pages of a PDF, which carries the map's recipe."""
     from matplotlib.backends.backend_pdf import PdfPages
 
@@ -69,7 +69,7 @@ def saved_pages(figures: Iterable[Figure], scene: Scene) -> bytes:
     return stream.getvalue()
 
 
-def picture_format(path: Path) -> str:
+def image_format(path: Path) -> str:
     """The format that a file's name asks for, or a FileError that lists the known ones."""
     name = path.suffix.lower().removeprefix(".").replace("jpeg", "jpg")
     if name not in FORMATS:
@@ -106,7 +106,7 @@ def _write_heights(axes: Axes, scene: Scene, colours: Array) -> None:
         axes.text(middle_x[i], middle_y[j], text, ha="center", va="center", fontsize=size, color=ink)
 
 
-def _view(axes: Axes, scene: Scene) -> None:
+def _draw_view(axes: Axes, scene: Scene) -> None:
     """From the south-east, above."""
     from matplotlib.collections import PolyCollection
 
@@ -120,7 +120,7 @@ def _view(axes: Axes, scene: Scene) -> None:
     axes.set_axis_off()
     how = f" (each column the highest of {factor} x {factor} cells)" if factor > 1 else ""
     axes.set_title(f"seen from the south-east{how}")
-    _arrows(axes, scene)
+    _draw_axes(axes, scene)
 
 
 def _polygons(heights: Array, colours: Array, width: float) -> tuple[Array, Array]:
@@ -136,7 +136,7 @@ def _polygons(heights: Array, colours: Array, width: float) -> tuple[Array, Arra
         "x": ((x1, y0, east), (x1, y1, east), (x1, y1, top), (x1, y0, top)),
         "y": ((x0, y0, south), (x1, y0, south), (x1, y0, top), (x0, y0, top)),
     }
-    shapes = np.stack([np.stack([_projected(*corner) for corner in corners], axis=1) for corners in faces.values()], 1)
+    shapes = np.stack([np.stack([_project(*corner) for corner in corners], axis=1) for corners in faces.values()], 1)
     lit = np.stack([_level_ground_is_grey(colours[i, j], top) * _LIT[face] for face in faces], axis=1)
     seen = np.stack([np.ones(len(i), dtype=bool), east < top, south < top], axis=1)
     return shapes[seen], lit[seen]
@@ -146,26 +146,26 @@ def _level_ground_is_grey(colours: Array, top: Array) -> Array:
     return np.where(top[:, None] > 0, colours, 0.86)
 
 
-def _projected(x: Array, y: Array, z: Array) -> Array:
+def _project(x: Array, y: Array, z: Array) -> Array:
     """Places in the picture's plane, seen without perspective."""
     across = -x * np.sin(_AZIMUTH) + y * np.cos(_AZIMUTH)
     away = -x * np.cos(_AZIMUTH) - y * np.sin(_AZIMUTH)
     return np.stack([across, z * np.cos(_ELEVATION) + away * np.sin(_ELEVATION)], axis=-1)
 
 
-def _arrows(axes: Axes, scene: Scene) -> None:
+def _draw_axes(axes: Axes, scene: Scene) -> None:
     """x and y, from the corner of smallest x and y."""
     corner = np.array([-side / 2 for side in scene.field.extent])
     length = max(scene.field.extent) / 4
     for name, along in (("x", (1, 0)), ("y", (0, 1))):
         start = corner - 0.06 * np.array(scene.field.extent)
         end = start + length * np.array(along)
-        points = _projected(*np.array([[*start, 0], [*end, 0]]).T)
+        points = _project(*np.array([[*start, 0], [*end, 0]]).T)
         text = axes.annotate(name, xy=points[0], xytext=points[1], arrowprops={"arrowstyle": "<-"})
         text.set(ha="center", va="center", annotation_clip=False)
 
 
-def _legend(figure: Figure, scene: Scene) -> None:
+def _draw_legend(figure: Figure, scene: Scene) -> None:
     """A swatch for every height that the map has, up to 24 of them."""
     from matplotlib.patches import Patch
 

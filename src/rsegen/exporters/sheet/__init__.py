@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rsegen.errors import FileError, ParameterError, UnknownName
-from rsegen.exporters.pictures.preview import saved_pages
+from rsegen.exporters.pictures.preview import pdf_bytes
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.cutting import CutSettings
 from rsegen.exporters.sheet.listing import listing
-from rsegen.exporters.sheet.order import in_order
+from rsegen.exporters.sheet.order import building_order
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def sheet(
     refuse_unbuildable(scene.recipe, saw)
     if format == "csv":
         return "".join(listing(scene, saw)).encode()
-    return saved_pages(_told(pages(scene, saw), progress), scene)
+    return pdf_bytes(_told(pages(scene, saw), progress), scene)
 
 
 def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
@@ -57,7 +57,7 @@ def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
     from rsegen.exporters.sheet.page import Page
     from rsegen.exporters.sheet.pallet_page import draw_pallet
 
-    pallets = in_order(scene)
+    pallets = building_order(scene)
     page = Page()
     draw_overview(page, scene, pallets, saw)
     yield page.figure

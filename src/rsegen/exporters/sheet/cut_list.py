@@ -8,7 +8,7 @@ from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.cutting import centimetres
 from rsegen.exporters.sheet.order import length
 from rsegen.exporters.sheet.page import GREY, ROW, Page
-from rsegen.exporters.sheet.plan import EMPTY
+from rsegen.exporters.sheet.plan_view import EMPTY
 from rsegen.field.stepfield import StepField
 
 COLUMN = 82.0

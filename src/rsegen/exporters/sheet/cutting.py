@@ -53,16 +53,16 @@ class Pattern:
     parts: tuple[tuple[int, int], ...]
     room: int
 
-    def offcut(self, saw: CutSettings) -> int:
+    def offcut(self, settings: CutSettings) -> int:
         """What is left of a piece, nanometres."""
-        return max(0, self.room - saw.kerf)
+        return max(0, self.room - settings.kerf)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CuttingPlan:
     """How the blocks are sawn; lengths in nanometres."""
 
-    saw: CutSettings
+    settings: CutSettings
     patterns: Sequence[Pattern]
 
     @property
@@ -78,12 +78,12 @@ class CuttingPlan:
     @property
     def offcuts(self) -> int:
         """What is left over of all pieces."""
-        return sum(pattern.pieces * pattern.offcut(self.saw) for pattern in self.patterns)
+        return sum(pattern.pieces * pattern.offcut(self.settings) for pattern in self.patterns)
 
     @property
-    def sawdust(self) -> int:
+    def kerf_loss(self) -> int:
         """What the saw takes away."""
-        return self.pieces * self.saw.stock - self.timber - self.offcuts
+        return self.pieces * self.settings.stock - self.timber - self.offcuts
 
 
 def nanometres(length_cm: float) -> int:
@@ -96,15 +96,15 @@ def centimetres(length: int) -> str:
     return decimal(length / 1e7)
 
 
-def plan_cuts(counts: Mapping[int, int], saw: CutSettings) -> CuttingPlan:
+def plan_cuts(counts: Mapping[int, int], settings: CutSettings) -> CuttingPlan:
     """So many parts of each length [nm], first fit decreasing: the longest first, each into the first with room."""
     patterns: list[Pattern] = []
     for length in sorted(counts, reverse=True):
-        saw.check(length / 1e7)
-        fresh = Pattern(pieces=counts[length], parts=(), room=saw.stock + saw.kerf)
-        filled = _filled([*patterns, fresh], length, counts[length], saw.kerf)
+        settings.check(length / 1e7)
+        fresh = Pattern(pieces=counts[length], parts=(), room=settings.stock + settings.kerf)
+        filled = _filled([*patterns, fresh], length, counts[length], settings.kerf)
         patterns = [pattern for pattern in filled if pattern.parts]
-    return CuttingPlan(saw=saw, patterns=tuple(patterns))
+    return CuttingPlan(settings=settings, patterns=tuple(patterns))
 
 
 def _filled(patterns: Sequence[Pattern], length: int, count: int, kerf: int) -> Iterator[Pattern]:

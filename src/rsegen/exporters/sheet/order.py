@@ -19,7 +19,7 @@ from rsegen.params.places import Cell
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Numbered:
+class NumberedPallet:
     """A pallet with its place in the order of building, from 1, its name and its first cell in cells of the map."""
 
     number: int
@@ -33,12 +33,12 @@ class Numbered:
         return self.pallet.field.blocks
 
 
-def in_order(scene: Scene) -> tuple[Numbered, ...]:
+def building_order(scene: Scene) -> tuple[NumberedPallet, ...]:
     """The pallets of a map in the order of building."""
     side = scene.recipe.chunk_size
     pallets = sorted(scene.field.pallets(side), key=lambda pallet: (-pallet.chunk[1], pallet.chunk[0]))
     return tuple(
-        Numbered(
+        NumberedPallet(
             number=number,
             name=name(pallet.chunk),
             corner=(pallet.chunk[0] * side, pallet.chunk[1] * side),
@@ -57,14 +57,14 @@ def name(chunk: Cell) -> str:
     return f"{letters}{chunk[1] + 1}"
 
 
-def placing(levels: Levels) -> Ints:
+def placing_order(levels: Levels) -> Ints:
     """When each block is placed, from 1, shape (n_x, n_y); 0 where there is none."""
     as_read = levels.T[::-1]
     order = np.where(as_read > 0, np.cumsum(as_read > 0).reshape(as_read.shape), 0)
     return order[::-1].T
 
 
-def lengths(field: StepField) -> Mapping[int, int]:
+def length_counts(field: StepField) -> Mapping[int, int]:
     """How many blocks there are of each length [nm], the shortest first."""
     counts = Counter({length(level, field): count for level, count in field.level_counts().items() if level})
     return dict(counts)

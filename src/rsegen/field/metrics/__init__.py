@@ -8,13 +8,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rsegen.errors import ParameterError
-from rsegen.field.metrics.opening import Opening, opening
-from rsegen.field.metrics.reach import Crossing, Reach, reach
+from rsegen.field.metrics.percolation import Percolation, percolation
 from rsegen.field.metrics.robot_limits import RobotLimits
 from rsegen.field.metrics.ruggedness import Ruggedness, ruggedness
 from rsegen.field.metrics.scale import Scale, scale
 from rsegen.field.metrics.spread import Spread, spread
 from rsegen.field.metrics.steps import Steps, steps
+from rsegen.field.metrics.traversability import Crossing, Traversability, traversability
 from rsegen.field.stepfield import StepField
 
 
@@ -26,8 +26,8 @@ class Metrics:
     steps: Steps
     scale: Scale
     ruggedness: Ruggedness
-    opening: Opening
-    reach: Reach | None = None
+    opening: Percolation
+    reach: Traversability | None = None
 
 
 Climber = RobotLimits
@@ -43,8 +43,8 @@ def metrics(field: StepField, climber: RobotLimits | None = None) -> Metrics:
         steps=steps(field),
         scale=scale(field),
         ruggedness=ruggedness(field),
-        opening=opening(field, climber.width if climber else 0.0),
-        reach=reach(field, climber) if climber else None,
+        opening=percolation(field, climber.width if climber else 0.0),
+        reach=traversability(field, climber) if climber else None,
     )
 
 
@@ -52,12 +52,12 @@ __all__ = [
     "Climber",
     "Crossing",
     "Metrics",
-    "Opening",
-    "Reach",
+    "Percolation",
     "RobotLimits",
     "Ruggedness",
     "Scale",
     "Spread",
     "Steps",
+    "Traversability",
     "metrics",
 ]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.metrics.robot_limits import NANOMETRES, cells_aside
+from rsegen.field.metrics.robot_limits import NANOMETRES, cells_to_each_side
 from rsegen.field.stepfield import Ints, Mask, StepField
 
 Heights = NDArray[np.int64]
@@ -35,13 +35,13 @@ class Ground(NamedTuple):
 
 def ground(field: StepField, width: float) -> Ground:
     """Of every cell, frames too: what carries a robot of that width in metres whose middle is there."""
-    heights = _widened(_heights(field), cells_aside(field, width))
+    heights = _widened(_heights(field), cells_to_each_side(field, width))
     return Ground(heights, rows=field.inside(1), columns=field.inside(0))
 
 
 def lane(field: StepField, width: float, axis: int) -> Ground:
     """The same with the level ground before and behind the field along an axis, which becomes the first."""
-    margin = cells_aside(field, width) + 1
+    margin = cells_to_each_side(field, width) + 1
     heights = _heights(field) if axis == 0 else _heights(field).T
     widened = _widened(np.pad(heights, ((margin, margin), (0, 0))), margin - 1)
     columns = np.pad(field.inside(axis), margin, constant_values=True)

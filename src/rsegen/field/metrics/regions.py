@@ -18,7 +18,7 @@ def neighbours(shape: tuple[int, ...]) -> tuple[Ints, Ints]:
     return low, high
 
 
-def joined(nodes: int, a: Ints, b: Ints) -> Ints:
+def connected(nodes: int, a: Ints, b: Ints) -> Ints:
     """For each node the smallest of those that edges a - b join it to.
 
     Every root hooks on to the smallest one beside it, and all point to their roots again, until no edge is between two.
@@ -35,14 +35,14 @@ def joined(nodes: int, a: Ints, b: Ints) -> Ints:
             root = above
 
 
-def mutual(nodes: int, a: Ints, b: Ints, onward: Mask, back: Mask) -> Ints:
+def strongly_connected(nodes: int, a: Ints, b: Ints, onward: Mask, back: Mask) -> Ints:
     """For each node a number that it shares with those that it can reach and that can reach it.
 
     Edges lead from a to b where `onward`, from b to a where `back`. Those that lead both ways join nodes at once; among
     what they join, one-way edges may close a ring.
     """
     both, either = onward & back, onward != back
-    labels, place = np.unique(joined(nodes, a[both], b[both]), return_inverse=True)
+    labels, place = np.unique(connected(nodes, a[both], b[both]), return_inverse=True)
     tails, heads = (place[np.where(onward, first, second)[either]] for first, second in ((a, b), (b, a)))
     tails, heads = _in_rings(len(labels), tails, heads)
     used, ends = np.unique(np.concatenate([tails, heads]), return_inverse=True)
@@ -63,7 +63,7 @@ def _in_rings(nodes: int, tails: Ints, heads: Ints) -> tuple[Ints, Ints]:
 
 def _strong(nodes: int, tails: Ints, heads: Ints) -> list[int]:
     """For each node one node of its strongly connected component (Tarjan 1972, without recursion)."""
-    onward = _followed(nodes, tails, heads)
+    onward = _successors(nodes, tails, heads)
     number, low, group = [0] * nodes, [0] * nodes, [0] * nodes
     seen, open_, way = 0, list[int](), list[int]()
     for root in range(nodes):
@@ -81,13 +81,13 @@ def _strong(nodes: int, tails: Ints, heads: Ints) -> list[int]:
             else:
                 way.pop()
                 if low[node] == number[node]:
-                    _close(node, open_, group, low)
+                    _pop_component(node, open_, group, low)
                 elif way:
                     low[way[-1]] = min(low[way[-1]], low[node])
     return group
 
 
-def _followed(nodes: int, tails: Ints, heads: Ints) -> list[Iterator[int]]:
+def _successors(nodes: int, tails: Ints, heads: Ints) -> list[Iterator[int]]:
     """For each node those that its edges lead to."""
     order = np.argsort(tails, kind="stable")
     starts = np.searchsorted(tails[order], np.arange(nodes + 1)).tolist()
@@ -95,7 +95,7 @@ def _followed(nodes: int, tails: Ints, heads: Ints) -> list[Iterator[int]]:
     return [iter(ahead[start:stop]) for start, stop in pairwise(starts)]
 
 
-def _close(node: int, open_: list[int], group: list[int], low: list[int]) -> None:
+def _pop_component(node: int, open_: list[int], group: list[int], low: list[int]) -> None:
     """A component is whole: all that was opened since its first node; nothing else looks low through it any more."""
     while True:
         last = open_.pop()

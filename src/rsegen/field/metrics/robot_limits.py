@@ -52,7 +52,7 @@ class RobotLimits:
         return self.width_cm / 100
 
 
-def cells_aside(field: StepField, width: float) -> int:
+def cells_to_each_side(field: StepField, width: float) -> int:
     """How many cells lie under a robot of that width to each side of its middle, which is on a cell's middle."""
     aside = np.ceil(round((width / field.block_width - 1) / 2, 6))
     return int(np.clip(aside, 0, max(field.shape)))

@@ -47,7 +47,7 @@ class Obstacle(ABC):
     """One entry of a recipe's list, without its place."""
 
     kind: ClassVar[str]
-    unplaced: ClassVar[str] = "place left to chance"
+    default_place: ClassVar[str] = "place left to chance"
     """What it means that a recipe gives no place."""
 
     max_height: Annotated[
@@ -72,7 +72,7 @@ class Obstacle(ABC):
     def check(self, first: Place, last: Place) -> None:  # noqa: B027  # most kinds lie anywhere
         """Raise a ParameterError where this kind cannot lie between these two places."""
 
-    def check_room(self, grid: Grid, first: Place | None, last: Place | None) -> None:  # noqa: B027  # most kinds fit
+    def check_size(self, grid: Grid, first: Place | None, last: Place | None) -> None:  # noqa: B027  # most kinds fit
         """Raise a ParameterError where this kind is too large for its place in a map."""
 
     def default_ends(self, grid: Grid) -> tuple[Place, Place]:
@@ -124,7 +124,7 @@ class Region(Obstacle):
     """A random kind: every cell of the rectangle first..last, by default of the whole map."""
 
     __slots__ = ()
-    unplaced: ClassVar[str] = "on the whole map"
+    default_place: ClassVar[str] = "on the whole map"
 
     def default_ends(self, grid: Grid) -> tuple[Place, Place]:
         """Two opposite corners of the map."""

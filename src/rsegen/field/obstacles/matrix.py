@@ -10,7 +10,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError, shown
 from rsegen.field.obstacles.base import Grid, Obstacle, Patch, register
-from rsegen.field.obstacles.span import side
+from rsegen.field.obstacles.random_ends import random_ends
 from rsegen.field.stepfield import Ints
 from rsegen.params.places import ANYWHERE, Cell, Place
 from rsegen.params.sorts import Json, as_int
@@ -68,7 +68,7 @@ class Matrix(Obstacle):
     """Given levels, a cell each, or stretched over the rectangle first..last; softness scales it down."""
 
     kind: ClassVar[str] = "matrix"
-    unplaced: ClassVar[str] = "in its own size, from the corner 0, 0"
+    default_place: ClassVar[str] = "in its own size, from the corner 0, 0"
 
     rows: Annotated[
         tuple[str, ...], Rows(help="levels of its cells, the top row the largest y; a dot leaves a cell as it is")
@@ -99,7 +99,7 @@ class Matrix(Obstacle):
         n_x, n_y = self.size
         return np.fromstring(text, dtype=np.int32, sep=" ").reshape(n_y, n_x)[::-1].T
 
-    def check_room(self, grid: Grid, first: Place | None, last: Place | None) -> None:
+    def check_size(self, grid: Grid, first: Place | None, last: Place | None) -> None:
         """In its own size it must end on the map."""
         for axis, (own, cells) in enumerate(zip(self.size, grid.shape, strict=True)):
             start = (first or (0, 0))[axis]
@@ -116,7 +116,8 @@ class Matrix(Obstacle):
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """What is left to chance makes a rectangle of its own size inside the map."""
         (x1, x2), (y1, y2) = (
-            side(a, b, own - 1, cells, rng) for a, b, own, cells in zip(first, last, self.size, grid.shape, strict=True)
+            random_ends(a, b, own - 1, cells, rng)
+            for a, b, own, cells in zip(first, last, self.size, grid.shape, strict=True)
         )
         return (x1, y1), (x2, y2)
 

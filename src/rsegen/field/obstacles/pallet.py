@@ -9,8 +9,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles.arranged import arranged
 from rsegen.field.obstacles.base import Grid, Obstacle, Patch, register
+from rsegen.field.obstacles.rearranged import rearranged
 from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.params.places import Cell, Place
 from rsegen.params.sorts import Choice, Integer, ListOf
@@ -25,7 +25,7 @@ class Pallet(Obstacle):
     """Pallets of posts in one of NIST's patterns, flat, hill or diagonal, one for each chunk."""
 
     kind: ClassVar[str] = "pallet"
-    unplaced: ClassVar[str] = "on every chunk"
+    default_place: ClassVar[str] = "on every chunk"
 
     pattern: Annotated[
         tuple[str, ...],
@@ -84,7 +84,7 @@ class Pallet(Obstacle):
             cells = np.flatnonzero(drawn & (zones == zone))
             levels.flat[cells[np.argsort(rng.random(len(cells)), kind="stable")]] = _shared(len(cells), wanted)
         zones = np.where(drawn & (zones > 0), zones, -1)
-        orders = (arranged(levels, most, rng, zones) for most in range(limit, top + 1))
+        orders = (rearranged(levels, most, rng, zones) for most in range(limit, top + 1))
         found = next(order for order in orders if order is not None)  # small pallets of many levels have higher steps
         return np.asarray(np.where(drawn, found, _mirrored(pattern, found)))
 

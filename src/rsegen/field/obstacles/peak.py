@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from rsegen.field.obstacles.base import Grid, Shaped, register
-from rsegen.field.obstacles.span import side
+from rsegen.field.obstacles.random_ends import random_ends
 from rsegen.field.stepfield import Array
 from rsegen.params.places import Cell, Place
 from rsegen.params.streams import randint
@@ -48,6 +48,7 @@ class Peak(Shaped):
         given = [abs(a - b) for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
         span = given[0] if given else randint(rng, (grid.chunk_size + 1) // 2, grid.chunk_size) - 1
         (x1, x2), (y1, y2) = (
-            side(a, b, min(span, cells - 1), cells, rng) for a, b, cells in zip(first, last, grid.shape, strict=True)
+            random_ends(a, b, min(span, cells - 1), cells, rng)
+            for a, b, cells in zip(first, last, grid.shape, strict=True)
         )
         return (x1, y1), (x2, y2)

@@ -10,8 +10,8 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.obstacles.arranged import arranged
 from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Region, register
+from rsegen.field.obstacles.rearranged import rearranged
 from rsegen.field.stepfield import Array, Levels
 from rsegen.params.places import Cell, Place
 from rsegen.params.sorts import Float, Integer, Json, parse_int
@@ -94,11 +94,11 @@ class Random(Region):
         if self.counts is not None and (self.weights is not None or self.softness):
             raise ParameterError("counts", "say how many blocks there are of each level; give no weights or softness")
 
-    def check_room(self, grid: Grid, first: Place | None, last: Place | None) -> None:
+    def check_size(self, grid: Grid, first: Place | None, last: Place | None) -> None:
         """Blocks that are counted need a region of just so many cells."""
         if self.counts is None:
             return
-        low, high = (given or usual for given, usual in zip((first, last), self.default_ends(grid), strict=True))
+        low, high = (given or default for given, default in zip((first, last), self.default_ends(grid), strict=True))
         if "random" in (*low, *high):
             raise ParameterError("counts", "need a region of a known size; give first and last")
         cells = math.prod(abs(a - b) + 1 for a, b in zip(low, high, strict=True))  # type: ignore[operator]  # no "random"
@@ -114,7 +114,7 @@ class Random(Region):
             return patch
         levels = patch.levels if self.counts is None else self._shuffled(patch.levels.shape, rng)
         if self.max_step is not None:
-            order = arranged(levels, self.max_step, rng)
+            order = rearranged(levels, self.max_step, rng)
             if order is None:
                 raise ParameterError(
                     "max_step", f"{self.max_step}: no order of these blocks was found; give more, or more middle levels"

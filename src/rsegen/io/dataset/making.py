@@ -20,7 +20,7 @@ from typing import Protocol, TextIO
 import numpy as np
 
 from rsegen.errors import OutputError, ParameterError
-from rsegen.field.metrics.many import many
+from rsegen.field.metrics.batch import batch_metrics
 from rsegen.field.stepfield import Levels
 from rsegen.io.dataset.checking import measured
 from rsegen.io.dataset.cluster import dask, on_cluster
@@ -124,7 +124,7 @@ class Order:
         layout, names = self.layout, self.layout.names(number)
         levels, parts = self._levels(number), {}
         if layout.metrics != "none":
-            content = table(layout.metrics, layout.indices(number), many(levels, layout.like))
+            content = table(layout.metrics, layout.indices(number), batch_metrics(levels, layout.like))
             parts["metrics"] = self._written(names["metrics"], content)
         return Shard(number=number, parts={"levels": self._written(names["levels"], npy(levels)), **parts})
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.errors import DatasetDamaged
-from rsegen.field.metrics.many import many
+from rsegen.field.metrics.batch import batch_metrics
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.io.dataset.checking import drawn, refuse_other_checksums, refuse_other_sizes
 from rsegen.io.dataset.layout import ROW, Layout
@@ -152,7 +152,10 @@ class Dataset:
         maps, name = self.layout.indices(number), self.layout.names(number).get("metrics")
         if name is None:
             places = self.layout.places(number)
-            return {"map": np.array(maps, dtype=np.int64), **many(self[places.start : places.stop], self.layout.like)}
+            return {
+                "map": np.array(maps, dtype=np.int64),
+                **batch_metrics(self[places.start : places.stop], self.layout.like),
+            }
         if self.layout.metrics == "parquet":
             return read_parquet(self.folder / name, len(maps))
         rows = mapped(self.folder / name, (len(maps),), ROW)

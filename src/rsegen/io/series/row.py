@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics.opening import opening
+from rsegen.field.metrics.percolation import percolation
 from rsegen.field.metrics.spread import spread
 from rsegen.field.metrics.steps import steps
 from rsegen.field.stepfield import NANOMETRE_DIGITS
@@ -38,7 +38,7 @@ class Row:
 
 def measured(number: int, difficulty: float, scene: Scene, asked: float, full: float | None) -> Row:
     """The row of a map."""
-    own, ways = steps(scene.field), opening(scene.field)
+    own, ways = steps(scene.field), percolation(scene.field)
     return Row(
         number=number,
         map=scene.name,

@@ -7,23 +7,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.field.metrics.ground import Ground, lane
-from rsegen.field.metrics.regions import joined
+from rsegen.field.metrics.regions import connected
 from rsegen.field.metrics.robot_limits import NANOMETRES
 from rsegen.field.stepfield import StepField
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Opening:
+class Percolation:
     """The minimax step, metres: over all ways from side to side the least of their highest steps, up or down."""
 
     west_east: float
     south_north: float
 
 
-def opening(field: StepField, width: float = 0.0) -> Opening:
+def percolation(field: StepField, width: float = 0.0) -> Percolation:
     """Where a field opens for robots of a width in metres, from the level ground on one side to that on the other."""
     west_east, south_north = (_minimax(lane(field, width, axis)) / NANOMETRES for axis in (0, 1))
-    return Opening(west_east=west_east, south_north=south_north)
+    return Percolation(west_east=west_east, south_north=south_north)
 
 
 def _minimax(ground: Ground) -> int:
@@ -33,7 +33,7 @@ def _minimax(ground: Ground) -> int:
     first, last, limits = 0, heights.size - 1, np.unique(steps)
     while len(limits) > 1:
         limit = limits[(len(limits) - 1) // 2]
-        root = joined(heights.size, low[steps <= limit], high[steps <= limit])
+        root = connected(heights.size, low[steps <= limit], high[steps <= limit])
         opens = root[first] == root[last]
         limits = limits[limits <= limit] if opens else limits[limits > limit]
         if not opens:

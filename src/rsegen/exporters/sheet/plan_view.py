@@ -17,7 +17,7 @@ _MARKED = 0.28
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Plan:
+class PlanView:
     """A field on a page: where the upper left corner of its first column is, and the side of a cell, millimetres."""
 
     page: Page

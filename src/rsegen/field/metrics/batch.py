@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.metrics.opening import opening
+from rsegen.field.metrics.percolation import percolation
 from rsegen.field.metrics.robot_limits import NANOMETRES
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 
@@ -35,13 +35,13 @@ COLUMNS = (
 LARGE = 10_000
 """Cells of a map, frames counted, from which on it opens sooner by itself: measured on random maps."""
 
-_WAYS = ("west_east", "south_north")
+_DIRECTIONS = ("west_east", "south_north")
 
 Table = Mapping[str, NDArray[np.float32]]
 """A column of one figure a map for each of COLUMNS."""
 
 
-def many(levels: Ints, like: StepField) -> Table:
+def batch_metrics(levels: Ints, like: StepField) -> Table:
     """The metrics of maps whose block levels are (maps, n_x, n_y), and that have all else in common with `like`."""
     exact = np.int64 if levels.itemsize > 1 else np.int32
     blocks: Ints = np.ascontiguousarray(np.moveaxis(levels, 0, -1), dtype=exact)
@@ -107,13 +107,13 @@ def _opening(whole: Ints, like: StepField) -> dict[str, Array]:
     """
     if like.frame.size > LARGE:
         fields = (replace(like, levels=whole[:, :, k].astype(np.int16)) for k in range(whole.shape[2]))
-        each = [opening(field) for field in fields]
-        return {f"opening.{name}": np.array([getattr(one, name) for one in each]) for name in _WAYS}
+        each = [percolation(field) for field in fields]
+        return {f"opening.{name}": np.array([getattr(one, name) for one in each]) for name in _DIRECTIONS}
     heights, unit = _heights(whole, like)
     along = ((heights, like.frame), (heights.swapaxes(0, 1), like.frame.T))
     return {
         f"opening.{name}": np.asarray(_minimax(*of) * (unit / NANOMETRES))
-        for name, of in zip(_WAYS, along, strict=True)
+        for name, of in zip(_DIRECTIONS, along, strict=True)
     }
 
 

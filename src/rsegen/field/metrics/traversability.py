@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.field.metrics.ground import ground, lane
-from rsegen.field.metrics.regions import mutual
+from rsegen.field.metrics.paths import UNREACHABLE, cheapest_paths
+from rsegen.field.metrics.regions import strongly_connected
 from rsegen.field.metrics.robot_limits import NANOMETRES, RobotLimits
 from rsegen.field.metrics.steps import steps
-from rsegen.field.metrics.ways import FAR, ways
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 
 
@@ -36,7 +36,7 @@ class Crossing:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Reach:
+class Traversability:
     """What a robot can do.
 
     climbable, droppable: share of the steps between blocks that it gets up, and down; None where there are none
@@ -55,11 +55,11 @@ class Reach:
         self.region.setflags(write=False)
 
 
-def reach(field: StepField, climber: RobotLimits) -> Reach:
+def traversability(field: StepField, climber: RobotLimits) -> Traversability:
     """What a robot can do on a field, of which the frames count: they are in its way, though not where it stays."""
     climbable, droppable = (_share_within(field, limit / NANOMETRES) for limit in climber.limits)
     region = _largest_region(field, climber)
-    return Reach(
+    return Traversability(
         climber=climber,
         climbable=climbable,
         droppable=droppable,
@@ -81,21 +81,21 @@ def _largest_region(field: StepField, climber: RobotLimits) -> Mask:
     (low, high), (climb, drop) = carrying.moves(), climber.limits
     rise = carrying.heights.flat[high] - carrying.heights.flat[low]
     onward, back = (rise <= climb) & (-rise <= drop), (-rise <= climb) & (rise <= drop)
-    group = mutual(field.levels.size, low, high, onward, back).reshape(field.shape)
+    group = strongly_connected(field.levels.size, low, high, onward, back).reshape(field.shape)
     return np.asarray(~field.frame & (group == np.bincount(group[~field.frame]).argmax()))
 
 
 def crossing(field: StepField, climber: RobotLimits, axis: int) -> Crossing:
     """Along x for axis 0, along y for axis 1, which is then the first one until the end."""
     carrying = lane(field, climber.width, axis)
-    found = ways(carrying, round(field.block_width * NANOMETRES), climber.limits)
+    found = cheapest_paths(carrying, round(field.block_width * NANOMETRES), climber.limits)
     margin = (len(found.costs) - field.shape[axis]) // 2
-    costs = np.where(found.costs == FAR, np.inf, found.costs / NANOMETRES)[margin:-margin]
+    costs = np.where(found.costs == UNREACHABLE, np.inf, found.costs / NANOMETRES)[margin:-margin]
     costs = costs if axis == 0 else costs.T
     end = int(found.costs[-1].argmin())
-    if (cost := int(found.costs[-1, end])) == FAR:
+    if (cost := int(found.costs[-1, end])) == UNREACHABLE:
         return _no_crossing(costs)
-    path = found.to(found.costs.size - found.costs.shape[1] + end) - (margin, 0)
+    path = found.path_to(found.costs.size - found.costs.shape[1] + end) - (margin, 0)
     length, straight = ((cells - 1) * field.block_width for cells in (len(path), len(found.costs)))
     return Crossing(
         crosses=True,

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask
-from rsegen.geometry.chords import spread
+from rsegen.geometry.chords import ragged
 from rsegen.geometry.faces import Faces
 from rsegen.geometry.mesh import NORMALS
 
@@ -31,31 +31,33 @@ class _Fan(NamedTuple):
     triangle: Ints
 
 
-class _Moves(NamedTuple):
+class _Collapses(NamedTuple):
     """What could be moved where."""
 
     vertex: Ints
     target: Ints
 
-    def rows(self, which: Ints | Mask) -> _Moves:
-        return _Moves(self.vertex[which], self.target[which])
+    def rows(self, which: Ints | Mask) -> _Collapses:
+        return _Collapses(self.vertex[which], self.target[which])
 
 
-def without_needless(faces: Faces, vertices: Array) -> Faces:
+def decimated(faces: Faces, vertices: Array) -> Faces:
     """The triangles without their needless corners; faces.corners (m, 3) are numbers of vertices (n, 3)."""
     faces = faces._replace(corners=faces.corners.astype(np.int64))
     least = _FLAT * _twice_areas(faces, vertices[faces.corners]).min(initial=np.inf)
-    needless = np.ones(len(vertices), dtype=bool)
+    removable = np.ones(len(vertices), dtype=bool)
     while True:
-        fan = _fan(faces.corners, needless)
-        moves = _moves(fan, faces, vertices)
-        needless[:] = False
-        needless[moves.vertex] = True
-        moves = _apart(_upright(moves, fan, faces, vertices, least), fan, len(faces.corners))
-        if not len(moves.vertex):
+        fan = _fan(faces.corners, removable)
+        collapses = _collapses(fan, faces, vertices)
+        removable[:] = False
+        removable[collapses.vertex] = True
+        collapses = _independent_collapses(
+            _without_flips(collapses, fan, faces, vertices, least), fan, len(faces.corners)
+        )
+        if not len(collapses.vertex):
             return faces
         place = np.arange(len(vertices))
-        place[moves.vertex] = moves.target
+        place[collapses.vertex] = collapses.target
         corners = place[faces.corners]
         a, b, c = corners.T
         faces = faces._replace(corners=corners).rows(np.flatnonzero((a != b) & (b != c) & (c != a)))
@@ -70,7 +72,7 @@ def _fan(corners: Ints, wanted: Mask) -> _Fan:
     return _Fan(*(column[order] for column in (vertex, second, third, triangle)))
 
 
-def _moves(fan: _Fan, faces: Faces, vertices: Array) -> _Moves:
+def _collapses(fan: _Fan, faces: Faces, vertices: Array) -> _Collapses:
     """Every needless vertex onto each of its neighbours that it may move to."""
     count = len(vertices)
     keys = fan.vertex * count + fan.second
@@ -82,33 +84,33 @@ def _moves(fan: _Fan, faces: Faces, vertices: Array) -> _Moves:
     straight = (np.bincount(3 * fan.vertex[crease] + axis, minlength=3 * count).reshape(-1, 3) == 2).any(axis=1)
     free = (creases == 0) | ((creases == 2) & straight)
     may = free[fan.vertex] & (crease | (creases[fan.vertex] == 0))
-    return _Moves(fan.vertex[may], fan.third[may])
+    return _Collapses(fan.vertex[may], fan.third[may])
 
 
-def _upright(moves: _Moves, fan: _Fan, faces: Faces, vertices: Array, least: float) -> _Moves:
+def _without_flips(collapses: _Collapses, fan: _Fan, faces: Faces, vertices: Array, least: float) -> _Collapses:
     """For each vertex one of its moves that turns no triangle over, where there is one."""
     around = np.bincount(fan.vertex, minlength=len(vertices))
     begin = np.cumsum(around) - around
-    count = around[moves.vertex]
-    move, place = spread(count)
-    corner = begin[moves.vertex[move]] + place
-    target, second, third = moves.target[move], fan.second[corner], fan.third[corner]
+    count = around[collapses.vertex]
+    move, place = ragged(count)
+    corner = begin[collapses.vertex[move]] + place
+    target, second, third = collapses.target[move], fan.second[corner], fan.third[corner]
     stays = (second != target) & (third != target)
     moved = faces.rows(fan.triangle[corner[stays]])._replace(corners=np.stack([target, second, third], axis=1)[stays])
     over = _twice_areas(moved, vertices[moved.corners]) < least
     good = np.bincount(move[stays][over], minlength=len(count)) == 0
-    return moves.rows(np.flatnonzero(good)[np.unique(moves.vertex[good], return_index=True)[1]])
+    return collapses.rows(np.flatnonzero(good)[np.unique(collapses.vertex[good], return_index=True)[1]])
 
 
-def _apart(moves: _Moves, fan: _Fan, triangles: int) -> _Moves:
+def _independent_collapses(collapses: _Collapses, fan: _Fan, triangles: int) -> _Collapses:
     """Moves of which no two change one triangle; which of those that do is as good as drawn by lot."""
     lot = np.full(len(fan.vertex) and int(fan.vertex.max()) + 1, -1)
-    lot[moves.vertex] = moves.vertex * 2654435761 % 2**32
+    lot[collapses.vertex] = collapses.vertex * 2654435761 % 2**32
     mine = lot[fan.vertex]
     first = np.full(triangles, 2**32)
     np.minimum.at(first, fan.triangle[mine >= 0], mine[mine >= 0])
     loses = np.bincount(fan.vertex[(mine >= 0) & (first[fan.triangle] != mine)], minlength=len(lot)) > 0
-    return moves.rows(~loses[moves.vertex])
+    return collapses.rows(~loses[collapses.vertex])
 
 
 def _twice_areas(faces: Faces, corners: Array) -> Array:

@@ -8,7 +8,7 @@ from rsegen.params.places import Cell, Coordinate
 from rsegen.params.streams import randint
 
 
-def side(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:
+def random_ends(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:
     """Both coordinates on one axis, `span` apart where one of them is left to chance."""
     if first == "random" and last == "random":
         low = randint(rng, 0, cells - 1 - span)

@@ -21,7 +21,7 @@ _SMOOTHED = (1, 4, 16, 64)
 """How many times chance is smoothed before blocks are sorted by it, where the order that was drawn cannot be mended."""
 
 
-def arranged(levels: Ints, limit: int, rng: np.random.Generator, zones: Ints | None = None) -> Levels | None:
+def rearranged(levels: Ints, limit: int, rng: np.random.Generator, zones: Ints | None = None) -> Levels | None:
     """Levels (n_x, n_y) in an order in which no block differs by more than `limit` from the four beside it.
 
     Blocks stay within their zone, (n_x, n_y); those of a negative one do not move, and a negative level is none. None

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from rsegen.field.stepfield import StepField, Window
+from rsegen.geometry.label_grid import label_grid
 from rsegen.geometry.mesh import Mesh
-from rsegen.geometry.relief import relief
 
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
 """Of a cube, by x, y and z."""
@@ -15,19 +15,19 @@ _SIDES = np.array([[1, 2, 6, 5], [3, 0, 4, 7], [2, 3, 7, 6], [0, 1, 5, 4], [4, 5
 """Of a cube, by corners; in the order of NORMALS."""
 
 
-def blocks(field: StepField, window: Window | None = None) -> Mesh:
+def unmerged(field: StepField, window: Window | None = None) -> Mesh:
     """The blocks and frame cells of a field, or of a window of it, that stand above the ground; nothing is merged."""
-    ground = relief(field, window)
-    x, y = np.nonzero(ground.cells)
-    labels = ground.cells[x, y]
-    order = np.argsort(labels % ground.kinds, kind="stable")
+    grid = label_grid(field, window)
+    x, y = np.nonzero(grid.cells)
+    labels = grid.cells[x, y]
+    order = np.argsort(labels % grid.materials, kind="stable")
     cells = np.stack([x, y, np.zeros_like(x)], axis=1)[order]
-    scale = np.stack([np.ones_like(x), np.ones_like(x), labels[order] // ground.kinds], axis=1)
+    scale = np.stack([np.ones_like(x), np.ones_like(x), labels[order] // grid.materials], axis=1)
     count = len(cells)
     return Mesh(
-        lines=ground.lattice.lines,
+        lines=grid.lattice.lines,
         places=(cells[:, None] + _CORNERS * scale[:, None]).reshape(-1, 3).astype(np.int32),
         faces=(8 * np.arange(count)[:, None, None] + _SIDES).reshape(-1, 4).astype(np.int32),
         normals=np.tile(np.arange(6, dtype=np.int8), count),
-        materials=np.repeat(labels[order] % ground.kinds, 6).astype(np.int16),
+        materials=np.repeat(labels[order] % grid.materials, 6).astype(np.int16),
     )
