@@ -13,13 +13,23 @@ from rsegen.geometry.rectangles import merge
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Boxes:
-    """Boxes along the axes, (n, 3) each, metres: their low and their high corners."""
+    """Axis-aligned boxes as their low and their high corners, (n, 3) each, metres."""
 
     low: Array
     high: Array
 
     def __len__(self) -> int:
         return len(self.low)
+
+    @property
+    def centres(self) -> Array:
+        """The centre of each box, (n, 3), metres."""
+        return (self.low + self.high) / 2
+
+    @property
+    def sizes(self) -> Array:
+        """The side lengths of each box along x, y and z, (n, 3), metres."""
+        return self.high - self.low
 
 
 def boxes(field: StepField) -> Boxes:

@@ -90,8 +90,7 @@ def _visual(scene: Scene, material: int) -> str:
 
 def _collisions(field: StepField) -> Iterator[str]:
     found = boxes(field)
-    sizes, centres = found.high - found.low, (found.low + found.high) / 2
-    for size, centre in zip(sizes.tolist(), centres.tolist(), strict=True):
+    for size, centre in zip(found.sizes.tolist(), found.centres.tolist(), strict=True):
         yield f"""\
     <collision>
       <origin xyz="{numbers(centre)}"/>

@@ -48,8 +48,7 @@ def collisions(scene: Scene, field: StepField, stem: str, root: str = "") -> Ite
         return
     numbers = count()
     for friction, part in _boxes(scene, field):
-        sizes, centres = part.high - part.low, (part.low + part.high) / 2
-        for size, centre in zip(sizes.tolist(), centres.tolist(), strict=True):
+        for size, centre in zip(part.sizes.tolist(), part.centres.tolist(), strict=True):
             yield sdf.box(f"collision_{next(numbers)}", size, centre)._replace(friction=friction)
 
 
