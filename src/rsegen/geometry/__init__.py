@@ -1,4 +1,4 @@
-"""From a step field to geometry: meshes and boxes of a map."""
+"""Meshes and boxes of a step field."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""A step field as few boxes: they rebuild it exactly, and no two of them overlap."""
+"""A step field as few boxes, which fill it exactly and do not overlap."""
 
 from __future__ import annotations
 
@@ -33,30 +33,30 @@ class Boxes:
 
 
 def boxes(field: StepField) -> Boxes:
-    """Few boxes that are together the blocks and frames of a field; materials do not matter.
+    """Few boxes that together fill the blocks and frames of a field, regardless of materials.
 
-    Either each stands on the ground, its top a rectangle of one height; or they lie on one another in layers, from one
-    height to the next: whichever is fewer.
+    Either each box stands on the ground and its top is a rectangle of one height; or the boxes lie in layers, from one
+    height to the next: whichever needs fewer boxes.
     """
     grid = label_grid(field)
     return _placed(min(_columns(grid), _layers(grid), key=len), grid)
 
 
 def box_per_block(field: StepField) -> Boxes:
-    """A box for every cell above the ground."""
+    """One box per cell above the ground."""
     grid = label_grid(field)
     x, y = np.nonzero(grid.cells)
     return _placed(np.stack([x, x + 1, y, y + 1, 0 * x, grid.cells[x, y] // grid.materials], axis=1), grid)
 
 
 def _columns(grid: LabelGrid) -> Ints:
-    """Lines (n, 6) from and to along x, y and z."""
+    """Boxes from the ground up, as lattice lines (n, 6): from and to along x, y and z."""
     found = merge(grid.cells // grid.materials)
     return np.stack([found.u0, found.u1, found.v0, found.v1, 0 * found.u0, found.label], axis=1)
 
 
 def _layers(grid: LabelGrid) -> Ints:
-    """The same; a rectangle that is the same in layers that follow one another is one box."""
+    """Boxes in layers, as lattice lines (n, 6); equal rectangles in successive layers become one box."""
     top = grid.cells // grid.materials
     found = []
     for rank in range(1, len(grid.lattice.lines[2])):

@@ -1,7 +1,7 @@
-"""Taking needless corners out of a closed mesh of triangles: its planes stay as they are, with fewer triangles.
+"""Decimation of a closed triangle mesh by edge collapses that do not change its surface.
 
-A corner is needless in the middle of a plane, or of a straight edge between two planes. It is moved onto a neighbour,
-in the second case along that edge, where no triangle around it turns over; the two triangles between them vanish.
+A vertex is removable inside a plane or on a straight edge between two planes. It is collapsed onto a neighbour, in the
+second case along that edge, if no triangle flips; the two triangles between them disappear.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from rsegen.geometry.faces import Faces
 from rsegen.geometry.mesh import NORMALS
 
 _FLAT = 1e-6
-"""A triangle of less than this share of the smallest at first, twice its area, is a line."""
+"""Triangles of less than this share of the smallest initial area count as degenerate."""
 
 
 class _Fan(NamedTuple):
-    """Corners of triangles around their vertices: a vertex, the next two of its triangle, and which triangle it is.
+    """The triangles around each vertex: the vertex, the next two vertices of a triangle, and the triangle's number.
 
-    Sorted by vertex, then by the second.
+    Sorted by vertex, then by the second vertex.
     """
 
     vertex: Ints
@@ -32,7 +32,7 @@ class _Fan(NamedTuple):
 
 
 class _Collapses(NamedTuple):
-    """What could be moved where."""
+    """Edge collapses: the vertex that is removed, and the one that it is moved onto."""
 
     vertex: Ints
     target: Ints
@@ -42,7 +42,7 @@ class _Collapses(NamedTuple):
 
 
 def decimated(faces: Faces, vertices: Array) -> Faces:
-    """The triangles without their needless corners; faces.corners (m, 3) are numbers of vertices (n, 3)."""
+    """The triangles without removable vertices; faces.corners (m, 3) are indices of vertices (n, 3)."""
     faces = faces._replace(corners=faces.corners.astype(np.int64))
     least = _FLAT * _twice_areas(faces, vertices[faces.corners]).min(initial=np.inf)
     removable = np.ones(len(vertices), dtype=bool)
@@ -64,7 +64,7 @@ def decimated(faces: Faces, vertices: Array) -> Faces:
 
 
 def _fan(corners: Ints, wanted: Mask) -> _Fan:
-    """The corners of the wanted vertices."""
+    """The fans of triangles around the wanted vertices."""
     turned = [np.roll(corners, -turn, axis=1)[wanted[corners[:, turn]]] for turn in range(3)]
     triangle = np.concatenate([np.flatnonzero(wanted[corners[:, turn]]) for turn in range(3)])
     vertex, second, third = np.concatenate(turned).T
@@ -73,7 +73,7 @@ def _fan(corners: Ints, wanted: Mask) -> _Fan:
 
 
 def _collapses(fan: _Fan, faces: Faces, vertices: Array) -> _Collapses:
-    """Every needless vertex onto each of its neighbours that it may move to."""
+    """All collapses of removable vertices onto neighbours that keep planes and edges in place."""
     count = len(vertices)
     keys = fan.vertex * count + fan.second
     across = fan.triangle[np.searchsorted(keys, fan.vertex * count + fan.third)]
@@ -88,7 +88,7 @@ def _collapses(fan: _Fan, faces: Faces, vertices: Array) -> _Collapses:
 
 
 def _without_flips(collapses: _Collapses, fan: _Fan, faces: Faces, vertices: Array, least: float) -> _Collapses:
-    """For each vertex one of its moves that turns no triangle over, where there is one."""
+    """One collapse per vertex that flips no triangle, if it has one."""
     around = np.bincount(fan.vertex, minlength=len(vertices))
     begin = np.cumsum(around) - around
     count = around[collapses.vertex]
@@ -103,7 +103,7 @@ def _without_flips(collapses: _Collapses, fan: _Fan, faces: Faces, vertices: Arr
 
 
 def _independent_collapses(collapses: _Collapses, fan: _Fan, triangles: int) -> _Collapses:
-    """Moves of which no two change one triangle; which of those that do is as good as drawn by lot."""
+    """Collapses of which no two change the same triangle, chosen by a hash of the vertex number."""
     lot = np.full(len(fan.vertex) and int(fan.vertex.max()) + 1, -1)
     lot[collapses.vertex] = collapses.vertex * 2654435761 % 2**32
     mine = lot[fan.vertex]
@@ -114,6 +114,6 @@ def _independent_collapses(collapses: _Collapses, fan: _Fan, triangles: int) -> 
 
 
 def _twice_areas(faces: Faces, corners: Array) -> Array:
-    """Twice the area of triangles whose corners (m, 3, 3) are given; negative where one has turned over."""
+    """Twice the signed area of triangles with corners (m, 3, 3); negative if one has flipped."""
     a, b, c = np.moveaxis(corners, 1, 0)
     return np.asarray((np.cross(b - a, c - a) * NORMALS[faces.normals]).sum(axis=1))

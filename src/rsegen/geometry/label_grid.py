@@ -1,4 +1,4 @@
-"""A field, or a window of it, as small whole numbers: what all geometry is made from."""
+"""A field, or a window of it, as a grid of integer labels for height and material, from which all geometry is made."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from rsegen.geometry.faces import Lattice
 
 
 class LabelGrid(NamedTuple):
-    """labels: (n_x + 2, n_y + 2), the window's cells and those around it, rank * kinds + material; 0 is the ground.
+    """Labels (n_x + 2, n_y + 2) of a window's cells and a border: rank * materials + material; 0 is the ground.
 
-    A rank is the number of a height on the lattice's z lines; a material is 0 for a frame, else the level.
+    A rank is the index of a height among the lattice's z lines; a material is 0 for a frame, else the level.
     """
 
     labels: Ints
@@ -23,12 +23,12 @@ class LabelGrid(NamedTuple):
 
     @property
     def cells(self) -> Ints:
-        """The labels of the window alone."""
+        """The labels of the window without the border."""
         return self.labels[1:-1, 1:-1]
 
 
 def label_grid(field: StepField, window: Window | None = None) -> LabelGrid:
-    """The relief of a window of a field, or of the whole field; outside the field there is ground."""
+    """The label grid of a field, or of a window of it; outside the field is ground."""
     cells_x, cells_y = window or field.whole
     seen = slice(max(cells_x.start - 1, 0), cells_x.stop + 1), slice(max(cells_y.start - 1, 0), cells_y.stop + 1)
     labels, materials, tops = _labels(field, seen)
@@ -41,14 +41,14 @@ def label_grid(field: StepField, window: Window | None = None) -> LabelGrid:
 
 
 def split_window(window: Window, side: int) -> Iterator[Window]:
-    """A window cut into parts of at most `side` x `side` cells, from the corner of smallest x and y on."""
+    """A window split into parts of at most `side` x `side` cells, from the corner of smallest x and y on."""
     for x in range(window[0].start, window[0].stop, side):
         for y in range(window[1].start, window[1].stop, side):
             yield slice(x, min(x + side, window[0].stop)), slice(y, min(y + side, window[1].stop))
 
 
 def _labels(field: StepField, seen: Window) -> tuple[Ints, int, Array]:
-    """The label of every cell, the number of kinds, and the heights that ranks stand for."""
+    """The label of every cell, the number of materials, and the heights of the ranks."""
     levels, frame = field.levels[seen], field.frame[seen]
     known = np.flatnonzero(np.bincount(levels.ravel()))
     heights = np.round(known * field.unit, NANOMETRE_DIGITS)

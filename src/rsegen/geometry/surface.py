@@ -1,6 +1,6 @@
-"""The exposed surface of a step field: tops and risers, merged, welded, outward.
+"""The visible surface of a step field: tops and risers, merged and welded, with outward normals.
 
-Nothing faces down and nothing lies at z = 0, where the ground is. A riser belongs to the higher of its two cells:
+There are no faces downward and none at z = 0, where the ground is. A riser belongs to the higher of its two cells:
 
          ____
         |top |      level 2: top at rank 2, riser from rank 1 to 2
@@ -20,20 +20,20 @@ from rsegen.geometry.rectangles import Rectangles, merge, merge_hanging
 
 
 def surface(field: StepField, window: Window | None = None) -> Mesh:
-    """The mesh of a field, or of those of its cells in a window; empty where all of them are at level 0."""
+    """The surface mesh of a field, or of the cells of a window; empty if all of them are at level 0."""
     grid = label_grid(field, window)
     return grid.lattice.weld(Faces.joined([tops(grid), risers(grid, axis=0), risers(grid, axis=1)]))
 
 
 def tops(grid: LabelGrid) -> Faces:
-    """What looks up; one plane for each height and material that touch."""
+    """The horizontal faces; one polygon per connected area of one height and material, split into rectangles."""
     found = merge(grid.cells)
     height, material = np.divmod(found.label, grid.materials)
     return Faces(grid.lattice.corners_of(found, (0, 1), height), np.full(len(material), 4), material)
 
 
 def risers(grid: LabelGrid, axis: int) -> Faces:
-    """What looks along an axis, forward or back; u runs across it, v upward."""
+    """The vertical faces with normals along an axis, in both directions; u runs across it, v upward."""
     labels = grid.labels if axis == 0 else grid.labels.T
     strips, sides = _strips(labels[:, 1:-1], grid)
     found = merge_hanging(strips)
@@ -46,10 +46,9 @@ def risers(grid: LabelGrid, axis: int) -> Faces:
 
 
 def _strips(labels: Ints, grid: LabelGrid) -> tuple[Rectangles, int]:
-    """Risers between neighbours along the first array axis, joined where they are equal; u along the second.
+    """Risers between neighbours along the first array axis, merged if equal, u along the second; and the side count.
 
-    Their label is line * sides + side, where side is 2 * the label of the higher cell, plus 1 where they look back; and
-    the number of sides.
+    Their label is line * sides + side, and side is 2 * the label of the higher cell, plus 1 if they face backward.
     """
     ranks = len(grid.lattice.lines[2])
     rank = labels // grid.materials

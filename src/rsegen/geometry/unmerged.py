@@ -1,4 +1,4 @@
-"""Every block by itself, 8 corners and 6 faces: how the paper writes a field; for comparison."""
+"""The unmerged mesh: 8 vertices and 6 faces per block, as the paper writes a field; for comparison."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from rsegen.geometry.label_grid import label_grid
 from rsegen.geometry.mesh import Mesh
 
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
-"""Of a cube, by x, y and z."""
+"""The corners of a unit cube, x, y and z."""
 
 _SIDES = np.array([[1, 2, 6, 5], [3, 0, 4, 7], [2, 3, 7, 6], [0, 1, 5, 4], [4, 5, 6, 7], [3, 2, 1, 0]])
-"""Of a cube, by corners; in the order of NORMALS."""
+"""The faces of a cube as indices of corners, in the order of NORMALS."""
 
 
 def unmerged(field: StepField, window: Window | None = None) -> Mesh:
-    """The blocks and frame cells of a field, or of a window of it, that stand above the ground; nothing is merged."""
+    """The mesh of all blocks and frame cells above the ground, in a field or a window of it; nothing is merged."""
     grid = label_grid(field, window)
     x, y = np.nonzero(grid.cells)
     labels = grid.cells[x, y]

@@ -1,4 +1,4 @@
-"""Levels, heights and frames as arrays: for numpy, MATLAB and tables."""
+"""Levels, heights and frames as arrays for numpy, MATLAB and tables."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ _FILES = {
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Arrays(Format):
-    """Levels, heights and frame as arrays for numpy (NPY) and MATLAB (MAT), levels as a table, and what they mean."""
+    """Levels, heights and frame mask as arrays for numpy (NPY) and MATLAB (MAT), levels as CSV, metadata as JSON."""
 
     name: ClassVar[str] = "arrays"
     extra: ClassVar[Extra | None] = MAT
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """Arrays have shape (n_x, n_y), frames included."""
+        """The arrays, of shape (n_x, n_y) with frames, the table and the metadata."""
         field = scene.field
         variables = {
             "levels": field.levels,

@@ -1,4 +1,4 @@
-"""A map as boxes of one colour each, which stand on the ground: what programs can both show and touch."""
+"""A map as boxes on the ground of one colour each, for both visual and collision geometry."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rsegen.geometry.rectangles import merge
 
 
 class Column(NamedTuple):
-    """A box from the ground up: its middle and its size along x, y and z, metres, and its material."""
+    """A box on the ground: its centre and its size along x, y and z, metres, and its material."""
 
     centre: tuple[float, float, float]
     size: tuple[float, float, float]
@@ -21,7 +21,7 @@ class Column(NamedTuple):
 
 
 def columns(field: StepField) -> Iterator[Column]:
-    """Few boxes that are together the blocks and frames of a field; no two of them overlap."""
+    """Few boxes that together fill the blocks and frames of a field and do not overlap."""
     grid = label_grid(field)
     found = merge(grid.cells)
     rank, material = np.divmod(found.label, grid.materials)

@@ -1,6 +1,6 @@
-"""URDF: the map as a link that nothing moves, seen as meshes, touched as boxes.
+"""The format `urdf`: the map as a static link, with visual meshes and collision boxes.
 
-A link has one coefficient of friction, so a map of several has as many links, joined for good.
+A link has one friction coefficient, so a map of several has as many links, connected by fixed joints.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from rsegen.geometry import boxes
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Urdf(Format):
-    """A static link (URDF) for PyBullet, Isaac Lab and RViz, with a mesh for each colour and boxes to touch."""
+    """A static link (URDF) for PyBullet, Isaac Lab and RViz, with a visual mesh per colour and collision boxes."""
 
     name: ClassVar[str] = "urdf"
 
     @property
     def bytes_a_cell(self) -> int:
-        """A few boxes and faces."""
+        """The memory of a few boxes and faces."""
         return 600
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The links, and in the folder meshes what is seen of them."""
+        """The URDF file, and the visual meshes in the folder meshes."""
         objs = coloured_objs(scene)
         meshes = {_mesh(scene, material): content for material, content in objs.items()}
         colours = {f"meshes/{scene.name}.mtl": mtl(scene)} if meshes else {}
@@ -42,7 +42,7 @@ class Urdf(Format):
 
 
 def _robot(scene: Scene, materials: Iterable[int]) -> Iterator[str]:
-    """A link for each coefficient of friction; the first has the map's name and all that is seen."""
+    """The URDF text: one link per friction coefficient; the first has the map's name and all visual meshes."""
     yield f"""\
 <?xml version="1.0"?>
 <!-- made by rsegen: metres, z up, the middle of the map at 0 0 0, the ground at z = 0.
@@ -59,7 +59,7 @@ def _robot(scene: Scene, materials: Iterable[int]) -> Iterator[str]:
 
 
 def _link(name: str, friction: float, shapes: Iterable[str]) -> Iterator[str]:
-    """<contact> is Bullet's word for friction; PyBullet takes a link whose mass is not said for one of 1 kg."""
+    """The text of a link; Bullet reads friction from <contact>, and takes a link without a mass for one of 1 kg."""
     yield f"""\
   <link name="{name}">
     <inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>

@@ -1,4 +1,4 @@
-"""USD: the map as one mesh with a material for each colour, which physics takes for a static triangle mesh."""
+"""The format `usd`: the map as one mesh with a material per colour, and a static triangle mesh collider."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ from rsegen.params.sorts import Flag
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Usd(Format):
-    """A closed mesh with colours, friction and a static collider (USD) for Isaac Sim and usdview, in metres, z up."""
+    """A watertight mesh with colours, friction and a static collider (USD) for Isaac Sim and usdview, metres, z up."""
 
     name: ClassVar[str] = "usd"
     extra: ClassVar[Extra | None] = Extra("usd", "pxr")
 
-    binary: Annotated[bool, Flag(help="a binary file (.usdc) in place of text (.usda)")] = False
+    binary: Annotated[bool, Flag(help="binary file (.usdc) instead of text (.usda)")] = False
 
     @property
     def bytes_a_cell(self) -> int:
-        """That of a closed surface, and of the text that it is written as."""
+        """The memory of a watertight mesh and of its text."""
         return 4000
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """One."""
+        """One USD file."""
         if self.binary:
             return {f"{scene.name}.usdc": _binary(scene)}
         return {f"{scene.name}.usda": _text(scene)}
 
 
 def prim_name(name: str) -> str:
-    """The name of a map as USD has names: letters, digits and _, no digit first."""
+    """The name of a map as a USD prim name: letters, digits and _, no digit first."""
     plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
     return f"_{plain}" if plain[0].isdigit() else plain
 
@@ -54,7 +54,7 @@ def _text(scene: Scene) -> Iterator[bytes]:
 
 
 def _binary(scene: Scene) -> Iterator[bytes]:
-    """By way of a file, the only thing that pxr writes binary layers to."""
+    """The bytes of a binary layer, by way of a temporary file, the only target that pxr supports."""
     stage = _stage(scene)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "map.usdc"
@@ -64,7 +64,7 @@ def _binary(scene: Scene) -> Iterator[bytes]:
 
 
 def _stage(scene: Scene) -> Any:
-    """The map as the default prim, an Xform of its name; a scene of physics is left to whoever takes the map in."""
+    """The stage with the map as default prim, an Xform of its name, and without a physics scene."""
     from pxr import Kind, Usd, UsdGeom
 
     stage = Usd.Stage.CreateInMemory()
@@ -83,7 +83,7 @@ def _stage(scene: Scene) -> Any:
 
 
 def _mesh(root: Any, scene: Scene, found: Solid) -> Any:
-    """The triangles, with a colour and a normal for each; coordinates are of single precision, as USD has them."""
+    """The mesh prim: triangles with a colour and a normal each, in single precision, as in USD."""
     from pxr import UsdGeom, Vt
 
     mesh = UsdGeom.Mesh.Define(root.GetPrim().GetStage(), root.GetPath().AppendChild("surface"))
@@ -104,13 +104,13 @@ def _mesh(root: Any, scene: Scene, found: Solid) -> Any:
 
 
 def _normals(found: Solid) -> Array:
-    """The way that each triangle looks, (m, 3): along an axis."""
+    """The normal of each triangle, (m, 3), along an axis."""
     first, second, third = (found.vertices[found.triangles[:, corner]] for corner in range(3))
     return np.sign(np.round(np.cross(second - first, third - first), 15)) + 0.0
 
 
 def _bind_colours(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
-    """A subset of the faces for each material, bound to it."""
+    """Bind a subset of the faces to each material."""
     from pxr import UsdGeom, UsdShade, Vt
 
     binding = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
@@ -123,7 +123,7 @@ def _bind_colours(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
 
 
 def _material(root: Any, name: str, colour: Colour) -> Any:
-    """A matt surface of one colour."""
+    """The material of a matte surface of one colour."""
     from pxr import Gf, Sdf, UsdShade
 
     stage, path = _looks(root), root.GetPath().AppendChild("Looks").AppendChild(name)
@@ -137,7 +137,7 @@ def _material(root: Any, name: str, colour: Colour) -> Any:
 
 
 def _looks(root: Any) -> Any:
-    """The stage, in which the scope of materials is there."""
+    """The stage, after defining the scope of materials in it."""
     from pxr import UsdGeom
 
     stage = root.GetPrim().GetStage()
@@ -146,7 +146,7 @@ def _looks(root: Any) -> Any:
 
 
 def _add_physics(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
-    """What physics knows: a collider that is the triangles themselves, no rigid body, and the friction of each part."""
+    """Add a triangle mesh collider without a rigid body, and the friction of each part."""
     from pxr import UsdPhysics, UsdShade
 
     UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
@@ -162,7 +162,7 @@ def _add_physics(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
 
 
 def _friction_material(root: Any, name: str, friction: float) -> Any:
-    """A material of physics."""
+    """A physics material with a friction coefficient."""
     from pxr import UsdPhysics, UsdShade
 
     material = UsdShade.Material.Define(_looks(root), root.GetPath().AppendChild("Looks").AppendChild(name))

@@ -1,4 +1,4 @@
-"""Mesh type `multi`: every block and every frame cell is a static box of its own, to be moved, deleted or copied."""
+"""Mesh type `multi`: every block and frame cell is a static model, a box that can be moved, deleted or copied."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
-    """One world file, made as it is written."""
+    """The world file, generated while it is written."""
     return {f"{scene.name}.world": sdf.utf8(sdf.world(scene, boxes(scene)))}
 
 
 def model_count(scene: Scene) -> int:
-    """Cells above the ground."""
+    """The number of cells above the ground."""
     field = scene.field
     frames = np.count_nonzero(field.frame) if 0 in _heights(field) else 0
     return int(np.count_nonzero(field.levels) + frames)
 
 
 def collision_count(scene: Scene) -> int:
-    """One a box."""
+    """One collision shape per box."""
     return model_count(scene)
 
 
 def boxes(scene: Scene) -> Iterator[str]:
-    """A model for each cell above the ground, row by row of x.
+    """The SDF text of one model per cell above the ground, row by row of x.
 
-    They are called `block_X_Y` by block cell, `frame_I_J` by cell with frames counted.
+    Names are `block_X_Y` by block cell, `frame_I_J` by cell with frames counted.
     """
     field = scene.field
     x, y = ([decimal(at) for at in ((line[:-1] + line[1:]) / 2).tolist()] for line in field.edges())
@@ -48,13 +48,13 @@ def boxes(scene: Scene) -> Iterator[str]:
 
 
 def _heights(field: StepField) -> dict[int, float]:
-    """How high every material stands, metres, but for those that lie at z = 0."""
+    """The height of every material in metres, except those at z = 0."""
     heights = {level: level * field.unit or field.frame_height for level in [0, *field.level_counts()]}
     return {material: height for material, height in heights.items() if round(height, NANOMETRE_DIGITS)}
 
 
 def _template(scene: Scene, material: int, height: float) -> str:
-    """The model of a box with three blanks: its name, and its x and y."""
+    """The model of a box with three placeholders: its name, x and y."""
     size = (scene.field.block_width, scene.field.block_width, height)
     visual = sdf.box("visual", size)._replace(material=sdf.material(scene.colour(material)))
     collision = sdf.box("collision", size)._replace(friction=scene.friction_of(material))

@@ -1,4 +1,4 @@
-"""Mesh type `pallet`: every chunk, with the frame beside it, is one model: what a lab moves about."""
+"""Mesh type `pallet`: every chunk with its adjacent frame is one model, as the pallets that a lab moves."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rsegen.field.stepfield import Pallet
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
-    """A world of pallets, and a mesh for each; pallets without a block above the ground are left out."""
+    """The world of pallets and a mesh for each; pallets without a block above the ground are left out."""
     found: dict[str, Iterable[bytes]] = {f"{scene.name}.world": sdf.utf8(sdf.world(scene, _models(scene)))}
     for pallet in _pallets(scene):
         found |= shapes.mesh_files(scene, pallet.field, _stem(scene, pallet))
@@ -18,12 +18,12 @@ def files(scene: Scene) -> dict[str, Iterable[bytes]]:
 
 
 def model_count(scene: Scene) -> int:
-    """Pallets with a block above the ground."""
+    """The number of pallets with a block above the ground."""
     return sum(1 for _ in _pallets(scene))
 
 
 def collision_count(scene: Scene) -> int:
-    """Of all of them."""
+    """The number of collision shapes of all pallets."""
     return sum(shapes.collision_count(scene, pallet.field) for pallet in _pallets(scene))
 
 

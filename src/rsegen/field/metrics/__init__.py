@@ -1,4 +1,4 @@
-"""How rough a map is and what a robot can do on it, in many numbers: one file = one family; no single one is enough.
+"""The metrics of a map: roughness, and traversability for a robot; every module computes one family of them.
 
 StepField --metrics--> Metrics, in metres; docs/metrics.md has every formula with its source.
 """
@@ -20,7 +20,7 @@ from rsegen.field.stepfield import StepField
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Metrics:
-    """The metrics of one map; `reach` is there where a robot was given."""
+    """The metrics of one map; `reach`, its traversability, is None if no robot was given."""
 
     spread: Spread
     steps: Steps
@@ -31,13 +31,13 @@ class Metrics:
 
 
 Climber = RobotLimits
-"""Its name in rsegen 0.1."""
+"""The name of RobotLimits in rsegen 0.1."""
 
 
 def metrics(field: StepField, climber: RobotLimits | None = None) -> Metrics:
-    """The metrics of a field: of its blocks alone; and, frames counted, of the ways over it, for a robot if given."""
+    """The metrics of a field: of its blocks without frames; and of the paths across it, frames counted."""
     if field.frame.all():
-        raise ParameterError("field", "is all frame; there is no block to measure")
+        raise ParameterError("field", "has only frame cells; there is no block to measure")
     return Metrics(
         spread=spread(field),
         steps=steps(field),

@@ -1,4 +1,4 @@
-"""The cheapest ways over heights: all at once, by rings of growing cost."""
+"""The cheapest paths over heights, to all cells at once, by fronts of growing cost."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _WALL = 2**62
 
 
 class CheapestPaths(NamedTuple):
-    """Of each cell: what it costs to get there from the first row, FAR where nothing leads; and the cell before."""
+    """For each cell the cost of its cheapest path from the first row, or UNREACHABLE, and the previous cell on it."""
 
     costs: Heights
     predecessors: NDArray[np.int64]
 
     def path_to(self, place: int) -> NDArray[np.int64]:
-        """The way to a cell, as indices along both axes: (n, 2)."""
+        """The path to the cell of a flat index, as indices along both axes: (n, 2)."""
         cells = [place]
         while (place := int(self.predecessors.flat[place])) >= 0:
             cells.append(place)
@@ -28,9 +28,10 @@ class CheapestPaths(NamedTuple):
 
 
 def cheapest_paths(ground: Ground, tread: int, limits: tuple[int, int]) -> CheapestPaths:
-    """From the first row to each cell; a move costs tread + |dh|, all in one unit, and keeps to (climb, drop).
+    """The cheapest paths from the first row to each cell; a move costs tread + |dh| and stays within (climb, drop).
 
-    No move costs less than a tread, so all that costs less than the cheapest + tread is settled, and moved on at once.
+    All lengths are in one unit. No move costs less than a tread, so all cells that cost less than the cheapest one of
+    the front plus a tread are settled, and are expanded together.
     """
     flat, row = np.pad(ground.heights, 1, constant_values=_WALL).ravel(), ground.heights.shape[1] + 2
     rows, columns = (np.pad(open_, 1) for open_ in (ground.rows, ground.columns))
@@ -57,5 +58,5 @@ def _inner(values: NDArray[np.int64], row: int) -> NDArray[np.int64]:
 
 
 def _unpadded(places: NDArray[np.int64], row: int) -> NDArray[np.int64]:
-    """Places in the padded flat array as places in the one without its rim."""
+    """Flat indices of the padded array as flat indices of the array without its border."""
     return np.where(places < 0, -1, (places // row - 1) * (row - 2) + places % row - 1)

@@ -1,4 +1,4 @@
-"""The step at which a field opens: what a robot has to climb at the least to cross it."""
+"""The percolation step: the smallest step that a robot must be able to climb to cross a field."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from rsegen.field.stepfield import StepField
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Percolation:
-    """The minimax step, metres: over all ways from side to side the least of their highest steps, up or down."""
+    """The percolation step in metres: over all paths from side to side, the smallest of their highest steps."""
 
     west_east: float
     south_north: float
 
 
 def percolation(field: StepField, width: float = 0.0) -> Percolation:
-    """Where a field opens for robots of a width in metres, from the level ground on one side to that on the other."""
+    """The percolation step for robots of a width in metres, from the ground on one side to that on the other."""
     west_east, south_north = (_minimax(lane(field, width, axis)) / NANOMETRES for axis in (0, 1))
     return Percolation(west_east=west_east, south_north=south_north)
 
 
 def _minimax(ground: Ground) -> int:
-    """By halving the steps that there are: what too low a step joins stays joined, what is too high goes."""
+    """The smallest step that connects both sides, by bisection over the steps of the field with union of components."""
     heights, (low, high) = ground.heights, ground.moves()
     steps = np.abs(heights.flat[high] - heights.flat[low])
     first, last, limits = 0, heights.size - 1, np.unique(steps)

@@ -1,4 +1,4 @@
-"""Metrics as programs read them: nested for JSON, flat for a table."""
+"""Metrics as nested dicts for JSON and as flat rows for tables."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rsegen.field.stepfield import NANOMETRE_DIGITS
 
 
 def nested(value: Any) -> Any:
-    """What JSON can say of metrics: dataclasses as objects, numbers to nine digits; arrays are left out, for size."""
+    """Metrics as JSON values: dataclasses as objects, numbers rounded to nine decimals, without large arrays."""
     if is_dataclass(value):
         parts = {field.name: getattr(value, field.name) for field in fields(value)}
         return {name: nested(part) for name, part in parts.items() if not isinstance(part, np.ndarray)}
@@ -21,10 +21,10 @@ def nested(value: Any) -> Any:
     return round(value, NANOMETRE_DIGITS) if isinstance(value, float) else value
 
 
-def flattened(entries: Mapping[str, Any], where: str = "") -> Iterator[tuple[str, Any]]:
-    """The single values of an entry, each by its place as in `steps.mean`; what is counted or listed is left out."""
+def flattened(entries: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """The scalar values of nested metrics by dotted name, as in `steps.mean`; without counts and lists."""
     for name, value in entries.items():
         if isinstance(value, dict) and not name.endswith("counts"):
-            yield from flattened(value, f"{where}{name}.")
+            yield from flattened(value, f"{prefix}{name}.")
         elif not isinstance(value, (dict, list)):
-            yield f"{where}{name}", value
+            yield f"{prefix}{name}", value

@@ -1,4 +1,4 @@
-"""What one robot can do on a field: analogues of NIST's coverability and crossability, whose formulas they are not."""
+"""Traversability for one robot: analogous to NIST's coverability and crossability, by formulas of our own."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Crossing:
-    """The cheapest way from the level ground on one side to that on the other; None where there is no way.
+    """The cheapest path from the level ground on one side to that on the other; lengths are None if there is none.
 
-    length: of its plan   cost: length + every rise and drop on it, metres   ratios: to the straight and level way
-    path: (n, 2), its cells i, j; those on the ground lie outside the field   costs: (n_x, n_y), to there, inf if never
+    length: in the plan   cost: length + every rise and drop on it, metres   ratios: to the straight and level path
+    path: (n, 2), its cells i, j; those on the ground are outside the field   costs: (n_x, n_y), inf if unreachable
     """
 
     crosses: bool
@@ -37,10 +37,11 @@ class Crossing:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Traversability:
-    """What a robot can do.
+    """The traversability of a field for one robot: passable steps, coverage and crossings.
 
-    climbable, droppable: share of the steps between blocks that it gets up, and down; None where there are none
-    cover: share of the blocks in the largest region in which it gets from each to each; region: (n_x, n_y), their cells
+    climbable, droppable: share of the steps between blocks that it can climb, or descend; None if there are none
+    cover: coverage, the share of the blocks in the largest traversable area, in which the robot can drive from every
+    block to every other; region: (n_x, n_y), the mask of that area
     """
 
     climber: RobotLimits
@@ -56,7 +57,7 @@ class Traversability:
 
 
 def traversability(field: StepField, climber: RobotLimits) -> Traversability:
-    """What a robot can do on a field, of which the frames count: they are in its way, though not where it stays."""
+    """The traversability of a field for a robot; frames are obstacles, but are not counted as area."""
     climbable, droppable = (_share_within(field, limit / NANOMETRES) for limit in climber.limits)
     region = _largest_region(field, climber)
     return Traversability(
@@ -76,7 +77,7 @@ def _share_within(field: StepField, limit: float) -> float | None:
 
 
 def _largest_region(field: StepField, climber: RobotLimits) -> Mask:
-    """The blocks of the strongly connected component that has most of them; of two as large, of the first."""
+    """The mask of the blocks of the largest strongly connected component; of two equal ones, of the first."""
     carrying = ground(field, climber.width)
     (low, high), (climb, drop) = carrying.moves(), climber.limits
     rise = carrying.heights.flat[high] - carrying.heights.flat[low]
@@ -86,7 +87,7 @@ def _largest_region(field: StepField, climber: RobotLimits) -> Mask:
 
 
 def crossing(field: StepField, climber: RobotLimits, axis: int) -> Crossing:
-    """Along x for axis 0, along y for axis 1, which is then the first one until the end."""
+    """The cheapest crossing of a field, along x for axis 0, along y for axis 1."""
     carrying = lane(field, climber.width, axis)
     found = cheapest_paths(carrying, round(field.block_width * NANOMETRES), climber.limits)
     margin = (len(found.costs) - field.shape[axis]) // 2
