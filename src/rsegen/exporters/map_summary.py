@@ -60,7 +60,7 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     """The warnings of a map, one line each: nothing to see, missing blocks, lost friction, slow in a simulator."""
     found = []
     if not scene.field.levels.any():
-        found.append("every block is at level 0: only frames and ground are visible")
+        found.append("every block is at level 0: there is nothing to see except frames and ground")
     if lacks := missing(scene):
         found.append(lacks)
     if _loses_friction(scene.recipe):

@@ -244,4 +244,4 @@ def test_a_map_of_a_data_set_has_the_frictions_of_its_recipe(tmp_path: Path) -> 
 )
 def test_friction_that_gazebo_sim_does_not_take_is_told(changes: dict[str, Any], is_told: bool) -> None:
     scene = compose(decode({**SMALL, **changes}))
-    assert any("friction of 1" in text for text in warnings(scene)) == is_told
+    assert any("ignores the friction" in text for text in warnings(scene)) == is_told

@@ -244,7 +244,7 @@ def test_pallets_of_other_shapes_read_north_up() -> None:
     [
         (
             Recipe(seed=1, chunk_size=61),
-            "chunk_size: 61 blocks a side do not fit on a page of a build sheet; give up to 60",
+            "chunk_size: 61 blocks per side do not fit on a page of a build sheet; give up to 60",
         ),
         (Recipe(seed=1, chunks=(401, 1), chunk_size=1), "chunks: 401 pallets with 401 blocks are too many"),
         (Recipe(seed=1, chunks=(3, 4), chunk_size=60), "chunks: 12 pallets with 43,200 blocks are too many"),

@@ -1,4 +1,4 @@
-"""What a robot can do on a map, as a picture: its ways on the plan, and what it costs to get to each cell."""
+"""The traversability of a map as a picture: a robot's cheapest paths on the plan, and a map of path costs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _DIRECTIONS = {"west to east": "#ff2d95", "south to north": "#ff8c00"}
 
 
 def path_plot(scene: Scene, reach: Traversability, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """The picture as the bytes of a file, which carries the map's recipe."""
+    """The plot of paths and costs as the bytes of an image file, which carries the map's recipe."""
     from matplotlib.figure import Figure
 
     along_x, along_y = scene.field.extent
@@ -36,14 +36,14 @@ def path_plot(scene: Scene, reach: Traversability, format: str = "png") -> bytes
 
 
 def describe_robot(climber: RobotLimits) -> str:
-    """A robot in words."""
+    """The limits of a robot in words."""
     up, down = (decimal(limit / 1e7) for limit in climber.limits)
     wide = f", {decimal(climber.width_cm)} cm wide" if climber.width_cm else ""
     return f"a robot that climbs {up} cm and gets down {down} cm{wide}"
 
 
 def _draw_path(axes: Axes, scene: Scene, crossing: Crossing, name: str, colour: str) -> None:
-    """From a ring to a dot; where there is no way, the legend says so."""
+    """Draw a path from a ring to a dot; if there is none, the legend says so."""
     if not crossing.crosses:
         axes.plot([], [], color=colour, label=f"no way from {name}")
         return
@@ -56,7 +56,7 @@ def _draw_path(axes: Axes, scene: Scene, crossing: Crossing, name: str, colour: 
 
 
 def _draw_costs(axes: Axes, scene: Scene, reach: Traversability) -> None:
-    """The cost of the cheapest way from the west to each cell; outlined the largest region."""
+    """Draw the cost of the cheapest path from the west to each cell, and the outline of the largest area."""
     edges_x, edges_y = scene.field.edges()
     extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
     costs = np.ma.masked_invalid(reach.west_east.costs.T)
@@ -70,7 +70,7 @@ def _draw_costs(axes: Axes, scene: Scene, reach: Traversability) -> None:
 
 
 def _outline(axes: Axes, reach: Traversability, edges_x: Array, edges_y: Array) -> None:
-    """Along every cell's edge that the region ends at."""
+    """Draw the boundary of the largest traversable area."""
     from matplotlib.collections import LineCollection
 
     region = np.pad(reach.region, 1)

@@ -1,4 +1,4 @@
-"""The build sheet as a table: what to cut in its head, and below it a row for every cell, in the order of placing."""
+"""The build sheet as CSV: comments on what to cut, then a row per cell in placing order."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from rsegen.exporters.sheet.frames import frames
 from rsegen.exporters.sheet.order import NumberedPallet, building_order, length, length_counts, placing_order
 
 COLUMNS = ("pallet", "order", "x", "y", "height_cm")
-"""Of its rows; x and y count the block cells of the map, and a cell without a block has no order."""
+"""The columns of the rows; x and y count the block cells of the map; a cell without a block has no order."""
 
 RECIPE_KEYS = ("chunk_size", "unit_cm", "block_width_cm", "boundary", "frame_height_cm")
-"""Parameters of the recipe that its head says, so that the map can be made again of it."""
+"""The recipe parameters in the comments, from which the map can be imported again."""
 
 
 def listing(scene: Scene, settings: CutSettings) -> Iterator[str]:
-    """Its lines; `#` starts a comment, and no comment has a comma."""
+    """The lines of the CSV file; `#` starts a comment, and no comment has a comma."""
     yield f"# build sheet of {scene.name} with seed {scene.recipe.seed}\n"
     for name in RECIPE_KEYS:
         value = getattr(scene.recipe, name)

@@ -1,7 +1,7 @@
-"""What is built when: pallets and blocks are numbered as one reads, from the north-west, row by row to the south-east.
+"""The build order: pallets and blocks are numbered row by row from the north-west to the south-east.
 
-Who stands at the south side of a pallet fills the far row first, and never reaches over what stands already; every
-block leans on the frame or on the one before.
+A person at the south side of a pallet fills the far row first and never reaches over placed blocks; every block leans
+on the frame or on the previous one.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rsegen.params.places import Cell
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class NumberedPallet:
-    """A pallet with its place in the order of building, from 1, its name and its first cell in cells of the map."""
+    """A pallet with its number in build order, from 1, its name and its first block cell in the map."""
 
     number: int
     name: str
@@ -29,12 +29,12 @@ class NumberedPallet:
 
     @property
     def levels(self) -> Levels:
-        """Of its blocks, shape (n_x, n_y)."""
+        """The levels of its blocks, shape (n_x, n_y)."""
         return self.pallet.field.blocks
 
 
 def building_order(scene: Scene) -> tuple[NumberedPallet, ...]:
-    """The pallets of a map in the order of building."""
+    """The pallets of a map in build order."""
     side = scene.recipe.chunk_size
     pallets = sorted(scene.field.pallets(side), key=lambda pallet: (-pallet.chunk[1], pallet.chunk[0]))
     return tuple(
@@ -49,7 +49,7 @@ def building_order(scene: Scene) -> tuple[NumberedPallet, ...]:
 
 
 def name(chunk: Cell) -> str:
-    """Of a pallet, as of a field of a chess board: a letter along x, a number along y, A1 in the south-west."""
+    """The name of a pallet as on a chess board: a letter along x, a number along y, A1 in the south-west."""
     letters, column = "", chunk[0] + 1
     while column:
         column, letter = divmod(column - 1, 26)
@@ -58,18 +58,18 @@ def name(chunk: Cell) -> str:
 
 
 def placing_order(levels: Levels) -> Ints:
-    """When each block is placed, from 1, shape (n_x, n_y); 0 where there is none."""
+    """The placing order of each block, from 1, shape (n_x, n_y); 0 for no block."""
     as_read = levels.T[::-1]
     order = np.where(as_read > 0, np.cumsum(as_read > 0).reshape(as_read.shape), 0)
     return order[::-1].T
 
 
 def length_counts(field: StepField) -> Mapping[int, int]:
-    """How many blocks there are of each length [nm], the shortest first."""
+    """The number of blocks of each length [nm], the shortest first."""
     counts = Counter({length(level, field): count for level, count in field.level_counts().items() if level})
     return dict(counts)
 
 
 def length(level: int, field: StepField) -> int:
-    """Of a block of a level, nanometres."""
+    """The length of a block of a level in nanometres."""
     return nanometres(round(level * field.unit * 100, 7))

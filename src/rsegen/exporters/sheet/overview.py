@@ -1,4 +1,4 @@
-"""The first page: how the pallets stand beside each other, what to buy and how to saw it."""
+"""The first page of a build sheet: the arrangement of pallets, the timber to buy and the cutting plan."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from rsegen.exporters.sheet.plan_view import PlanView
 
 _PLAN_HEIGHT = 112.0
 _SMALLEST = 4.0
-"""Points of a name that can still be read."""
+"""The smallest legible font size of names, in points."""
 
 _LONGEST = 160
-"""Letters of a description that are shown."""
+"""The maximum number of characters of a description."""
 
 _BROAD = 30
-"""Letters of a line that says how a piece is cut."""
+"""The maximum number of characters in a line of a cutting pattern."""
 
 _RIGHT = 113.0
-"""Where the right column begins."""
+"""The x of the right column in millimetres."""
 
 
 def draw_overview(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], settings: CutSettings) -> None:
-    """All of it."""
+    """Draw the whole page."""
     _draw_head(page, scene, len(pallets))
     y = _draw_map(page, scene, pallets) + 12
     below = draw_cut_list(page, scene, scene.field, (page.left, y), page.bottom)
@@ -50,7 +50,7 @@ def _draw_head(page: Page, scene: Scene, pallets: int) -> None:
 
 
 def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> float:
-    """From above, each pallet with its name and its number in the order of building; gives where it ends."""
+    """Draw the map from above with the name and number of each pallet; returns the y of its lower end."""
     n_x, n_y = scene.field.shape
     cell = min(page.across / n_x, _PLAN_HEIGHT / n_y)
     left, bottom = page.left + (page.across - n_x * cell) / 2, 42 + n_y * cell
@@ -78,7 +78,7 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> fl
 
 
 def _draw_name(plan: PlanView, each: NumberedPallet) -> None:
-    """On a white card in the middle; the number goes first where there is no room for it."""
+    """Draw the name of a pallet on a white card in its middle, with the number if there is room."""
     n_x, n_y = plan.field.shape
     x, y = plan.middle((n_x - 1) / 2, (n_y - 1) / 2)
     room = n_x * plan.cell / POINT
@@ -90,12 +90,12 @@ def _draw_name(plan: PlanView, each: NumberedPallet) -> None:
 
 
 def _size(text: str, room: float) -> float:
-    """Points in which a text and its card fit into so many points."""
+    """The font size with which a text and its card fit into `room` points."""
     return min(15.0, room / (0.72 * len(text) + 1))
 
 
 def _draw_cutting_plan(page: Page, scene: Scene, settings: CutSettings, y: float) -> float:
-    """What to buy, and how every piece of it is cut; gives where the next line is."""
+    """Draw what to buy and how every piece is cut; returns the y of the next line."""
     counts = length_counts(scene.field)
     plan = plan_cuts(counts, settings)
     y = page.heading(_RIGHT, y, "Timber to buy", COLUMN)
@@ -118,7 +118,7 @@ def _draw_cutting_plan(page: Page, scene: Scene, settings: CutSettings, y: float
 
 
 def _timber(scene: Scene, plan: CuttingPlan) -> Iterator[tuple[str, str]]:
-    """Lines of a text and an amount."""
+    """The lines about timber, each a text and an amount."""
     side, settings = decimal(scene.recipe.block_width_cm), plan.settings
     yield f"blocks: {decimal(settings.stock_cm)} cm of {side} x {side} cm", _pieces(plan.pieces)
     yield "  blocks together", f"{metres(plan.timber)} m"
@@ -134,7 +134,7 @@ def _timber(scene: Scene, plan: CuttingPlan) -> Iterator[tuple[str, str]]:
 
 
 def _stock(known: Frames, settings: CutSettings) -> str:
-    """Pieces of stock for the boards, where it is long enough for them."""
+    """The pieces of stock for the boards, if it is long enough for them."""
     return (
         f"longer than {decimal(settings.stock_cm)} cm"
         if max(known.boards) > settings.stock
@@ -143,18 +143,18 @@ def _stock(known: Frames, settings: CutSettings) -> str:
 
 
 def _pieces(count: int) -> str:
-    """Of stock."""
+    """A number of pieces of stock as text."""
     return f"{count:,} piece{'s'[: count != 1]}"
 
 
 def _pattern_row(pattern: Pattern, settings: CutSettings) -> tuple[str, list[str], str]:
-    """How often a piece is cut so, into what in a few lines, and what is left."""
+    """A cutting pattern as texts: number of pieces, parts in a few lines, and offcut."""
     parts = " + ".join(f"{count}\xa0x\xa0{centimetres(one)}" for one, count in pattern.parts)
     return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{centimetres(pattern.offcut(settings))} left"
 
 
 def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: float) -> None:
-    """Which blocks go to which pallet, where there is room for the table."""
+    """Draw a table of the blocks of each pallet, if there is room for it."""
     levels = [level for level in scene.field.level_counts() if level]
     if not levels or len(levels) > 8 or len(pallets) < 2 or y + (len(pallets) + 3) * ROW > page.bottom:
         return

@@ -1,4 +1,4 @@
-"""A page for one pallet: every cell with the height of its block, and what to cut for it."""
+"""The page of one pallet: every cell with the height of its block, and the cut list."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from rsegen.exporters.sheet.page import GREY, INK, POINT, Page
 from rsegen.exporters.sheet.plan_view import PlanView, block_colour, ink
 
 ORDERED = 12
-"""Pallets of up to so many blocks a side have the order of placing in their cells."""
+"""Pallets of up to this many blocks per side have the placing order in their cells."""
 
 _TOP, _SIDE = 40.0, 172.0
 _SMALLEST = 4.0
-"""Points of a height that can still be read."""
+"""The smallest legible font size of heights, in points."""
 
 _LINED = 1.5
-"""Millimetres from which on the pallets beside this one are told apart."""
+"""The smallest cell size in millimetres at which the map of pallets has grid lines."""
 
 _NOTES = 113.0
-"""Where the right column begins, millimetres."""
+"""The x of the right column in millimetres."""
 
 _PLACING = (
     "Place row by row from the north-west corner, as one",
@@ -39,7 +39,7 @@ _RULE = (
 
 
 def draw_pallet(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int) -> None:
-    """All of it."""
+    """Draw the whole page."""
     _draw_head(page, scene, numbered, pallets)
     field = numbered.pallet.field
     cell = _SIDE / max(field.shape)
@@ -65,7 +65,7 @@ def _draw_head(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int)
 
 
 def _draw_position(page: Page, scene: Scene, numbered: NumberedPallet) -> None:
-    """Where the pallet stands among the others, beside the compass."""
+    """Draw the position of the pallet among the others, next to the compass."""
     m_x, m_y = scene.recipe.chunks
     i, j = numbered.pallet.chunk
     cell = min(36 / m_x, 18 / m_y, 6)
@@ -80,7 +80,7 @@ def _draw_position(page: Page, scene: Scene, numbered: NumberedPallet) -> None:
 
 
 def _draw_rulers(plan: PlanView, numbered: NumberedPallet) -> None:
-    """Cell numbers on all four sides: every one, or every fifth where they would touch."""
+    """Draw cell numbers on all four sides: all of them, or every fifth if they would overlap."""
     cells_x, cells_y = (plan.field.inside(axis).nonzero()[0].tolist() for axis in (0, 1))
     far_x, far_y = (cells * plan.cell for cells in plan.field.shape)
     size, each = (8, 1) if plan.cell > 5 else (6, 5)
@@ -98,7 +98,7 @@ def _draw_rulers(plan: PlanView, numbered: NumberedPallet) -> None:
 
 
 def _draw_blocks(plan: PlanView, numbered: NumberedPallet) -> tuple[str, ...]:
-    """What stands in every cell, and when it is placed where there is room for it; gives how that is to be read."""
+    """Draw the height of every block, and its placing order if there is room; returns notes that explain them."""
     levels, order = numbered.levels, placing_order(numbered.levels)
     texts, notes = _labels(plan)
     size, ordered = _size(plan.cell, texts), max(levels.shape) <= ORDERED
@@ -115,7 +115,7 @@ def _draw_blocks(plan: PlanView, numbered: NumberedPallet) -> tuple[str, ...]:
 
 
 def _labels(plan: PlanView) -> tuple[dict[int, str], tuple[str, ...]]:
-    """What each level is called in the cells, and how that is to be read."""
+    """The text of each level in the cells, and the notes that explain it."""
     field = plan.field
     heights = {level: centimetres(length(level, field)) for level in field.level_counts()}
     if _size(plan.cell, heights) >= _SMALLEST:
@@ -126,13 +126,13 @@ def _labels(plan: PlanView) -> tuple[dict[int, str], tuple[str, ...]]:
 
 
 def _size(cell: float, texts: dict[int, str]) -> float:
-    """Points in which the longest of the texts fits into a cell."""
+    """The font size with which the longest of the texts fits into a cell."""
     widest = max(map(len, texts.values()))
     return min(18.0, 0.85 * cell / POINT / (0.64 * max(widest, 2)))
 
 
 def _draw_notes(page: Page, notes: tuple[str, ...], y: float) -> None:
-    """How the plan is read, and how the blocks are placed."""
+    """Draw the notes on how to read the plan and how to place the blocks."""
     x = _NOTES
     y = page.heading(x, y, "How to build it", COLUMN)
     for text in (*_PLACING, "", *notes, "", *_RULE):
