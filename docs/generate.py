@@ -34,8 +34,8 @@ from rsegen import (
     series,
 )
 from rsegen.exporters.formats import summary as format_summary
-from rsegen.exporters.pictures.paths import chart
-from rsegen.exporters.pictures.preview import picture, saved
+from rsegen.exporters.pictures.paths import path_plot
+from rsegen.exporters.pictures.preview import figure_bytes, preview_image
 from rsegen.exporters.sheet import pages
 from rsegen.params.sorts import Parameter, parameters
 from rsegen.recipe.codec import decode, summary
@@ -119,7 +119,7 @@ def main(arguments: list[str]) -> int:
         path.write_text(text, "utf-8", newline="\n")
     for path, scene in pictures().items():
         path.parent.mkdir(exist_ok=True)
-        path.write_bytes(_DRAWN.get(path, picture)(scene))
+        path.write_bytes(_DRAWN.get(path, preview_image)(scene))
     for path, same_field in rising().items():
         path.write_bytes(_rise(same_field=same_field))
     plan, results, _ = load_summary(EXPERIMENT)
@@ -129,7 +129,7 @@ def main(arguments: list[str]) -> int:
 
 def _ways(scene: Scene) -> bytes:
     reach = metrics(scene.field, RobotLimits(climb_cm=10)).reach
-    return chart(scene, reach) if reach else b""
+    return path_plot(scene, reach) if reach else b""
 
 
 def _rise(*, same_field: bool) -> bytes:
@@ -138,7 +138,7 @@ def _rise(*, same_field: bool) -> bytes:
 
 
 def _page(scene: Scene, number: int) -> bytes:
-    return saved(list(pages(scene, CutSettings()))[number], scene, "png")
+    return figure_bytes(list(pages(scene, CutSettings()))[number], scene, "png")
 
 
 _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {

@@ -43,9 +43,13 @@ if TYPE_CHECKING:
     from rsegen.field.obstacles.peak import Peak as Peak
     from rsegen.field.obstacles.random import Random as Random
     from rsegen.field.stepfield import StepField as StepField
+    from rsegen.geometry import Boxes as Boxes
+    from rsegen.geometry import Mesh as Mesh
     from rsegen.io.dataset import Dataset as Dataset
     from rsegen.io.dataset import Tiles as Tiles
     from rsegen.io.dataset import make_dataset as make_dataset
+    from rsegen.io.export import Exported as Exported
+    from rsegen.io.export import export as export
     from rsegen.io.exports import ExportedMap as ExportedMap
     from rsegen.io.exports import export_maps as export_maps
     from rsegen.io.importers import imported as imported
@@ -90,7 +94,9 @@ _HOMES = {
     "rsegen.field.obstacles.peak": ("Peak",),
     "rsegen.field.obstacles.random": ("Random",),
     "rsegen.field.stepfield": ("StepField",),
+    "rsegen.geometry": ("Boxes", "Mesh"),
     "rsegen.io.dataset": ("Dataset", "Tiles", "make_dataset"),
+    "rsegen.io.export": ("Exported", "export"),
     "rsegen.io.exports": ("ExportedMap", "export_maps"),
     "rsegen.io.importers": ("imported",),
     "rsegen.io.recipe_file": ("load", "save"),

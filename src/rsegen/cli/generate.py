@@ -12,7 +12,7 @@ from pathlib import Path
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
 from rsegen.cli.formats import add_option_flags, formats_of
-from rsegen.exporters.constraint_report import told
+from rsegen.exporters.constraint_report import describe_constraints
 from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.scene import compose
 from rsegen.io.existing import count_complete
@@ -158,7 +158,7 @@ def _report(made: Generated) -> Iterator[str]:
     if len(made.maps) > _SHOWN:
         yield f"  and {len(made.maps) - _SHOWN} more in {made.folder}"
     if made.recipe.is_constrained and len(made.maps) == 1:
-        yield from told(compose(made.recipe, made.maps[0].index))
+        yield from describe_constraints(compose(made.recipe, made.maps[0].index))
     for text in dict.fromkeys(text for one in made.maps for text in one.warnings):
         yield f"warning: {text}"
     yield from _how_to_open(made.maps[0], made.folder, made.recipe.simulator)

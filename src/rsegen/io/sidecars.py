@@ -11,7 +11,7 @@ from pathlib import PurePosixPath
 
 from rsegen.exporters.formats import Format, added, bytes_a_cell, options, refuse_unready
 from rsegen.exporters.gazebo import Bundle
-from rsegen.exporters.pictures.preview import picture
+from rsegen.exporters.pictures.preview import preview_image
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet import CutSettings, refuse_unbuildable, sheet
 from rsegen.params.sorts import Json
@@ -62,7 +62,7 @@ class Sidecars:
     @property
     def _makers(self) -> Mapping[str, Callable[[Scene], bytes]]:
         """The function that makes each file except those of formats, by its name."""
-        preview = {"preview.png": picture} if self.preview else {}
+        preview = {"preview.png": preview_image} if self.preview else {}
         return preview | ({name: partial(sheet, format=name[-3:]) for name in SHEETS} if self.sheet else {})
 
 

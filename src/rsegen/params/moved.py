@@ -1,7 +1,7 @@
 """The modules of rsegen 0.1 under the names that they had then, for one release.
 
 `from rsegen.robots import robot` gives what `from rsegen.simulation.robots import robot` gives, with a
-DeprecationWarning. `rsegen.build`, `rsegen.experiment`, `rsegen.metrics`, `rsegen.series` and
+DeprecationWarning. `rsegen.build`, `rsegen.experiment`, `rsegen.export`, `rsegen.metrics`, `rsegen.series` and
 `rsegen.sheet` are functions and nothing else.
 """
 
@@ -26,7 +26,6 @@ NEW_NAMES = {
     "drawing": "exporters.pictures.preview",
     "driving": "simulation.driving",
     "examples": "recipe.examples",
-    "export": "exporters.gazebo",
     "exporting": "io.exports",
     "extras": "io.sidecars",
     "formats": "exporters.formats",

@@ -16,7 +16,7 @@ from math import sqrt
 
 import numpy as np
 
-from rsegen.field.metrics.regions import joined, neighbours
+from rsegen.field.metrics.regions import connected, neighbours
 from rsegen.field.stepfield import Array, Ints, Levels
 from rsegen.params.streams import generator
 from rsegen.recipe.map_design import MapDesign
@@ -82,7 +82,7 @@ def _plateaus(levels: Levels) -> Ints:
     """For each cell, in one row, the first cell of those of its level that it hangs together with."""
     row, (low, high) = levels.ravel(), neighbours(levels.shape)
     level = row[low] == row[high]
-    return joined(levels.size, low[level], high[level])
+    return connected(levels.size, low[level], high[level])
 
 
 def _halvings(levels: Levels) -> int:

@@ -118,6 +118,6 @@ class MapDesign:
                 if at != "random" and at >= cells:
                     raise ParameterError(f"{where}.{end}[{axis}]", f"{shown(at)} is outside 0..{cells - 1}")
         try:
-            placement.obstacle.check_room(self.grid, placement.first, placement.last)
+            placement.obstacle.check_size(self.grid, placement.first, placement.last)
         except ParameterError as error:
             raise error.inside(where) from None

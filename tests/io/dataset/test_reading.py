@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen import Dataset, Placement, Recipe, make_dataset
 from rsegen.errors import DatasetDamaged, ParameterError
-from rsegen.field.metrics.entry import entry, row
-from rsegen.field.metrics.many import COLUMNS
+from rsegen.field.metrics.batch import COLUMNS
+from rsegen.field.metrics.tables import flattened, nested
 from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents
 from tests.support.strategies import recipes
@@ -85,7 +85,7 @@ def test_metrics_are_those_of_each_map(tmp_path: Path, form: str) -> None:
     assert tuple(found) == ("map", *COLUMNS)
     assert found["map"].tolist() == list(range(20))
     for index in range(20):
-        alone = dict(row(entry(rsegen.metrics(rsegen.build(RECIPE, index)))))
+        alone = dict(flattened(nested(rsegen.metrics(rsegen.build(RECIPE, index)))))
         assert {name: found[name][index] for name in COLUMNS} == pytest.approx(
             {name: alone[name] for name in COLUMNS}, rel=1e-6
         )

@@ -38,7 +38,7 @@ COURSE = rsegen.Recipe(
 def server(gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
     """One with the ground alone, that the command finds by itself; the current folder is for maps."""
     world = tmp_path / "ground.world"
-    world.write_bytes(b"".join(sdf.encoded(sdf.world(rsegen.compose(COURSE), ()))))
+    world.write_bytes(b"".join(sdf.utf8(sdf.world(rsegen.compose(COURSE), ()))))
     rsegen.save(COURSE, tmp_path / "course.yaml")
     monkeypatch.chdir(tmp_path)
     with running_server(gazebo, world) as running:

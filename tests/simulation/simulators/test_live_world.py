@@ -38,7 +38,7 @@ def live(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[LiveWorld]:
         return
     here = SIMULATORS["classic"].installation() or missing("no Gazebo Classic 11: run scripts/gazebo-classic")
     file = tmp_path / "ground.world"
-    file.write_bytes(b"".join(sdf.encoded(sdf.world(rsegen.compose(rsegen.Recipe(seed=1)), ()))))
+    file.write_bytes(b"".join(sdf.utf8(sdf.world(rsegen.compose(rsegen.Recipe(seed=1)), ()))))
     with running_server(here, file) as server, server.connect() as world:
         yield world
 

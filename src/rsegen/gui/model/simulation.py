@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from rsegen.field.metrics.reach import reach
+from rsegen.field.metrics.traversability import traversability
 from rsegen.field.stepfield import StepField
 from rsegen.io.worlds import generate
 from rsegen.recipe.recipe import Recipe
@@ -36,7 +36,7 @@ def crossing(field: StepField, robot: str) -> str:
     """Whether a robot of some kind can cross a field, by the step that it climbs and its width; if not, how much of
     the field it reaches.
     """
-    found = reach(field, ROBOTS[robot].climber)
+    found = traversability(field, ROBOTS[robot].climber)
     ways = {"west to east": found.west_east, "south to north": found.south_north}
     across = [name for name, way in ways.items() if way.crosses]
     return f"crosses {' and '.join(across)}" if across else f"does not cross; reaches {found.cover:.0%} of the map"

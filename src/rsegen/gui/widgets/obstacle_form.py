@@ -157,7 +157,7 @@ class ObstacleForm(QWidget):
             coordinate.setVisible(not self.default_ends.isChecked())
         cls = KINDS[self.kind.currentText()]
         self.kind.setToolTip(summary(cls))
-        self.default_ends.setText(cls.unplaced)
+        self.default_ends.setText(cls.default_place)
         top = self._editors["max_height"].value()
         shown = [f"{level * self._unit:g}" for level in range(min(top, 12))] + ["..."] * (top > 12)
         self._heights.setText(f"Heights: {', '.join(shown)} cm")

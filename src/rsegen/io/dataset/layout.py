@@ -17,7 +17,7 @@ from typing import Annotated
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.metrics.many import COLUMNS
+from rsegen.field.metrics.batch import COLUMNS
 from rsegen.field.stepfield import Ints, StepField, framed
 from rsegen.params.sorts import Choice, Integer, validate
 from rsegen.recipe.recipe import Recipe

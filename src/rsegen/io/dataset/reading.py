@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.errors import DatasetDamaged
-from rsegen.field.metrics.many import many
+from rsegen.field.metrics.batch import batch_metrics
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.io.dataset.checking import random_places, refuse_other_checksums, refuse_other_sizes
 from rsegen.io.dataset.layout import ROW, ShardLayout
@@ -154,7 +154,7 @@ class Dataset:
             places = self.layout.places(number)
             return {
                 "map": np.array(maps, dtype=np.int64),
-                **many(self[places.start : places.stop], self.layout.flat_field),
+                **batch_metrics(self[places.start : places.stop], self.layout.flat_field),
             }
         if self.layout.metrics == "parquet":
             return read_parquet(self.folder / name, len(maps))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rsegen.field.metrics.many import many
+from rsegen.field.metrics.batch import batch_metrics
 from rsegen.field.stepfield import Levels
 from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.dataset.manifest import Shard, ShardFile
@@ -40,7 +40,7 @@ class ShardTask:
         layout, names = self.layout, self.layout.names(number)
         levels, files = self._levels(number), {}
         if layout.metrics != "none":
-            content = table(layout.metrics, layout.indices(number), many(levels, layout.flat_field))
+            content = table(layout.metrics, layout.indices(number), batch_metrics(levels, layout.flat_field))
             files["metrics"] = self._written(names["metrics"], content)
         return Shard(number=number, files={"levels": self._written(names["levels"], npy(levels)), **files})
 

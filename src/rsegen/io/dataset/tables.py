@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.field.metrics.many import COLUMNS, Table
+from rsegen.field.metrics.batch import COLUMNS, Table
 from rsegen.io.dataset.layout import ROW
 
 

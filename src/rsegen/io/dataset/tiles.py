@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.errors import ParameterError, UnknownName
-from rsegen.field.metrics.many import COLUMNS
+from rsegen.field.metrics.batch import COLUMNS
 from rsegen.field.stepfield import Array, Ints
 from rsegen.params.sorts import Integer
 

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.exporters.sheet.listing import COLUMNS, SAID
+from rsegen.exporters.sheet.listing import COLUMNS, RECIPE_KEYS
 from rsegen.field.stepfield import Array
 from rsegen.params.places import Cell
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 
 _HEAD = re.compile(r"^" + r"([,;\t])".join(f'"?{name}"?' for name in COLUMNS) + r"[,;\t]*\r?$", re.MULTILINE)
-_SAID = re.compile(rf'^"?# *({"|".join(SAID)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
+_SAID = re.compile(rf'^"?# *({"|".join(RECIPE_KEYS)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
 _MOST_ROWS = 1_000_000
 
 

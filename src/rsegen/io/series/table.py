@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics.opening import opening
+from rsegen.field.metrics.percolation import percolation
 from rsegen.field.metrics.spread import spread
 from rsegen.field.metrics.steps import steps
 from rsegen.field.stepfield import NANOMETRE_DIGITS
@@ -38,7 +38,7 @@ class SeriesRow:
 
 def series_row(number: int, difficulty: float, scene: Scene, rms_asked: float, full: float | None) -> SeriesRow:
     """The row of map `number`, with its target and the rms step of its field as designed."""
-    own, ways = steps(scene.field), opening(scene.field)
+    own, ways = steps(scene.field), percolation(scene.field)
     return SeriesRow(
         number=number,
         map=scene.name,

@@ -69,7 +69,7 @@ def _setup(plan: Plan, cell: Cell, seed: int, here: Installation) -> Iterator[Se
             world = generate(recipe, folder).maps[0].world
         else:
             world = Path(folder, "empty.world")
-            world.write_bytes(b"".join(sdf.encoded(sdf.world(scene, ()))))
+            world.write_bytes(b"".join(sdf.utf8(sdf.world(scene, ()))))
         file = world.with_name("experiment.world")
         file.write_text(world_with_robots(world, models, unthrottled=cell.pace != "real"), "utf-8")
         yield Setup(file=file, runs=runs, rest=RESTS[cell.pace])

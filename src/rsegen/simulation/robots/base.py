@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from rsegen.errors import ParameterError, UnknownName, shown
-from rsegen.exporters.gazebo.sdf import HEAD, TAIL, numbers
+from rsegen.exporters.gazebo.sdf import FOOTER, HEADER, numbers
 from rsegen.field.metrics import RobotLimits
 from rsegen.params.registry import Registry
 from rsegen.simulation.robots.commands import BACKENDS, Command
@@ -102,7 +102,7 @@ class Robot:
 
     def file(self, name: str, simulator: str = "classic", *, lidar: bool = False) -> str:
         """The same as the text of an SDF file."""
-        return HEAD + self.model(name, simulator, lidar=lidar) + TAIL
+        return HEADER + self.model(name, simulator, lidar=lidar) + FOOTER
 
     def holding(self, angles: Mapping[str, float]) -> Robot:
         """The robot whose servos go to these angles, radians, as soon as the world runs."""

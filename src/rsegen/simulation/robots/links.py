@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import TypeAlias
 
-from rsegen.exporters.gazebo.sdf import numbers, paint
+from rsegen.exporters.gazebo.sdf import material, numbers
 from rsegen.exporters.scene import Colour
 from rsegen.simulation.robots.solids import Solid, Vector
 
@@ -59,7 +59,7 @@ class Part:
     def sdf(self) -> str:
         """Its <collision> and <visual>."""
         what = f"<pose>{numbers(self.pose)}</pose>{self.solid.geometry}"
-        seen = f'        <visual name="{self.name}_seen">{what}{paint(self.colour)}</visual>\n'
+        seen = f'        <visual name="{self.name}_seen">{what}{material(self.colour)}</visual>\n'
         if self.surface is None:
             return seen
         return f'        <collision name="{self.name}">{what}{self.surface.sdf}</collision>\n' + seen

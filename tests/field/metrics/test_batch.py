@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen import Recipe
-from rsegen.field.metrics import many as module
-from rsegen.field.metrics.entry import entry, row
-from rsegen.field.metrics.many import COLUMNS, many
+from rsegen.field.metrics import batch
+from rsegen.field.metrics.batch import COLUMNS, batch_metrics
+from rsegen.field.metrics.tables import flattened, nested
 from rsegen.recipe.building import blocks
 from tests.support.strategies import recipes
 
@@ -22,10 +22,10 @@ from tests.support.strategies import recipes
 def test_many_maps_have_the_metrics_of_each(recipe: Recipe, first: int, frame: float) -> None:
     recipe = replace(recipe, frame_height_cm=frame)
     indices = range(first, first + 3)
-    table = many(np.array([blocks(recipe, index) for index in indices]), rsegen.build(recipe))
+    table = batch_metrics(np.array([blocks(recipe, index) for index in indices]), rsegen.build(recipe))
     assert tuple(table) == COLUMNS
     for number, index in enumerate(indices):
-        alone = dict(row(entry(rsegen.metrics(rsegen.build(recipe, index)))))
+        alone = dict(flattened(nested(rsegen.metrics(rsegen.build(recipe, index)))))
         for name, column in table.items():
             assert column[number] == pytest.approx(alone[name], rel=1e-6, abs=1e-7), name
 
@@ -33,14 +33,14 @@ def test_many_maps_have_the_metrics_of_each(recipe: Recipe, first: int, frame: f
 def test_large_maps_open_at_the_same_step_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
     recipe = Recipe(seed=7, chunks=(1, 2), obstacles=[rsegen.Placement(obstacle=rsegen.Random(max_height=5))])
     levels, like = np.array([blocks(recipe, index) for index in range(20)]), rsegen.build(recipe)
-    at_once = many(levels, like)
-    monkeypatch.setattr(module, "LARGE", 0)
-    one_by_one = many(levels, like)
+    at_once = batch_metrics(levels, like)
+    monkeypatch.setattr(batch, "LARGE", 0)
+    one_by_one = batch_metrics(levels, like)
     assert all(np.array_equal(at_once[name], one_by_one[name]) for name in COLUMNS)
 
 
 def test_a_block_alone_has_no_steps() -> None:
-    table = many(np.ones((2, 1, 1), dtype=np.uint8), rsegen.build(Recipe(seed=0, chunk_size=1)))
+    table = batch_metrics(np.ones((2, 1, 1), dtype=np.uint8), rsegen.build(Recipe(seed=0, chunk_size=1)))
     assert np.isnan(table["steps.rms"]).all()
     assert np.isnan(table["ruggedness.tri"]).all()
     assert table["opening.west_east"].tolist() == pytest.approx([0.1, 0.1])

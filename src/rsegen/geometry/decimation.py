@@ -1,7 +1,7 @@
-"""Taking needless corners out of a closed mesh of triangles: its planes stay as they are, with fewer triangles.
+"""Decimation of a closed triangle mesh by edge collapses that do not change its surface.
 
-A corner is needless in the middle of a plane, or of a straight edge between two planes. It is moved onto a neighbour,
-in the second case along that edge, where no triangle around it turns over; the two triangles between them vanish.
+A vertex is removable inside a plane or on a straight edge between two planes. It is collapsed onto a neighbour, in the
+second case along that edge, if no triangle flips; the two triangles between them disappear.
 """
 
 from __future__ import annotations
@@ -11,18 +11,18 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask
-from rsegen.geometry.chords import spread
+from rsegen.geometry.chords import ragged
 from rsegen.geometry.faces import Faces
 from rsegen.geometry.mesh import NORMALS
 
 _FLAT = 1e-6
-"""A triangle of less than this share of the smallest at first, twice its area, is a line."""
+"""Triangles of less than this share of the smallest initial area count as degenerate."""
 
 
 class _Fan(NamedTuple):
-    """Corners of triangles around their vertices: a vertex, the next two of its triangle, and which triangle it is.
+    """The triangles around each vertex: the vertex, the next two vertices of a triangle, and the triangle's number.
 
-    Sorted by vertex, then by the second.
+    Sorted by vertex, then by the second vertex.
     """
 
     vertex: Ints
@@ -31,38 +31,40 @@ class _Fan(NamedTuple):
     triangle: Ints
 
 
-class _Moves(NamedTuple):
-    """What could be moved where."""
+class _Collapses(NamedTuple):
+    """Edge collapses: the vertex that is removed, and the one that it is moved onto."""
 
     vertex: Ints
     target: Ints
 
-    def rows(self, which: Ints | Mask) -> _Moves:
-        return _Moves(self.vertex[which], self.target[which])
+    def rows(self, which: Ints | Mask) -> _Collapses:
+        return _Collapses(self.vertex[which], self.target[which])
 
 
-def without_needless(faces: Faces, vertices: Array) -> Faces:
-    """The triangles without their needless corners; faces.corners (m, 3) are numbers of vertices (n, 3)."""
+def decimated(faces: Faces, vertices: Array) -> Faces:
+    """The triangles without removable vertices; faces.corners (m, 3) are indices of vertices (n, 3)."""
     faces = faces._replace(corners=faces.corners.astype(np.int64))
     least = _FLAT * _twice_areas(faces, vertices[faces.corners]).min(initial=np.inf)
-    needless = np.ones(len(vertices), dtype=bool)
+    removable = np.ones(len(vertices), dtype=bool)
     while True:
-        fan = _fan(faces.corners, needless)
-        moves = _moves(fan, faces, vertices)
-        needless[:] = False
-        needless[moves.vertex] = True
-        moves = _apart(_upright(moves, fan, faces, vertices, least), fan, len(faces.corners))
-        if not len(moves.vertex):
+        fan = _fan(faces.corners, removable)
+        collapses = _collapses(fan, faces, vertices)
+        removable[:] = False
+        removable[collapses.vertex] = True
+        collapses = _independent_collapses(
+            _without_flips(collapses, fan, faces, vertices, least), fan, len(faces.corners)
+        )
+        if not len(collapses.vertex):
             return faces
         place = np.arange(len(vertices))
-        place[moves.vertex] = moves.target
+        place[collapses.vertex] = collapses.target
         corners = place[faces.corners]
         a, b, c = corners.T
         faces = faces._replace(corners=corners).rows(np.flatnonzero((a != b) & (b != c) & (c != a)))
 
 
 def _fan(corners: Ints, wanted: Mask) -> _Fan:
-    """The corners of the wanted vertices."""
+    """The fans of triangles around the wanted vertices."""
     turned = [np.roll(corners, -turn, axis=1)[wanted[corners[:, turn]]] for turn in range(3)]
     triangle = np.concatenate([np.flatnonzero(wanted[corners[:, turn]]) for turn in range(3)])
     vertex, second, third = np.concatenate(turned).T
@@ -70,8 +72,8 @@ def _fan(corners: Ints, wanted: Mask) -> _Fan:
     return _Fan(*(column[order] for column in (vertex, second, third, triangle)))
 
 
-def _moves(fan: _Fan, faces: Faces, vertices: Array) -> _Moves:
-    """Every needless vertex onto each of its neighbours that it may move to."""
+def _collapses(fan: _Fan, faces: Faces, vertices: Array) -> _Collapses:
+    """All collapses of removable vertices onto neighbours that keep planes and edges in place."""
     count = len(vertices)
     keys = fan.vertex * count + fan.second
     across = fan.triangle[np.searchsorted(keys, fan.vertex * count + fan.third)]
@@ -82,36 +84,36 @@ def _moves(fan: _Fan, faces: Faces, vertices: Array) -> _Moves:
     straight = (np.bincount(3 * fan.vertex[crease] + axis, minlength=3 * count).reshape(-1, 3) == 2).any(axis=1)
     free = (creases == 0) | ((creases == 2) & straight)
     may = free[fan.vertex] & (crease | (creases[fan.vertex] == 0))
-    return _Moves(fan.vertex[may], fan.third[may])
+    return _Collapses(fan.vertex[may], fan.third[may])
 
 
-def _upright(moves: _Moves, fan: _Fan, faces: Faces, vertices: Array, least: float) -> _Moves:
-    """For each vertex one of its moves that turns no triangle over, where there is one."""
+def _without_flips(collapses: _Collapses, fan: _Fan, faces: Faces, vertices: Array, least: float) -> _Collapses:
+    """One collapse per vertex that flips no triangle, if it has one."""
     around = np.bincount(fan.vertex, minlength=len(vertices))
     begin = np.cumsum(around) - around
-    count = around[moves.vertex]
-    move, place = spread(count)
-    corner = begin[moves.vertex[move]] + place
-    target, second, third = moves.target[move], fan.second[corner], fan.third[corner]
+    count = around[collapses.vertex]
+    move, place = ragged(count)
+    corner = begin[collapses.vertex[move]] + place
+    target, second, third = collapses.target[move], fan.second[corner], fan.third[corner]
     stays = (second != target) & (third != target)
     moved = faces.rows(fan.triangle[corner[stays]])._replace(corners=np.stack([target, second, third], axis=1)[stays])
     over = _twice_areas(moved, vertices[moved.corners]) < least
     good = np.bincount(move[stays][over], minlength=len(count)) == 0
-    return moves.rows(np.flatnonzero(good)[np.unique(moves.vertex[good], return_index=True)[1]])
+    return collapses.rows(np.flatnonzero(good)[np.unique(collapses.vertex[good], return_index=True)[1]])
 
 
-def _apart(moves: _Moves, fan: _Fan, triangles: int) -> _Moves:
-    """Moves of which no two change one triangle; which of those that do is as good as drawn by lot."""
+def _independent_collapses(collapses: _Collapses, fan: _Fan, triangles: int) -> _Collapses:
+    """Collapses of which no two change the same triangle, chosen by a hash of the vertex number."""
     lot = np.full(len(fan.vertex) and int(fan.vertex.max()) + 1, -1)
-    lot[moves.vertex] = moves.vertex * 2654435761 % 2**32
+    lot[collapses.vertex] = collapses.vertex * 2654435761 % 2**32
     mine = lot[fan.vertex]
     first = np.full(triangles, 2**32)
     np.minimum.at(first, fan.triangle[mine >= 0], mine[mine >= 0])
     loses = np.bincount(fan.vertex[(mine >= 0) & (first[fan.triangle] != mine)], minlength=len(lot)) > 0
-    return moves.rows(~loses[moves.vertex])
+    return collapses.rows(~loses[collapses.vertex])
 
 
 def _twice_areas(faces: Faces, corners: Array) -> Array:
-    """Twice the area of triangles whose corners (m, 3, 3) are given; negative where one has turned over."""
+    """Twice the signed area of triangles with corners (m, 3, 3); negative if one has flipped."""
     a, b, c = np.moveaxis(corners, 1, 0)
     return np.asarray((np.cross(b - a, c - a) * NORMALS[faces.normals]).sum(axis=1))

@@ -1,4 +1,4 @@
-"""The cheapest ways over heights: all at once, by rings of growing cost."""
+"""The cheapest paths over heights, to all cells at once, by fronts of growing cost."""
 
 from __future__ import annotations
 
@@ -9,32 +9,33 @@ from numpy.typing import NDArray
 
 from rsegen.field.metrics.ground import Ground, Heights
 
-FAR = np.iinfo(np.int64).max
+UNREACHABLE = np.iinfo(np.int64).max
 _WALL = 2**62
 
 
-class Ways(NamedTuple):
-    """Of each cell: what it costs to get there from the first row, FAR where nothing leads; and the cell before."""
+class CheapestPaths(NamedTuple):
+    """For each cell the cost of its cheapest path from the first row, or UNREACHABLE, and the previous cell on it."""
 
     costs: Heights
-    before: NDArray[np.int64]
+    predecessors: NDArray[np.int64]
 
-    def to(self, place: int) -> NDArray[np.int64]:
-        """The way to a cell, as indices along both axes: (n, 2)."""
+    def path_to(self, place: int) -> NDArray[np.int64]:
+        """The path to the cell of a flat index, as indices along both axes: (n, 2)."""
         cells = [place]
-        while (place := int(self.before.flat[place])) >= 0:
+        while (place := int(self.predecessors.flat[place])) >= 0:
             cells.append(place)
-        return np.stack(np.unravel_index(cells[::-1], self.before.shape), axis=1)
+        return np.stack(np.unravel_index(cells[::-1], self.predecessors.shape), axis=1)
 
 
-def ways(ground: Ground, tread: int, limits: tuple[int, int]) -> Ways:
-    """From the first row to each cell; a move costs tread + |dh|, all in one unit, and keeps to (climb, drop).
+def cheapest_paths(ground: Ground, tread: int, limits: tuple[int, int]) -> CheapestPaths:
+    """The cheapest paths from the first row to each cell; a move costs tread + |dh| and stays within (climb, drop).
 
-    No move costs less than a tread, so all that costs less than the cheapest + tread is settled, and moved on at once.
+    All lengths are in one unit. No move costs less than a tread, so all cells that cost less than the cheapest one of
+    the front plus a tread are settled, and are expanded together.
     """
     flat, row = np.pad(ground.heights, 1, constant_values=_WALL).ravel(), ground.heights.shape[1] + 2
     rows, columns = (np.pad(open_, 1) for open_ in (ground.rows, ground.columns))
-    costs, before = np.full(flat.size, FAR), np.full(flat.size, -1)
+    costs, predecessors = np.full(flat.size, UNREACHABLE), np.full(flat.size, -1)
     front = np.arange(row + 1, 2 * row - 1)
     costs[front] = 0
     while len(front):
@@ -46,10 +47,10 @@ def ways(ground: Ground, tread: int, limits: tuple[int, int]) -> Ways:
             cost = costs[nodes] + tread + np.abs(rise)
             better = may_go[abs(side)] & (rise <= limits[0]) & (-rise <= limits[1]) & (cost < costs[nodes + side])
             reached = nodes[better] + side
-            costs[reached], before[reached] = cost[better], nodes[better]
+            costs[reached], predecessors[reached] = cost[better], nodes[better]
             fronts.append(reached)
         front = np.concatenate(fronts)
-    return Ways(_inner(costs, row), _unpadded(_inner(before, row), row))
+    return CheapestPaths(_inner(costs, row), _unpadded(_inner(predecessors, row), row))
 
 
 def _inner(values: NDArray[np.int64], row: int) -> NDArray[np.int64]:
@@ -57,5 +58,5 @@ def _inner(values: NDArray[np.int64], row: int) -> NDArray[np.int64]:
 
 
 def _unpadded(places: NDArray[np.int64], row: int) -> NDArray[np.int64]:
-    """Places in the padded flat array as places in the one without its rim."""
+    """Flat indices of the padded array as flat indices of the array without its border."""
     return np.where(places < 0, -1, (places // row - 1) * (row - 2) + places % row - 1)

@@ -1,4 +1,4 @@
-"""Fields from above on a page, north up: cells in the colours of their levels, frames hatched."""
+"""Plan views on a page, north up: cells in the colours of their levels, frames hatched."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from rsegen.field.stepfield import Array, Ints, StepField
 EMPTY: Colour = (1.0, 1.0, 1.0)
 _MARK = "#999999"
 _MARKED = 0.28
-"""Of the way from a corner to the middle."""
+"""The length of corner marks as a share of the way to the centre."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Plan:
-    """A field on a page: where the upper left corner of its first column is, and the side of a cell, millimetres."""
+class PlanView:
+    """A field from above on a page: its upper left corner and the side of a cell in millimetres."""
 
     page: Page
     scene: Scene
@@ -28,11 +28,11 @@ class Plan:
     cell: float
 
     def middle(self, i: float, j: float) -> tuple[float, float]:
-        """Of a cell, frames counted."""
+        """The centre of a cell on the page, frames counted."""
         return self.left + (i + 0.5) * self.cell, self.top + (self.field.shape[1] - j - 0.5) * self.cell
 
     def draw(self, line: float) -> None:
-        """Blocks with lines of so many points over their frames; cells without a block have their corners marked."""
+        """Draw the frame and the blocks, with lines of a width in points; cells without a block have marked corners."""
         from matplotlib.collections import LineCollection, PolyCollection
 
         if self.field.frame.any():
@@ -47,7 +47,7 @@ class Plan:
         self.page.paper.add_collection(LineCollection(list(marks), colors=_MARK, linewidths=line), autolim=False)
 
     def _draw_frame(self) -> None:
-        """As boards seen from above, over the whole field."""
+        """Draw the frame as hatched boards over the whole field."""
         n_x, n_y = self.field.shape
         colour = self.scene.colour(0)
         size = n_x * self.cell, n_y * self.cell
@@ -56,18 +56,18 @@ class Plan:
         self.page.rectangle((self.left, self.top), size, linewidth=0.8)
 
     def _corners(self, i: Ints, j: Ints) -> Array:
-        """Of cells, shape (m, 4, 2), round them."""
+        """The corners of cells on the page in order, shape (m, 4, 2)."""
         x, y = self.left + i * self.cell, self.top + (self.field.shape[1] - 1 - j) * self.cell
         round_it = ((0, 0), (self.cell, 0), (self.cell, self.cell), (0, self.cell))
         return np.stack([np.stack([x + aside, y + down], axis=-1) for aside, down in round_it], axis=1)
 
 
 def block_colour(scene: Scene, level: int) -> Colour:
-    """White where there is no block."""
+    """The colour of a level on the page; white for no block."""
     return scene.colour(level) if level else EMPTY
 
 
 def ink(colour: Colour) -> str:
-    """What is readable on a colour, on paper without colours too."""
+    """The text colour that is legible on a colour, in greyscale print too."""
     red, green, blue = colour
     return "white" if 0.3 * red + 0.59 * green + 0.11 * blue < 0.5 else "black"

@@ -1,4 +1,4 @@
-"""Ends that are so many cells apart, where chance or the other end leaves them free."""
+"""Random coordinates of the two ends of an obstacle that has a given size."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from rsegen.params.places import Cell, Coordinate
 from rsegen.params.streams import randint
 
 
-def side(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:
-    """Both coordinates on one axis, `span` apart where one of them is left to chance."""
+def random_ends(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:
+    """Both coordinates on one axis, `span` cells apart if at least one of them is random."""
     if first == "random" and last == "random":
         low = randint(rng, 0, cells - 1 - span)
         return low, low + span
@@ -21,5 +21,5 @@ def side(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.ran
 
 
 def _beside(at: int, span: int, cells: int) -> int:
-    """A coordinate `span` cells on, or back where the map ends; never off the map."""
+    """The coordinate `span` cells further, or back if that is outside the map; always on the map."""
     return at + span if at + span < cells else max(at - span, 0)

@@ -1,7 +1,7 @@
-"""The metrics of many maps of one recipe at once: arrays over all maps, not one map after the other.
+"""The metrics of many maps of one recipe at once, vectorised over the maps.
 
-The figures are those of `metrics`, by the same names as in its table, as float32; NaN stands where there is none. What
-is summed is whole numbers of levels, so no machine rounds it otherwise.
+The values are those of `metrics` under the names of its table, as float32; NaN stands for None. All sums are sums of
+integer levels, so they are the same on every machine.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.metrics.opening import opening
+from rsegen.field.metrics.percolation import percolation
 from rsegen.field.metrics.robot_limits import NANOMETRES
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 
@@ -33,16 +33,16 @@ COLUMNS = (
 """The names of the metrics; lengths in metres."""
 
 LARGE = 10_000
-"""Cells of a map, frames counted, from which on it opens sooner by itself: measured on random maps."""
+"""Maps with more cells than this, frames counted, are faster one by one: measured on random maps."""
 
-_WAYS = ("west_east", "south_north")
+_DIRECTIONS = ("west_east", "south_north")
 
 Table = Mapping[str, NDArray[np.float32]]
-"""A column of one figure a map for each of COLUMNS."""
+"""For each of COLUMNS an array of one value per map."""
 
 
-def many(levels: Ints, like: StepField) -> Table:
-    """The metrics of maps whose block levels are (maps, n_x, n_y), and that have all else in common with `like`."""
+def batch_metrics(levels: Ints, like: StepField) -> Table:
+    """The metrics of maps with block levels (maps, n_x, n_y) that otherwise are equal to `like`."""
     exact = np.int64 if levels.itemsize > 1 else np.int32
     blocks: Ints = np.ascontiguousarray(np.moveaxis(levels, 0, -1), dtype=exact)
     whole: Ints = np.zeros((*like.shape, len(levels)), dtype=exact)
@@ -81,44 +81,44 @@ def _steps(whole: Ints, like: StepField) -> dict[str, Array]:
 
 
 def _tri(whole: Ints, like: StepField) -> dict[str, Array]:
-    """Of the blocks with 8 blocks around them."""
+    """The ruggedness index of each map, over the blocks with 8 neighbouring blocks."""
     n_x, n_y = like.shape
-    amid = _amid(~like.frame)
-    if not amid.any():
+    inner = _surrounded(~like.frame)
+    if not inner.any():
         return {"ruggedness.tri": np.full(whole.shape[2], np.nan)}
     middle = whole[1:-1, 1:-1]
     total = np.zeros_like(middle)
     for i in range(3):
         for j in range(3):
             total += (whole[i : n_x - 2 + i, j : n_y - 2 + j] - middle) ** 2
-    return {"ruggedness.tri": np.sqrt(total[amid]).mean(axis=0) * like.unit / math.sqrt(8)}
+    return {"ruggedness.tri": np.sqrt(total[inner]).mean(axis=0) * like.unit / math.sqrt(8)}
 
 
-def _amid(block: Mask) -> Mask:
-    """Where a cell and the 8 around it are blocks; the outermost cells, which have no 8, left out."""
+def _surrounded(block: Mask) -> Mask:
+    """Whether a cell and its 8 neighbours are blocks; without the outermost cells, which have fewer."""
     rows = block[2:] & block[1:-1] & block[:-2]
     return np.asarray(rows[:, 2:] & rows[:, 1:-1] & rows[:, :-2])
 
 
 def _opening(whole: Ints, like: StepField) -> dict[str, Array]:
-    """The minimax step from the level ground on one side to that on the other, frames counted.
+    """The percolation step of each map from the level ground on one side to that on the other, frames counted.
 
-    Ways over a large map are long, and so many sweeps would be: there each map is quicker by itself.
+    Paths across large maps are long and would need many sweeps: there, one map after the other is faster.
     """
     if like.frame.size > LARGE:
         fields = (replace(like, levels=whole[:, :, k].astype(np.int16)) for k in range(whole.shape[2]))
-        each = [opening(field) for field in fields]
-        return {f"opening.{name}": np.array([getattr(one, name) for one in each]) for name in _WAYS}
+        each = [percolation(field) for field in fields]
+        return {f"opening.{name}": np.array([getattr(one, name) for one in each]) for name in _DIRECTIONS}
     heights, unit = _heights(whole, like)
     along = ((heights, like.frame), (heights.swapaxes(0, 1), like.frame.T))
     return {
         f"opening.{name}": np.asarray(_minimax(*of) * (unit / NANOMETRES))
-        for name, of in zip(_WAYS, along, strict=True)
+        for name, of in zip(_DIRECTIONS, along, strict=True)
     }
 
 
 def _heights(whole: Ints, like: StepField) -> tuple[Ints, int]:
-    """The heights in whole numbers of the largest length that divides them all, and that in nanometres."""
+    """The heights as integer multiples of their greatest common divisor, and that divisor in nanometres."""
     levels = np.arange(int(whole.max()) + 1) * like.unit
     nanometres = np.rint(np.round([*levels, like.frame_height], 9) * NANOMETRES).astype(np.int64)
     unit = int(np.gcd.reduce(nanometres)) or 1
@@ -128,9 +128,9 @@ def _heights(whole: Ints, like: StepField) -> tuple[Ints, int]:
 
 
 def _minimax(heights: Ints, frame: Mask) -> Ints:
-    """For each map the least highest step of all ways along the first axis, by sweeps there and back until none helps.
+    """For each map the smallest highest step of all paths along the first axis, by sweeps until nothing changes.
 
-    Nothing goes along a row that is all frame, nor along a column; before and behind there is level ground.
+    No path goes along a row or column of only frame cells; before and behind the map there is level ground.
     """
     far = np.iinfo(heights.dtype).max
     ground = np.pad(heights, ((1, 1), (0, 0), (0, 0)))
@@ -149,6 +149,6 @@ def _minimax(heights: Ints, frame: Mask) -> Ints:
 
 
 def _swept(costs: Ints, steps: Ints) -> None:
-    """Carry along the first axis what is the cheaper way to each cell."""
+    """Update the cost of each cell from its predecessor along the first axis."""
     for k in range(len(steps)):
         np.minimum(costs[k + 1], np.maximum(costs[k], steps[k]), out=costs[k + 1])

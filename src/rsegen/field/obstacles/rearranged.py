@@ -1,7 +1,7 @@
-"""The same blocks in another order, so that no two neighbours differ by more than so many levels.
+"""The same blocks in another order, in which neighbours differ by at most a given number of levels.
 
-Blocks are swapped in pairs. In one go all those of a colour i + 2 j modulo 5 may be: no two of them have a neighbour in
-common, so each swap knows what it does, whatever the others do.
+Blocks are swapped in pairs by simulated annealing. All cells of one colour, i + 2 j modulo 5, are swapped at once: no
+two of them have a common neighbour, so the effect of each swap does not depend on the others.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from rsegen.field.stepfield import Array, Ints, Levels
 _COLOURS = 5
 _SWEEPS = 120
 _WORSE = 0.03
-"""How often a swap is made that makes matters worse by one level, at first: else the last knots are not untied."""
+"""Probability of a swap that makes the order worse by one level, in the first sweeps: it leaves local minima."""
 
 _SMOOTHED = (1, 4, 16, 64)
-"""How many times chance is smoothed before blocks are sorted by it, where the order that was drawn cannot be mended."""
+"""If the order that was drawn cannot be repaired, blocks are sorted by random noise that was smoothed this often."""
 
 
-def arranged(levels: Ints, limit: int, rng: np.random.Generator, zones: Ints | None = None) -> Levels | None:
-    """Levels (n_x, n_y) in an order in which no block differs by more than `limit` from the four beside it.
+def rearranged(levels: Ints, limit: int, rng: np.random.Generator, zones: Ints | None = None) -> Levels | None:
+    """Levels (n_x, n_y) reordered so that no block differs by more than `limit` from its four neighbours.
 
-    Blocks stay within their zone, (n_x, n_y); those of a negative one do not move, and a negative level is none. None
-    where no such order is found.
+    zones: (n_x, n_y), blocks stay within their zone, those with a negative zone do not move; a negative level is no
+    block. Returns None if no such order is found.
     """
     zones = np.zeros(levels.shape, dtype=np.int64) if zones is None else zones
     for warm, start in _starts(levels.astype(np.int64), zones, rng):
@@ -38,7 +38,7 @@ def arranged(levels: Ints, limit: int, rng: np.random.Generator, zones: Ints | N
 
 
 def _starts(levels: Ints, zones: Ints, rng: np.random.Generator) -> Iterator[tuple[bool, Ints]]:
-    """Orders to begin with, whether they may get worse at first: as drawn, ever smoother ones, and in line along x."""
+    """Initial orders and whether worse swaps are allowed: as drawn, ever smoother ones, and sorted along x."""
     yield True, levels
     for times in _SMOOTHED:
         yield False, _sorted_by(_smooth(rng.random(levels.shape), times), levels, zones)
@@ -46,7 +46,7 @@ def _starts(levels: Ints, zones: Ints, rng: np.random.Generator) -> Iterator[tup
 
 
 def _sorted_by(order: Array, levels: Ints, zones: Ints) -> Ints:
-    """Levels rise as `order` does, within each zone."""
+    """Levels sorted by `order` within each zone."""
     found = levels.copy()
     for zone in np.unique(zones[zones >= 0]):
         cells = np.flatnonzero(zones == zone)
@@ -62,7 +62,7 @@ def _smooth(values: Array, times: int) -> Array:
 
 
 class _Grid:
-    """Levels with a rim of nothing round them, as one row."""
+    """The levels as a flat array with a border of empty cells, and the swaps between them."""
 
     def __init__(self, levels: Ints, zones: Ints, limit: int) -> None:
         self._shape = levels.shape
@@ -77,16 +77,16 @@ class _Grid:
         self._colours = [self._movable[colour == each] for each in range(_COLOURS)]
 
     def levels(self) -> Levels:
-        """(n_x, n_y)."""
+        """The levels without the border, (n_x, n_y)."""
         n_x, n_y = self._shape
         return self._levels.reshape(n_x + 2, n_y + 2)[1:-1, 1:-1].astype(np.int16)
 
     def is_right(self) -> bool:
-        """Whether no block that may move differs too much."""
+        """Whether every movable block is within the limit of its neighbours."""
         return not self._amiss(self._movable, self._levels[self._movable]).any()
 
     def swap(self, rng: np.random.Generator, worse: float) -> None:
-        """Swap pairs at random: where it does no harm, and at times where it does."""
+        """Swap random pairs if that does no harm, and with a small probability if it does."""
         chances = np.cumprod([1.0, *[worse] * 8])
         for cells in self._colours:
             one, other = self._pairs(cells, rng)
@@ -98,7 +98,7 @@ class _Grid:
             self._levels[other[swapped]] = was[swapped]
 
     def _pairs(self, cells: Ints, rng: np.random.Generator) -> tuple[Ints, Ints]:
-        """Two by two of one zone, at random; some are left over."""
+        """Random pairs of cells of one zone; some cells are left over."""
         mixed = cells[np.argsort(rng.random(len(cells)), kind="stable")]
         mixed = mixed[np.argsort(self._zones[mixed], kind="stable")]
         even = len(mixed) // 2 * 2
@@ -107,7 +107,7 @@ class _Grid:
         return one[alike], other[alike]
 
     def _amiss(self, cells: Ints, levels: Ints) -> Ints:
-        """By how many levels too much each cell, were it of such a level, differs from its neighbours."""
+        """By how many levels in sum each cell would exceed the limit to its neighbours if it had these levels."""
         beside = cells[:, None] + self._beside
         differs = np.abs(self._levels[beside] - levels[:, None]) - self._limit
         return np.asarray((np.maximum(differs, 0) * self._there[beside]).sum(axis=1))

@@ -14,9 +14,9 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 import rsegen
 from rsegen import RobotLimits, StepField
 from rsegen.field.metrics.ground import Ground, ground, lane
-from rsegen.field.metrics.reach import Reach, reach
-from rsegen.field.metrics.regions import joined, mutual
+from rsegen.field.metrics.regions import connected, strongly_connected
 from rsegen.field.metrics.robot_limits import NANOMETRES
+from rsegen.field.metrics.traversability import Traversability, traversability
 from rsegen.field.stepfield import Ints
 from tests.field.metrics.test_families import field, turned
 from tests.support.strategies import fields
@@ -43,7 +43,9 @@ def graph(carrying: Ground, climber: RobotLimits, tread: int) -> csr_array:
 def test_the_cheapest_way_is_scipy_s(found: StepField, climber: RobotLimits) -> None:
     assume(not found.frame.all())
     tread = round(found.block_width * NANOMETRES)
-    for axis, crossing in enumerate((reach(found, climber).west_east, reach(found, climber).south_north)):
+    for axis, crossing in enumerate(
+        (traversability(found, climber).west_east, traversability(found, climber).south_north)
+    ):
         carrying = lane(found, climber.width, axis)
         cells = np.arange(carrying.heights.size).reshape(carrying.heights.shape)
         costs = dijkstra(graph(carrying, climber, tread), indices=cells[0], min_only=True)
@@ -57,7 +59,7 @@ def test_the_region_is_scipy_s_largest(found: StepField, climber: RobotLimits) -
     assume(not found.frame.all())
     _, group = connected_components(graph(ground(found, climber.width), climber, 1), connection="strong")
     counts = np.bincount(group[~found.frame.ravel()])
-    result = reach(found, climber)
+    result = traversability(found, climber)
     assert result.cover == pytest.approx(counts.max() / counts.sum())
     assert len(set(group[result.region.ravel()])) == 1
 
@@ -68,14 +70,14 @@ EDGES = st.lists(st.tuples(st.integers(0, 19), st.integers(0, 19), st.booleans()
 @given(EDGES)
 def test_mutual_reach_in_any_graph_is_scipy_s(edges: list[tuple[int, int, bool, bool]]) -> None:
     a, b, onward, back = (np.array(part, dtype=int) for part in (zip(*edges, strict=True) if edges else [[]] * 4))
-    found = mutual(20, a, b, onward.astype(bool), back.astype(bool))
+    found = strongly_connected(20, a, b, onward.astype(bool), back.astype(bool))
     tails, heads = np.concatenate([a[onward > 0], b[back > 0]]), np.concatenate([b[onward > 0], a[back > 0]])
     _, expected = connected_components(
         csr_array((np.ones(len(tails)), (tails, heads)), shape=(20, 20)), connection="strong"
     )
     assert partition(found) == partition(expected)
     _, expected = connected_components(csr_array((np.ones(len(a)), (a, b)), shape=(20, 20)), directed=False)
-    assert partition(joined(20, a, b)) == partition(expected)
+    assert partition(connected(20, a, b)) == partition(expected)
 
 
 def partition(group: Ints) -> set[frozenset[int]]:
@@ -85,7 +87,7 @@ def partition(group: Ints) -> set[frozenset[int]]:
 @given(fields(), CLIMBERS)
 def test_a_path_is_a_way_that_the_robot_can_go_and_costs_what_is_said(found: StepField, climber: RobotLimits) -> None:
     assume(not found.frame.all())
-    crossing = reach(found, climber).west_east
+    crossing = traversability(found, climber).west_east
     assume(crossing.crosses)
     carrying = lane(found, climber.width, 0)
     margin = (len(carrying.heights) - found.shape[0]) // 2
@@ -107,17 +109,17 @@ def test_a_robot_crosses_from_the_opening_on_and_not_below_it(found: StepField, 
     opens = rsegen.metrics(found, at).opening
     for axis, least in (("west_east", opens.west_east), ("south_north", opens.south_north)):
         climbs = RobotLimits(climb_cm=round(least * 100, 7), width_cm=width_cm)
-        assert getattr(reach(found, climbs), axis).crosses
+        assert getattr(traversability(found, climbs), axis).crosses
         if least > 1e-5:
             below = RobotLimits(climb_cm=round(least * 100 - 1e-3, 7), width_cm=width_cm)
-            assert not getattr(reach(found, below), axis).crosses
+            assert not getattr(traversability(found, below), axis).crosses
 
 
 @given(fields(), CLIMBERS)
 def test_who_climbs_higher_gets_everywhere_that_another_gets(found: StepField, climber: RobotLimits) -> None:
     assume(not found.frame.all())
-    one = reach(found, climber)
-    two = reach(found, RobotLimits(climb_cm=climber.climb_cm + 5, drop_cm=50, width_cm=climber.width_cm))
+    one = traversability(found, climber)
+    two = traversability(found, RobotLimits(climb_cm=climber.climb_cm + 5, drop_cm=50, width_cm=climber.width_cm))
     assert two.cover >= one.cover
     assert (two.west_east.costs <= one.west_east.costs).all()
 
@@ -126,13 +128,13 @@ def test_who_climbs_higher_gets_everywhere_that_another_gets(found: StepField, c
 def test_a_quarter_turn_swaps_the_directions(found: StepField, climber: RobotLimits) -> None:
     """What was west-east is south-north then: x has become y."""
     assume(not found.frame.all())
-    one, other = reach(found, climber), reach(turned(found), climber)
+    one, other = traversability(found, climber), traversability(turned(found), climber)
     assert one.west_east.cost == pytest.approx(other.south_north.cost)
     assert one.cover == other.cover
 
 
-def reached(rows: list[str], climb_cm: float, drop_cm: float | None = None, width_cm: float = 0) -> Reach:
-    return reach(field(*rows), RobotLimits(climb_cm=climb_cm, drop_cm=drop_cm, width_cm=width_cm))
+def reached(rows: list[str], climb_cm: float, drop_cm: float | None = None, width_cm: float = 0) -> Traversability:
+    return traversability(field(*rows), RobotLimits(climb_cm=climb_cm, drop_cm=drop_cm, width_cm=width_cm))
 
 
 def test_a_wall_with_a_door_is_gone_round() -> None:

@@ -1,4 +1,4 @@
-"""What one robot can do on a field: analogues of NIST's coverability and crossability, whose formulas they are not."""
+"""Traversability for one robot: analogous to NIST's coverability and crossability, by formulas of our own."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.field.metrics.ground import ground, lane
-from rsegen.field.metrics.regions import mutual
+from rsegen.field.metrics.paths import UNREACHABLE, cheapest_paths
+from rsegen.field.metrics.regions import strongly_connected
 from rsegen.field.metrics.robot_limits import NANOMETRES, RobotLimits
 from rsegen.field.metrics.steps import steps
-from rsegen.field.metrics.ways import FAR, ways
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Crossing:
-    """The cheapest way from the level ground on one side to that on the other; None where there is no way.
+    """The cheapest path from the level ground on one side to that on the other; lengths are None if there is none.
 
-    length: of its plan   cost: length + every rise and drop on it, metres   ratios: to the straight and level way
-    path: (n, 2), its cells i, j; those on the ground lie outside the field   costs: (n_x, n_y), to there, inf if never
+    length: in the plan   cost: length + every rise and drop on it, metres   ratios: to the straight and level path
+    path: (n, 2), its cells i, j; those on the ground are outside the field   costs: (n_x, n_y), inf if unreachable
     """
 
     crosses: bool
@@ -36,11 +36,12 @@ class Crossing:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Reach:
-    """What a robot can do.
+class Traversability:
+    """The traversability of a field for one robot: passable steps, coverage and crossings.
 
-    climbable, droppable: share of the steps between blocks that it gets up, and down; None where there are none
-    cover: share of the blocks in the largest region in which it gets from each to each; region: (n_x, n_y), their cells
+    climbable, droppable: share of the steps between blocks that it can climb, or descend; None if there are none
+    cover: coverage, the share of the blocks in the largest traversable area, in which the robot can drive from every
+    block to every other; region: (n_x, n_y), the mask of that area
     """
 
     climber: RobotLimits
@@ -55,11 +56,11 @@ class Reach:
         self.region.setflags(write=False)
 
 
-def reach(field: StepField, climber: RobotLimits) -> Reach:
-    """What a robot can do on a field, of which the frames count: they are in its way, though not where it stays."""
+def traversability(field: StepField, climber: RobotLimits) -> Traversability:
+    """The traversability of a field for a robot; frames are obstacles, but are not counted as area."""
     climbable, droppable = (_share_within(field, limit / NANOMETRES) for limit in climber.limits)
     region = _largest_region(field, climber)
-    return Reach(
+    return Traversability(
         climber=climber,
         climbable=climbable,
         droppable=droppable,
@@ -76,26 +77,26 @@ def _share_within(field: StepField, limit: float) -> float | None:
 
 
 def _largest_region(field: StepField, climber: RobotLimits) -> Mask:
-    """The blocks of the strongly connected component that has most of them; of two as large, of the first."""
+    """The mask of the blocks of the largest strongly connected component; of two equal ones, of the first."""
     carrying = ground(field, climber.width)
     (low, high), (climb, drop) = carrying.moves(), climber.limits
     rise = carrying.heights.flat[high] - carrying.heights.flat[low]
     onward, back = (rise <= climb) & (-rise <= drop), (-rise <= climb) & (rise <= drop)
-    group = mutual(field.levels.size, low, high, onward, back).reshape(field.shape)
+    group = strongly_connected(field.levels.size, low, high, onward, back).reshape(field.shape)
     return np.asarray(~field.frame & (group == np.bincount(group[~field.frame]).argmax()))
 
 
 def crossing(field: StepField, climber: RobotLimits, axis: int) -> Crossing:
-    """Along x for axis 0, along y for axis 1, which is then the first one until the end."""
+    """The cheapest crossing of a field, along x for axis 0, along y for axis 1."""
     carrying = lane(field, climber.width, axis)
-    found = ways(carrying, round(field.block_width * NANOMETRES), climber.limits)
+    found = cheapest_paths(carrying, round(field.block_width * NANOMETRES), climber.limits)
     margin = (len(found.costs) - field.shape[axis]) // 2
-    costs = np.where(found.costs == FAR, np.inf, found.costs / NANOMETRES)[margin:-margin]
+    costs = np.where(found.costs == UNREACHABLE, np.inf, found.costs / NANOMETRES)[margin:-margin]
     costs = costs if axis == 0 else costs.T
     end = int(found.costs[-1].argmin())
-    if (cost := int(found.costs[-1, end])) == FAR:
+    if (cost := int(found.costs[-1, end])) == UNREACHABLE:
         return _no_crossing(costs)
-    path = found.to(found.costs.size - found.costs.shape[1] + end) - (margin, 0)
+    path = found.path_to(found.costs.size - found.costs.shape[1] + end) - (margin, 0)
     length, straight = ((cells - 1) * field.block_width for cells in (len(path), len(found.costs)))
     return Crossing(
         crosses=True,
