@@ -44,6 +44,6 @@ def twist_text(v: float, w: float) -> str:
 
 
 def message_type(message: str, simulator: str) -> str:
-    """The full name of a message type in a simulator: Twist is gazebo.msgs.Twist, gz.msgs.Twist or ignition.msgs.Twist."""
+    """The full name of a message type, as in gazebo.msgs.Twist, gz.msgs.Twist or ignition.msgs.Twist."""
     package = {"classic": "gazebo", "sim": "gz", "fortress": "ignition"}[simulator]
     return f"{package}.msgs.{message}"
