@@ -82,7 +82,7 @@ def test_flippers_and_arm_go_where_they_are_told(gazebo: Installation, tmp_path:
     def moved() -> Mapping[str, Pose]:
         with served(gazebo, course, tmp_path) as (server, live):
             for joint in ("left_flipper_pivot", "shoulder_joint"):
-                server.told(*ROBOTS["crawler"].servo_command("one", joint, angles[joint]).shell)
+                server.run_command(*ROBOTS["crawler"].servo_command("one", joint, angles[joint]).shell)
             live.step(2000)
             assert isinstance(live, ClassicWorld)
             return live.links()

@@ -27,7 +27,7 @@ def test_sim_says_of_each_what_is_there_or_how_to_get_it(programs: Path, capsys:
     assert main(["sim"]) == 0
     out = capsys.readouterr().out
     assert f"Gazebo Sim 8.9.0\n           gz sim: {programs}/gz\n" in out
-    assert "Gazebo Classic is not found\n" in out
+    assert "Gazebo Classic is not installed\n" in out
     assert all(line in out for line in SIMULATORS["classic"].how_to_install)
 
 

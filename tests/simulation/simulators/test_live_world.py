@@ -58,7 +58,7 @@ def test_a_model_is_put_moved_and_taken(live: LiveWorld) -> None:
     assert astuple(live.poses()["other"]) == pytest.approx((0,) * 6)
     live.delete("one")
     assert set(live.poses()) == {"ground_plane", "other"}
-    with pytest.raises(SimulatorFailed, match="no one to be moved"):
+    with pytest.raises(SimulatorFailed, match="no model one to move"):
         live.move("one", THERE)
 
 
@@ -115,7 +115,7 @@ def test_a_robot_and_a_map_are_spawned_respawned_and_removed_in_sim(
 def test_where_no_world_is_it_says_so(programs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     put(programs, PROGRAMS["sim"])
     with (
-        pytest.raises(SimulatorFailed, match="no world is there in GZ_PARTITION=lab"),
+        pytest.raises(SimulatorFailed, match="no world is running in GZ_PARTITION=lab"),
         SIMULATORS["sim"].connect({"GZ_PARTITION": "lab"}),
     ):
         pass

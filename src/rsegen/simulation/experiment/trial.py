@@ -49,7 +49,7 @@ class Outcome:
 
 
 def run_trial(plan: Plan, cell: Cell, repeat: int, here: Installation) -> Outcome:
-    """The outcome of one trial; each repeat has a map and start poses of its own. A server that fails is tried again."""
+    """The outcome of one trial; each repeat has its own map and start poses. A failed server is tried again."""
     cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
     with ExitStack() as stack:
         setups = [stack.enter_context(_setup(plan, each, plan.seed + repeat, here)) for each in cells]

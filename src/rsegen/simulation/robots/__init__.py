@@ -1,4 +1,4 @@
-"""Robots that drive over the maps: every file of this folder that registers one, found by being there."""
+"""Robots that drive over maps; each is one file of this folder, which is imported automatically."""
 
 from __future__ import annotations
 

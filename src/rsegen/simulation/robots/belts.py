@@ -1,4 +1,4 @@
-"""A belt round two equal wheels, as it touches."""
+"""The collision shapes of a belt round two equal wheels."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from rsegen.simulation.robots.links import ALONG_Y, DARK, FIRM, Part, Surface
 from rsegen.simulation.robots.solids import Box, Cylinder
 
 SLACK = 0.001
-"""Metres by which the belt between its wheels lies inside them: on a floor the wheels alone touch it."""
+"""Metres by which the belt between its wheels lies inside them: on a floor only the wheels are in contact."""
 
 
 def belt(rear: float, front: float, *, radius: float, width: float, mu: float, mu2: float) -> tuple[Part, ...]:

@@ -30,7 +30,7 @@ _HULL_BALLS = (
     _ball("middle", 0, 0, _LOW),
     *(_ball(f"top_{name}", *corner, _HIGH) for name, corner in _CORNERS.items()),
 )
-"""What is felt of the hull: for ODE a box on a mesh costs several times what these do together."""
+"""The collision shapes of the hull: in ODE a box on a mesh costs several times what these do together."""
 
 _BASE = Link(
     name="base",

@@ -1,4 +1,4 @@
-"""What is said to a robot: a topic, a message type, and the message as text."""
+"""Commands to robots: a topic, a message type, and the message as text."""
 
 from __future__ import annotations
 
@@ -44,6 +44,6 @@ def twist_text(v: float, w: float) -> str:
 
 
 def message_type(message: str, simulator: str) -> str:
-    """A message type by the simulator's own name: Twist is gazebo.msgs.Twist, gz.msgs.Twist or ignition.msgs.Twist."""
+    """The full name of a message type, as in gazebo.msgs.Twist, gz.msgs.Twist or ignition.msgs.Twist."""
     package = {"classic": "gazebo", "sim": "gz", "fortress": "ignition"}[simulator]
     return f"{package}.msgs.{message}"

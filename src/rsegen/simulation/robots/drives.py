@@ -1,4 +1,4 @@
-"""How robots are driven: the simulators' own plug-ins, what they listen to, and what they must be told."""
+"""Drives of robots: the simulators' own plug-ins, their topics and their commands."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ class Drive(ABC):
 
     @abstractmethod
     def classic_command(self, name: str, v: float, w: float) -> Command:
-        """What Gazebo Classic's plug-in is told."""
+        """The command for Gazebo Classic's plug-in."""
 
     def command(self, name: str, v: float, w: float, simulator: str) -> Command:
-        """What the robot `name` is told to go at v and to turn at w, counterclockwise."""
+        """The command for speed v and turn rate w, counterclockwise."""
         if simulator == "classic":
             return self.classic_command(name, v, w)
         return publish_command(f"/model/{name}/cmd_vel", "Twist", twist_text(v, w), simulator)

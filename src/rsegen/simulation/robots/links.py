@@ -26,7 +26,7 @@ GREY: Colour = (0.45, 0.46, 0.48)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Surface:
-    """How a surface touches others in Gazebo Classic's ODE; Gazebo Sim reads the friction.
+    """Friction and contact parameters of a surface in Gazebo Classic's ODE; Gazebo Sim reads the friction.
 
     mu along `along` (in the frame of its part; by default the engine's own choice), mu2 across it.
     """
@@ -47,7 +47,7 @@ class Surface:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Part:
-    """A solid at its place in a link; one without `surface` is only seen."""
+    """A solid at its pose in a link; without a `surface` it is visual only, without collision."""
 
     name: str
     solid: Solid
@@ -59,10 +59,10 @@ class Part:
     def sdf(self) -> str:
         """Its <collision> and <visual>."""
         what = f"<pose>{numbers(self.pose)}</pose>{self.solid.geometry}"
-        seen = f'        <visual name="{self.name}_seen">{what}{material(self.colour)}</visual>\n'
+        visual = f'        <visual name="{self.name}_seen">{what}{material(self.colour)}</visual>\n'
         if self.surface is None:
-            return seen
-        return f'        <collision name="{self.name}">{what}{self.surface.sdf}</collision>\n' + seen
+            return visual
+        return f'        <collision name="{self.name}">{what}{self.surface.sdf}</collision>\n' + visual
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -1,4 +1,4 @@
-"""A user's own robot: one SDF model from a file, which comes from strangers."""
+"""A robot from an SDF file of the user, which is parsed as untrusted input."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ _SYSTEM = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-(?:diff-drive|track
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SdfRobot:
-    """A model as it was found: its name, its <model> as text, the simulator and the topic that it is driven by.
+    """A robot from a file: its name, its <model> as text, the backend and the topic of its drive.
 
-    its_simulator and topic are None where no drive in it is a known one; it then stands in the world and is not
-    commanded. {name} in the topic stands for the name that it is given. size, speed and turn are what a person says.
+    backend and topic are None if no drive in it is known; then it cannot be commanded. {name} in the topic is replaced
+    by its name in the world. size, speed and turn are given by the user.
     """
 
     kind: str
@@ -40,7 +40,7 @@ class SdfRobot:
     turn: float = 0.5
 
     def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN) -> str:
-        """Its <model> under a name, with its origin put there."""
+        """Its <model> under a name, with its origin at a pose."""
         model = ElementTree.fromstring(self.text)  # noqa: S314  # was found to be plain elements
         model.set("name", name)
         pose = model.find("pose")
@@ -51,7 +51,7 @@ class SdfRobot:
         return _outer(model)
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
-        """What the robot of a name is told to go forward at v, m/s, and to turn at w, rad/s."""
+        """The command for speed v forward, m/s, and turn rate w, rad/s."""
         if self.topic is None or self.backend is None:
             raise ParameterError(self.kind, "no drive that rsegen knows, so it cannot be commanded")
         if self.backend != simulator:
@@ -63,7 +63,7 @@ class SdfRobot:
 
 
 def from_file(path: str | Path) -> SdfRobot:
-    """The one model in an SDF file; FileError, in one line, where the file holds anything else."""
+    """The robot of the one model in an SDF file; FileError if the file has anything else."""
     return parsed(text_of(Path(path), MAX_MIB, "a robot"), str(path))
 
 

@@ -21,7 +21,7 @@ class Servo:
     rest: float = 0
 
     def command(self, name: str, angle: float, simulator: str) -> Command:
-        """What its robot `name` is told to bring it to an angle, radians.
+        """The command that turns it to an angle, radians.
 
         Classic 11 listens on a topic of Ignition Transport, which its own `gz joint` knows.
         """
@@ -34,7 +34,7 @@ class Servo:
 
 
 def topic(name: str, joint: str) -> str:
-    """Where Gazebo Sim's JointPositionController listens."""
+    """The topic of Gazebo Sim's JointPositionController."""
     return f"/model/{name}/joint/{joint}/0/cmd_pos"
 
 

@@ -1,4 +1,4 @@
-"""The simulators that worlds are opened in: each is one file of this folder, and is found by being there."""
+"""The simulators that can open worlds; each is one file of this folder, which is imported automatically."""
 
 from __future__ import annotations
 

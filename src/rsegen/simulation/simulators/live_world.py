@@ -1,4 +1,4 @@
-"""A world in a running simulator, whichever it is: time, places, words to a robot, models put in and taken out."""
+"""The interface to a world in any running simulator: time, poses, commands to robots, models spawned and deleted."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from rsegen.errors import SimulatorFailed
 from rsegen.simulation.robots.commands import Command
 
 Record = list[tuple[float, dict[str, list[float]]]]
-"""Second and poses (x, y, z, roll, pitch, yaw) of models, state by state."""
+"""Simulated seconds, and the poses (x, y, z, roll, pitch, yaw) of models at that time, state by state."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Clock:
-    """Seconds simulated, and seconds that passed meanwhile without pauses; steps done; whether time stands still."""
+    """Simulation time and wall time without pauses, seconds; the number of steps; whether the world is paused."""
 
     simulated: float
     real: float
@@ -26,7 +26,7 @@ class Clock:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Pose:
-    """Where a model stands, metres, and how it is turned about x, y and z, radians."""
+    """Position of a model, metres, and its rotation about x, y and z, radians."""
 
     x: float
     y: float
@@ -45,44 +45,44 @@ class Contact:
 
 
 class LiveWorld(ABC):
-    """What can be done with a running world. SimulatorFailed where the simulator is gone, or does not answer.
+    """A world in a running simulator. SimulatorFailed if the simulator has ended or does not answer.
 
-    dialect: the name by which robots know the simulator, one of `rsegen.robots.SIMULATORS`.
+    dialect: the name of its message and plug-in types, one of `rsegen.simulation.robots.BACKENDS`.
     """
 
     backend: str
 
     @abstractmethod
     def send_command(self, command: Command) -> None:
-        """Say something to a robot, which has heard it when this ends."""
+        """Send a command to a robot, and wait until it is received."""
 
     @abstractmethod
     def step(self, steps: int) -> None:
-        """Simulate so many steps, as fast as the world's physics allows, in a world that stands still."""
+        """Simulate this number of steps in a paused world, as fast as possible."""
 
     def step_with_contacts(self, steps: int) -> Sequence[Contact]:
-        """The same, and what touched what in the first of these steps; nothing where the simulator does not tell."""
+        """Step, and give the contacts of the first step; none if the simulator does not report them."""
         self.step(steps)
         return ()
 
     @abstractmethod
     def unpause(self) -> None:
-        """Let time run."""
+        """Let simulation time run."""
 
     @abstractmethod
     def pause(self) -> None:
-        """Let time stand still."""
+        """Stop simulation time."""
 
     def stop_recording(self) -> None:  # noqa: B027  # not every server keeps one
-        """Have the server keep no record from now on, which costs it up to half its time."""
+        """Stop the server's record, which takes up to half of its time."""
 
     @abstractmethod
     def clock(self) -> Clock:
-        """The time now."""
+        """The clock now."""
 
     @abstractmethod
     def poses(self) -> Mapping[str, Pose]:
-        """Where every model stands, by its name."""
+        """The pose of every model, by its name."""
 
     @abstractmethod
     def movable(self) -> Set[str]:
@@ -90,20 +90,20 @@ class LiveWorld(ABC):
 
     @abstractmethod
     def move(self, name: str, pose: Pose) -> None:
-        """Put a model that is there somewhere else, and wait until it has left its place."""
+        """Set the pose of a model, and wait until it has moved."""
 
     @abstractmethod
     def spawn(self, sdf: str, pose: Pose) -> None:
-        """Put the model of an SDF text into the world, and wait until it is there."""
+        """Spawn the model of an SDF text, and wait until it exists."""
 
     @abstractmethod
     def delete(self, name: str) -> None:
-        """Take a model out of the world, and wait until it is gone."""
+        """Delete a model, and wait until it is gone."""
 
 
 def model_name(sdf: str) -> str:
     """The name of the model of an SDF text."""
     found = re.search(r"<model\s+name=['\"]([^'\"]+)['\"]", sdf)
     if not found:
-        raise SimulatorFailed("there is no model in what is to be put into the world")
+        raise SimulatorFailed("no <model> in the SDF text to spawn")
     return found[1]

@@ -1,4 +1,4 @@
-"""Poses as we have them, with roll, pitch and yaw, and as simulators tell them, with a quaternion."""
+"""Conversion of poses with roll, pitch and yaw to simulators' messages with a quaternion, and back."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 
 from rsegen.simulation.simulators.live_world import Pose
 
-Told = Mapping[str, Mapping[str, Any]]
-"""A pose as messages have it: position x, y, z and orientation x, y, z, w."""
+PoseMessage = Mapping[str, Mapping[str, Any]]
+"""A pose as a message: position x, y, z and orientation x, y, z, w."""
 
 
-def told(pose: Pose) -> Told:
-    """A pose as a message says it."""
+def pose_message(pose: Pose) -> PoseMessage:
+    """The message of a pose."""
     (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a / 2), math.sin(a / 2)) for a in (pose.roll, pose.pitch, pose.yaw))
     turned = {
         "w": cr * cp * cy + sr * sp * sy,
@@ -24,8 +24,8 @@ def told(pose: Pose) -> Told:
     return {"position": {"x": pose.x, "y": pose.y, "z": pose.z}, "orientation": turned}
 
 
-def heard(message: Told) -> Pose:
-    """The pose that a message says; what it does not state is 0."""
+def pose_of(message: PoseMessage) -> Pose:
+    """The pose in a message; missing fields are 0."""
     at, q = message.get("position", {}), message.get("orientation", {})
     x, y, z, w = (float(q.get(name, 0.0)) for name in "xyzw")
     return Pose(
@@ -39,7 +39,7 @@ def heard(message: Told) -> Pose:
 
 
 def is_nearer(at: Pose, wanted: Pose, before: Pose) -> bool:
-    """Whether something is nearer to where it is wanted than to where it was, or need not move."""
+    """Whether a model is nearer to its wanted pose than to the one before."""
     return _distance(at, wanted) <= _distance(at, before)
 
 

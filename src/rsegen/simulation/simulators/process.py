@@ -30,7 +30,7 @@ _NAMED = ("/bin/sh", "-c", 'echo $$ >&0; exec "$@" </dev/null', "sh")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RunningProgram:
-    """A program that runs, or has run."""
+    """A program that runs or has ended."""
 
     process: subprocess.Popen[str]
     watch: subprocess.Popen[str]
@@ -41,7 +41,7 @@ class RunningProgram:
         return self.process.poll()
 
     def end(self) -> None:
-        """Have it end, with all that it has started: asked first, and killed after some seconds."""
+        """End it with all that it has started: by SIGINT first, and by SIGKILL after some seconds."""
         if self.watch.stdin:
             self.watch.stdin.close()
         self.watch.wait()
@@ -54,7 +54,7 @@ class RunningProgram:
 
 @contextmanager
 def running(launch: LaunchCommand, output: IO[str] | int) -> Iterator[RunningProgram]:
-    """A program that runs as long as this does; both of its outputs go to `output`."""
+    """A program that is ended when this ends; stdout and stderr go to `output`."""
     watch = subprocess.Popen(
         [sys.executable, str(_WATCH)],
         stdin=subprocess.PIPE,
@@ -63,7 +63,7 @@ def running(launch: LaunchCommand, output: IO[str] | int) -> Iterator[RunningPro
         text=True,
         start_new_session=True,
     )
-    with _closed_in_the_end(watch):
+    with _closed_at_end(watch):
         started = RunningProgram(process=_started(launch, output, watch), watch=watch)
         try:
             yield started
@@ -72,7 +72,7 @@ def running(launch: LaunchCommand, output: IO[str] | int) -> Iterator[RunningPro
 
 
 def output_of(launch: LaunchCommand, timeout: float) -> str:
-    """Both outputs of a program that ends by itself; SimulatorFailed where it takes longer than `timeout` seconds."""
+    """stdout and stderr of a program that ends by itself; SimulatorFailed if it takes longer than `timeout` s."""
     with running(launch, subprocess.PIPE) as started:
         try:
             return started.process.communicate(timeout=timeout)[0]
@@ -81,7 +81,7 @@ def output_of(launch: LaunchCommand, timeout: float) -> str:
 
 
 def command_output(command: Sequence[str | Path]) -> str:
-    """Both outputs of a command that says a version; nothing where there is no such command or it does not end."""
+    """stdout and stderr of a short command; empty if there is no such command or it does not end."""
     try:
         return output_of(LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd()), timeout=30)
     except (OSError, SimulatorFailed):
@@ -103,7 +103,7 @@ def _started(launch: LaunchCommand, output: IO[str] | int, watch: subprocess.Pop
 
 
 @contextmanager
-def _closed_in_the_end(watch: subprocess.Popen[str]) -> Iterator[None]:
+def _closed_at_end(watch: subprocess.Popen[str]) -> Iterator[None]:
     try:
         yield
     finally:
