@@ -16,8 +16,6 @@ from rsegen.exporters.scene import Scene
 from rsegen.params.sorts import Json
 from rsegen.recipe.codec import map_json
 
-FORMATS.gather(__name__, __path__)
-
 
 def format_named(name: str, where: str = "formats") -> type[Format]:
     """The format of a name, or an UnknownName that lists the known ones."""

@@ -14,8 +14,6 @@ from rsegen.field.obstacles.matrix import Matrix
 from rsegen.io.importers.base import FORMATS, Format, Heights
 from rsegen.recipe.recipe import Placement, Recipe
 
-FORMATS.gather(__name__, __path__)
-
 
 def format_of(path: Path) -> type[Format]:
     """The format of a file by its suffix, or a FileError that lists the known ones."""

@@ -4,6 +4,4 @@ from __future__ import annotations
 
 from rsegen.simulation.simulators.base import SIMULATORS, Installation, Launch, Opening, Simulator, installations
 
-SIMULATORS.gather(__name__, __path__)
-
 __all__ = ["SIMULATORS", "Installation", "Launch", "Opening", "Simulator", "installations"]
