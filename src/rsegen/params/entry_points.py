@@ -63,12 +63,10 @@ def _packages() -> Iterator[Path]:
 def _metadata(place: str) -> list[os.DirEntry[str]]:
     try:
         with os.scandir(place) as entries:
-            return sorted(
-                (each for each in entries if each.name.endswith((".dist-info", ".egg-info"))),
-                key=lambda each: each.name,
-            )
+            found = [each for each in entries if each.name.endswith((".dist-info", ".egg-info"))]
     except OSError:  # most paths hold no packages, and some are not there
         return []
+    return sorted(found, key=lambda each: each.name)
 
 
 def _speaks(folder: str) -> bool:

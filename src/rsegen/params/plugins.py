@@ -1,4 +1,4 @@
-"""Plug-ins that are not installed: modules and files loaded by `--plugin` or `load_plugin`; and where plug-ins come from.
+"""Plug-ins that are not installed: modules and files loaded by `--plugin` or `load_plugin`; and their sources.
 
 What they hold is found by the registries: each looks through the loaded modules for what it keeps.
 """

@@ -1,7 +1,7 @@
-"""Things of one sort by their names: rsegen's own, a file each, and those of plug-ins; each is imported when asked for.
+"""Things of one sort by their names: rsegen's own, a file each, and those of plug-ins; each is imported when needed.
 
-A name is looked for in rsegen's own files first, then in the plug-in files that were loaded (`load_plugin`), then in what
-installed packages offer (`entry_points`). Only a list of all of them imports them all.
+A name is looked for in rsegen's own files first, then in the plug-in files that were loaded (`load_plugin`), then in
+what installed packages offer (`entry_points`). Only a list of all of them imports them all.
 """
 
 from __future__ import annotations
@@ -106,10 +106,13 @@ class Registry(Mapping[str, Thing]):
             self._import_all_own()
             self._find_in_modules()
             for each in self._offered():
-                try:
-                    self._take(each)
-                except PluginError as error:
-                    warnings.warn(f"{error}; it is left out", PluginWarning, stacklevel=1)
+                self._take_or_warn(each)
+
+    def _take_or_warn(self, offer: EntryPoint) -> None:
+        try:
+            self._take(offer)
+        except PluginError as error:
+            warnings.warn(f"{error}; it is left out", PluginWarning, stacklevel=1)
 
     def _import_own(self, name: str) -> None:
         """The file that is called like the thing, if there is one: many are."""
@@ -161,18 +164,20 @@ class Registry(Mapping[str, Thing]):
     def _enter(self, found: Any, source: Source, where: str, wanted: str | None = None) -> None:
         """Keep what a plug-in holds under its names; PluginError where it is not what it should be."""
         contract = self._contract
-        problem = contract.problem(found) if contract else "this registry takes no plug-ins"
-        names = contract.names(found) if contract and not problem else ()
-        if not problem and wanted is not None and wanted not in names:
-            problem = f"is a {self._sort} named {', '.join(names)}; the entry point must have the same name"
-        for name in names:
-            if not problem and name in self._things and not self._is_kept(name, found):
-                problem = f"the name {name!r} is taken by {self._sources.get(name, 'rsegen')}"
-        if problem:
+        if contract is None:
+            raise PluginError(f"{where}: there are no plug-ins that are a {self._sort}")
+        if problem := contract.problem(found) or self._misnamed(found, contract.names(found), wanted):
             raise PluginError(f"{where}: {problem}")
-        for name in names if contract else ():
+        for name in contract.names(found):
             self._things.setdefault(name, contract.kept(found))
             self._sources[name] = source
+
+    def _misnamed(self, found: Any, names: Iterable[str], wanted: str | None) -> str:
+        """What is wrong with the names of a plug-in; an empty text where nothing is."""
+        if wanted is not None and wanted not in names:
+            return f"is a {self._sort} named {', '.join(names)}; its entry point must have the same name"
+        taken = [name for name in names if name in self._things and not self._is_kept(name, found)]
+        return f"the name {taken[0]!r} is taken by {self._sources.get(taken[0], 'rsegen')}" if taken else ""
 
     def _is_kept(self, name: str, found: Any) -> bool:
         kept = self._things[name]
