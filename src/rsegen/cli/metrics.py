@@ -20,6 +20,7 @@ from rsegen.exporters.pictures.paths import chart
 from rsegen.exporters.pictures.preview import picture_format
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Metrics, RobotLimits, metrics
+from rsegen.field.metrics.custom import custom
 from rsegen.field.metrics.entry import entry, row
 from rsegen.io.resources import BYTES_A_CELL_OF_METRICS
 from rsegen.io.writer import refuse_taken_file, write_file
@@ -97,7 +98,7 @@ def _print(measured: Iterable[Measured], arguments: argparse.Namespace) -> None:
 
 def _entry(scene: Scene, found: Metrics) -> dict[str, Any]:
     whole: dict[str, Any] = {"map": scene.name, "seed": scene.recipe.seed, **entry(found)}
-    return {name: value for name, value in whole.items() if value is not None}
+    return {name: value for name, value in whole.items() if value is not None} | custom(scene.field)
 
 
 def _print_table(rows: Iterator[dict[str, object]]) -> None:
