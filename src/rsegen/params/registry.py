@@ -79,7 +79,8 @@ class Registry(Mapping[str, Thing]):
     def source(self, name: str) -> Source | None:
         """The package or file that a thing comes from; None for rsegen's own."""
         if name in self and name not in self._sources and not self._is_own(self[name]):
-            with self._lock:  # a module of a package may have added it by itself
+            with self._lock:  # its module may have added it by itself
+                self._find_in_modules()
                 self._find_offered(name)
         return self._sources.get(name)
 
@@ -175,7 +176,7 @@ class Registry(Mapping[str, Thing]):
     def _misnamed(self, found: Any, names: Iterable[str], wanted: str | None) -> str:
         """What is wrong with the names of a plug-in; an empty text where nothing is."""
         if wanted is not None and wanted not in names:
-            return f"is a {self._sort} named {', '.join(names)}; its entry point must have the same name"
+            return f"is named {', '.join(names)}; its entry point must have the same name"
         taken = [name for name in names if name in self._things and not self._is_kept(name, found)]
         return f"the name {taken[0]!r} is taken by {self._sources.get(taken[0], 'rsegen')}" if taken else ""
 
