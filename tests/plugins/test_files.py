@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import rsegen
+from rsegen.errors import PluginError
 from tests.plugins.installed import EAGER, done, refused, run
 
 RAMP = '''
@@ -100,19 +102,28 @@ def test_what_follows_two_dashes_is_no_flag(ramp: Path) -> None:
         ("\nimport nowhere_at_all\n", "line 2: ModuleNotFoundError: No module named 'nowhere_at_all'"),
         ("x = (\n", "line 1: SyntaxError: '(' was never closed"),
         ("import sys; sys.exit(3)\n", "line 1: SystemExit: 3"),
-        (RAMP.replace('"ramp"', '"peak"'), "(Ramp): the name 'peak' is taken by rsegen"),
-        (RAMP.replace('    """Steps that', '    """').replace(" rise along x from first to last.", ""), "no docstring"),
-        (RAMP.replace('kind: ClassVar[str] = "ramp"', "pass"), "AttributeError"),
     ],
 )
-def test_a_file_that_is_no_plug_in_is_refused_in_one_line(ramp: Path, content: str | None, complaint: str) -> None:
+def test_a_file_that_cannot_be_run_is_refused_in_one_line(ramp: Path, content: str | None, complaint: str) -> None:
     ramp.unlink()
     if content is not None:
         ramp.write_text(content)
-    line = refused("--plugin", ramp, "obstacles")
-    assert line.startswith("rsegen: plug-in ")
-    assert "my ramp.py" in line
-    assert complaint in line
+    with pytest.raises(PluginError) as error:
+        rsegen.load_plugin(ramp)
+    assert str(error.value) == f"plug-in {ramp}: {complaint}"
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        (RAMP.replace('"ramp"', '"peak"'), "the name 'peak' is taken by rsegen"),
+        (RAMP.replace('    """Steps that rise along x from first to last."""\n', ""), "has no docstring"),
+        (RAMP.replace('kind: ClassVar[str] = "ramp"', "pass"), "AttributeError"),
+    ],
+)
+def test_a_file_s_class_that_is_no_kind_is_refused_in_one_line(ramp: Path, content: str, complaint: str) -> None:
+    ramp.write_text(content)
+    assert refused("--plugin", ramp, "obstacles").startswith(f"rsegen: plug-in my ramp.py (Ramp): {complaint}")
 
 
 def test_two_files_of_one_name_are_refused(ramp: Path, tmp_path: Path) -> None:

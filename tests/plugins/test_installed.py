@@ -155,7 +155,8 @@ from PySide6.QtWidgets import QApplication, QCheckBox, QWidget
 import rsegen.gui
 
 app = QApplication([])
-modules = {each.name.rpartition(".")[2]: each.name for each in pkgutil.walk_packages(rsegen.gui.__path__, "rsegen.gui.")}
+found = pkgutil.walk_packages(rsegen.gui.__path__, "rsegen.gui.")
+modules = {each.name.rpartition(".")[2]: each.name for each in found}
 form = import_module(modules["obstacle_form"]).ObstacleForm()
 form.kind.setCurrentText("ramp")
 print(form.kind.currentText(), "tread" in {each.objectName() for each in form.findChildren(QWidget)})

@@ -80,7 +80,7 @@ def plugins() -> tuple[Plugin, ...]:
 def failure(error: BaseException, file: str = "") -> str:
     """What went wrong in somebody's module: the line of the file, the error's name and its first line."""
     line = error.lineno if isinstance(error, SyntaxError) else _line_in(error, file)
-    first = (str(error).splitlines() or [""])[0]
+    first = (str(error.msg if isinstance(error, SyntaxError) else error).splitlines() or [""])[0]
     return f"{f'line {line}: ' if line else ''}{type(error).__name__}: {first}".removesuffix(": ")
 
 
