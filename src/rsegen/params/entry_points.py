@@ -54,7 +54,7 @@ def _packages() -> Iterator[Path]:
     seen = set()
     for place in dict.fromkeys(sys.path):
         for entry in _metadata(place or "."):
-            package = re.sub(r"[-_.]+", "-", entry.name.partition("-")[0].partition(".")[0]).lower()
+            package = re.sub(r"[-_.]+", "-", os.path.splitext(entry.name)[0].partition("-")[0]).lower()
             if package not in seen and _speaks(entry.path):
                 yield Path(entry.path)
             seen.add(package)
