@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from rsegen.field.metrics import Metrics as Metrics
     from rsegen.field.metrics import RobotLimits as RobotLimits
     from rsegen.field.metrics import metrics as metrics
+    from rsegen.field.metrics.custom import Metric as Metric
+    from rsegen.field.metrics.custom import metric as metric
     from rsegen.field.obstacles import KINDS as KINDS
     from rsegen.field.obstacles import Obstacle as Obstacle
     from rsegen.field.obstacles.diagonal import DiagonalBarrier as DiagonalBarrier
@@ -60,6 +62,7 @@ if TYPE_CHECKING:
     from rsegen.io.worlds import Generated as Generated
     from rsegen.io.worlds import GeneratedMap as GeneratedMap
     from rsegen.io.worlds import generate as generate
+    from rsegen.params.plugins import load_plugin as load_plugin
     from rsegen.recipe.building import build as build
     from rsegen.recipe.codec import schema as schema
     from rsegen.recipe.recipe import Placement as Placement
@@ -85,6 +88,7 @@ _HOMES = {
     "rsegen.exporters.scene": ("Scene", "compose"),
     "rsegen.exporters.sheet": ("CutSettings", "Saw", "sheet"),
     "rsegen.field.metrics": ("Climber", "Metrics", "RobotLimits", "metrics"),
+    "rsegen.field.metrics.custom": ("Metric", "metric"),
     "rsegen.field.obstacles": ("KINDS", "Obstacle"),
     "rsegen.field.obstacles.diagonal": ("DiagonalBarrier",),
     "rsegen.field.obstacles.horizontal": ("HorizontalBarrier",),
@@ -102,6 +106,7 @@ _HOMES = {
     "rsegen.io.recipe_file": ("load", "save"),
     "rsegen.io.series": ("Series", "series"),
     "rsegen.io.worlds": ("Generated", "GeneratedMap", "generate"),
+    "rsegen.params.plugins": ("load_plugin",),
     "rsegen.recipe.building": ("build",),
     "rsegen.recipe.codec": ("schema",),
     "rsegen.recipe.recipe": ("Placement", "Recipe"),

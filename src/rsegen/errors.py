@@ -6,6 +6,7 @@ RsegenError
 │   │   └── UnknownName  a kind, key or flag that is not there; lists the known ones
 │   ├── FileError        a file or folder cannot be read, or is not what it should be
 │   ├── OutputError      the output folder is taken, or may not be written to
+│   ├── PluginError      a plug-in cannot be loaded, or is not what it should be
 │   ├── TooLarge         it would need more room than there is, in memory or on the disk
 │   ├── NoSimulator      no simulator that is installed here can do it
 │   └── NothingRuns      no simulation runs that could be changed
@@ -45,6 +46,10 @@ class OutputError(UserError):
     """The output folder is taken, or may not be written to."""
 
 
+class PluginError(UserError):
+    """A plug-in cannot be loaded, or is not what it should be; the message names the package or file."""
+
+
 class TooLarge(UserError):
     """It would need more room than there is, in memory or on the disk."""
 
@@ -71,6 +76,10 @@ class DatasetDamaged(RsegenError):
 
 class SimulatorFailed(RsegenError):
     """A simulator died, fell silent or did not load its world."""
+
+
+class PluginWarning(UserWarning):
+    """A plug-in is left out, or is another version than a recipe was made with; the work goes on."""
 
 
 class ParameterError(UserError, ValueError):

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import rsegen
+from tests.plugins.installed import declare, done
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -88,12 +89,40 @@ def test_the_python_of_the_page_of_data_sets_works(tmp_path: Path) -> None:
 def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None:
     (source,) = blocks(ROOT / "CONTRIBUTING.md", "python")
     shutil.copytree(ROOT / "src" / "rsegen", tmp_path / "rsegen")
-    (tmp_path / "rsegen" / "obstacles" / "stairs.py").write_text(source)
+    (tmp_path / "rsegen" / "field" / "obstacles" / "stairs.py").write_text(source)
     row = "stairs max_height=5 first=0,0 last=8,9"
     command = ["generate", "--seed", "1", "--boundary", "none", "--obstacle", row, "-o", str(tmp_path / "worlds")]
     subprocess.run([sys.executable, "-m", "rsegen", *command], cwd=tmp_path, check=True, capture_output=True)
     levels = (tmp_path / "worlds" / "rse_0000" / "levels.csv").read_text("utf-8").splitlines()
     assert levels[1:] == ["0,0,1,1,2,2,3,3,4,0"] * 10
+
+
+def test_the_page_of_plug_ins_works_as_a_file(tmp_path: Path) -> None:
+    source, script = blocks(ROOT / "docs" / "plugins.md", "python")
+    (tmp_path / "ramp.py").write_text(source)
+    tools = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    said = [
+        subprocess.run(
+            ["bash", "-euc", commands], cwd=tmp_path, env=tools, check=True, capture_output=True, text=True
+        ).stdout
+        for commands in blocks(ROOT / "docs" / "plugins.md", "bash")
+    ]
+    assert "Steps that rise along x from first to last. From ramp.py." in said[0]
+    assert "Height of the highest cell" in said[0]
+    assert said[1].endswith("plug-in  ramp of ramp.py\n")
+    found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
+    assert found.stdout == "(2, 2)\n(2, 2)\n"
+
+
+def test_the_package_of_the_page_of_plug_ins_is_found(tmp_path: Path) -> None:
+    source, (declared,) = (
+        blocks(ROOT / "docs" / "plugins.md", "python")[0],
+        blocks(ROOT / "docs" / "plugins.md", "toml"),
+    )
+    (tmp_path / "rsegen_ramps.py").write_text(source)
+    offers = re.sub(r'project\.entry-points\."([^"]+)"', r"\1", declared.partition("\n\n")[2]).replace('"', "")
+    declare(tmp_path, "rsegen-ramps", "1.2", offers)
+    assert "From rsegen-ramps 1.2." in done("obstacles", packages=tmp_path)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -1,10 +1,19 @@
-"""Things that are found by being there."""
+"""Things of one sort by their names, each imported when it is needed."""
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 
-from rsegen.errors import UnknownName
+from rsegen.errors import PluginError, UnknownName
+from rsegen.params import entry_points as offers
+from rsegen.params import registry as registries
+from rsegen.params.contract import Contract
+from rsegen.params.entry_points import EntryPoint
+from rsegen.params.plugins import Source
 from rsegen.params.registry import Registry
 
 
@@ -34,3 +43,59 @@ def test_a_name_that_nothing_has_is_told_with_those_that_there_are(name: object)
     with pytest.raises(UnknownName, match=r"basket: unknown fruit .* \(known: apple, fig, pear\)"):
         fruits().named(name, "basket")  # type: ignore[arg-type]
     assert fruits().named("fig", "basket") == 1
+
+
+OFFER = EntryPoint(group="fruits", name="kiwi", value="string:digits", source=Source(name="orchard", version="2"))
+
+
+def basket(monkeypatch: pytest.MonkeyPatch, *found: EntryPoint) -> Registry[str]:
+    monkeypatch.setattr(registries, "entry_points", lambda: found)
+    contract = Contract(base=str, names=lambda text: ("kiwi",), is_class=False)
+    return Registry("fruit", group="fruits", contract=contract)
+
+
+def test_what_a_package_offers_is_imported_when_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = basket(monkeypatch, OFFER)
+    assert found["kiwi"] == "0123456789"
+    assert str(found.source("kiwi")) == "orchard 2"
+    assert list(found) == ["kiwi"]
+
+
+def test_an_offer_of_another_group_is_none_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    offer = EntryPoint(group="vegetables", name="kiwi", value="string:digits", source=OFFER.source)
+    assert "kiwi" not in basket(monkeypatch, offer)
+
+
+def test_what_cannot_be_imported_is_told_each_time_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    offer = EntryPoint(group="fruits", name="kiwi", value="string:peel", source=OFFER.source)
+    found = basket(monkeypatch, offer)
+    for _ in range(2):
+        with pytest.raises(PluginError, match=r"plug-in 'kiwi' of orchard 2 \(string:peel\): AttributeError"):
+            found.named("kiwi", "basket")
+
+
+def test_only_the_file_that_is_called_like_a_format_is_imported() -> None:
+    code = (
+        "import sys; from rsegen.exporters.formats import FORMATS; FORMATS['stl'];"
+        "home = 'rsegen.exporters.formats.'; print(home + 'stl' in sys.modules, home + 'usd' in sys.modules)"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout == "True False\n"
+
+
+@pytest.mark.parametrize("text", ["rsegen-ramps 1.2", "ramp.py", "my ramp.py", "some.module"])
+def test_a_source_is_read_back_as_it_is_written(text: str) -> None:
+    assert str(Source.parse(text)) == text
+    assert bool(Source.parse(text).version) == (text == "rsegen-ramps 1.2")
+
+
+def test_of_two_versions_of_a_package_the_first_on_the_path_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for place, name in (("first", "or_chard-2.dist-info"), ("second", "Or.Chard-1.egg-info")):
+        (tmp_path / place / name).mkdir(parents=True)
+        (tmp_path / place / name / "METADATA").write_text("Metadata-Version: 2.1\nName: or-chard\nVersion: 2\n")
+        (tmp_path / place / name / "entry_points.txt").write_text("[rsegen.fruits]\nkiwi = string:digits\n")
+    monkeypatch.setattr(sys, "path", [str(tmp_path / "nowhere"), str(tmp_path / "first"), str(tmp_path / "second")])
+    (found,) = offers.entry_points.__wrapped__()
+    assert str(found) == "plug-in 'kiwi' of or-chard 2 (string:digits)"

@@ -10,7 +10,8 @@ import sys
 from collections.abc import Sequence
 
 from rsegen.cli.commands import COMMANDS, parser
-from rsegen.cli.edge import failed, stoppable
+from rsegen.cli.edge import failed, short_warnings, stoppable
+from rsegen.cli.plugins import load_plugins
 from rsegen.errors import RsegenError
 
 __all__ = ["COMMANDS", "main"]
@@ -18,7 +19,7 @@ __all__ = ["COMMANDS", "main"]
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; gives the exit code."""
-    with stoppable():
+    with stoppable(), short_warnings():
         try:
             return _run(arguments)
         except (KeyboardInterrupt, Exception) as error:
@@ -31,7 +32,7 @@ def _run(arguments: Sequence[str] | None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
         sys.stdout.reconfigure(errors="backslashreplace")  # a folder may have a name that cannot be printed
     try:
-        parsed = parser().parse_args(arguments)
+        parsed = parser().parse_args(load_plugins(sys.argv[1:] if arguments is None else arguments))
         parsed.run(parsed)
         return 0
     finally:

@@ -28,6 +28,7 @@ from rsegen.cli import (
     sim,
     spawn,
 )
+from rsegen.cli.plugins import add_plugin_flag
 from rsegen.errors import UnknownName, shown
 
 COMMANDS = (
@@ -59,6 +60,7 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(allow_abbrev=False, formatter_class=_Help, **options)
+        add_plugin_flag(self)
 
     def error(self, message: str) -> NoReturn:
         """End with exit code 2."""

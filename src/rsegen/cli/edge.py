@@ -6,11 +6,12 @@ import os
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import NoReturn
+from typing import Any, NoReturn
 
-from rsegen.errors import REFUSED, RsegenError, UserError
+from rsegen.errors import REFUSED, PluginWarning, RsegenError, UserError
 
 
 @contextmanager
@@ -34,6 +35,24 @@ def stoppable() -> Iterator[None]:
     finally:
         for each, before in heeded.items():
             signal.signal(each, before)
+
+
+@contextmanager
+def short_warnings() -> Iterator[None]:
+    """What is wrong with plug-ins that are not needed is one line each on stderr."""
+    usual = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *where: Any, **others: Any) -> None:
+        if not issubclass(category, PluginWarning):
+            usual(message, category, *where, **others)
+        elif sys.stderr:
+            print(f"rsegen: warning: {' '.join(str(message).split())}", file=sys.stderr)
+
+    warnings.showwarning = show
+    try:
+        yield
+    finally:
+        warnings.showwarning = usual
 
 
 def failed(error: BaseException) -> int:

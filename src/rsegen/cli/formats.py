@@ -40,7 +40,8 @@ def listed() -> Iterator[str]:
     """What every format is, and its options."""
     for name, cls in FORMATS.items():
         needs = f" Needs pip install 'rsegen[{cls.extra.name}]'." if cls.extra else ""
-        yield f"{name}\n    {summary(cls)}{needs}"
+        source = FORMATS.source(name)
+        yield f"{name}\n    {summary(cls)}{needs}" + (f" From {source}." if source else "")
         for option, parameter in parameters(cls).items():
             yield f"    {flag(option):<15} {parameter.help}: {parameter.describe()}"
         yield ""

@@ -45,7 +45,7 @@ def _summary(found: MapSummary) -> dict[str, object]:
         "faces": found.faces,
         "bytes": found.bytes,
         "warnings": list(found.warnings),
-    }
+    } | ({"plugins": found.plugins} if found.plugins else {})
 
 
 def _report(found: MapSummary) -> Iterator[str]:
@@ -59,6 +59,8 @@ def _report(found: MapSummary) -> Iterator[str]:
     costs = (_many(found.models, "model"), _many(found.collisions, "collision"), _many(found.faces, "face"))
     cost = f"{', '.join(costs)}, {found.bytes:,} bytes"
     yield f"costs    mesh type {found.mesh_type}: {cost}"
+    for kind, source in found.plugins.items():
+        yield f"plug-in  {kind} of {source}"
     for text in found.warnings:
         yield f"warning: {text}"
 

@@ -10,6 +10,7 @@ from rsegen.exporters.numbers import decimal
 from rsegen.exporters.pictures.paths import describe_robot
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Crossing, Metrics, Scale, Spread, Steps, Traversability
+from rsegen.field.metrics.custom import METRICS, custom
 
 Measured: TypeAlias = tuple[Scene, Metrics]
 
@@ -24,10 +25,15 @@ def report(measured: Iterable[Measured]) -> Iterator[str]:
 def _table(measured: Iterable[Measured]) -> Iterator[str]:
     yield "lengths in cm; opens: minimax step; region, ways: of the robot (rsegen metrics --map INDEX says more)"
     for number, (scene, found) in enumerate(measured):
-        cells = _cells(found)
+        cells = _cells(found) | {name: _plain(value) for name, value in custom(scene.field).items()}
         if not number:
-            yield f"{'map':<24}" + "".join(f"{name:>{_WIDTH}}" for name in cells)
-        yield f"{scene.name:<24}" + "".join(f"{text:>{_WIDTH}}" for text in cells.values())
+            yield f"{'map':<24}" + "".join(f"{name:>{_width(name)}}" for name in cells)
+        yield f"{scene.name:<24}" + "".join(f"{text:>{_width(name)}}" for name, text in cells.items())
+
+
+def _width(name: str) -> int:
+    """Of a column; a metric of a plug-in may have a long name."""
+    return max(_WIDTH, len(name) + 1)
 
 
 _WIDTH = 10
@@ -68,6 +74,8 @@ def _page(scene: Scene, found: Metrics) -> Iterator[str]:
     yield f"opens    at a step of {ways}{wide}"
     if found.reach:
         yield from _reach(found.reach)
+    for name, value in custom(scene.field).items():
+        yield f"{name:<8} {_plain(value)} {METRICS[name].unit} ({METRICS[name].help.rstrip('.')})"
 
 
 def _spread(found: Spread) -> Iterator[str]:
@@ -109,6 +117,11 @@ def _way(found: Crossing) -> str:
         return "none"
     straight = f"{found.length:.2f} m, {found.length_ratio:.2f} x straight"
     return f"{straight}; with rises {found.cost:.2f} m, {found.cost_ratio:.2f} x"
+
+
+def _plain(value: float | None) -> str:
+    """A metric of a plug-in in its own unit."""
+    return "-" if value is None else f"{value:.4g}"
 
 
 def _cm(length: float | None) -> str:

@@ -20,6 +20,7 @@ from rsegen.exporters.pictures.paths import path_plot
 from rsegen.exporters.pictures.preview import image_format
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Metrics, RobotLimits, metrics
+from rsegen.field.metrics.custom import custom
 from rsegen.field.metrics.tables import flattened, nested
 from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS
 from rsegen.io.targets import every
@@ -98,7 +99,7 @@ def _print(measured: Iterable[Measured], arguments: argparse.Namespace) -> None:
 
 def _entry(scene: Scene, found: Metrics) -> dict[str, Any]:
     whole: dict[str, Any] = {"map": scene.name, "seed": scene.recipe.seed, **nested(found)}
-    return {name: value for name, value in whole.items() if value is not None}
+    return {name: value for name, value in whole.items() if value is not None} | custom(scene.field)
 
 
 def _print_table(rows: Iterator[dict[str, object]]) -> None:

@@ -35,7 +35,8 @@ def run(arguments: argparse.Namespace) -> None:
 def _report() -> Iterator[str]:
     common = parameters(Placement)
     for name, cls in KINDS.items():
-        yield f"{name}\n    {summary(cls)}"
+        source = KINDS.source(name)
+        yield f"{name}\n    {summary(cls)}" + (f" From {source}." if source else "")
         yield from _rows(parameters(cls))
         yield ""
     yield "every kind"

@@ -8,6 +8,7 @@ from rsegen.exporters.constraint_report import missing
 from rsegen.exporters.gazebo import MESH_TYPES, export
 from rsegen.exporters.gazebo.obj import face_count
 from rsegen.exporters.scene import Scene
+from rsegen.recipe.plugin_record import needed_plugins
 from rsegen.recipe.recipe import Recipe
 
 MANY = 1000
@@ -29,6 +30,7 @@ class MapSummary:
     collisions: int
     faces: int
     bytes: int
+    plugins: dict[str, str]
     warnings: tuple[str, ...]
 
 
@@ -52,6 +54,7 @@ def map_summary(scene: Scene) -> MapSummary:
         collisions=mesh_type.collision_count(scene),
         faces=faces or 6 * mesh_type.model_count(scene),
         bytes=size,
+        plugins=needed_plugins(scene.recipe),
         warnings=warnings(scene),
     )
 

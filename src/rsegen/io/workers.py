@@ -24,6 +24,7 @@ from multiprocessing.connection import Connection, wait
 from typing import NoReturn, TypeVar
 
 from rsegen.errors import WorkerLost
+from rsegen.params.plugins import with_plugins
 
 Item = TypeVar("Item")
 Made = TypeVar("Made")
@@ -53,7 +54,9 @@ def run_in_workers(
     stop_receiver, stop_sender = context.Pipe(duplex=False)
     pool = ProcessPoolExecutor(min(workers, MOST), context, _start_worker, (stop_receiver,))
     try:
-        yield from _in_order(partial(_submit, pool, partial(_interruptible, work)), _batches(items, batch), workers)
+        yield from _in_order(
+            partial(_submit, pool, partial(_interruptible, with_plugins(work))), _batches(items, batch), workers
+        )
     except BrokenProcessPool as error:
         raise WorkerLost("a worker was lost: it was killed, or ran out of memory; give fewer --workers") from error
     finally:

@@ -1,48 +1,192 @@
-"""Things of one sort that are a file each, and are found by being there: obstacles, formats, robots, simulators."""
+"""Things of one sort by their names: rsegen's own, a file each, and those of plug-ins; each is imported when needed.
+
+A name is looked for in rsegen's own files first, then in the plug-in files that were loaded (`load_plugin`), then in
+what installed packages offer (`entry_points`). Only a list of all of them imports them all.
+"""
 
 from __future__ import annotations
 
 import pkgutil
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib import import_module
+from importlib.util import find_spec
+from threading import RLock
 from typing import Any, TypeVar
 
-from rsegen.errors import UnknownName
+from rsegen.errors import PluginError, PluginWarning, UnknownName
+from rsegen.params.contract import Contract
+from rsegen.params.entry_points import EntryPoint, entry_points
+from rsegen.params.plugins import Plugin, Source, failure, plugins
 
 Thing = TypeVar("Thing")
 
 
 class Registry(Mapping[str, Thing]):
-    """Every thing of a sort by its name: in the order of their names, or in that of what `order` gives for each."""
+    """Every thing of a sort by its name: in the order of their names, or in that of what `order` gives for each.
 
-    def __init__(self, sort: str, order: Callable[[Thing], Any] | None = None) -> None:
+    package: whose modules add rsegen's own things when they are imported; group: the entry points of other packages;
+    contract: what a plug-in has to be.
+    """
+
+    def __init__(
+        self,
+        sort: str,
+        order: Callable[[Thing], Any] | None = None,
+        *,
+        package: str = "",
+        group: str = "",
+        contract: Contract | None = None,
+    ) -> None:
         self._sort = sort
         self._order = order
+        self._package = package
+        self._group = group
+        self._contract = contract
         self._things: dict[str, Thing] = {}
+        self._sources: dict[str, Source] = {}
+        self._own_imported = not package
+        self._modules_seen = 0
+        self._offers: list[EntryPoint] | None = None
+        self._lock = RLock()
 
     def __getitem__(self, name: str) -> Thing:
+        if name not in self._things:
+            self._find(name)
         return self._things[name]
 
     def __iter__(self) -> Iterator[str]:
+        self._find_all()
         order = self._order
         return iter(sorted(self._things, key=lambda name: (order(self._things[name]) if order else 0, name)))
 
     def __len__(self) -> int:
+        self._find_all()
         return len(self._things)
 
     def add(self, name: str, thing: Thing) -> None:
         """Make a thing known; two of one name are a mistake in the program, a TypeError."""
-        if name in self._things:
+        if name in self._things and self._things[name] is not thing:
             raise TypeError(f"two {self._sort}s are named {name!r}: {self._things[name]} and {thing}")
         self._things[name] = thing
 
-    def gather(self, package: str, path: Iterable[str]) -> None:
-        """Import every module of a package, which makes known what is in it."""
-        for module in pkgutil.iter_modules(path):
-            import_module(f"{package}.{module.name}")
-
     def named(self, name: str, where: str) -> Thing:
         """The thing of a name that a person gave as `where`, or an UnknownName that lists the known ones."""
-        if not isinstance(name, str) or name not in self._things:
+        if not isinstance(name, str) or name not in self:
             raise UnknownName.among(where, self._sort, name, self)
-        return self._things[name]
+        return self[name]
+
+    def source(self, name: str) -> Source | None:
+        """The package or file that a thing comes from; None for rsegen's own."""
+        if name in self and name not in self._sources and not self._is_own(self[name]):
+            with self._lock:  # its module may have added it by itself
+                self._find_in_modules()
+                self._find_offered(name)
+        return self._sources.get(name)
+
+    def own(self) -> tuple[Thing, ...]:
+        """rsegen's own things, whatever plug-ins there are."""
+        with self._lock:
+            self._import_all_own()
+            return tuple(thing for name, thing in self._things.items() if name not in self._sources)
+
+    def _is_own(self, thing: Thing) -> bool:
+        cls = thing if isinstance(thing, type) else type(thing)
+        return cls.__module__.startswith("rsegen.")
+
+    def _find(self, name: str) -> None:
+        with self._lock:
+            if isinstance(name, str) and name.isidentifier():
+                self._import_own(name)
+            for find in (self._import_all_own, self._find_in_modules, lambda: self._find_offered(name)):
+                if name not in self._things:
+                    find()
+
+    def _find_all(self) -> None:
+        with self._lock:
+            self._import_all_own()
+            self._find_in_modules()
+            for each in self._offered():
+                self._take_or_warn(each)
+
+    def _take_or_warn(self, offer: EntryPoint) -> None:
+        try:
+            self._take(offer)
+        except PluginError as error:
+            warnings.warn(f"{error}; it is left out", PluginWarning, stacklevel=1)
+
+    def _import_own(self, name: str) -> None:
+        """The file that is called like the thing, if there is one: many are."""
+        if not self._own_imported and find_spec(f"{self._package}.{name}"):
+            import_module(f"{self._package}.{name}")
+
+    def _import_all_own(self) -> None:
+        if self._own_imported:
+            return
+        for module in pkgutil.iter_modules(import_module(self._package).__path__):
+            import_module(f"{self._package}.{module.name}")
+        self._own_imported = True
+
+    def _find_in_modules(self) -> None:
+        """What the plug-ins hold that were loaded since the last time."""
+        found = plugins()[self._modules_seen :]
+        self._modules_seen += len(found)
+        for plugin in found:
+            for name, value in self._held(plugin):
+                self._enter(value, plugin.source, f"plug-in {plugin.source} ({name})")
+
+    def _held(self, plugin: Plugin) -> Iterable[tuple[str, Any]]:
+        contract, known = self._contract, set(map(id, self._things.values()))
+        if contract is None:
+            return []
+        held = ((name, each) for name, each in vars(plugin.module).items() if contract.is_held(each, plugin))
+        return [(name, each) for name, each in held if isinstance(each, type) or id(each) not in known]
+
+    def _offered(self) -> tuple[EntryPoint, ...]:
+        if self._offers is None:
+            self._offers = [each for each in entry_points() if each.group == self._group]
+        return tuple(self._offers)
+
+    def _find_offered(self, name: str) -> None:
+        for each in self._offered():
+            if each.name == name:
+                self._take(each)
+                return
+
+    def _take(self, offer: EntryPoint) -> None:
+        """Import what a package offers; PluginError where that is not possible."""
+        self._offers = [each for each in self._offered() if each is not offer]  # its module may ask for others
+        try:
+            self._enter(_loaded(offer), offer.source, str(offer), offer.name)
+        except PluginError:
+            self._offers.append(offer)
+            raise
+
+    def _enter(self, found: Any, source: Source, where: str, wanted: str | None = None) -> None:
+        """Keep what a plug-in holds under its names; PluginError where it is not what it should be."""
+        contract = self._contract
+        if contract is None:
+            raise PluginError(f"{where}: there are no plug-ins that are a {self._sort}")
+        if problem := contract.problem(found) or self._misnamed(found, contract.names(found), wanted):
+            raise PluginError(f"{where}: {problem}")
+        for name in contract.names(found):
+            self._things.setdefault(name, contract.kept(found))
+            self._sources[name] = source
+
+    def _misnamed(self, found: Any, names: Iterable[str], wanted: str | None) -> str:
+        """What is wrong with the names of a plug-in; an empty text where nothing is."""
+        if wanted is not None and wanted not in names:
+            return f"is named {', '.join(names)}; its entry point must have the same name"
+        taken = [name for name in names if name in self._things and not self._is_kept(name, found)]
+        return f"the name {taken[0]!r} is taken by {self._sources.get(taken[0], 'rsegen')}" if taken else ""
+
+    def _is_kept(self, name: str, found: Any) -> bool:
+        kept = self._things[name]
+        return kept is found or type(kept) is found
+
+
+def _loaded(offer: EntryPoint) -> Any:
+    try:
+        return offer.load()
+    except (Exception, SystemExit) as error:
+        raise PluginError(f"{offer}: {failure(error)}") from None

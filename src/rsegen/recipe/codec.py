@@ -1,8 +1,8 @@
 """Recipe <-> the content of a recipe file; and its JSON Schema.
 
-A file has the words of `Recipe`, and `version` (of this format), `generator` (what wrote it), `$schema` (for editors).
-It says what differs from the defaults of its format version (docs/decisions/0013): format 1 wrote every parameter out,
-format 2 does not; both are read, and mean the same.
+A file has the words of `Recipe`, and `version` (of this format), `generator` (what wrote it), `plugins` (kinds of
+obstacles from other packages), `$schema` (for editors). It says what differs from the defaults of its format version
+(docs/decisions/0013): format 1 wrote every parameter out, format 2 does not; both are read, and mean the same.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from rsegen import __version__
 from rsegen.errors import ParameterError, refuse_unknown, shown
 from rsegen.field.obstacles import KINDS, Obstacle, kind
 from rsegen.params.sorts import Integer, Json, Parameter, Text, parameters
+from rsegen.recipe.plugin_record import PluginRecord, check_plugins, needed_plugins
 from rsegen.recipe.recipe import Placement, Recipe
 
 FORMAT = 2
@@ -23,6 +24,7 @@ SCHEMA_ID = f"urn:rsegen:recipe:{FORMAT}"
 _ENVELOPE: dict[str, Parameter] = {
     "version": Integer(1, FORMAT, help="version of the recipe format"),
     "generator": Text(r"[^\x00-\x1f]{0,100}", "a short text", help="what wrote the file"),
+    "plugins": PluginRecord(),
     "$schema": Text(r"[^\x00-\x1f]{0,500}", "the address of a schema", help="for editors"),
 }
 
@@ -39,6 +41,7 @@ def decode(content: object) -> Recipe:
     refuse_unknown("key", content, known)
     for key in _ENVELOPE.keys() & content.keys():
         _ENVELOPE[key].check(key, content[key])
+    check_plugins(content.get("plugins", {}), content.get("obstacles"))
     values = {key: value for key, value in content.items() if key not in _ENVELOPE}
     values["obstacles"] = decode_placements(values.get("obstacles", []))
     return Recipe(**values)
@@ -87,7 +90,9 @@ def _by_first_names(given: Mapping[str, Any], own: Mapping[str, Parameter]) -> d
 
 def encode(recipe: Recipe) -> dict[str, Json]:
     """The content of a recipe's file, with the seed and the generator's version."""
-    return {"version": FORMAT, "generator": f"rsegen {__version__}"} | recipe.entry()
+    found = needed_plugins(recipe)
+    plugins = {"plugins": found} if found else {}
+    return {"version": FORMAT, "generator": f"rsegen {__version__}"} | plugins | recipe.entry()
 
 
 def to_json(recipe: Recipe) -> str:

@@ -16,8 +16,6 @@ from rsegen.exporters.scene import Scene
 from rsegen.params.sorts import Json
 from rsegen.recipe.codec import map_json
 
-FORMATS.gather(__name__, __path__)
-
 
 def format_named(name: str, where: str = "formats") -> type[Format]:
     """The format of a name, or an UnknownName that lists the known ones."""
@@ -40,8 +38,8 @@ def refuse_unready(formats: Iterable[Format]) -> None:
 
 
 def options(formats: Sequence[Format]) -> dict[str, Json]:
-    """What formats.json of a map says: the options of each format that is there."""
-    return {each.name: each.options for each in formats}
+    """What formats.json of a map says: the options of each format that is there, and the plug-in that it is from."""
+    return {each.name: {**each.options, **_origin(each.name)} for each in formats}
 
 
 def added(scene: Scene, formats: Sequence[Format]) -> Bundle:
@@ -57,6 +55,11 @@ def exported(scene: Scene, formats: Sequence[Format]) -> Bundle:
 def bytes_a_cell(formats: Iterable[Format]) -> int:
     """Of memory for every cell of a map: they are made one after the other."""
     return max((each.bytes_a_cell for each in formats), default=0)
+
+
+def _origin(name: str) -> dict[str, Json]:
+    source = FORMATS.source(name)
+    return {"plugin": str(source)} if source else {}
 
 
 def _added(scene: Scene, formats: Sequence[Format]) -> Iterator[tuple[PurePosixPath, Iterable[bytes]]]:

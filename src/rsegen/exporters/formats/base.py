@@ -14,8 +14,10 @@ from typing import ClassVar, NamedTuple, TypeVar
 
 from rsegen.errors import UserError
 from rsegen.exporters.scene import Scene
+from rsegen.params.contract import Contract, clash
 from rsegen.params.registry import Registry
 from rsegen.params.sorts import Json, parameters, validate
+from rsegen.recipe.recipe import Recipe
 
 
 class Extra(NamedTuple):
@@ -60,7 +62,29 @@ class Format(ABC):
             raise UserError(f"{needed}; pip install 'rsegen[{self.extra.name}]'")
 
 
-FORMATS: Registry[type[Format]] = Registry("format")
+RESERVED = frozenset(
+    {"recipe", "target", "file", "map", "to", "output", "force", "resume", "preview", "sheet", "formats", "json"}
+    | {"list", "workers", "obstacle", "plugin", "help", "run", *parameters(Recipe)}
+)
+"""The flags of the commands that write formats, so no option has such a name."""
+
+READING = frozenset({"values", "rounded", "max_height", "invert", "threshold", "size", "unknown"})
+"""The flags of `rsegen import`, which writes formats too."""
+
+
+def _problem(cls: type[Format]) -> str:
+    """What is wrong with the name and the options of a plug-in's format."""
+    if not (cls.name.isidentifier() and cls.name.islower()):
+        return f"has the name {cls.name!r}; give one of small letters, digits and _, as its folder is called so"
+    return clash(cls, RESERVED | READING, FORMATS.own()) or ("" if cls() else "cannot be made without options")
+
+
+FORMATS: Registry[type[Format]] = Registry(
+    "format",
+    package="rsegen.exporters.formats",
+    group="rsegen.formats",
+    contract=Contract(base=Format, names=lambda cls: (cls.name,), check=_problem),
+)
 """Every format by its name."""
 
 _Format = TypeVar("_Format", bound=type[Format])

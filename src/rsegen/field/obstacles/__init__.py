@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from rsegen.field.obstacles.base import KINDS, Grid, Obstacle, Patch
 
-KINDS.gather(__name__, __path__)
-
 
 def kind(name: str, where: str = "kind") -> type[Obstacle]:
     """The obstacle class of a kind, or an UnknownName that lists the kinds."""

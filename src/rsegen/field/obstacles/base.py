@@ -13,6 +13,7 @@ from typing import Annotated, ClassVar, NamedTuple, TypeVar
 import numpy as np
 
 from rsegen.field.stepfield import Array, Levels, Mask
+from rsegen.params.contract import Contract, clash
 from rsegen.params.places import ANYWHERE, Cell, Place
 from rsegen.params.registry import Registry
 from rsegen.params.sorts import Float, Integer, validate
@@ -161,7 +162,16 @@ def _by_rows(window: tuple[slice, slice], part: Callable[[slice], Levels]) -> Le
 
 _CELLS_AT_ONCE = 2**18
 
-KINDS: Registry[type[Obstacle]] = Registry("obstacle kind")
+RESERVED = frozenset({"kind", "first", "last", "blend", "key"})
+"""What a row of a recipe says of every obstacle, so no kind has a parameter of such a name."""
+
+
+KINDS: Registry[type[Obstacle]] = Registry(
+    "obstacle kind",
+    package="rsegen.field.obstacles",
+    group="rsegen.obstacles",
+    contract=Contract(base=Obstacle, names=lambda cls: (cls.kind,), check=lambda cls: clash(cls, RESERVED)),
+)
 """Every obstacle class by the name of its kind."""
 
 _Kind = TypeVar("_Kind", bound=type[Obstacle])

@@ -11,6 +11,7 @@ from logging import CRITICAL
 from typing import Any, TypeVar
 
 from rsegen.errors import ParameterError, WorkerLost
+from rsegen.params.plugins import with_plugins
 
 Made = TypeVar("Made")
 
@@ -35,7 +36,7 @@ def on_cluster(
             client = opened.enter_context(distributed.Client(address, timeout=PATIENCE))
         except (OSError, ValueError) as error:
             raise ParameterError("scheduler", f"cannot connect to {scheduler}: {error}") from None
-        futures = client.map(work, numbers, pure=False)
+        futures = client.map(with_plugins(work), numbers, pure=False)
         try:
             for future, made in distributed.as_completed(futures, with_results=True):
                 yield made

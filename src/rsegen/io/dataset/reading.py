@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rsegen.errors import DatasetDamaged
 from rsegen.field.metrics.batch import batch_metrics
+from rsegen.field.metrics.custom import Measure
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.io.dataset.checking import random_places, refuse_other_checksums, refuse_other_sizes
 from rsegen.io.dataset.layout import ROW, ShardLayout
@@ -161,8 +162,11 @@ class Dataset:
         rows = mapped(self.folder / name, (len(maps),), ROW)
         return {column: rows[column] for column in ROW.names or ()}
 
-    def tiles(self, rows: int, columns: int, by: str = "steps.rms") -> Tiles:
-        """A terrain of rows x columns maps that gets harder from row to row, by any metric."""
+    def tiles(self, rows: int, columns: int, by: str | Measure = "steps.rms") -> Tiles:
+        """A terrain of rows x columns maps that gets harder from row to row, by any metric.
+
+        It is one of rsegen's own, one of a plug-in, or a function StepField -> float; the last two measure every map.
+        """
         return tiles(self, rows, columns, by)
 
     def verify(self, rebuild: int = 8) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.field.metrics.batch import COLUMNS
+from rsegen.field.metrics.custom import METRICS, Measure, Metric
 from rsegen.field.stepfield import Array, Ints
 from rsegen.params.sorts import Integer
 
@@ -38,15 +39,13 @@ class Tiles(NamedTuple):
     size: tuple[float, float]
 
 
-def tiles(dataset: Dataset, rows: int, columns: int, by: str) -> Tiles:
+def tiles(dataset: Dataset, rows: int, columns: int, by: str | Measure) -> Tiles:
     """The maps at evenly spaced ranks of a metric, from least to greatest; maps without a value are left out."""
     rows, columns = (Integer(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
-    if by not in COLUMNS:
-        raise UnknownName.among("by", "metric", by, COLUMNS)
-    figures = dataset.metrics[by]
+    figures, named = _figures(dataset, by)
     ranked = np.argsort(figures, kind="stable")[: np.count_nonzero(~np.isnan(figures))]
     if rows * columns > len(ranked):
-        raise ParameterError("rows", f"{rows} x {columns} tiles need as many maps, and {len(ranked)} have a {by}")
+        raise ParameterError("rows", f"{rows} x {columns} tiles need as many maps, and {len(ranked)} have a {named}")
     spaced = np.linspace(0, len(ranked) - 1, rows * columns).round().astype(np.intp)
     places = ranked[spaced].reshape(rows, columns)
     levels = dataset[places.ravel()]
@@ -60,6 +59,17 @@ def tiles(dataset: Dataset, rows: int, columns: int, by: str) -> Tiles:
         difficulty=figures[places],
         size=size,
     )
+
+
+def _figures(dataset: Dataset, by: str | Measure) -> tuple[NDArray[np.float32], str]:
+    """A metric of every map, NaN for none, and its name: from the table, or measured by a function."""
+    if isinstance(by, str) and by in COLUMNS:
+        return dataset.metrics[by], by
+    if not callable(by) and by not in METRICS:
+        raise UnknownName.among("by", "metric", by, [*COLUMNS, *METRICS])
+    metric = METRICS[by] if isinstance(by, str) else by if isinstance(by, Metric) else Metric.of(by)
+    figures = [metric(dataset.field(place)) for place in range(len(dataset))]
+    return np.array(figures, dtype=np.float32), metric.name
 
 
 def _origins(heights: Array, shape: tuple[int, int], size: tuple[float, float]) -> Array:

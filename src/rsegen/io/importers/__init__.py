@@ -14,8 +14,6 @@ from rsegen.field.obstacles.matrix import Matrix
 from rsegen.io.importers.base import IMPORTERS, Heights, Importer
 from rsegen.recipe.recipe import Placement, Recipe
 
-IMPORTERS.gather(__name__, __path__)
-
 
 def importer_for(path: Path) -> type[Importer]:
     """The importer for a file by its suffix, or a FileError that lists the known ones."""

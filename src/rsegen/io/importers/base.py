@@ -15,9 +15,12 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 
 from rsegen.errors import FileError
+from rsegen.exporters.formats.base import FORMATS as WRITTEN
+from rsegen.exporters.formats.base import RESERVED
 from rsegen.field.stepfield import Array, Ints
+from rsegen.params.contract import Contract, clash
 from rsegen.params.registry import Registry
-from rsegen.params.sorts import validate
+from rsegen.params.sorts import parameters, validate
 
 MOST_CELLS = 2**24
 """Cells of a file at most: 4096 x 4096."""
@@ -80,7 +83,21 @@ def _others(count: int) -> str:
     return f" ({count} more such cell{'s'[: count > 1]})" if count else ""
 
 
-IMPORTERS: Registry[type[Importer]] = Registry("format of heights")
+def _problem(cls: type[Importer]) -> str:
+    """What is wrong with the suffixes and the options of a plug-in's format."""
+    for suffix in cls.suffixes:
+        if not (suffix.startswith(".") and suffix.islower()):
+            return f"reads files named *{suffix}; give a suffix such as .asc, in small letters"
+    reserved = RESERVED.union(*(parameters(other) for other in WRITTEN.values()))
+    return clash(cls, reserved) or ("" if cls() else "cannot be made without options")
+
+
+IMPORTERS: Registry[type[Importer]] = Registry(
+    "format of heights",
+    package="rsegen.io.importers",
+    group="rsegen.importers",
+    contract=Contract(base=Importer, names=lambda cls: tuple(cls.suffixes), check=_problem),
+)
 """Every importer by the suffixes of its files."""
 
 _Importer = TypeVar("_Importer", bound=type[Importer])

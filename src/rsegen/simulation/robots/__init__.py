@@ -6,8 +6,6 @@ from rsegen.simulation.robots.base import ROBOTS, Robot
 from rsegen.simulation.robots.commands import BACKENDS, Command
 from rsegen.simulation.robots.sdf_file import SdfRobot, from_file
 
-ROBOTS.gather(__name__, __path__)
-
 
 def robot(kind: str, where: str = "robot") -> Robot:
     """The robot of a kind, or an UnknownName that lists the kinds."""

@@ -13,6 +13,7 @@ from typing import Protocol
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.exporters.gazebo.sdf import FOOTER, HEADER, numbers
 from rsegen.field.metrics import RobotLimits
+from rsegen.params.contract import Contract
 from rsegen.params.registry import Registry
 from rsegen.simulation.robots.commands import BACKENDS, Command
 from rsegen.simulation.robots.drives import Drive
@@ -153,7 +154,12 @@ def _named(name: str) -> str:
     return name
 
 
-ROBOTS: Registry[Robot] = Registry("robot")
+ROBOTS: Registry[Robot] = Registry(
+    "robot",
+    package="rsegen.simulation.robots",
+    group="rsegen.robots",
+    contract=Contract(base=Robot, names=lambda robot: (robot.kind,), is_class=False),
+)
 """Every robot by its kind."""
 
 

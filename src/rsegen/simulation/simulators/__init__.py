@@ -11,6 +11,4 @@ from rsegen.simulation.simulators.base import (
     installations,
 )
 
-SIMULATORS.gather(__name__, __path__)
-
 __all__ = ["SIMULATORS", "Installation", "LaunchCommand", "OpenRequest", "Simulator", "installations"]

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, TypeVar
 
+from rsegen.params.contract import Contract
 from rsegen.params.registry import Registry
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
 
@@ -167,7 +168,13 @@ def on_path(name: str, *elsewhere: Path) -> Path | None:
     return next((Path(place) for place in places if place), None)
 
 
-SIMULATORS: Registry[Simulator] = Registry("simulator", order=lambda simulator: -simulator.generation)
+SIMULATORS: Registry[Simulator] = Registry(
+    "simulator",
+    order=lambda simulator: -simulator.generation,
+    package="rsegen.simulation.simulators",
+    group="rsegen.simulators",
+    contract=Contract(base=Simulator, names=lambda cls: (cls.name,), kept=lambda cls: cls()),
+)
 """Every simulator by its name, the newest first."""
 
 _Kind = TypeVar("_Kind", bound=type[Simulator])

@@ -1,0 +1,147 @@
+"""Plug-ins that are not installed: modules and files loaded by `--plugin` or `load_plugin`; and their sources.
+
+What they hold is found by the registries: each looks through the loaded modules for what it keeps.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+from typing import Any, TypeVar
+
+from rsegen.errors import PluginError
+
+PREFIX = "rsegen_plugin_"
+"""What the module of a file is called, before the file's own name."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Source:
+    """Where a plug-in comes from, as recipe.json records it: `rsegen-ramps 1.2`, or `ramps.py` of a file."""
+
+    name: str
+    version: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.version}".rstrip()
+
+    @classmethod
+    def parse(cls, text: str) -> Source:
+        """The source that a recipe records."""
+        name, _, version = text.strip().rpartition(" ")
+        return cls(name=name, version=version) if name and not text.endswith(".py") else cls(name=text)
+
+    @property
+    def remedy(self) -> str:
+        """How to get it where it is missing."""
+        if self.version:
+            return f"of {self} is not installed; {sys.executable} -m pip install '{self.name}=={self.version}'"
+        return f"of {self} is not loaded; give --plugin {self}"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Plugin:
+    """A module that was loaded as a plug-in."""
+
+    module: ModuleType
+    source: Source
+
+
+_LOADED: dict[str, Plugin] = {}
+"""By what finds the module in another process too: the whole path of its file, or its name."""
+
+
+def load_plugin(module: str | Path) -> ModuleType:
+    """Load a Python file, or a module by its name, as a plug-in: its obstacles, formats, robots, ... are then known.
+
+    Workers load it too. Raises a PluginError of one line where it cannot be loaded.
+    """
+    text = str(module)
+    is_file = isinstance(module, Path) or text.endswith(".py") or os.sep in text
+    origin = str(Path(text).resolve()) if is_file else text
+    if origin not in _LOADED:
+        found = _from_file(Path(origin), text) if is_file else _from_name(text)
+        _LOADED[origin] = Plugin(module=found, source=Source(name=Path(origin).name if is_file else text))
+    return _LOADED[origin].module
+
+
+def plugins() -> tuple[Plugin, ...]:
+    """What has been loaded, in order."""
+    return tuple(_LOADED.values())
+
+
+def failure(error: BaseException, file: str = "") -> str:
+    """What went wrong in somebody's module: the line of the file, the error's name and its first line."""
+    line = error.lineno if isinstance(error, SyntaxError) else _line_in(error, file)
+    first = (str(error.msg if isinstance(error, SyntaxError) else error).splitlines() or [""])[0]
+    return f"{f'line {line}: ' if line else ''}{type(error).__name__}: {first}".removesuffix(": ")
+
+
+def _line_in(error: BaseException, file: str) -> int | None:
+    """The last line of a file that was run before the error."""
+    line, step = None, error.__traceback__
+    while step:
+        line = step.tb_lineno if step.tb_frame.f_code.co_filename == file else line
+        step = step.tb_next
+    return line
+
+
+def _from_name(name: str) -> ModuleType:
+    try:
+        return import_module(name)
+    except (Exception, SystemExit) as error:
+        raise PluginError(f"plug-in {name}: {failure(error)}; give a module's name or a file.py") from None
+
+
+def _from_file(path: Path, text: str) -> ModuleType:
+    name = PREFIX + path.stem
+    if not path.is_file():
+        raise PluginError(f"plug-in {text}: there is no such file")
+    if name in sys.modules:
+        raise PluginError(f"plug-in {text}: another plug-in file {path.name} is loaded; rename one of them")
+    spec = spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise PluginError(f"plug-in {text}: not a Python file; give a module's name or a file.py")
+    sys.modules[name] = module = module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:
+        del sys.modules[name]
+        raise PluginError(f"plug-in {text}: {failure(error, str(path))}") from None
+    return module
+
+
+# To workers.
+
+Work = TypeVar("Work", bound=Callable[..., Any])
+
+
+def with_plugins(work: Work) -> Work:
+    """The same work, which in another process loads the plug-ins of this one first."""
+    return _Carried(work) if _LOADED else work  # type: ignore[return-value]  # it is called alike
+
+
+@dataclass(frozen=True, slots=True)
+class _Carried:
+    """Work whose pickle holds the plug-ins' names, and the work itself where they are loaded."""
+
+    work: Callable[..., Any]
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.work(*arguments)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpacked, (tuple(_LOADED), pickle.dumps(self.work))
+
+
+def _unpacked(origins: tuple[str, ...], content: bytes) -> _Carried:
+    for origin in origins:
+        load_plugin(origin)
+    return _Carried(pickle.loads(content))  # noqa: S301  # from this user's own process

@@ -1,0 +1,1 @@
+"""One plug-in of each sort, as somebody else's package has them."""

@@ -1,0 +1,149 @@
+"""A package that is broken is said so in one line, and is in nobody's way."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import pytest
+
+from tests.plugins.installed import declare, done, refused, run
+
+GOOD = '''
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from rsegen import Obstacle
+from rsegen.field.obstacles.base import Region
+from rsegen.params.sorts import Integer
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Dune(Region):
+    """Sand."""
+
+    kind: ClassVar[str] = "dune"
+
+    def drawn(self, uniform):
+        return (uniform * self.max_height).astype("int16")
+'''
+BROKEN = {
+    "ImportError: No module named 'sand'": "raise ImportError(\"No module named 'sand'\")",
+    "AttributeError: module 'dunes1' has no attribute 'Dune'": "pass",
+    "is not a subclass of rsegen.field.obstacles.base.Obstacle": "class Dune: pass",
+    "does not define drawn": GOOD.replace("def drawn", "def shape"),
+    "has no docstring": GOOD.replace('    """Sand."""\n', ""),
+    "is named sand; its entry point must have the same name": GOOD.replace('"dune"', '"sand"'),
+    "the parameter 'blend' has a reserved name": GOOD.replace(
+        '"dune"\n', '"dune"\n    blend: Annotated[int, Integer(1, 2, help="x")] = 1\n'
+    ),
+    "the parameter 'grain' has no help": GOOD.replace(
+        '"dune"\n', '"dune"\n    grain: Annotated[int, Integer(1, 2)] = 1\n'
+    ),
+}
+
+
+def installed(folder: Path, source: str, offers: str = "[rsegen.obstacles]\ndune = dunes:Dune\n") -> Path:
+    (folder / "dunes.py").write_text(source)
+    declare(folder, "sandbox", "0.3", offers)
+    return folder
+
+
+def test_what_is_broken_is_named_in_a_line_each_and_the_other_kinds_work(tmp_path: Path) -> None:
+    offers = ["[rsegen.obstacles]"]
+    for number, source in enumerate(BROKEN.values()):
+        (tmp_path / f"dunes{number}.py").write_text(source.replace('"dune"', f'"dune{number}"'))
+        offers.append(f"dune{number} = dunes{number}:Dune")
+    declare(tmp_path, "sandbox", "0.3", "\n".join(offers))
+    found = run("obstacles", packages=tmp_path)
+    assert found.returncode == 0
+    assert "peak" in found.stdout
+    assert "dune" not in found.stdout
+    for number, (complaint, line) in enumerate(zip(BROKEN, found.stderr.splitlines(), strict=True)):
+        where = f"rsegen: warning: plug-in 'dune{number}' of sandbox 0.3 (dunes{number}:Dune): "
+        assert line.startswith(where)
+        assert complaint in line
+        assert line.endswith("; it is left out")
+
+
+def test_the_broken_package_itself_is_refused(tmp_path: Path) -> None:
+    installed(tmp_path, BROKEN["does not define drawn"])
+    dune = ("--seed", "1", "--obstacle", "dune max_height=5")
+    line = refused("generate", *dune, "-o", tmp_path / "worlds", packages=tmp_path)
+    assert "plug-in 'dune' of sandbox 0.3 (dunes:Dune): does not define drawn" in line
+    assert not (tmp_path / "worlds").exists()
+
+
+def test_commands_that_do_not_need_it_say_nothing(tmp_path: Path) -> None:
+    installed(tmp_path, BROKEN["does not define drawn"])
+    done("preview", "peak", "-o", tmp_path / "peak.png", packages=tmp_path)
+    assert (tmp_path / "peak.png").is_file()
+
+
+def test_a_name_of_rsegen_s_own_cannot_be_taken(tmp_path: Path) -> None:
+    installed(tmp_path, GOOD.replace('"dune"', '"peak"'), "[rsegen.obstacles]\npeak = dunes:Dune\n")
+    found = run("obstacles", packages=tmp_path)
+    assert "the name 'peak' is taken by rsegen; it is left out" in found.stderr
+    assert "Sand." not in found.stdout
+
+
+def test_of_two_packages_the_first_by_name_has_the_kind(tmp_path: Path) -> None:
+    installed(tmp_path, GOOD)
+    (tmp_path / "dunes2.py").write_text(GOOD)
+    declare(tmp_path, "zand", "1", "[rsegen.obstacles]\ndune = dunes2:Dune\n")
+    found = run("obstacles", packages=tmp_path)
+    assert "Sand. From sandbox 0.3." in found.stdout
+    assert "plug-in 'dune' of zand 1 (dunes2:Dune): the name 'dune' is taken by sandbox 0.3" in found.stderr
+
+
+def test_a_metric_that_fails_is_named(tmp_path: Path) -> None:
+    source = 'import rsegen\n\n@rsegen.metric("m")\ndef steep(field):\n    """Steepness."""\n    return 1 / 0\n'
+    installed(tmp_path, source, "[rsegen.metrics]\nsteep = dunes:steep\n")
+    assert "metric steep: ZeroDivisionError: division by zero" in refused("metrics", "peak", packages=tmp_path)
+
+
+FORMAT = '''
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from rsegen.exporters.formats import Format
+from rsegen.params.sorts import Flag, Integer
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Dune(Format):
+    """Sand."""
+
+    name: ClassVar[str] = "dune"
+    OPTION: Annotated[int, Integer(1, 2, help="x")] = 1
+
+    def files(self, scene):
+        return {}
+'''
+
+
+@pytest.mark.parametrize(
+    ("option", "complaint"),
+    [
+        ("force", "the parameter 'force' has a reserved name"),
+        ("values", "the parameter 'values' has a reserved name"),
+        ("pixels", "the parameter 'pixels' is there already, with other values"),
+    ],
+)
+def test_an_option_that_clashes_with_a_flag_is_named(option: str, complaint: str, tmp_path: Path) -> None:
+    installed(tmp_path, FORMAT.replace("OPTION", option), "[rsegen.formats]\ndune = dunes:Dune\n")
+    found = run("export", "--list", packages=tmp_path)
+    assert found.returncode == 0
+    assert complaint in found.stderr
+    assert "dune\n" not in found.stdout
+
+
+def test_reserved_names_are_those_of_rows_and_of_reading() -> None:
+    from rsegen import Placement
+    from rsegen.exporters.formats.base import READING
+    from rsegen.io.importers import IMPORTERS
+    from rsegen.params.sorts import parameters
+
+    obstacles = importlib.import_module("rsegen.field.obstacles.base")
+    assert {"kind", *parameters(Placement)} == obstacles.RESERVED
+    assert {name for cls in IMPORTERS.own() for name in parameters(cls)} == READING

@@ -1,0 +1,193 @@
+"""A package that somebody installs beside rsegen is at home everywhere."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rsegen.recipe.codec import to_json
+from rsegen.recipe.recipe import Recipe
+from tests.plugins.installed import DEMO, EAGER, RAMP, STEPS, done, install, refused, run
+
+RECIPE = "boundary: none\nseed: 1\nmaps: 3\nobstacles:\n  - {kind: ramp, max_height: 5, first: [0, 0], last: [8, 9]}\n"
+
+
+@pytest.fixture(scope="module")
+def packages(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return install(tmp_path_factory.mktemp("packages"))
+
+
+@pytest.fixture(scope="module")
+def worlds(packages: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three maps of a flag, made by two workers, with the package's format."""
+    folder = tmp_path_factory.mktemp("worlds")
+    flags = ["--seed", "1", "--boundary", "none", "--maps", "3", "--obstacle", RAMP]
+    formats = ["--formats", "ascii", "--workers", "2"]
+    done("generate", *flags, *formats, "-o", folder / "worlds", packages=packages, code=EAGER)
+    return folder / "worlds"
+
+
+def test_an_obstacle_is_a_flag_s_and_made_by_workers(worlds: Path) -> None:
+    for number in range(3):
+        levels = (worlds / f"rse_000{number}" / "levels.csv").read_text("utf-8").splitlines()
+        assert levels[1:] == [STEPS] * 10
+
+
+def test_an_obstacle_is_a_recipe_file_s(packages: Path, tmp_path: Path) -> None:
+    (tmp_path / "ramp.yaml").write_text(RECIPE)
+    said = json.loads(done("info", tmp_path / "ramp.yaml", "--json", packages=packages))
+    assert said["levels"] == [0, 1, 2, 3, 4] or said["levels"] == ["0", "1", "2", "3", "4"]
+
+
+def test_lists_show_it_with_its_package(packages: Path) -> None:
+    kinds = done("obstacles", packages=packages)
+    assert "ramp\n    Steps that rise along x from first to last. From rsegen-demo 1.2.\n" in kinds
+    assert "    tread       depth of a step: 1..100 blocks\n" in kinds
+    assert "ascii\n    Heights as an ASCII grid" in done("export", "--list", packages=packages)
+    assert "buy a pencil" in done("sim", packages=packages)
+    for command in ("drive", "metrics", "spawn"):
+        assert "tall_burger" in done(command, "--help", packages=packages)
+
+
+def test_the_schema_knows_its_parameters(packages: Path) -> None:
+    rows = json.loads(done("schema", packages=packages))["properties"]["obstacles"]["items"]["oneOf"]
+    (ramp,) = (row for row in rows if row["title"] == "ramp")
+    assert ramp["properties"]["tread"]["maximum"] == 100
+
+
+def test_recipes_record_the_package_and_its_version(worlds: Path) -> None:
+    for number in range(3):
+        content = json.loads((worlds / f"rse_000{number}" / "recipe.json").read_text("utf-8"))
+        assert content["plugins"] == {"ramp": "rsegen-demo 1.2"}
+
+
+def test_formats_record_it_too(worlds: Path) -> None:
+    said = json.loads((worlds / "rse_0000" / "formats.json").read_text("utf-8"))
+    assert said == {"ascii": {"digits": 3, "plugin": "rsegen-demo 1.2"}}
+
+
+def test_a_recipe_without_plug_ins_records_none() -> None:
+    assert "plugins" not in to_json(Recipe(seed=1))
+
+
+def test_info_names_the_package(packages: Path, worlds: Path) -> None:
+    assert done("info", worlds, packages=packages).endswith("\nplug-in  ramp of rsegen-demo 1.2\n")
+    assert json.loads(done("info", worlds, "--json", packages=packages))["plugins"] == {"ramp": "rsegen-demo 1.2"}
+
+
+def test_the_missing_package_is_named_with_the_command_that_installs_it(worlds: Path) -> None:
+    line = refused("info", worlds)
+    assert line.startswith(
+        f"rsegen: {worlds / 'rse_0000' / 'recipe.json'}: the obstacle kind 'ramp' of rsegen-demo 1.2"
+    )
+    assert line.endswith(f"is not installed; {sys.executable} -m pip install 'rsegen-demo==1.2'")
+
+
+def test_another_version_of_the_package_is_warned_of(worlds: Path, tmp_path: Path) -> None:
+    found = run("info", worlds, packages=install(tmp_path, "1.3"))
+    assert found.returncode == 0
+    warned = "ramp of rsegen-demo 1.2 was used to make this, and rsegen-demo 1.3 is here: maps may differ"
+    assert found.stderr == f"rsegen: warning: {warned}\n"
+
+
+def test_resume_makes_what_is_missing(packages: Path, tmp_path: Path) -> None:
+    (tmp_path / "ramp.yaml").write_text(RECIPE)
+    command = ("generate", tmp_path / "ramp.yaml", "-o", tmp_path / "worlds")
+    done(*command, packages=packages)
+    before = (tmp_path / "worlds" / "rse_0001" / "recipe.json").read_bytes()
+    (tmp_path / "worlds" / "rse_0001").rename(tmp_path / "gone")
+    done(*command, "--resume", packages=packages)
+    assert (tmp_path / "worlds" / "rse_0001" / "recipe.json").read_bytes() == before
+
+
+def test_a_format_exports_and_an_importer_reads_it_back(packages: Path, worlds: Path, tmp_path: Path) -> None:
+    done("export", worlds, "--map", "0", "--to", "ascii", "--digits", "2", "-o", tmp_path / "out", packages=packages)
+    grid = tmp_path / "out" / "rse_0000" / "ascii" / "rse_0000.asc"
+    assert grid.read_text("utf-8").splitlines()[3] == "0.00 0.00 0.10 0.10 0.20 0.20 0.30 0.30 0.40 0.00"
+    done("import", grid, "--head", "3", "-o", tmp_path / "back", packages=packages)
+    levels = (tmp_path / "back" / "rse_0000_0000" / "levels.csv").read_text("utf-8").splitlines()
+    assert levels[1:] == [STEPS] * 10
+
+
+def test_a_robot_gives_its_figures(packages: Path, worlds: Path) -> None:
+    said = json.loads(done("metrics", worlds, "--map", "0", "--robot", "tall_burger", "--json", packages=packages))
+    assert said[0]["reach"]["climber"]["climb_cm"] == 5
+
+
+def test_a_metric_is_in_every_output(packages: Path, worlds: Path) -> None:
+    (said,) = json.loads(done("metrics", worlds, "--map", "0", "--json", packages=packages))
+    assert said["flat_share"] == pytest.approx(130 / 180)
+    rows = list(csv.DictReader(done("metrics", worlds, "--csv", packages=packages).splitlines()))
+    assert [float(row["flat_share"]) for row in rows] == pytest.approx([130 / 180] * 3)
+    assert "\nflat_share 0.7222 of all pairs (Share of" in done("metrics", worlds, "--map", "0", packages=packages)
+    assert done("metrics", worlds, packages=packages).splitlines()[1].endswith(" flat_share")
+
+
+def test_a_data_set_of_it_is_made_by_workers_and_read(packages: Path, tmp_path: Path) -> None:
+    flags = ["--seed", "1", "--maps", "8", "--shard-maps", "2", "--obstacle", "ramp max_height=5", "--workers", "2"]
+    done("dataset", *flags, "-o", tmp_path / "set", packages=packages, code=EAGER)
+    assert json.loads((tmp_path / "set" / "manifest.json").read_text("utf-8"))["recipe"]["plugins"] == {
+        "ramp": "rsegen-demo 1.2"
+    }
+    script = (
+        "import sys, rsegen; data = rsegen.Dataset(sys.argv[1]); data.verify(); "
+        "found = data.tiles(2, 2, by='flat_share').difficulty.ravel(); print(len(data), list(found) == sorted(found))"
+    )
+    assert done(tmp_path / "set", packages=packages, code=script) == "8 True\n"
+    assert "plug-in  ramp of rsegen-demo 1.2" in done("info", f"{tmp_path / 'set'}#3", packages=packages)
+    assert "'ramp' of rsegen-demo 1.2 is not installed" in refused("info", f"{tmp_path / 'set'}#3")
+
+
+def test_a_simulator_is_opened_by_its_name_if_it_is_there(packages: Path, worlds: Path) -> None:
+    assert "Pencil and Paper" in refused("open", worlds, "--simulator", "paper", packages=packages)
+
+
+WINDOW = """
+import pkgutil
+from importlib import import_module
+from PySide6.QtWidgets import QApplication, QCheckBox, QWidget
+import rsegen.gui
+
+app = QApplication([])
+found = pkgutil.walk_packages(rsegen.gui.__path__, "rsegen.gui.")
+modules = {each.name.rpartition(".")[2]: each.name for each in found}
+form = import_module(modules["obstacle_form"]).ObstacleForm()
+form.kind.setCurrentText("ramp")
+print(form.kind.currentText(), "tread" in {each.objectName() for each in form.findChildren(QWidget)})
+formats = import_module(modules["format_list"]).FormatList()
+print("ascii" in [box.text() for box in formats.findChildren(QCheckBox)])
+"""
+
+
+def test_the_window_lists_it(packages: Path) -> None:
+    pytest.importorskip("PySide6", reason="the window needs PySide6")
+    assert done(packages=packages, code=WINDOW, QT_QPA_PLATFORM="offscreen") == "ramp True\nTrue\n"
+
+
+def test_the_commands_that_need_none_look_for_none(packages: Path) -> None:
+    script = (
+        "import sys, rsegen; from rsegen import KINDS, build, Recipe, Placement, Peak;"
+        "build(Recipe(seed=1, obstacles=[Placement(obstacle=KINDS['peak'](max_height=3))]), 0);"
+        "print([name for name in ('importlib.metadata', 'rsegen_demo') if name in sys.modules])"
+    )
+    assert done(packages=packages, code=script) == "[]\n"
+
+
+def test_only_what_is_asked_for_is_imported(packages: Path) -> None:
+    script = "import sys, rsegen; rsegen.KINDS['ramp']; print([name for name in sys.modules if 'demo.' in name])"
+    assert done(packages=packages, code=script) == "['rsegen_demo.obstacle']\n"
+
+
+def test_pip_installs_it_and_it_is_found(tmp_path: Path) -> None:
+    if not importlib.util.find_spec("hatchling"):
+        pytest.skip("hatchling is not installed, which builds the package")
+    quiet = ["-q", "--no-build-isolation", "--no-deps", "--no-index", "--disable-pip-version-check"]
+    command = [sys.executable, "-m", "pip", "install", *quiet, "--target", str(tmp_path), str(DEMO)]
+    subprocess.run(command, check=True, capture_output=True)
+    assert "From rsegen-demo 1.2." in done("obstacles", packages=tmp_path)
