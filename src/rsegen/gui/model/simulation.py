@@ -18,11 +18,22 @@ from rsegen.simulation.spawning.map_models import map_model
 from rsegen.simulation.spawning.spawned_map import SpawnedMap
 from rsegen.simulation.spawning.spawning import at_free_place, spawn_map
 
+__all__ = [
+    "Installed",
+    "LaunchCommand",
+    "SpawnedMap",
+    "crossing",
+    "how_to_install",
+    "installed",
+    "launch_of",
+    "robot_names",
+    "simulator_titles",
+    "spawn",
+    "why_it_cannot_open",
+]
+
 Installed = Mapping[str, Installation | None]
 """The installation of every simulator by its name; None if it is not installed."""
-
-OpenCommand = LaunchCommand
-"""The command that opens a world in a window, with its environment and folder."""
 
 _ORIGIN = Pose(x=0, y=0, z=0)
 
@@ -67,7 +78,7 @@ def why_it_cannot_open(here: Installation | None, recipe: Recipe | None) -> str:
     return "" if can_open else "installed without its window"
 
 
-def launch_of(here: Installation, recipe: Recipe, folder: Path) -> tuple[OpenCommand, Path]:
+def launch_of(here: Installation, recipe: Recipe, folder: Path) -> tuple[LaunchCommand, Path]:
     """Write the world of a recipe's one map into a folder; gives the command that opens it, and the world file."""
     world = generate(recipe, folder, force=True).maps[0].world
     launch = here.simulator.with_gui(here, OpenRequest(world=world, shared=True))

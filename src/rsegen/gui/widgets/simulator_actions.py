@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QMenu
 
 from rsegen.gui.model.simulation import (
     Installed,
-    OpenCommand,
+    LaunchCommand,
     how_to_install,
     installed,
     launch_of,
@@ -104,7 +104,7 @@ class SimulatorActions(QObject):
             self.message.emit(str(result))
 
 
-def _started(launch: OpenCommand) -> bool:
+def _started(launch: LaunchCommand) -> bool:
     """Start a command as a program that outlives the window; gives whether it started."""
     program, environment = QProcess(), QProcessEnvironment.systemEnvironment()
     for name, value in launch.environment.items():

@@ -8,10 +8,9 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
-from rsegen.gui.model.simulation import spawn
+from rsegen.gui.model.simulation import SpawnedMap, spawn
 from rsegen.gui.workers.latest_only import LatestOnly
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.spawning.spawned_map import SpawnedMap
 
 
 class SpawnJob(QObject):
