@@ -33,7 +33,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "dataset",
-        help="make very many maps in few files, for learning",
         description="Make the maps of a recipe as a data set: block levels as arrays, metrics as tables, in shards. "
         "DIR#17 then names one of its maps in every command: rsegen generate DIR#17 -o worlds.",
         epilog="docs/datasets.md says how to read it in Python, and how to train on it.",

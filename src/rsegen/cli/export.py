@@ -25,7 +25,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "export",
-        help="write maps for other programs: meshes, arrays, images, occupancy maps",
         description="Write maps in the formats of other programs: DIR/NAME_0000, ..., each with a folder for every "
         "format and the recipe that makes the map again.",
         epilog="rsegen export --list explains each format; rsegen generate --formats adds the same files to worlds.",

@@ -29,7 +29,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "generate",
-        help="write worlds and models",
         description="Write the maps of a recipe as Gazebo worlds and models: DIR/NAME_0000, DIR/NAME_0001, ...",
         epilog="rsegen obstacles lists the kinds of obstacles and their parameters.",
     )

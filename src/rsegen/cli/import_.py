@@ -18,7 +18,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "import",
-        help="write a world from measured heights, an image or a map of ROS",
         description="Write a world from heights that come from elsewhere, with vertical risers: a table (CSV), a numpy "
         "array (NPY), a grey image (PNG, JPEG, PGM, TIFF), an occupancy map of ROS (map.yaml).",
         epilog="The recipe is written beside the world, and can be opened in the window and generated again.",

@@ -16,7 +16,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "info",
-        help="say how large a map is, what stands in it and what it costs",
         description="Say how large a map is, how many blocks of each level it has, and its cost in faces and bytes.",
     )
     add_target_flags(command)

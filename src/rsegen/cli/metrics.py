@@ -33,7 +33,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "metrics",
-        help="measure how rough maps are, and what a robot can do on them",
         description="Measure how rough maps are: heights, steps, scale, ruggedness, and the step at which they open. "
         "With a robot also how much of a map it can get about on, and its cheapest ways across.",
         epilog="docs/metrics.md has every formula. Kinds of robots: " + ", ".join(ROBOTS) + ".",

@@ -16,7 +16,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "preview",
-        help="draw a map: plan with heights, and a view in 3D",
         description="Draw a map: its plan with the heights, and a view in three dimensions. Needs no screen.",
     )
     add_target_flags(command)

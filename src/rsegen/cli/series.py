@@ -24,7 +24,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "series",
-        help="write maps of difficulty that rises evenly",
         description="Write the maps of a recipe at a difficulty that rises evenly from the first to the last, a table "
         "of what they measure (series.csv), and a picture of how they rise (series.png).",
         epilog="docs/difficulty.md says what difficulty is, and how near the maps come to it.",

@@ -18,7 +18,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "sheet",
-        help="write a build sheet (PDF, CSV) for building a map in wood",
         description="Write the build sheet of a map: how its pallets stand, what timber to buy and how to cut it, and "
         " a page for each pallet with the height in every cell and the order of placing.",
         epilog="rsegen import reads the CSV again.",
