@@ -327,8 +327,8 @@ def test_version_is_the_packages(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     text = helped(capsys)
-    for command in COMMANDS:
-        assert f"\n  {command} " in text
+    for command, line in COMMANDS.items():
+        assert f" {command} {line}" in text
 
 
 @pytest.mark.parametrize("name", parameters(Recipe))

@@ -63,7 +63,7 @@ class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]  # argpar
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
-        self.choices = COMMANDS
+        self.choices = dict(COMMANDS)
 
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: Any = None) -> None:
         if values[0] not in self._name_parser_map:

@@ -11,7 +11,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
-from rsegen.cli.inventory import inventory_in
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.obstacles import kind
 from rsegen.io.dataset.map_reference import recipe_in
@@ -19,7 +18,6 @@ from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import OTHER_NAMES, decode_placement
 from rsegen.recipe.examples import or_example
 from rsegen.recipe.recipe import Placement, Recipe
-from rsegen.simulation.robots import robot
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
@@ -77,9 +75,13 @@ def _without_names(said: dict[str, Any], unit_cm: float) -> dict[str, Any]:
     """What flags say, with a robot's figures in place of its name, and a file's blocks in place of the file."""
     match said:
         case {"crossable_by": [str(name)]} if name:
+            from rsegen.simulation.robots import robot
+
             said["crossable_by"] = robot(name, "crossable_by").climber.figures
     match said:
         case {"inventory": [str(name)]} if name:
+            from rsegen.cli.inventory import inventory_in
+
             unit = parameters(Recipe)["unit_cm"].check("unit_cm", said.get("unit_cm", unit_cm))
             said["inventory"] = inventory_in(Path(name), unit)
     return said

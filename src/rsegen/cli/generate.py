@@ -12,13 +12,10 @@ from pathlib import Path
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
 from rsegen.cli.formats import add_option_flags, formats_of
-from rsegen.exporters.constraint_report import told
 from rsegen.exporters.formats import FORMATS
-from rsegen.exporters.scene import compose
 from rsegen.io.existing import count_complete
 from rsegen.io.sidecars import Sidecars
-from rsegen.io.work import WORKERS
-from rsegen.io.workers import cores
+from rsegen.io.work import WORKERS, cores
 from rsegen.io.worlds import Generated, GeneratedMap, generate
 from rsegen.recipe.recipe import Recipe
 
@@ -157,6 +154,9 @@ def _report(made: Generated) -> Iterator[str]:
     if len(made.maps) > _SHOWN:
         yield f"  and {len(made.maps) - _SHOWN} more in {made.folder}"
     if made.recipe.is_constrained and len(made.maps) == 1:
+        from rsegen.exporters.constraint_report import told
+        from rsegen.exporters.scene import compose
+
         yield from told(compose(made.recipe, made.maps[0].index))
     for text in dict.fromkeys(text for one in made.maps for text in one.warnings):
         yield f"warning: {text}"

@@ -7,14 +7,14 @@ from dataclasses import replace
 from typing import Any
 
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics.pairs import differences
-from rsegen.field.metrics.reach import crossing
 from rsegen.recipe.building import build
-from rsegen.recipe.constraints.inventory import blocks
 
 
 def constraint_report(scene: Scene) -> dict[str, Any]:
     """What was asked and what is there, for each constraint of a map's recipe, as JSON can say it."""
+    from rsegen.field.metrics.pairs import differences
+    from rsegen.field.metrics.reach import crossing
+
     recipe = scene.recipe
     found: dict[str, Any] = {}
     if recipe.max_step is not None:
@@ -57,6 +57,8 @@ def missing(scene: Scene) -> str:
 
 def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]]:
     """Blocks by level: owned, used, and missing for the map as it would be without an inventory."""
+    from rsegen.recipe.constraints.inventory import blocks
+
     design = build(replace(scene.recipe, inventory=None), scene.index).level_counts()
     used = scene.field.level_counts()
     there = blocks(owned, max(len(owned), *design, *used) + 1)

@@ -16,7 +16,7 @@ from rsegen import RobotLimits, StepField
 from rsegen.field.metrics.ground import Ground, ground, lane
 from rsegen.field.metrics.reach import Reach, reach
 from rsegen.field.metrics.regions import joined, mutual
-from rsegen.field.metrics.robot_limits import NANOMETRES
+from rsegen.field.robot_limits import NANOMETRES
 from rsegen.field.stepfield import Ints
 from tests.field.metrics.test_families import field, turned
 from tests.support.strategies import fields

@@ -7,7 +7,7 @@ import numpy as np
 from rsegen.field.metrics.ground import lane
 from rsegen.field.metrics.opening import opening
 from rsegen.field.metrics.reach import crossing
-from rsegen.field.metrics.robot_limits import NANOMETRES, RobotLimits, cells_aside
+from rsegen.field.robot_limits import NANOMETRES, RobotLimits, cells_aside
 from rsegen.field.stepfield import Ints, StepField
 
 _ANYTHING = 2**30
