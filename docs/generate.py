@@ -227,8 +227,9 @@ def _formats() -> Iterator[str]:
     yield "| format | what it is | options | needs |\n|---|---|---|---|"
     for name, cls in FORMATS.items():
         known = parameters(cls).items()
-        options = "; ".join(f"`--{key.replace('_', '-')}` {one.help} ({one.describe()})" for key, one in known)
-        needs = f"`rsegen[{cls.extra.name}]`" if cls.extra else ""
+        options = "; ".join(f"`{key}` {one.help} ({one.describe()})" for key, one in known)
+        extra = f"`rsegen[{cls.extra.name if cls.extra else MAT.name}]`"
+        needs = extra if cls.extra else f"{extra} for `{cls.mat_file}`" if cls.mat_file else ""
         yield f"| [`{name}`](#{_SECTIONS.get(name, name)}) | {format_summary(cls)} | {options} | {needs} |"
 
 

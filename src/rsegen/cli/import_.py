@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
-from rsegen.cli.flags import Subparsers, add_recipe_flags, flag, given, with_flags
+from rsegen.cli.flags import Subparsers, add_recipe_flags, describe_flag, flag, given, with_flags
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.errors import ParameterError
 from rsegen.io.importers import IMPORTERS, Importer, imported, importer_for
@@ -52,12 +52,12 @@ def _add_reading_flags(command: argparse.ArgumentParser) -> None:
     group = command.add_argument_group("reading")
     for name, option in _options().items():
         kinds = dict.fromkeys(cls.name for cls in IMPORTERS.values() if name in parameters(cls))
-        text = f"{', '.join(kinds)}: {option.help}".replace("%", "%%")
+        _, text = describe_flag(name, option)
+        text = f"{', '.join(kinds)}: {text}"
         if isinstance(option, Flag):
             group.add_argument(flag(name), dest=name, action="store_const", const="yes", help=text)
         else:
-            values = option.describe().replace("%", "%%")
-            group.add_argument(flag(name), dest=name, metavar=name.upper(), help=f"{text} ({values})")
+            group.add_argument(flag(name), dest=name, metavar=name.upper(), help=text)
 
 
 def _options() -> Mapping[str, Parameter]:

@@ -22,10 +22,16 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:
         super().__init__(allow_abbrev=False, formatter_class=_Help, **options)
         self._rows: list[tuple[str, Callable[[], Iterable[Row]]]] = []
+        self._old: list[str] = []
 
     def add_rows(self, title: str, rows: Callable[[], Iterable[Row]]) -> None:
         """A group of names in the help; `rows` is called when the help is shown."""
         self._rows.append((title, rows))
+
+    def add_old_flag(self, flag: str, **options: Any) -> None:
+        """A flag of an earlier release, which still works and is told to nobody."""
+        self._old.append(flag)
+        self.add_argument(flag, help=argparse.SUPPRESS, **options)
 
     def format_help(self) -> str:
         """The help: how to call it, the groups of flags, the names, and -h at the end."""
@@ -60,14 +66,10 @@ class Parser(argparse.ArgumentParser):
         parsed, unknown = super().parse_known_args(args, namespace)
         for text in unknown[:1]:
             if text.startswith("-"):
-                self.error(str(UnknownName.among("", "flag", text, self._flags())))
+                flags = [flag for action in self._actions for flag in action.option_strings if flag not in self._old]
+                self.error(str(UnknownName.among("", "flag", text, flags)))
             self.error(f"unexpected argument {shown(text)}")
         return parsed, unknown
-
-    def _flags(self) -> list[str]:
-        """Every flag that the help shows."""
-        shown = (action for action in self._actions if action.help is not argparse.SUPPRESS)
-        return [flag for action in shown for flag in action.option_strings]
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:

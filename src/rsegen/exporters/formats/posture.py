@@ -13,7 +13,7 @@ from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 
-from rsegen.exporters.formats.base import MAT, Extra, Format, register
+from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.formats.edges import COLUMNS, edges
 from rsegen.exporters.formats.encoded import as_json, facts, mat, north_up, npy, recipe_of
 from rsegen.exporters.formats.tags import Shape, peaks_and_pits, shapes
@@ -44,7 +44,7 @@ class Posture(Format):
     """For searches over postures: heights in sub-cells, every edge, start and goal, tags; NPY, CSV, MAT and JSON."""
 
     name: ClassVar[str] = "posture"
-    extra: ClassVar[Extra | None] = MAT
+    mat_file: ClassVar[str] = "posture.mat"
 
     per_block: Annotated[int, Integer(1, 100, help="cells of the raster along each side of a block")] = 5
     climb_cm: Annotated[
@@ -64,13 +64,14 @@ class Posture(Format):
         """Arrays have axis 0 along x; tables of heights are north up; lengths are metres."""
         found = self._found(scene)
         raster = scene.field.heights.repeat(self.per_block, axis=0).repeat(self.per_block, axis=1)
+        variables = {"raster": raster, **self._variables(found)}
         head = f"heights in metres, {self.per_block} x {self.per_block} cells for each block"
         return {
             "raster.npy": [npy(raster)],
             "raster.csv": north_up(scene.field.heights, head, self.per_block),
             "edges.csv": _table(COLUMNS, (map(decimal, row) for row in found.edges.tolist())),
             "tags.csv": _table(["i", "j", "level", "tag", "from", "number"], found.tagged()),
-            "posture.mat": [mat({"raster": raster, **self._variables(found)})],
+            **({} if self.left_out else {"posture.mat": [mat(variables)]}),
             "posture.json": [as_json(self._meaning(found))],
         }
 

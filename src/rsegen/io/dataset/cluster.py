@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from logging import CRITICAL
 from typing import Any, TypeVar
 
-from rsegen.errors import ParameterError, WorkerLost
+from rsegen.errors import ParameterError, WorkerLost, pip_install
 
 Made = TypeVar("Made")
 
@@ -49,5 +49,5 @@ def dask() -> Any:
     try:
         import distributed
     except ImportError:
-        raise ParameterError("scheduler", "needs Dask: pip install 'rsegen[cluster]'") from None
+        raise ParameterError("scheduler", f"needs Dask: {pip_install(['cluster'])}") from None
     return distributed
