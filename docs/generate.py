@@ -34,6 +34,7 @@ from rsegen import (
     series,
 )
 from rsegen.exporters.formats import summary as format_summary
+from rsegen.exporters.formats.base import MAT
 from rsegen.exporters.pictures.paths import chart
 from rsegen.exporters.pictures.preview import picture, saved
 from rsegen.exporters.sheet import pages
