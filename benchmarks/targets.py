@@ -77,6 +77,15 @@ def _rss(run: Run) -> float:
     return run.rss / 1e6
 
 
+def _starts() -> Iterator[Target]:
+    """What a person waits for: Python's start and the imports, beside those of numpy on the same machine."""
+    numpy, world = read("numpy", 0, _cpu), read("single", 10, _cpu)
+    yield Target(text="`rsegen --help`, CPU", figure=read("help", 0, _cpu), limit=0.1, unit="s")
+    yield Target(text="the same / `import numpy`'s", figure=over(read("help", 0, _cpu), numpy), limit=0.5, unit="x")
+    yield Target(text="a 10 x 10 world, whole command, CPU", figure=world, limit=0.45, unit="s")
+    yield Target(text="the same / `import numpy`'s", figure=over(world, numpy), limit=2.25, unit="x")
+
+
 def _targets() -> Iterator[Target]:
     million, largest = read("merged", 1000, _cpu), read("merged", LARGEST, _cpu)
     loop, isaaclab = read("loop", 1000, _cpu), read("isaaclab", 1000, _cpu)
@@ -92,13 +101,7 @@ def _targets() -> Iterator[Target]:
     yield Target(text="4000 x 4000, peak memory", figure=read("merged", LARGEST, _rss), limit=500, unit="MB")
     yield Target(text="CPU a block, 4000 / 1000", figure=over(largest, million, growth), limit=1.25, unit="x")
     yield Target(text="bytes a block, 4000 / 1000", figure=written, limit=1.25, unit="x")
-    yield Target(text="`rsegen --help`, wall", figure=read("help", 0, lambda run: run.wall), limit=0.3, unit="s")
-    yield Target(
-        text="a 10 x 10 world, whole command, wall",
-        figure=read("single", 10, lambda run: run.wall),
-        limit=0.5,
-        unit="s",
-    )
+    yield from _starts()
     yield Target(text="10 x 10 worlds a second and core", figure=rate("maps"), limit=300, unit="/s", at_most=False)
     yield Target(
         text="10 x 10 matrices a second and core", figure=rate(MATRICES.name), limit=20_000, unit="/s", at_most=False

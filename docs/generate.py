@@ -34,6 +34,7 @@ from rsegen import (
     series,
 )
 from rsegen.exporters.formats import summary as format_summary
+from rsegen.exporters.formats.base import MAT
 from rsegen.exporters.pictures.paths import path_plot
 from rsegen.exporters.pictures.preview import figure_bytes, preview_image
 from rsegen.exporters.sheet import pages
@@ -227,8 +228,9 @@ def _formats() -> Iterator[str]:
     yield "| format | what it is | options | needs |\n|---|---|---|---|"
     for name, cls in FORMATS.items():
         known = parameters(cls).items()
-        options = "; ".join(f"`--{key.replace('_', '-')}` {one.help} ({one.describe()})" for key, one in known)
-        needs = f"`rsegen[{cls.extra.name}]`" if cls.extra else ""
+        options = "; ".join(f"`{key}` {one.help} ({one.describe()})" for key, one in known)
+        extra = f"`rsegen[{cls.extra.name if cls.extra else MAT.name}]`"
+        needs = extra if cls.extra else f"{extra} for `{cls.mat_file}`" if cls.mat_file else ""
         yield f"| [`{name}`](#{_SECTIONS.get(name, name)}) | {format_summary(cls)} | {options} | {needs} |"
 
 

@@ -18,9 +18,10 @@ RsegenError
 
 from __future__ import annotations
 
-import difflib
 import errno
 import reprlib
+import shlex
+import sys
 from collections.abc import Collection, Iterable
 
 REFUSED = frozenset(
@@ -109,6 +110,8 @@ class UnknownName(ParameterError):
     @classmethod
     def among(cls, where: str, what: str, name: object, known: Iterable[str]) -> UnknownName:
         """The error for `name`, which should have been one of `known`."""
+        import difflib
+
         names = sorted(known)
         near = difflib.get_close_matches(name[:100], names, n=1) if isinstance(name, str) else []
         guess = f"; did you mean '{near[0]}'?" if near else ""
@@ -120,6 +123,11 @@ def refuse_unknown(what: str, names: Iterable[str], known: Collection[str]) -> N
     for name in names:
         if name not in known:
             raise UnknownName.among("", what, name, known)
+
+
+def pip_install(extras: Iterable[str]) -> str:
+    """The command that installs extras of rsegen for the Python that runs this."""
+    return f"{shlex.quote(sys.executable or 'python3')} -m pip install 'rsegen[{','.join(extras)}]'"
 
 
 def shown(value: object) -> str:

@@ -17,7 +17,7 @@ import yaml
 import rsegen
 from rsegen import KINDS, Recipe
 from rsegen.cli import COMMANDS, main
-from rsegen.params.sorts import parameters
+from rsegen.params.sorts import Choice, parameters
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Placement
@@ -327,8 +327,8 @@ def test_version_is_the_packages(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     text = helped(capsys)
-    for command in COMMANDS:
-        assert f" {command.__name__.rpartition('.')[2].rstrip('_')} " in text
+    for command, line in COMMANDS.items():
+        assert f" {command} {line}" in text
 
 
 @pytest.mark.parametrize("name", parameters(Recipe))
@@ -340,7 +340,8 @@ def test_help_of_generate_says_of_every_parameter_what_it_takes(
     parameter = parameters(Recipe)[name]
     assert f"--{name.replace('_', '-')} " in text
     assert parameter.help in text
-    assert parameter.describe() in text
+    values = f"{{{','.join(parameter.values)}}}" if isinstance(parameter, Choice) else parameter.describe()
+    assert values in text
 
 
 @pytest.mark.parametrize(
@@ -353,10 +354,10 @@ def test_help_of_generate_says_of_every_parameter_what_it_takes(
         ),
         ("preview", ["RECIPE-or-DIR", "--output", "--map", "--force", "png, svg, pdf, jpg or webp"]),
         ("sheet", ["RECIPE-or-DIR", "--output", "--csv", "--map", "--force", "--kerf-mm", "--stock-cm", "pdf or csv"]),
-        ("sheet", ["--kerf-mm MM", "(0..100 mm, 3 by default)", "(0.001..100000 cm, 240 by default)"]),
-        ("dataset", ["--shard-maps MAPS", "--metrics METRICS", "(npy, parquet, none)", "--workers"]),
+        ("sheet", ["--kerf-mm MM", "(0..100 mm; default: 3)", "(0.001..100000 cm; default: 240)"]),
+        ("dataset", ["--shard-maps MAPS", "--metrics {npy,parquet,none}", "(default: npy)", "--workers"]),
         ("metrics", ["--climb-cm CM", "highest step that the robot gets up (0..100000 cm)", "--width-cm CM"]),
-        ("export", ["RECIPE-or-DIR", "--to", "--output", "--map", "--force", "--json", "--workers", "--pixels"]),
+        ("export", ["RECIPE-or-DIR", "--to", "--output", "--map", "--force", "--json", "--workers", "pixels=1..100"]),
         ("info", ["RECIPE-or-DIR", "--map", "--json"]),
         ("obstacles", ["--json"]),
         ("schema", ["JSON Schema"]),

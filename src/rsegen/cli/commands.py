@@ -1,101 +1,86 @@
-"""The parser of every command; what it refuses it refuses in one line."""
+"""The table of commands: what each is for. A command's module is imported when the command is named, not before."""
 
 from __future__ import annotations
 
 import argparse
-from typing import Any, NoReturn
+from collections.abc import Mapping
+from importlib import import_module
+from types import MappingProxyType
+from typing import Any
 
 from rsegen import __version__
-from rsegen.cli import (
-    dataset,
-    drive,
-    examples,
-    experiment,
-    export,
-    generate,
-    gui,
-    import_,
-    info,
-    metrics,
-    obstacles,
-    open,
-    preview,
-    remove,
-    respawn,
-    schema,
-    series,
-    sheet,
-    sim,
-    spawn,
+from rsegen.cli.parser import Parser, Row
+
+GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
+    {
+        "worlds": {
+            "generate": "write worlds and models",
+            "series": "write maps of difficulty that rises evenly",
+            "import": "write a world from measured heights, an image or a map of ROS",
+            "gui": "open the window",
+        },
+        "maps": {
+            "info": "say how large a map is, what stands in it and what it costs",
+            "metrics": "measure how rough maps are, and what a robot can do on them",
+            "preview": "draw a map: plan with heights, and a view in 3D",
+        },
+        "files for other programs": {
+            "export": "write maps for other programs: meshes, arrays, images, occupancy maps",
+            "sheet": "write a build sheet (PDF, CSV) for building a map in wood",
+            "dataset": "make very many maps in few files, for learning",
+        },
+        "simulation": {
+            "open": "open a world in Gazebo",
+            "drive": "drive a robot over a map in Gazebo, and tell how far it got",
+            "spawn": "spawn a map or a robot in the running simulation",
+            "respawn": "replace a map in the simulation that runs by the next one, or one at random",
+            "remove": "take models out of the simulation that runs",
+            "experiment": "measure what maps cost a simulator with robots in it",
+        },
+        "information": {
+            "examples": "list the recipes to start from, or copy them",
+            "obstacles": "list the kinds of obstacles and their parameters",
+            "schema": "print the JSON Schema of recipe files",
+            "sim": "list the simulators, where they are, or how to get them",
+        },
+    }
 )
-from rsegen.cli.plugins import add_plugin_flag
-from rsegen.errors import UnknownName, shown
+"""Every command with its line of help, in the groups of `rsegen --help`."""
 
-COMMANDS = (
-    generate,
-    series,
-    dataset,
-    import_,
-    export,
-    gui,
-    preview,
-    info,
-    metrics,
-    sheet,
-    open,
-    spawn,
-    respawn,
-    remove,
-    drive,
-    experiment,
-    obstacles,
-    examples,
-    schema,
-    sim,
+COMMANDS: Mapping[str, str] = MappingProxyType(
+    {name: help_ for group in GROUPS.values() for name, help_ in group.items()}
 )
+"""Every command with its line of help."""
 
 
-class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, with the nearest flag or command, and takes flags in full only."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__(allow_abbrev=False, formatter_class=_Help, **options)
-        add_plugin_flag(self)
-
-    def error(self, message: str) -> NoReturn:
-        """End with exit code 2."""
-        self.exit(2, f"{self.prog}: error: {' '.join(message.split())} (see {self.prog} --help)\n")
-
-    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """What is unknown is known to be so by the command itself, which has the flags to compare it with."""
-        parsed, unknown = super().parse_known_args(args, namespace)
-        for text in unknown[:1]:
-            flags = [flag for action in self._actions for flag in action.option_strings]
-            named = text.startswith("-")
-            self.error(
-                str(UnknownName.among("", "flag", text, flags)) if named else f"unexpected argument {shown(text)}"
-            )
-        return parsed, unknown
-
-    def _check_value(self, action: argparse.Action, value: Any) -> None:
-        if action.choices is not None and value not in action.choices:
-            self.error(str(UnknownName.among("", "command", value, action.choices)))
+def module_of(command: str) -> str:
+    """The module of a command: `import` is a word of Python, so its module is `import_`."""
+    return f"rsegen.cli.{command}_" if command == "import" else f"rsegen.cli.{command}"
 
 
-class _Help(argparse.HelpFormatter):
-    def __init__(self, prog: str) -> None:
-        super().__init__(prog, max_help_position=26)
+class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]  # argparse has no public name for it
+    """Lets the module of the named command add its parser, and no other."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self.choices = dict(COMMANDS)
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: Any = None) -> None:
+        if values[0] not in self._name_parser_map:
+            import_module(module_of(values[0])).add(self)
+        super().__call__(parser, namespace, values, option_string)
 
 
 def parser() -> Parser:
     """The parser of the whole command line."""
     top = Parser(
         prog="rsegen",
+        usage="rsegen COMMAND [options]",
         description="Random Step Environments (NIST stepfields) as worlds and models for robot simulators.",
         epilog="Start with: rsegen generate --obstacle 'random max_height=5' -o worlds",
     )
     top.add_argument("--version", action="version", version=f"rsegen {__version__}")
-    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in COMMANDS:
-        command.add(commands)
+    top.add_subparsers(action=_Commands, prog="rsegen", metavar="COMMAND", required=True, help=argparse.SUPPRESS)
+    for title, commands in GROUPS.items():
+        top.add_rows(title, lambda commands=commands: [Row(*row) for row in commands.items()])  # type: ignore[misc]
     return top

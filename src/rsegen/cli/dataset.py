@@ -33,33 +33,33 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "dataset",
-        help="make very many maps in few files, for learning",
         description="Make the maps of a recipe as a data set: block levels as arrays, metrics as tables, in shards. "
         "DIR#17 then names one of its maps in every command: rsegen generate DIR#17 -o worlds.",
         epilog="docs/datasets.md says how to read it in Python, and how to train on it.",
     )
-    command.add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
-    what = command.add_mutually_exclusive_group(required=True)
+    command.add_argument_group("input").add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
+    group = command.add_argument_group("output")
+    what = group.add_mutually_exclusive_group(required=True)
     what.add_argument("-o", "--output", type=folder, metavar="DIR", help="folder to make the data set in")
-    what.add_argument("--verify", type=folder, metavar="DIR", help="check every file of the data set there instead")
-    add_parameter_flags(command, ShardLayout)
-    there = command.add_mutually_exclusive_group()
-    there.add_argument("--force", action="store_true", help="replace a data set that is there already")
+    what.add_argument("--verify", type=folder, metavar="DIR", help="check every file of the data set in DIR instead")
+    add_parameter_flags(group, ShardLayout)
+    there = group.add_mutually_exclusive_group()
+    there.add_argument("--force", action="store_true", help="replace an existing data set")
     there.add_argument(
         "--resume",
         action="store_true",
-        help="go on where a run was stopped: keep the shards that are whole, mend those that are not, and make the "
-        "others; needs the same recipe and seed",
+        help="continue a run that was stopped: keep the shards that are complete, and make the others; needs the same "
+        "recipe and seed",
     )
-    add_workers_flag(command)
-    command.add_argument(
+    add_workers_flag(group)
+    group.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="make it on a Dask cluster, whose workers see the same folder: tcp://HOST:PORT, or local for one here, of "
-        "as many processes as --workers says; needs rsegen[cluster]",
+        help="make it on a Dask cluster whose workers see the same folder: tcp://HOST:PORT, or local for a cluster of "
+        "--workers processes on this machine; needs rsegen[cluster]",
     )
-    command.add_argument("--rebuild", metavar="N", help="with --verify: maps to build again and compare (default: 100)")
-    command.add_argument("--json", action="store_true", help="print a summary for programs")
+    group.add_argument("--rebuild", metavar="N", help="with --verify: maps to build again and compare (default: 100)")
+    group.add_argument("--json", action="store_true", help="print a summary for programs")
     add_recipe_flags(command)
     command.set_defaults(run=run)
 

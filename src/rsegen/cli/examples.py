@@ -16,7 +16,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "examples",
-        help="list the recipes to start from, or copy them",
         description="List the recipes that come with rsegen, or copy them into a folder.",
         epilog="Wherever a recipe is asked for, the name of an example will do: rsegen generate peak -o worlds",
     )

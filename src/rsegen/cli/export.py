@@ -8,14 +8,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from rsegen.cli.bar import counting
-from rsegen.cli.flags import Subparsers, folder
-from rsegen.cli.formats import add_option_flags, formats_of, listed
+from rsegen.cli.flags import Subparsers, add_target_recipe_flags, folder
+from rsegen.cli.formats import add_format_flags, formats_of, listed
 from rsegen.cli.generate import add_workers_flag, workers_from
-from rsegen.cli.targets import add_target_flags
-from rsegen.exporters.formats import FORMATS
-from rsegen.io.dataset.map_reference import recipe_in
+from rsegen.cli.targets import add_target_flags, map_of_flags, recipes_of
 from rsegen.io.exports import ExportedMap, export_maps
-from rsegen.io.targets import found, recipe_files
 from rsegen.recipe.recipe import Recipe
 
 _SHOWN = 10
@@ -25,29 +22,29 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "export",
-        help="write maps for other programs: meshes, arrays, images, occupancy maps",
         description="Write maps in the formats of other programs: DIR/NAME_0000, ..., each with a folder for every "
         "format and the recipe that makes the map again.",
         epilog="rsegen export --list explains each format; rsegen generate --formats adds the same files to worlds.",
     )
-    command.add_argument("--list", action=_List, nargs=0, help="say what each format is, and its options")
     add_target_flags(command, usual="all")
-    known = ", ".join(FORMATS)
-    command.add_argument("--to", required=True, metavar="FORMAT,...", help=f"comma-separated formats: {known}")
-    command.add_argument(
-        "-o", "--output", type=folder, required=True, metavar="DIR", help="folder to write the maps into"
+    command.add_argument("--list", action=_List, nargs=0, help="say what each format is, and its options")
+    group = command.add_argument_group("output")
+    text = "comma-separated formats with their options, as in stl,'mjcf shape=hfield'; may be repeated (required)"
+    add_format_flags(command, group, "--to", text)
+    group.add_argument(
+        "-o", "--output", type=folder, required=True, metavar="DIR", help="folder to write the maps into (required)"
     )
-    command.add_argument("--force", action="store_true", help="replace what was exported there before")
-    command.add_argument("--json", action="store_true", help="print a summary for programs")
-    add_workers_flag(command)
-    add_option_flags(command)
+    group.add_argument("--force", action="store_true", help="replace formats that the maps already have")
+    group.add_argument("--json", action="store_true", help="print a summary for programs")
+    add_workers_flag(group)
+    add_target_recipe_flags(command)
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Export, and say what was written."""
     formats = formats_of("--to", arguments.to, arguments)
-    recipes = _recipes(arguments.target, arguments.map)
+    recipes = _recipes(arguments)
     with counting(sum(recipe.maps for recipe in recipes)) as progress:
         made = export_maps(
             recipes,
@@ -71,11 +68,11 @@ class _List(argparse.Action):
         parser.exit()
 
 
-def _recipes(target: str, which: str | None) -> list[Recipe]:
+def _recipes(arguments: argparse.Namespace) -> list[Recipe]:
     """The recipes of all maps of a target, or of the given one."""
-    if which is None:
-        return [recipe_in(file) for file in recipe_files(target)]
-    _, recipe, index = found(target, which)
+    if arguments.map is None:
+        return [recipe for _, recipe in recipes_of(arguments)]
+    _, recipe, index = map_of_flags(arguments)
     return [recipe.alone(index)]
 
 

@@ -5,26 +5,25 @@ from __future__ import annotations
 import argparse
 import os.path
 import shlex
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Collection, Mapping
+from dataclasses import MISSING, fields, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
-from rsegen.cli.inventory import inventory_in
+from rsegen.cli.key_values import key_values
+from rsegen.cli.parser import Parser
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.obstacles import kind
 from rsegen.io.dataset.map_reference import recipe_in
-from rsegen.params.sorts import parameters
+from rsegen.params.sorts import Choice, Flag, Parameter, parameters
 from rsegen.recipe.codec import OTHER_NAMES, decode_placement
 from rsegen.recipe.examples import or_example
 from rsegen.recipe.recipe import Placement, Recipe
-from rsegen.simulation.robots import robot
 
-Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+Subparsers: TypeAlias = "argparse._SubParsersAction[Parser]"
 
+_OBSTACLE = "'KIND KEY=VALUE ...'"
 OBSTACLE_HELP = "add an obstacle, as in 'peak max_height=5 softness=30 first=2,2 last=7,7'; may be repeated"
-
 
 RECIPE_HELP = "YAML or JSON file, the folder of a map, the name of an example, or DIR#17: a map of a data set"
 
@@ -36,24 +35,57 @@ def folder(text: str) -> Path:
     return Path(text)
 
 
-def add_recipe_flags(command: argparse.ArgumentParser, over: str = "RECIPE") -> None:
-    """Every global parameter and `--obstacle`, over what a file of that name says."""
+def add_recipe_flags(command: Parser, over: str = "RECIPE") -> None:
+    """`--obstacle` and every parameter of a recipe, over what a file of that name says."""
     group = command.add_argument_group("recipe", f"each overrides what {over} says")
-    untold = ("seed", "description") if over == "RECIPE" else parameters(Recipe)
-    defaults = Recipe(seed=0)
-    usual = {name: getattr(defaults, name) for name in parameters(Recipe) if name not in untold}
-    add_parameter_flags(group, Recipe, usual)
-    group.add_argument("--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=OBSTACLE_HELP)
+    group.add_argument("--obstacle", action="append", default=[], metavar=_OBSTACLE, help=OBSTACLE_HELP)
+    known, recipe = parameters(Recipe), Recipe(seed=0)
+    defaults = {name: getattr(recipe, name) for name in known if name != "seed"}
+    _add_flags(group, known, defaults if over == "RECIPE" else {})
 
 
-def add_parameter_flags(
-    command: argparse._ActionsContainer, owner: type, usual: Mapping[str, object] = MappingProxyType({})
+def add_target_recipe_flags(command: Parser, without: Collection[str] = ()) -> None:
+    """The same for commands that look at maps, but for some; the help shows two and says where the others are."""
+    text = "each overrides what RECIPE-or-DIR says; rsegen generate --help lists all the others of a recipe"
+    group = command.add_argument_group("recipe", text)
+    group.add_argument("--obstacle", action="append", default=[], metavar=_OBSTACLE, help=OBSTACLE_HELP)
+    for name, parameter in parameters(Recipe).items():
+        if name not in without:
+            text = parameter.help if name == "seed" else argparse.SUPPRESS
+            group.add_argument(flag(name), dest=name, metavar=_metavar(name), help=text)
+
+
+def add_parameter_flags(command: argparse._ActionsContainer, owner: Any) -> None:
+    """A flag for every parameter of a dataclass, with its default."""
+    _add_flags(command, parameters(owner), {field.name: field.default for field in fields(owner)})
+
+
+def _add_flags(
+    command: argparse._ActionsContainer, known: Mapping[str, Parameter], defaults: Mapping[str, object]
 ) -> None:
-    """Every parameter of a dataclass, with the value that it usually has, where that is to be told."""
-    for name, parameter in parameters(owner).items():
-        told = f", {_plain(usual[name])} by default" if name in usual else ""
-        text = f"{parameter.help} ({parameter.describe()}{told})".replace("%", "%%")
-        command.add_argument(flag(name), dest=name, metavar=_metavar(name), help=text)
+    for name, parameter in known.items():
+        metavar, text = describe_flag(name, parameter, defaults.get(name))
+        command.add_argument(flag(name), dest=name, metavar=metavar, help=text)
+
+
+def describe_flag(name: str, parameter: Parameter, default: object = None) -> tuple[str, str]:
+    """How the help shows the value of a flag, and what it says of it: meaning, values, default; the last two once."""
+    words = _words(parameter)
+    notes = [] if words else [parameter.describe()]
+    if default not in (None, "", MISSING):
+        notes.append(f"default: {_plain(default)}")
+    text = f"{parameter.help} ({'; '.join(notes)})" if notes else parameter.help
+    return f"{{{','.join(words)}}}" if words else _metavar(name), text.replace("%", "%%")
+
+
+def _words(parameter: Parameter) -> tuple[str, ...]:
+    """The few words that a parameter takes, if it takes no other values."""
+    match parameter:
+        case Choice(values=values):
+            return values
+        case Flag():
+            return ("yes", "no")
+    return ()
 
 
 def flag(name: str) -> str:
@@ -64,6 +96,11 @@ def flag(name: str) -> str:
 def recipe_from(arguments: argparse.Namespace) -> Recipe:
     """The recipe of the file, if one is given, with the flags over it and their obstacles after its own."""
     return with_flags(Recipe() if arguments.recipe is None else recipe_in(_file(arguments.recipe)), arguments)
+
+
+def has_recipe_flags(arguments: argparse.Namespace) -> bool:
+    """Whether any flag says something of the recipe."""
+    return bool(arguments.obstacle or given(Recipe, arguments))
 
 
 def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
@@ -77,9 +114,13 @@ def _without_names(said: dict[str, Any], unit_cm: float) -> dict[str, Any]:
     """What flags say, with a robot's figures in place of its name, and a file's blocks in place of the file."""
     match said:
         case {"crossable_by": [str(name)]} if name:
+            from rsegen.simulation.robots import robot
+
             said["crossable_by"] = robot(name, "crossable_by").climber.figures
     match said:
         case {"inventory": [str(name)]} if name:
+            from rsegen.cli.inventory import inventory_in
+
             unit = parameters(Recipe)["unit_cm"].check("unit_cm", said.get("unit_cm", unit_cm))
             said["inventory"] = inventory_in(Path(name), unit)
     return said
@@ -104,17 +145,11 @@ def _entry(text: str) -> dict[str, object]:
         name, *pairs = shlex.split(text)
     except ValueError:
         raise ParameterError("", "give a kind and then KEY=VALUE, as in 'peak max_height=5'") from None
-    sorts = {**parameters(kind(name, "")), **parameters(Placement)}
-    sorts = {other: sorts[first] for other, first in OTHER_NAMES.items()} | sorts
-    entry: dict[str, object] = {"kind": name}
-    for pair in pairs:
-        key, equals, value = pair.partition("=")
-        if not equals:
-            raise ParameterError("", f"{shown(pair)} is not KEY=VALUE")
-        if key in entry:
-            raise ParameterError(key, "is given twice")
-        entry[key] = sorts[key].parse(value) if key in sorts else value
-    return entry
+    known = {**parameters(kind(name, "")), **parameters(Placement)}
+    values = key_values(pairs, {other: known[first] for other, first in OTHER_NAMES.items()} | known)
+    if "kind" in values:
+        raise ParameterError("kind", "is given twice")
+    return {"kind": name, **values}
 
 
 def _file(text: str) -> Path:
@@ -133,6 +168,9 @@ def _metavar(name: str) -> str:
 
 
 def _plain(value: object) -> str:
+    """A default as a person gives it."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     if isinstance(value, tuple):
         return "x".join(map(str, value))
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,60 +1,106 @@
-"""What the commands share that write maps in other formats: the flags, and the formats that they stand for."""
+"""The flags of formats for other programs, as in --to stl,'mjcf shape=hfield', and the formats that they stand for."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
+import shlex
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 
-from rsegen.cli.flags import flag, given
-from rsegen.errors import ParameterError
+from rsegen.cli.flags import flag
+from rsegen.cli.key_values import key_values
+from rsegen.cli.parser import Parser, Row
+from rsegen.errors import ParameterError, refuse_unknown, shown
 from rsegen.exporters.formats import FORMATS, Format, format_named, summary
-from rsegen.params.sorts import Flag, Parameter, parameters
+from rsegen.exporters.formats.base import MAT
+from rsegen.params.sorts import Parameter, parameters
+
+OLD_FLAGS = ("pixels", "shape", "climb_cm", "per_block", "clearance_cm")
+OLD_SWITCHES = ("binary",)
+"""The options of formats of rsegen 0.1, where each was a flag; they still are, and the help does not show them."""
 
 
-def add_option_flags(command: argparse.ArgumentParser) -> None:
-    """Every option of every format."""
-    group = command.add_argument_group("options of formats")
-    for name, owners in _options().items():
-        helps: dict[str, list[str]] = {}
-        for owner, option in owners.items():
-            helps.setdefault(option.help, []).append(owner)
-        text = "; ".join(f"{', '.join(names)}: {meaning}" for meaning, names in helps.items())
-        (option, *_) = owners.values()
-        if isinstance(option, Flag):
-            group.add_argument(flag(name), dest=name, action="store_const", const="yes", help=_plain(text))
-        else:
-            values = f"{text} ({option.describe()})"
-            group.add_argument(flag(name), dest=name, metavar=name.rpartition("_")[2].upper(), help=_plain(values))
+def add_format_flags(command: Parser, group: argparse._ArgumentGroup, name: str, text: str) -> None:
+    """The flag that names formats, with their options below in the help."""
+    dest = name.lstrip("-")
+    required = dest == "to"
+    metavar = "'FORMAT KEY=VALUE ...'"
+    group.add_argument(name, action="append", default=None, required=required, metavar=metavar, help=text)
+    command.add_rows(f"formats for {name}, and their options (rsegen export --list explains them)", _rows)
+    for option in OLD_FLAGS:
+        command.add_old_flag(flag(option), dest=option)
+    for option in OLD_SWITCHES:
+        command.add_old_flag(flag(option), dest=option, action="store_const", const="yes")
 
 
-def formats_of(where: str, text: str | None, arguments: argparse.Namespace) -> tuple[Format, ...]:
-    """The formats of a text such as `stl,glb`, with the options that were given; one that none has is an error."""
-    chosen = [format_named(name.strip(), where) for name in text.split(",")] if text is not None else []
-    for name, owners in _options().items():
-        if getattr(arguments, name) is not None and not any(cls.name in owners for cls in chosen):
+def formats_of(where: str, texts: Sequence[str] | None, arguments: argparse.Namespace) -> tuple[Format, ...]:
+    """The formats that a flag names, with their options; an option that none of them has is an error."""
+    chosen = [one for text in texts or () for one in _named(where, text)]
+    old = {name: getattr(arguments, name) for name in (*OLD_FLAGS, *OLD_SWITCHES)}
+    old = {name: text for name, text in old.items() if text is not None}
+    for name in old:
+        if not any(name in parameters(cls) for cls, _ in chosen):
+            owners = [kind for kind, cls in FORMATS.items() if name in parameters(cls)]
             raise ParameterError(flag(name), f"is an option of {', '.join(owners)}, which {where} does not name")
-    return tuple(cls(**given(cls, arguments)) for cls in chosen)
+    formats = tuple(_with_options(where, cls, words, old) for cls, words in chosen)
+    for each in formats:
+        if each.left_out:
+            print(f"rsegen: {each.left_out}", file=sys.stderr)
+    return formats
 
 
 def listed() -> Iterator[str]:
     """What every format is, and its options."""
     for name, cls in FORMATS.items():
-        needs = f" Needs pip install 'rsegen[{cls.extra.name}]'." if cls.extra else ""
+        extra = f"rsegen[{cls.extra.name if cls.extra else MAT.name}]"
+        needs = f" Needs {extra}." if cls.extra else f" {cls.mat_file} needs {extra}." if cls.mat_file else ""
         source = FORMATS.source(name)
         yield f"{name}\n    {summary(cls)}{needs}" + (f" From {source}." if source else "")
         for option, parameter in parameters(cls).items():
-            yield f"    {flag(option):<15} {parameter.help}: {parameter.describe()}"
+            yield f"    {f'{option}=':<15} {parameter.help}: {parameter.describe()}"
         yield ""
 
 
-def _options() -> Mapping[str, Mapping[str, Parameter]]:
-    """The options of all formats by name, and under that by the format that has it."""
-    found: dict[str, dict[str, Parameter]] = {}
-    for owner, cls in FORMATS.items():
-        for name, option in parameters(cls).items():
-            found.setdefault(name, {})[owner] = option
-    return found
+def _named(where: str, text: str) -> Iterator[tuple[type[Format], list[str]]]:
+    """Each format of a text such as `stl,mjcf shape=hfield`, with the words that follow it."""
+    for part in _parts(where, text):
+        name, *words = part or [""]
+        yield format_named(name, where), words
 
 
-def _plain(text: str) -> str:
-    return text.replace("%", "%%")
+def _parts(where: str, text: str) -> list[list[str]]:
+    """The words between commas; a word without = begins a part, too."""
+    lexer = shlex.shlex(text, posix=True, punctuation_chars=",")
+    lexer.whitespace_split, lexer.commenters = True, ""
+    parts: list[list[str]] = [[]]
+    try:
+        for word in lexer:
+            if word.strip(",") == "":
+                parts += [[] for _ in word]
+            elif parts[-1] and "=" not in word:
+                parts.append([word])
+            else:
+                parts[-1].append(word)
+    except ValueError:
+        raise ParameterError(f"{where} {shown(text)}", "a quotation mark is not closed") from None
+    return parts
+
+
+def _with_options(where: str, cls: type[Format], words: Sequence[str], old: Mapping[str, str]) -> Format:
+    """A format with the options that are given after its name, over those of the old flags that it has."""
+    known = parameters(cls)
+    try:
+        own = key_values(words, known)
+        refuse_unknown(f"option of {cls.name}", own, known)
+        return cls(**{name: known[name].parse(text) for name, text in old.items() if name in known} | own)
+    except ParameterError as error:
+        raise error.of(f"{where} {shown(' '.join([cls.name, *words]))}") from None
+
+
+def _rows() -> Iterator[Row]:
+    for name, cls in FORMATS.items():
+        yield Row(name, " ".join(f"{option}={_values(one)}" for option, one in parameters(cls).items()))
+
+
+def _values(option: Parameter) -> str:
+    return option.describe().replace(", ", "|").replace(" or ", "|").replace(" ", "")

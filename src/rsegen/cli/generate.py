@@ -11,14 +11,11 @@ from pathlib import Path
 
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
-from rsegen.cli.formats import add_option_flags, formats_of
-from rsegen.exporters.constraint_report import describe_constraints
-from rsegen.exporters.formats import FORMATS
-from rsegen.exporters.scene import compose
+from rsegen.cli.formats import add_format_flags, formats_of
+from rsegen.cli.parser import Parser
 from rsegen.io.existing import count_complete
 from rsegen.io.sidecars import Sidecars
-from rsegen.io.work import WORKERS
-from rsegen.io.workers import cores
+from rsegen.io.work import WORKERS, cores
 from rsegen.io.worlds import Generated, GeneratedMap, generate
 from rsegen.recipe.recipe import Recipe
 
@@ -29,50 +26,44 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "generate",
-        help="write worlds and models",
         description="Write the maps of a recipe as Gazebo worlds and models: DIR/NAME_0000, DIR/NAME_0001, ...",
         epilog="rsegen obstacles lists the kinds of obstacles and their parameters.",
     )
-    command.add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
+    command.add_argument_group("input").add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
     add_output_flags(command)
     add_recipe_flags(command)
     command.set_defaults(run=run)
 
 
-def add_output_flags(command: argparse.ArgumentParser) -> None:
+def add_output_flags(command: Parser) -> None:
     """Where to write, and how."""
-    command.add_argument(
-        "-o", "--output", type=folder, required=True, metavar="DIR", help="folder to write the maps into"
+    group = command.add_argument_group("output")
+    group.add_argument(
+        "-o", "--output", type=folder, required=True, metavar="DIR", help="folder to write the maps into (required)"
     )
-    there = command.add_mutually_exclusive_group()
-    there.add_argument("--force", action="store_true", help="replace maps that are there already")
+    there = group.add_mutually_exclusive_group()
+    there.add_argument("--force", action="store_true", help="replace existing maps")
     there.add_argument(
         "--resume",
         action="store_true",
-        help="go on where a run was stopped: keep the maps that are there already, if each is the one that would be "
-        "made (with --preview, --sheet or --formats: and has them), and make the others; needs the same "
-        "recipe and seed",
+        help="continue a run that was stopped: keep each map that is the one that would be made (with --preview, "
+        "--sheet or --formats: and has them), and make the others; needs the same recipe and seed",
     )
-    command.add_argument("--preview", action="store_true", help="add a picture, preview.png, to every map")
-    command.add_argument(
+    group.add_argument("--preview", action="store_true", help="add a picture, preview.png, to every map")
+    group.add_argument(
         "--sheet",
         action="store_true",
         help="add a build sheet, sheet.pdf and sheet.csv, to every map (see rsegen sheet)",
     )
-    known = ", ".join(FORMATS)
-    text = (
-        f"add files for other programs to every map, separated by commas: {known} (rsegen export --list explains them)"
-    )
-    command.add_argument("--formats", metavar="FORMAT,...", help=text)
-    command.add_argument("--json", action="store_true", help="print a summary for programs")
-    add_workers_flag(command)
-    add_option_flags(command)
+    add_format_flags(command, group, "--formats", "add files for other programs to every map: stl,'mjcf shape=hfield'")
+    group.add_argument("--json", action="store_true", help="print a summary for programs")
+    add_workers_flag(group)
 
 
-def add_workers_flag(command: argparse.ArgumentParser) -> None:
-    """How many processes take a part."""
-    text = f"{WORKERS.help} ({WORKERS.describe()}, as many as there are cores by default)"
-    command.add_argument("--workers", metavar="N", help=text)
+def add_workers_flag(group: argparse._ArgumentGroup) -> None:
+    """How many processes work at the same time."""
+    text = f"{WORKERS.help} ({WORKERS.describe()}; default: the number of cores)"
+    group.add_argument("--workers", metavar="N", help=text)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -103,7 +94,7 @@ def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
 
 
 def workers_from(arguments: argparse.Namespace) -> int:
-    """How many were asked for, or as many as there are cores."""
+    """How many were asked for, or the number of cores."""
     given = arguments.workers
     return cores() if given is None else WORKERS.check("--workers", WORKERS.parse(given))
 
@@ -158,6 +149,9 @@ def _report(made: Generated) -> Iterator[str]:
     if len(made.maps) > _SHOWN:
         yield f"  and {len(made.maps) - _SHOWN} more in {made.folder}"
     if made.recipe.is_constrained and len(made.maps) == 1:
+        from rsegen.exporters.constraint_report import describe_constraints
+        from rsegen.exporters.scene import compose
+
         yield from describe_constraints(compose(made.recipe, made.maps[0].index))
     for text in dict.fromkeys(text for one in made.maps for text in one.warnings):
         yield f"warning: {text}"

@@ -7,7 +7,7 @@ import os
 import sys
 
 from rsegen.cli.flags import Subparsers
-from rsegen.errors import FileError
+from rsegen.errors import FileError, pip_install
 from rsegen.recipe.examples import or_example
 
 
@@ -16,7 +16,7 @@ def add(commands: Subparsers) -> None:
     command = commands.add_parser(
         "gui",
         help="open the window",
-        description="Open the window to shape a map with the mouse and see it. Needs pip install 'rsegen[gui]'.",
+        description="Open the window to shape a map with the mouse and see it. Needs rsegen[gui].",
     )
     where = "YAML or JSON file, the name of an example, a data set, or one of its maps as DIR#17"
     command.add_argument("recipe", nargs="?", metavar="RECIPE-or-DIR", help=where)
@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> None:
     try:
         from rsegen.gui.application import run as run_window
     except ImportError as error:
-        raise FileError(f"gui: the window cannot be opened ({error}); pip install 'rsegen[gui]'") from None
+        raise FileError(f"gui: the window cannot be opened ({error}); {pip_install(['gui'])}") from None
     if sys.platform == "linux" and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))):
         raise FileError("gui: there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)")
     sys.exit(run_window(or_example(arguments.recipe) if arguments.recipe else None))

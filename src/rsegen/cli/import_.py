@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
-from rsegen.cli.flags import Subparsers, add_recipe_flags, flag, given, with_flags
+from rsegen.cli.flags import Subparsers, add_recipe_flags, describe_flag, flag, given, with_flags
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.errors import ParameterError
 from rsegen.io.importers import IMPORTERS, Importer, imported, importer_for
@@ -18,7 +18,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "import",
-        help="write a world from measured heights, an image or a map of ROS",
         description="Write a world from heights that come from elsewhere, with vertical risers: a table (CSV), a numpy "
         "array (NPY), a grey image (PNG, JPEG, PGM, TIFF), an occupancy map of ROS (map.yaml).",
         epilog="The recipe is written beside the world, and can be opened in the window and generated again.",
@@ -53,12 +52,12 @@ def _add_reading_flags(command: argparse.ArgumentParser) -> None:
     group = command.add_argument_group("reading")
     for name, option in _options().items():
         kinds = dict.fromkeys(cls.name for cls in IMPORTERS.values() if name in parameters(cls))
-        text = f"{', '.join(kinds)}: {option.help}".replace("%", "%%")
+        _, text = describe_flag(name, option)
+        text = f"{', '.join(kinds)}: {text}"
         if isinstance(option, Flag):
             group.add_argument(flag(name), dest=name, action="store_const", const="yes", help=text)
         else:
-            values = option.describe().replace("%", "%%")
-            group.add_argument(flag(name), dest=name, metavar=name.upper(), help=f"{text} ({values})")
+            group.add_argument(flag(name), dest=name, metavar=name.upper(), help=text)
 
 
 def _options() -> Mapping[str, Parameter]:

@@ -6,27 +6,26 @@ import argparse
 import json
 from collections.abc import Iterator
 
-from rsegen.cli.flags import Subparsers
-from rsegen.cli.targets import add_target_flags
+from rsegen.cli.flags import Subparsers, add_target_recipe_flags
+from rsegen.cli.targets import add_target_flags, scene_of
 from rsegen.exporters.map_summary import MapSummary, map_summary
-from rsegen.io.targets import chosen
 
 
 def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "info",
-        help="say how large a map is, what stands in it and what it costs",
         description="Say how large a map is, how many blocks of each level it has, and its cost in faces and bytes.",
     )
     add_target_flags(command)
-    command.add_argument("--json", action="store_true", help="print it for programs")
+    command.add_argument_group("output").add_argument("--json", action="store_true", help="print it for programs")
+    add_target_recipe_flags(command)
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Print it."""
-    found = map_summary(chosen(arguments.target, arguments.map))
+    found = map_summary(scene_of(arguments))
     print(json.dumps(_summary(found), indent=2) if arguments.json else "\n".join(_report(found)))
 
 

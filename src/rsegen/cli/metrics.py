@@ -12,9 +12,10 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from rsegen.cli.flags import Subparsers, add_parameter_flags, given
+from rsegen.cli.flags import Subparsers, add_parameter_flags, add_target_recipe_flags, given
 from rsegen.cli.measured import Measured, report
-from rsegen.cli.targets import add_target_flags
+from rsegen.cli.parser import Row
+from rsegen.cli.targets import add_target_flags, scenes_of
 from rsegen.errors import ParameterError
 from rsegen.exporters.pictures.paths import path_plot
 from rsegen.exporters.pictures.preview import image_format
@@ -23,7 +24,6 @@ from rsegen.field.metrics import Metrics, RobotLimits, metrics
 from rsegen.field.metrics.custom import custom
 from rsegen.field.metrics.tables import flattened, nested
 from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS
-from rsegen.io.targets import every
 from rsegen.io.writer import refuse_taken_file, write_file
 from rsegen.simulation.robots import ROBOTS, robot
 
@@ -34,22 +34,23 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "metrics",
-        help="measure how rough maps are, and what a robot can do on them",
         description="Measure how rough maps are: heights, steps, scale, ruggedness, and the step at which they open. "
         "With a robot also how much of a map it can get about on, and its cheapest ways across.",
-        epilog="docs/metrics.md has every formula. Kinds of robots: " + ", ".join(ROBOTS) + ".",
+        epilog="docs/metrics.md has every formula.",
     )
     add_target_flags(command, usual="all")
-    group = command.add_argument_group("robot", "the figures of a kind, each overridden by a flag")
-    group.add_argument("--robot", metavar="KIND", help="what a robot of rsegen climbs, and its width")
+    group = command.add_argument_group("robot", "the limits of a kind of robot, each overridden by a flag")
+    group.add_argument("--robot", metavar="KIND", help="what a robot of those below climbs, and its width")
     add_parameter_flags(group, RobotLimits)
-    form = command.add_mutually_exclusive_group()
+    output = command.add_argument_group("output")
+    form = output.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print a list for programs, lengths in metres")
     form.add_argument("--csv", action="store_true", help="print a table for programs, lengths in metres")
-    command.add_argument(
-        "-o", "--output", metavar="PICTURE", help="draw the robot's ways over the first map, and its reach"
-    )
-    command.add_argument("--force", action="store_true", help="replace a picture that is there already")
+    text = "draw the robot's cheapest paths over the first map, and the area that it can reach"
+    output.add_argument("-o", "--output", metavar="PICTURE", help=text)
+    output.add_argument("--force", action="store_true", help="replace an existing picture")
+    add_target_recipe_flags(command)
+    command.add_rows("kinds of robots", lambda: [Row(kind, each.title) for kind, each in ROBOTS.items()])
     command.set_defaults(run=run)
 
 
@@ -57,7 +58,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Measure, draw and print."""
     climber = _climber(arguments)
     path = _picture(arguments, climber)
-    scenes = every(arguments.target, arguments.map, BYTES_PER_CELL_OF_METRICS)
+    scenes = scenes_of(arguments, BYTES_PER_CELL_OF_METRICS)
     first = next(scenes)
     found = metrics(first.field, climber)
     if path and found.reach:

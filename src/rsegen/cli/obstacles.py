@@ -17,7 +17,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "obstacles",
-        help="list the kinds of obstacles and their parameters",
         description="List the kinds of obstacles with their parameters, ranges and meaning.",
     )
     command.add_argument("--json", action="store_true", help="print their JSON Schemas, for programs")

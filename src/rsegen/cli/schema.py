@@ -13,7 +13,6 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "schema",
-        help="print the JSON Schema of recipe files",
         description="Print the JSON Schema (2020-12) of recipe files; editors complete and check recipes by it.",
     )
     command.set_defaults(run=run)

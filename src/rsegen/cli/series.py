@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import asdict
 
 from rsegen.cli.bar import counting
-from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, recipe_from
+from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, describe_flag, recipe_from
 from rsegen.cli.formats import formats_of
 from rsegen.cli.generate import add_output_flags, workers_from
 from rsegen.exporters.numbers import decimal
@@ -24,18 +24,17 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "series",
-        help="write maps of difficulty that rises evenly",
         description="Write the maps of a recipe at a difficulty that rises evenly from the first to the last, a table "
         "of what they measure (series.csv), and a picture of how they rise (series.png).",
         epilog="docs/difficulty.md says what difficulty is, and how near the maps come to it.",
     )
-    command.add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
+    command.add_argument_group("input").add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
     add_output_flags(command)
-    sorts = parameters(SeriesPlan)
-    for name, usual in (("from_", "0.1"), ("to", "1")):
-        text = f"{sorts[name].help} ({sorts[name].describe()}, {usual} by default)"
-        command.add_argument(f"--{name.rstrip('_')}", dest=name, default=usual, metavar="D", help=text)
-    command.add_argument("--same-field", action="store_true", help=sorts["same_field"].help)
+    group, sorts = command.add_argument_group("difficulty"), parameters(SeriesPlan)
+    for name, default in (("from_", 0.1), ("to", 1)):
+        _, text = describe_flag(name, sorts[name], default)
+        group.add_argument(f"--{name.rstrip('_')}", dest=name, default=str(default), metavar="D", help=text)
+    group.add_argument("--same-field", action="store_true", help=sorts["same_field"].help)
     add_recipe_flags(command)
     command.set_defaults(run=run)
 

@@ -3,31 +3,30 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
 from pathlib import Path
 
-from rsegen.cli.flags import Subparsers, add_parameter_flags, given
-from rsegen.cli.targets import add_target_flags
+from rsegen.cli.flags import Subparsers, add_parameter_flags, add_target_recipe_flags, given
+from rsegen.cli.targets import add_target_flags, map_of_flags
 from rsegen.errors import ParameterError
 from rsegen.exporters.sheet import CutSettings, sheet_format
 from rsegen.io.sheets import write_sheets
-from rsegen.io.targets import found
 
 
 def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "sheet",
-        help="write a build sheet (PDF, CSV) for building a map in wood",
         description="Write the build sheet of a map: how its pallets stand, what timber to buy and how to cut it, and "
         " a page for each pallet with the height in every cell and the order of placing.",
         epilog="rsegen import reads the CSV again.",
     )
     add_target_flags(command)
-    command.add_argument("-o", "--output", required=True, metavar="FILE", help="pdf or csv, by its ending")
-    command.add_argument("--csv", metavar="FILE", help="write the same as CSV, too: a row for each cell")
-    command.add_argument("--force", action="store_true", help="replace files that are there already")
-    add_parameter_flags(command.add_argument_group("sawing"), CutSettings, asdict(CutSettings()))
+    group = command.add_argument_group("output")
+    group.add_argument("-o", "--output", required=True, metavar="FILE", help="pdf or csv, by its ending (required)")
+    group.add_argument("--csv", metavar="FILE", help="write the same as CSV, too: a row for each cell")
+    group.add_argument("--force", action="store_true", help="replace existing files")
+    add_parameter_flags(command.add_argument_group("cutting"), CutSettings)
+    add_target_recipe_flags(command)
     command.set_defaults(run=run)
 
 
@@ -35,7 +34,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Make the sheets, and write them."""
     paths = _paths(arguments)
     saw = CutSettings(**given(CutSettings, arguments))
-    _, recipe, index = found(arguments.target, arguments.map)
+    _, recipe, index = map_of_flags(arguments)
     scene = write_sheets(recipe, index, paths, saw, force=arguments.force)
     print("\n".join(f"{path}: {scene.name}, seed {scene.recipe.seed}" for path in paths))
 

@@ -1,14 +1,72 @@
-"""The flags of commands that look at maps: where the maps are, and which of them."""
+"""The flags of commands that look at maps: where the maps are or a recipe of them, and the maps that they stand for."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
+from pathlib import Path
+
+from rsegen.cli.flags import has_recipe_flags, with_flags
+from rsegen.errors import ParameterError
+from rsegen.exporters.scene import Scene, compose
+from rsegen.io.dataset.map_reference import recipe_in
+from rsegen.io.resources import refuse_too_large
+from rsegen.io.targets import Found, one_of, recipe_files
+from rsegen.recipe.recipe import Recipe
+
+_WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a folder of maps, or DIR#17 of a data set"
 
 
-def add_target_flags(command: argparse.ArgumentParser, usual: str = "the first") -> None:
-    """Where to look, and which map."""
-    where = (
-        "a recipe (YAML, JSON), the name of an example, the folder of a map, a folder of maps, or DIR#17 of a data set"
-    )
-    command.add_argument("target", metavar="RECIPE-or-DIR", help=where)
-    command.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {usual})")
+def add_target_flags(
+    command: argparse.ArgumentParser,
+    usual: str = "the first",
+    *,
+    metavar: str = "RECIPE-or-DIR",
+    where: str = _WHERE,
+) -> None:
+    """Where to look, and which map; `add_target_recipe_flags` adds what makes a map without anything to look at."""
+    group = command.add_argument_group("input")
+    group.add_argument("target", nargs="?", metavar=metavar, help=f"{where}; or none, but --obstacle")
+    group.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {usual})")
+
+
+def is_of_flags(arguments: argparse.Namespace) -> bool:
+    """Whether a map is to be made of flags, alone or over those of the target; ParameterError if nothing is given."""
+    if arguments.target is None and not arguments.obstacle:
+        raise ParameterError("RECIPE", "nothing is given; give a recipe, a folder or --obstacle 'random max_height=5'")
+    return has_recipe_flags(arguments)
+
+
+def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
+    """Each recipe of the target with the flags over it, and its file; that of the flags alone without a target."""
+    flags, target = is_of_flags(arguments), arguments.target
+    if target is None:
+        yield Path(), with_flags(Recipe(), arguments)
+        return
+    for file in recipe_files(target):
+        recipe = recipe_in(file)
+        yield file, with_flags(recipe, arguments) if flags else recipe
+
+
+def map_of_flags(arguments: argparse.Namespace) -> Found:
+    """One map of them: the one that --map names, or the first."""
+    return one_of(recipes_of(arguments), arguments.map, arguments.target or "the recipe of the flags")
+
+
+def scene_of(arguments: argparse.Namespace) -> Scene:
+    """The scene of that map."""
+    _, recipe, index = map_of_flags(arguments)
+    refuse_too_large(recipe)
+    return compose(recipe, index)
+
+
+def scenes_of(arguments: argparse.Namespace, more: int = 0) -> Iterator[Scene]:
+    """The scenes of all of them one by one, or of the one that --map names; each may need more bytes for each cell."""
+    if arguments.map is not None:
+        _, recipe, index = map_of_flags(arguments)
+        refuse_too_large(recipe, more)
+        yield compose(recipe, index)
+        return
+    for _, recipe in recipes_of(arguments):
+        refuse_too_large(recipe, more)
+        yield from (compose(recipe, index) for index in recipe.indices)

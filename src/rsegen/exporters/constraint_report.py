@@ -7,14 +7,14 @@ from dataclasses import replace
 from typing import Any
 
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics.pairs import differences
-from rsegen.field.metrics.traversability import crossing
 from rsegen.recipe.building import build
-from rsegen.recipe.constraints.inventory import blocks
 
 
 def constraint_report(scene: Scene) -> dict[str, Any]:
     """For each constraint of a map's recipe the demanded and the actual value, as JSON values."""
+    from rsegen.field.metrics.pairs import differences
+    from rsegen.field.metrics.traversability import crossing
+
     recipe = scene.recipe
     found: dict[str, Any] = {}
     if recipe.max_step is not None:
@@ -57,6 +57,8 @@ def missing(scene: Scene) -> str:
 
 def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]]:
     """The numbers of blocks by level: owned, used, and missing for the map as it would be without an inventory."""
+    from rsegen.recipe.constraints.inventory import blocks
+
     design = build(replace(scene.recipe, inventory=None), scene.index).level_counts()
     used = scene.field.level_counts()
     there = blocks(owned, max(len(owned), *design, *used) + 1)

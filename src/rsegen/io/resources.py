@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import shutil
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
@@ -129,6 +130,11 @@ def _shape(recipe: Recipe) -> tuple[int, int]:
 
 
 def _free_memory() -> int:
+    """Bytes of memory that programs can have; Linux says it in a file, which is quicker than to import psutil."""
+    with suppress(OSError), open("/proc/meminfo", encoding="ascii") as file:
+        for line in file:
+            if line.startswith("MemAvailable:"):
+                return int(line.split()[1]) * 1024
     import psutil
 
     return int(psutil.virtual_memory().available)

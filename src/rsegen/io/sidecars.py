@@ -11,9 +11,7 @@ from pathlib import PurePosixPath
 
 from rsegen.exporters.formats import Format, added, bytes_a_cell, options, refuse_unready
 from rsegen.exporters.gazebo import Bundle
-from rsegen.exporters.pictures.preview import preview_image
 from rsegen.exporters.scene import Scene
-from rsegen.exporters.sheet import CutSettings, refuse_unbuildable, sheet
 from rsegen.params.sorts import Json
 from rsegen.recipe.recipe import Recipe
 
@@ -33,6 +31,8 @@ class Sidecars:
         """Raise a UserError if they cannot be made of a recipe's maps, or need a package that is not installed."""
         refuse_unready(self.formats)
         if self.sheet:
+            from rsegen.exporters.sheet import CutSettings, refuse_unbuildable
+
             refuse_unbuildable(recipe, CutSettings())
 
     def files(self, scene: Scene) -> Bundle:
@@ -62,8 +62,16 @@ class Sidecars:
     @property
     def _makers(self) -> Mapping[str, Callable[[Scene], bytes]]:
         """The function that makes each file except those of formats, by its name."""
-        preview = {"preview.png": preview_image} if self.preview else {}
-        return preview | ({name: partial(sheet, format=name[-3:]) for name in SHEETS} if self.sheet else {})
+        found: dict[str, Callable[[Scene], bytes]] = {}
+        if self.preview:
+            from rsegen.exporters.pictures.preview import preview_image
+
+            found["preview.png"] = preview_image
+        if self.sheet:
+            from rsegen.exporters.sheet import sheet
+
+            found |= {name: partial(sheet, format=name[-3:]) for name in SHEETS}
+        return found
 
 
 def listed_formats(home: str) -> dict[str, Json] | None:

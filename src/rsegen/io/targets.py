@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os.path
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,9 +37,13 @@ def recipe_files(target: str) -> list[Path]:
 
 def found(target: str, which: str | None, where: str = "--map") -> Found:
     """One map of `target`: the given one, or the first; errors about `which` name the flag or parameter `where`."""
+    return one_of(((file, recipe_in(file)) for file in recipe_files(target)), which, target, where)
+
+
+def one_of(recipes: Iterable[tuple[Path, Recipe]], which: str | None, target: str, where: str = "--map") -> Found:
+    """One map of some recipes, each with its file: the given one, or the first; a message calls them `target`."""
     names = []
-    for file in recipe_files(target):
-        recipe = recipe_in(file)
+    for file, recipe in recipes:
         index = recipe.first_map if which is None else _index(recipe, which)
         if index is not None:
             return Found(file, recipe, index)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
-import xml.etree.ElementTree as ET
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rsegen.errors import FileError, shown
+
+if TYPE_CHECKING:
+    import xml.etree.ElementTree as ET
 
 
 def text_of(path: Path, mib: int, too_large: str) -> str:
@@ -28,6 +31,8 @@ def text_of(path: Path, mib: int, too_large: str) -> str:
 
 def elements(text: str, where: str) -> ET.Element:
     """The root of an XML text; a document type and entities are refused, as bombs are made of them."""
+    import xml.etree.ElementTree as ET
+
     if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
         raise FileError(f"{where}: has a document type or entities, which no SDF needs")
     try:

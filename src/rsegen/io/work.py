@@ -6,6 +6,8 @@ RunPlan --run--> the result of each map, in order
 from __future__ import annotations
 
 import math
+import os
+import sys
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -13,7 +15,6 @@ from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
 from rsegen.io.resources import Needs
-from rsegen.io.workers import run_in_workers
 from rsegen.io.writer import as_write_errors, parents_made, remove_leftovers
 from rsegen.params.sorts import Integer
 
@@ -29,6 +30,11 @@ Item = TypeVar("Item")
 Item_contra = TypeVar("Item_contra", contravariant=True)
 Made = TypeVar("Made")
 Made_co = TypeVar("Made_co", covariant=True)
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
 
 
 class Task(Protocol[Item_contra, Made_co]):
@@ -79,6 +85,8 @@ def run_each(task: Task[Item, Made], items: Sequence[Item], workers: int) -> Gen
         for item in items:
             yield from task([item])
         return
+    from rsegen.io.workers import run_in_workers  # multiprocessing takes longer to import than a small map to make
+
     batch = math.ceil(min(BATCH / task.seconds, len(items) / workers / 4))
     yield from run_in_workers(task, items, batch=batch, workers=workers)
 

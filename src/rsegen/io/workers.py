@@ -38,11 +38,6 @@ MOST = 61 if sys.platform == "win32" else 1024
 _STOP_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
-def cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
-
-
 def run_in_workers(
     work: Callable[[Sequence[Item]], Sequence[Made]], items: Iterable[Item], *, batch: int, workers: int
 ) -> Iterator[Made]:

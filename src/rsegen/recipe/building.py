@@ -18,8 +18,6 @@ from rsegen.field.stepfield import Levels, StepField, framed
 from rsegen.params.places import Cell
 from rsegen.params.sorts import Integer
 from rsegen.params.streams import SEEDS, generator
-from rsegen.recipe.constraints import constrained
-from rsegen.recipe.difficulty import scaled_to_difficulty
 from rsegen.recipe.map_design import MapDesign
 from rsegen.recipe.placement import Placement
 
@@ -37,6 +35,10 @@ def build(recipe: MapDesign, index: int = 0) -> StepField:
         unit=recipe.unit_cm / 100,
         frame_height=recipe.frame_height_cm / 100,
     )
+    if not recipe.is_constrained:
+        return field
+    from rsegen.recipe.constraints import constrained
+
     return constrained(field, recipe, index)
 
 
@@ -52,7 +54,12 @@ def placed(recipe: MapDesign, placement: Placement, index: int) -> tuple[Cell, C
 
 def _at_difficulty(recipe: MapDesign, index: int) -> Levels:
     """The levels of all obstacles, scaled to the difficulty."""
-    return scaled_to_difficulty(_imposed(recipe, index), recipe, index)
+    levels = _imposed(recipe, index)
+    if recipe.difficulty == 1:
+        return levels
+    from rsegen.recipe.difficulty import scaled_to_difficulty
+
+    return scaled_to_difficulty(levels, recipe, index)
 
 
 def _imposed(recipe: MapDesign, index: int) -> Levels:

@@ -27,8 +27,6 @@ _KEY = "difficulty of the map"
 
 def scaled_to_difficulty(levels: Levels, design: MapDesign, index: int) -> Levels:
     """The levels of map `index` at the difficulty of its design; a field without steps is lowered as a whole."""
-    if design.difficulty == 1:
-        return levels
     measure = partial(roughness, parts=parts_of(levels, design))
     asked = design.difficulty * measure(levels)
     if not asked:

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.metrics import RobotLimits
 from rsegen.field.obstacles import Grid
+from rsegen.field.robot_limits import RobotLimits
 from rsegen.params.places import Cell, Size2D
 from rsegen.params.sorts import Choice, Float, Integer, ListOf, validate
 from rsegen.params.streams import SEEDS, fresh_seed

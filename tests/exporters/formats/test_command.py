@@ -62,7 +62,7 @@ def test_the_list_says_what_each_format_is_and_needs_nothing_else(capsys: pytest
     assert exit_code("export", "--list") == 0
     told = capsys.readouterr().out
     assert all(f"{name}\n    {summary(cls)}" in told for name, cls in FORMATS.items())
-    assert "--per-block" in told
+    assert "    per_block= " in told
 
 
 def test_two_maps_of_one_name_are_refused_before_anything_is_written(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import pytest
 
 import rsegen
 from rsegen import Recipe, Scene, compose, load
+from rsegen.errors import pip_install
 from rsegen.exporters.formats import FORMATS, Format, base, exported, summary
 from rsegen.io.importers import IMPORTERS as READ
 from rsegen.params.sorts import parameters
@@ -85,7 +86,7 @@ def test_what_is_not_installed_is_said_in_one_line_with_how_to_get_it(
     for command in (["export", "peak", "--to"], ["generate", "peak", "--formats"]):
         assert exit_code(*command, cls.name, "-o", tmp_path / "out") == 2
         needed = f"rsegen: {cls.name} needs {cls.extra.module}, which is not installed"
-        assert the_line(capsys.readouterr().err) == f"{needed}; pip install 'rsegen[{cls.extra.name}]'"
+        assert the_line(capsys.readouterr().err) == f"{needed}; {pip_install([cls.extra.name])}"
         assert not (tmp_path / "out").exists()
 
 

@@ -15,8 +15,8 @@ import rsegen
 from rsegen import RobotLimits, StepField
 from rsegen.field.metrics.ground import Ground, ground, lane
 from rsegen.field.metrics.regions import connected, strongly_connected
-from rsegen.field.metrics.robot_limits import NANOMETRES
 from rsegen.field.metrics.traversability import Traversability, traversability
+from rsegen.field.robot_limits import NANOMETRES
 from rsegen.field.stepfield import Ints
 from tests.field.metrics.test_families import field, turned
 from tests.support.strategies import fields

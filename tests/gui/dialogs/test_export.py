@@ -23,6 +23,7 @@ from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QMessageBox, QPus
 
 from rsegen import build, compose, generate, save
 from rsegen.cli import main
+from rsegen.errors import pip_install
 from rsegen.exporters.formats import FORMATS, base, summary
 from rsegen.exporters.formats.arrays import Arrays
 from rsegen.gui.dialogs.export import ExportDialog
@@ -122,7 +123,7 @@ def test_a_format_that_needs_what_is_missing_is_grey_and_says_how_to_get_it(
     dialog = opened(window, tmp_path)
     box = find(dialog, QCheckBox, "format_usd")
     assert not box.isEnabled()
-    assert said(dialog, "missing_usd") == "usd needs pxr, which is not installed; pip install 'rsegen[usd]'"
+    assert said(dialog, "missing_usd") == f"usd needs pxr, which is not installed; {pip_install(['usd'])}"
     click(dialog, "format_usd")
     assert not box.isChecked()
     assert not dialog.findChildren(QLabel, "missing_mjcf")

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePosixPath
 
 from rsegen.errors import ParameterError
-from rsegen.exporters.formats.base import FORMATS, Extra, Format
+from rsegen.exporters.formats.base import FORMATS, Extra, Format, refuse_missing
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene
 from rsegen.params.sorts import Json
@@ -28,13 +28,13 @@ def summary(cls: type[Format]) -> str:
 
 
 def refuse_unready(formats: Iterable[Format]) -> None:
-    """Raise a UserError where one of the formats is there twice, or needs what is not installed."""
-    seen = set()
+    """Raise a UserError if one of the formats is given twice, or some need what is not installed."""
+    formats, seen = tuple(formats), set()
     for each in formats:
         if each.name in seen:
             raise ParameterError("formats", f"{each.name} is given twice")
         seen.add(each.name)
-        each.refuse_missing()
+    refuse_missing(formats)
 
 
 def options(formats: Sequence[Format]) -> dict[str, Json]:

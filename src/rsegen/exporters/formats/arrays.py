@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from rsegen.exporters.formats.base import MAT, Extra, Format, register
+from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.formats.encoded import as_json, mat, metadata, npy, recipe_json
 from rsegen.exporters.levels import csv
 from rsegen.exporters.scene import Scene
@@ -28,7 +28,7 @@ class Arrays(Format):
     """Levels, heights and frame mask as arrays for numpy (NPY) and MATLAB (MAT), levels as CSV, metadata as JSON."""
 
     name: ClassVar[str] = "arrays"
-    extra: ClassVar[Extra | None] = MAT
+    mat_file: ClassVar[str] = "levels.mat"
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The arrays, of shape (n_x, n_y) with frames, the table and the metadata."""
@@ -43,11 +43,13 @@ class Arrays(Format):
             "seed": np.int64(scene.recipe.seed),
             "name": scene.name,
         }
+        matlab = {} if self.left_out else {"levels.mat": [mat(variables)]}
+        meaning = {name: text for name, text in _FILES.items() if matlab or name != self.mat_file}
         return {
             "levels.npy": [npy(field.levels)],
             "heights.npy": [npy(field.heights)],
             "frame.npy": [npy(field.frame)],
             "levels.csv": csv(field),
-            "levels.mat": [mat(variables)],
-            "meta.json": [as_json({**metadata(scene), "files": _FILES, "recipe": recipe_json(scene)})],
+            **matlab,
+            "meta.json": [as_json({**metadata(scene), "files": meaning, "recipe": recipe_json(scene)})],
         }

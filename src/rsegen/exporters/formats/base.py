@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import ClassVar, NamedTuple, TypeVar
 
-from rsegen.errors import UserError
+from rsegen.errors import UserError, pip_install
 from rsegen.exporters.scene import Scene
 from rsegen.params.contract import Contract, clash
 from rsegen.params.registry import Registry
@@ -21,10 +21,15 @@ from rsegen.recipe.recipe import Recipe
 
 
 class Extra(NamedTuple):
-    """What a format needs beyond rsegen itself: pip installs rsegen[name], and the module is there."""
+    """What a format needs beyond rsegen itself: pip installs rsegen[name], which brings the module."""
 
     name: str
     module: str
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether it is not installed for this Python."""
+        return find_spec(self.module) is None
 
 
 MESH = Extra("mesh", "trimesh")
@@ -37,6 +42,10 @@ class Format(ABC):
 
     name: ClassVar[str]
     extra: ClassVar[Extra | None] = None
+    """What none of its files can be written without."""
+
+    mat_file: ClassVar[str] = ""
+    """The one file that needs scipy, and is left out if that is not installed."""
 
     def __post_init__(self) -> None:
         validate(self)
@@ -55,11 +64,28 @@ class Format(ABC):
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The files by their path in the format's folder, each to be read once; the same scene gives the same bytes."""
 
+    @property
+    def left_out(self) -> str:
+        """Which file is not written as scipy is not installed, and what to do; empty if all are written."""
+        if not self.mat_file or not MAT.is_missing:
+            return ""
+        return f"{self.name}: {self.mat_file} is left out, as scipy is not installed; {pip_install([MAT.name])}"
+
     def refuse_missing(self) -> None:
-        """Raise a UserError where what it needs is not installed."""
-        if self.extra and find_spec(self.extra.module) is None:
-            needed = f"{self.name} needs {self.extra.module}, which is not installed"
-            raise UserError(f"{needed}; pip install 'rsegen[{self.extra.name}]'")
+        """Raise a UserError if what it needs is not installed."""
+        refuse_missing([self])
+
+
+def refuse_missing(formats: Iterable[Format]) -> None:
+    """Raise a UserError that names everything that is not installed and the formats need, with the one remedy."""
+    lacking = {each.name: each.extra for each in formats if each.extra and each.extra.is_missing}
+    if not lacking:
+        return
+    modules, extras = ({extra[place]: None for extra in lacking.values()} for place in (1, 0))
+    need, are = ("needs", "is") if len(lacking) == 1 else ("need", "are" if len(modules) > 1 else "is")
+    raise UserError(
+        f"{', '.join(lacking)} {need} {', '.join(modules)}, which {are} not installed; {pip_install(extras)}"
+    )
 
 
 RESERVED = frozenset(

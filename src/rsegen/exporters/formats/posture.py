@@ -13,7 +13,7 @@ from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 
-from rsegen.exporters.formats.base import MAT, Extra, Format, register
+from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.formats.edges import COLUMNS, edges
 from rsegen.exporters.formats.encoded import as_json, mat, metadata, north_up, npy, recipe_json
 from rsegen.exporters.formats.tags import ObstacleCells, obstacle_cells, peaks_and_pits
@@ -44,7 +44,7 @@ class Posture(Format):
     """Traversability raster, edges, start and goal poses, and tags for planners over postures (NPY, CSV, MAT, JSON)."""
 
     name: ClassVar[str] = "posture"
-    extra: ClassVar[Extra | None] = MAT
+    mat_file: ClassVar[str] = "posture.mat"
 
     per_block: Annotated[int, Integer(1, 100, help="raster cells per block and side")] = 5
     climb_cm: Annotated[
@@ -64,13 +64,14 @@ class Posture(Format):
         """Arrays with axis 0 along x, tables of heights north up, and metadata; lengths in metres."""
         found = self._found(scene)
         raster = scene.field.heights.repeat(self.per_block, axis=0).repeat(self.per_block, axis=1)
+        variables = {"raster": raster, **self._variables(found)}
         head = f"heights in metres, {self.per_block} x {self.per_block} cells for each block"
         return {
             "raster.npy": [npy(raster)],
             "raster.csv": north_up(scene.field.heights, head, self.per_block),
             "edges.csv": _table(COLUMNS, (map(decimal, row) for row in found.edges.tolist())),
             "tags.csv": _table(["i", "j", "level", "tag", "from", "number"], found.tagged()),
-            "posture.mat": [mat({"raster": raster, **self._variables(found)})],
+            **({} if self.left_out else {"posture.mat": [mat(variables)]}),
             "posture.json": [as_json(self._metadata(found))],
         }
 

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 from rsegen.errors import ParameterError
 from rsegen.field.metrics.percolation import Percolation, percolation
-from rsegen.field.metrics.robot_limits import RobotLimits
 from rsegen.field.metrics.ruggedness import Ruggedness, ruggedness
 from rsegen.field.metrics.scale import Scale, scale
 from rsegen.field.metrics.spread import Spread, spread
 from rsegen.field.metrics.steps import Steps, steps
 from rsegen.field.metrics.traversability import Crossing, Traversability, traversability
+from rsegen.field.robot_limits import RobotLimits
 from rsegen.field.stepfield import StepField
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.field.metrics.percolation import percolation
-from rsegen.field.metrics.robot_limits import NANOMETRES
+from rsegen.field.robot_limits import NANOMETRES
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 
 COLUMNS = (

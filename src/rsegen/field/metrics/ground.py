@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.metrics.robot_limits import NANOMETRES, cells_to_each_side
+from rsegen.field.robot_limits import NANOMETRES, cells_to_each_side
 from rsegen.field.stepfield import Ints, Mask, StepField
 
 Heights = NDArray[np.int64]

@@ -8,7 +8,7 @@ import numpy as np
 
 from rsegen.field.metrics.ground import Ground, lane
 from rsegen.field.metrics.regions import connected
-from rsegen.field.metrics.robot_limits import NANOMETRES
+from rsegen.field.robot_limits import NANOMETRES
 from rsegen.field.stepfield import StepField
 
 

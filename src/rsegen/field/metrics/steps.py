@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.field.metrics.pairs import differences
-from rsegen.field.metrics.robot_limits import NANOMETRES
+from rsegen.field.robot_limits import NANOMETRES
 from rsegen.field.stepfield import StepField
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from rsegen.field.metrics.ground import ground, lane
 from rsegen.field.metrics.paths import UNREACHABLE, cheapest_paths
 from rsegen.field.metrics.regions import strongly_connected
-from rsegen.field.metrics.robot_limits import NANOMETRES, RobotLimits
 from rsegen.field.metrics.steps import steps
+from rsegen.field.robot_limits import NANOMETRES, RobotLimits
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 
 

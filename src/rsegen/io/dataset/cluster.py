@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from logging import CRITICAL
 from typing import Any, TypeVar
 
-from rsegen.errors import ParameterError, WorkerLost
+from rsegen.errors import ParameterError, WorkerLost, pip_install
 from rsegen.params.plugins import with_plugins
 
 Made = TypeVar("Made")
@@ -50,5 +50,5 @@ def dask() -> Any:
     try:
         import distributed
     except ImportError:
-        raise ParameterError("scheduler", "needs Dask: pip install 'rsegen[cluster]'") from None
+        raise ParameterError("scheduler", f"needs Dask: {pip_install(['cluster'])}") from None
     return distributed

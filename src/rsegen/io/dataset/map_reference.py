@@ -7,7 +7,6 @@ import re
 from pathlib import Path
 
 from rsegen.errors import ParameterError
-from rsegen.io.dataset.manifest import MANIFEST, read_manifest
 from rsegen.io.recipe_file import load
 from rsegen.recipe.recipe import Recipe
 
@@ -17,6 +16,8 @@ def recipe_in(path: str | Path) -> Recipe:
     match = re.fullmatch(r"(.+)#([0-9]{1,19})", str(path))
     if not match or os.path.lexists(path):
         return load(path)
+    from rsegen.io.dataset.manifest import read_manifest
+
     recipe, place = read_manifest(Path(match[1]))[0].recipe, int(match[2])
     if place >= recipe.maps:
         raise ParameterError(str(path), f"there is no map {place} in the data set; give 0..{recipe.maps - 1}")
@@ -27,4 +28,6 @@ def dataset_at(path: Path) -> Path | None:
     """The folder of a data set, if the path is a folder or a manifest; else None."""
     if path.is_dir():
         return path
+    from rsegen.io.dataset.manifest import MANIFEST
+
     return path.parent if path.name == MANIFEST and path.is_file() else None

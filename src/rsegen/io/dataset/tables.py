@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.errors import FileError, ParameterError
+from rsegen.errors import FileError, ParameterError, pip_install
 from rsegen.field.metrics.batch import COLUMNS, Table
 from rsegen.io.dataset.layout import ROW
 
@@ -72,5 +72,5 @@ def arrow() -> tuple[Any, Any]:
         import pyarrow
         from pyarrow import parquet
     except ImportError:
-        raise ParameterError("metrics", "parquet needs pyarrow: pip install 'rsegen[dataset]'; or give npy") from None
+        raise ParameterError("metrics", f"parquet needs pyarrow: {pip_install(['dataset'])}; or give npy") from None
     return pyarrow, parquet

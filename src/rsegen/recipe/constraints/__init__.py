@@ -19,9 +19,7 @@ from rsegen.recipe.map_design import MapDesign
 
 
 def constrained(field: StepField, design: MapDesign, index: int) -> StepField:
-    """The field of map `index`, changed so that it meets the constraints of its design; unchanged if there are none."""
-    if not design.is_constrained:
-        return field
+    """The field of map `index`, changed so that it meets the constraints of its design."""
     if design.max_step is not None:
         field = _with(field, steps.step_limited(field, design.max_step))
     left: Blocks | None = None

@@ -6,8 +6,8 @@ import numpy as np
 
 from rsegen.field.metrics.ground import lane
 from rsegen.field.metrics.percolation import percolation
-from rsegen.field.metrics.robot_limits import NANOMETRES, RobotLimits, cells_to_each_side
 from rsegen.field.metrics.traversability import crossing
+from rsegen.field.robot_limits import NANOMETRES, RobotLimits, cells_to_each_side
 from rsegen.field.stepfield import Ints, StepField
 
 _ANYTHING = 2**30

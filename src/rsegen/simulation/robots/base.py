@@ -12,7 +12,7 @@ from typing import Protocol
 
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.exporters.gazebo.sdf import FOOTER, HEADER, numbers
-from rsegen.field.metrics import RobotLimits
+from rsegen.field.robot_limits import RobotLimits
 from rsegen.params.contract import Contract
 from rsegen.params.registry import Registry
 from rsegen.simulation.robots.commands import BACKENDS, Command

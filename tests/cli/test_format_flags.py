@@ -1,0 +1,133 @@
+"""Formats with their options after their names, as in --to stl,'mjcf shape=hfield'; the flags of 0.1 still work."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from rsegen.cli import main
+from rsegen.cli.formats import OLD_FLAGS, OLD_SWITCHES
+from rsegen.errors import pip_install
+from rsegen.exporters.formats import base
+from tests.support.complaints import exit_code, the_line
+
+
+def options(folder: Path, *flags: str) -> dict[str, object]:
+    """The formats that an export wrote, with their options."""
+    assert main(["export", "peak", *flags, "-o", str(folder)]) == 0
+    found: dict[str, object] = json.loads((folder / "peak_0000" / "formats.json").read_text("utf-8"))
+    return found
+
+
+HFIELD = {"shape": "hfield", "pixels": 4}
+
+
+@pytest.mark.parametrize(
+    "flags",
+    [
+        ["--to", "heightmap,mjcf shape=hfield pixels=4"],
+        ["--to", "heightmap mjcf shape=hfield pixels=4"],
+        ["--to", "heightmap", "--to", "mjcf shape=hfield pixels=4"],
+        ["--to", "mjcf pixels=4 shape=hfield, heightmap"],
+        ["--to", "mjcf pixels='4' shape=\"hfield\",heightmap pixels=1"],
+        ["--to", "mjcf shape=hfield pixels=4,heightmap pixels=1", "--pixels", "9"],
+    ],
+)
+def test_options_stand_after_the_name_of_their_format(flags: list[str], tmp_path: Path) -> None:
+    assert options(tmp_path, *flags) == {"mjcf": HFIELD, "heightmap": {"pixels": 1}}
+
+
+def test_a_flag_of_an_earlier_release_is_an_option_of_each_format_that_has_it(tmp_path: Path) -> None:
+    found = options(tmp_path, "--to", "heightmap,mjcf", "--pixels", "4", "--shape", "hfield")
+    assert found == {"heightmap": {"pixels": 4}, "mjcf": HFIELD}
+
+
+def test_generate_takes_options_after_names_too(tmp_path: Path) -> None:
+    assert main(["generate", "peak", "--formats", "heightmap pixels=2", "-o", str(tmp_path)]) == 0
+    found = json.loads((tmp_path / "peak_0000" / "formats.json").read_text("utf-8"))
+    assert found == {"heightmap": {"pixels": 2}}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("mjcf shap=hfield", ["--to 'mjcf shap=hfield': unknown option of mjcf 'shap'; did you mean 'shape'?"]),
+        ("mjcf shape=round", ["--to 'mjcf shape=round': shape: 'round' is not one of boxes, hfield, mesh"]),
+        ("mjcf shape=hfield shape=mesh", ["shape: is given twice"]),
+        ("mjcf,mjcf", ["formats: mjcf is given twice"]),
+        ("mjfc", ["--to: unknown format 'mjfc'; did you mean 'mjcf'?"]),
+        ("shape=hfield", ["--to: unknown format 'shape=hfield'"]),
+        ("", ["--to: unknown format ''"]),
+        ("heightmap,", ["--to: unknown format ''"]),
+        ("heightmap pixels='1", ["a quotation mark is not closed"]),
+    ],
+)
+def test_a_mistake_is_one_line(
+    text: str, words: Sequence[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert exit_code("export", "peak", "--to", text, "-o", tmp_path / "out") == 2
+    line = the_line(capsys.readouterr().err)
+    assert [word for word in words if word not in line] == []
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_option_of_a_format_that_is_not_named_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert exit_code("export", "peak", "--to", "heightmap", "--shape", "mesh", "-o", tmp_path / "out") == 2
+    assert "--shape: is an option of mjcf, which --to does not name" in the_line(capsys.readouterr().err)
+
+
+def test_old_flags_are_in_no_help_and_in_no_list(capsys: pytest.CaptureFixture[str]) -> None:
+    assert exit_code("export", "--help") == 0
+    text = capsys.readouterr().out
+    assert exit_code("export", "peak", "--to", "stl", "-o", "out", "--pixel", "3") == 2
+    line = the_line(capsys.readouterr().err)
+    for name in (*OLD_FLAGS, *OLD_SWITCHES):
+        assert f"--{name.replace('_', '-')}" not in text
+        assert f"--{name.replace('_', '-')}," not in line
+    assert "pixels=1..100" in text
+
+
+def test_everything_that_is_missing_is_named_at_once_with_this_pythons_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(base, "find_spec", lambda module: None)
+    assert exit_code("export", "peak", "--to", "stl,heightmap,usd,glb", "-o", tmp_path / "out") == 2
+    line = the_line(capsys.readouterr().err)
+    assert line == (
+        "rsegen: stl, usd, glb need trimesh, pxr, which are not installed; "
+        f"{sys.executable} -m pip install 'rsegen[mesh,usd]'"
+    )
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "file", "other"), [("arrays", "levels.mat", "levels.npy"), ("posture", "posture.mat", "raster.npy")]
+)
+def test_without_scipy_the_rest_is_written_and_the_mat_is_said_to_be_left_out(
+    name: str,
+    file: str,
+    other: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(base, "find_spec", lambda module: None)
+    assert exit_code("export", "peak", "--to", name, "-o", tmp_path) == 0
+    line = the_line(capsys.readouterr().err)
+    assert line == f"rsegen: {name}: {file} is left out, as scipy is not installed; {pip_install(['mat'])}"
+    folder = tmp_path / "peak_0000" / name
+    assert (folder / other).is_file()
+    assert not (folder / file).exists()
+    assert not any(file in path.read_text("utf-8") for path in folder.glob("*.json"))
+
+
+def test_the_extra_all_has_every_other_extra() -> None:
+    text = (Path(__file__).parents[2] / "pyproject.toml").read_text("utf-8")
+    _, _, table = text.partition("[project.optional-dependencies]\n")
+    rows = [line.partition(" = ") for line in table.partition("\n\n")[0].splitlines() if " = [" in line]
+    extras = {name: value for name, _, value in rows}
+    assert extras.pop("all") == f'["rsegen[{",".join(sorted(extras))}]"]'

@@ -1,0 +1,108 @@
+"""Help and version: quick, in groups, and every command found in the table."""
+
+from __future__ import annotations
+
+import pkgutil
+import re
+import subprocess
+import sys
+
+import pytest
+
+import rsegen.cli
+from rsegen.cli import COMMANDS, main
+from rsegen.cli.commands import GROUPS, module_of
+
+NOT_COMMANDS = {
+    *("bar", "commands", "edge", "flags", "formats", "inventory", "key_values", "maps", "measured", "parser"),
+    *("plugins", "targets", "worlds"),
+}
+
+
+def helped(capsys: pytest.CaptureFixture[str], *command: str) -> str:
+    with pytest.raises(SystemExit) as end:
+        main([*command, "--help"])
+    assert end.value.code == 0
+    return capsys.readouterr().out
+
+
+@pytest.mark.parametrize("flag", ["--help", "--version"])
+def test_help_and_version_import_no_numpy_and_nothing_of_the_field(flag: str) -> None:
+    code = f"""
+import sys
+from rsegen.cli import main
+try:
+    main([{flag!r}])
+finally:
+    names = [name for name in sys.modules if name.startswith(("numpy", "yaml", "dataclasses", "rsegen."))]
+    print(*sorted(names), file=sys.stderr)
+"""
+    found = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert found.stdout
+    heavy = re.compile(r"numpy|yaml|dataclasses|rsegen\.(field|recipe|geometry|exporters|io|simulation|gui)")
+    assert [name for name in found.stderr.split() if heavy.match(name)] == []
+
+
+UNUSED = [
+    *("multiprocessing", "matplotlib", "yaml", "rsegen.recipe.constraints", "rsegen.recipe.difficulty"),
+    *("rsegen.simulation", "rsegen.io.dataset.making", "rsegen.exporters.sheet", "rsegen.exporters.pictures"),
+]
+
+
+@pytest.fixture(scope="module")
+def imported_by_generate(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """The modules that a small world takes."""
+    code = "import sys; from rsegen.cli import main; main(sys.argv[1:]); print(*sys.modules, file=sys.stderr)"
+    folder = str(tmp_path_factory.mktemp("worlds"))
+    command = [sys.executable, "-c", code, "generate", "--obstacle", "random max_height=5", "-o", folder]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stderr.split()
+
+
+@pytest.mark.parametrize("module", UNUSED)
+def test_a_small_world_takes_no_module_that_it_does_not_use(module: str, imported_by_generate: list[str]) -> None:
+    assert "rsegen.io.worlds" in imported_by_generate
+    assert module not in imported_by_generate
+
+
+def test_every_module_that_adds_a_command_is_in_the_table() -> None:
+    modules = {f"rsegen.cli.{module.name}" for module in pkgutil.iter_modules(rsegen.cli.__path__)}
+    assert modules - {f"rsegen.cli.{name}" for name in NOT_COMMANDS} == {module_of(command) for command in COMMANDS}
+
+
+def test_the_help_lists_the_commands_in_their_groups(capsys: pytest.CaptureFixture[str]) -> None:
+    text = helped(capsys)
+    places = [text.index(f"\n{title}:\n") for title in GROUPS]
+    assert places == sorted(places)
+    for group, place in zip(GROUPS.values(), places, strict=True):
+        for command in group:
+            assert text.index(f"\n  {command} ") > place
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_help_of_a_command_has_options_last_and_none_that_are_required_among_them(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = helped(capsys, command)
+    assert text.startswith(f"usage: rsegen {command}")
+    _, found, options = text.partition("\noptions:\n")
+    assert found
+    assert "-h, --help" in options
+    assert "-o " not in options.split("\n\n")[0] or command in ("examples", "drive", "experiment", "spawn", "respawn")
+
+
+def test_a_default_is_said_once_and_none_is_not_said(capsys: pytest.CaptureFixture[str]) -> None:
+    text = " ".join(helped(capsys, "generate").split())
+    assert (
+        "--boundary {none,divided,outer} frames: none, round every chunk, or one round the map (default: divided)"
+        in text
+    )
+    assert "(0.001..100000 cm; default: 10)" in text
+    assert "None" not in text
+    assert "by default)" not in text
+
+
+def test_a_command_is_compared_with_the_others(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["genrate"])
+    assert end.value.code == 2
+    assert "unknown command 'genrate'; did you mean 'generate'?" in capsys.readouterr().err

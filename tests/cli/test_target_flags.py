@@ -1,0 +1,76 @@
+"""Commands that look at maps take a recipe's flags: over a recipe, or in place of one."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+import rsegen
+from rsegen.cli import main
+from tests.support.complaints import exit_code, the_line
+from tests.support.runs import contents
+
+RANDOM = ["--obstacle", "random max_height=5", "--chunk-size", "4", "--seed", "3"]
+ROW = [rsegen.Placement(obstacle=rsegen.Random(max_height=5))]
+RECIPE = rsegen.Recipe(seed=3, chunk_size=4, obstacles=ROW)
+
+COMMANDS = {
+    "info": ["info", "--json"],
+    "metrics": ["metrics", "--json"],
+    "preview": ["preview", "-o", "made/map.svg"],
+    "sheet": ["sheet", "-o", "made/map.csv"],
+    "export": ["export", "--to", "heightmap", "-o", "made"],
+}
+
+
+def made(capsys: pytest.CaptureFixture[str], *command: str) -> tuple[str, dict[str, bytes]]:
+    """What a command prints and writes."""
+    capsys.readouterr()
+    assert main(list(command)) == 0
+    return capsys.readouterr().out, contents(Path("made"))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_flags_alone_make_the_map_of_their_recipe(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rsegen.save(RECIPE, "recipe.yaml")
+    of_file = made(capsys, *COMMANDS[command], "recipe.yaml")
+    shutil.rmtree("made", ignore_errors=True)
+    assert made(capsys, *COMMANDS[command], *RANDOM) == of_file
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_flags_override_the_recipe(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rsegen.save(rsegen.Recipe(seed=8, chunk_size=4), "plain.yaml")
+    rsegen.save(RECIPE, "recipe.yaml")
+    of_file = made(capsys, *COMMANDS[command], "recipe.yaml")
+    shutil.rmtree("made", ignore_errors=True)
+    assert made(capsys, *COMMANDS[command], "plain.yaml", *RANDOM) == of_file
+
+
+def test_flags_override_every_map_of_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rsegen.generate(rsegen.Recipe(seed=8, maps=2, chunk_size=4, obstacles=ROW), tmp_path)
+    assert main(["metrics", str(tmp_path), "--seed", "3", "--json"]) == 0
+    assert [one["seed"] for one in json.loads(capsys.readouterr().out)] == [3, 3]
+
+
+def test_a_map_of_flags_is_chosen_by_its_index(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["info", *RANDOM, "--maps", "3", "--map", "2"]) == 0
+    assert capsys.readouterr().out.startswith("rse_0002, seed 3\n")
+    assert exit_code("info", *RANDOM, "--map", "2") == 2
+    assert "there is no map '2' in the recipe of the flags" in the_line(capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_nothing_to_look_at_is_refused_in_one_line(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert exit_code(*COMMANDS[command], "--seed", "3") == 2
+    line = the_line(capsys.readouterr().err)
+    assert "nothing is given; give a recipe, a folder or --obstacle 'random max_height=5'" in line
