@@ -1,5 +1,7 @@
 # make worlds   sets up and generates every example into worlds/
 # make test     sets up, with a real Gazebo where this machine allows one, and runs the tests
+# make test-fast   the tests without a simulator, a window and all that is slow: within a minute on two cores
+# make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
 # make check    lint, types, import contracts
 # make package  builds wheel and sdist into dist/ and tries the wheel
 # make docs     makes the generated parts of the manual and its pictures anew
@@ -11,14 +13,22 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 ARGS ?= --numprocesses=auto
+FAST ?= --numprocesses=2
+MUTANTS ?=
 
-.PHONY: worlds test check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: worlds test test-fast mutants check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in src/rsegen/recipe/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
 
 test: $(VENV)/developer gazebo screen
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest $(ARGS)
+
+test-fast: $(VENV)/developer
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not slow and not real and not window" $(FAST)
+
+mutants: $(VENV)/developer
+	$(BIN)/python -m tests.support.mutants $(MUTANTS)
 
 check: $(VENV)/developer
 	$(BIN)/ruff check .

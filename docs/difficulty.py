@@ -12,7 +12,7 @@ from rsegen import KINDS, Placement, Recipe, build, load
 from rsegen.field.metrics.steps import steps
 from rsegen.field.stepfield import Levels
 from rsegen.params.streams import generator
-from rsegen.recipe.difficulty import lowered, nearest, parts_of, roughness
+from rsegen.recipe.difficulty import nearest, parts_of, roughness, scaled
 from rsegen.recipe.examples import EXAMPLES
 
 SHARES = [number / 20 for number in range(1, 21)]
@@ -82,4 +82,4 @@ def _by_chance(recipe: Recipe, share: float) -> Levels:
     whole = build(replace(recipe, boundary="none")).levels
     drawn = generator(recipe.seed, 0, "by chance").random(whole.shape)
     measure = partial(roughness, parts=parts_of(whole, recipe))
-    return nearest(partial(lowered, whole, drawn), measure, share * measure(whole), 40)
+    return nearest(partial(scaled, whole, drawn), measure, share * measure(whole), 40)

@@ -34,14 +34,14 @@ from rsegen import (
     series,
 )
 from rsegen.exporters.formats import summary as format_summary
-from rsegen.exporters.pictures.paths import chart
-from rsegen.exporters.pictures.preview import picture, saved
+from rsegen.exporters.pictures.paths import path_plot
+from rsegen.exporters.pictures.preview import figure_bytes, preview_image
 from rsegen.exporters.sheet import pages
 from rsegen.params.sorts import Parameter, parameters
-from rsegen.recipe.codec import encode, summary
+from rsegen.recipe.codec import decode, summary
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.simulation.experiment import report as experiments
-from rsegen.simulation.experiment.run import told
+from rsegen.simulation.experiment.run import load_summary
 from rsegen.simulation.robots import ROBOTS
 
 DOCS = Path(__file__).parent
@@ -72,9 +72,9 @@ def texts() -> dict[Path, str]:
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
         DOCS / "examples.md": "\n".join(_examples()) + "\n",
-        DOCS / "experiment.md": experiments.page(*told(EXPERIMENT)) + PLOT,
-        DOCS / "burgers.md": experiments.page(*told(RESULTS / "burgers.json")),
-        DOCS / "representations.md": experiments.page(*told(RESULTS / "representations.json")),
+        DOCS / "experiment.md": experiments.report_page(*load_summary(EXPERIMENT)) + PLOT,
+        DOCS / "burgers.md": experiments.report_page(*load_summary(RESULTS / "burgers.json")),
+        DOCS / "representations.md": experiments.report_page(*load_summary(RESULTS / "representations.json")),
         DIFFICULTY: filled(DIFFICULTY.read_text("utf-8"), difficulty.table()),
         FORMATS_PAGE: filled(FORMATS_PAGE.read_text("utf-8"), _formats()),
         ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
@@ -96,15 +96,15 @@ def rising() -> dict[Path, bool]:
 
 
 def stale() -> Iterator[Path]:
-    """The files that are missing or out of date; a picture is judged by the recipe that it carries."""
+    """The files that are missing or out of date; a picture is judged by what it shows."""
     for path, text in texts().items():
         if not path.exists() or path.read_text("utf-8") != text:
             yield path
     for path, scene in pictures().items():
-        if not path.exists() or _recipe_in(path) != encode(scene.alone):
+        if not path.exists() or not _shows(path, scene.alone):
             yield path
     for path in rising():
-        if not path.exists() or _recipe_in(path) != encode(difficulty.EXAMPLE):
+        if not path.exists() or not _shows(path, difficulty.EXAMPLE):
             yield path
 
 
@@ -119,17 +119,17 @@ def main(arguments: list[str]) -> int:
         path.write_text(text, "utf-8", newline="\n")
     for path, scene in pictures().items():
         path.parent.mkdir(exist_ok=True)
-        path.write_bytes(_DRAWN.get(path, picture)(scene))
+        path.write_bytes(_DRAWN.get(path, preview_image)(scene))
     for path, same_field in rising().items():
         path.write_bytes(_rise(same_field=same_field))
-    plan, results, _ = told(EXPERIMENT)
+    plan, results, _ = load_summary(EXPERIMENT)
     (DOCS / "pictures" / "experiment.png").write_bytes(experiments.plot(plan, results))
     return 0
 
 
 def _ways(scene: Scene) -> bytes:
     reach = metrics(scene.field, RobotLimits(climb_cm=10)).reach
-    return chart(scene, reach) if reach else b""
+    return path_plot(scene, reach) if reach else b""
 
 
 def _rise(*, same_field: bool) -> bytes:
@@ -138,7 +138,7 @@ def _rise(*, same_field: bool) -> bytes:
 
 
 def _page(scene: Scene, number: int) -> bytes:
-    return saved(list(pages(scene, CutSettings()))[number], scene, "png")
+    return figure_bytes(list(pages(scene, CutSettings()))[number], scene, "png")
 
 
 _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {
@@ -153,11 +153,13 @@ def _alone(kind: str) -> Recipe:
     return Recipe(name=kind, seed=5, obstacles=(Placement(obstacle=obstacle),))
 
 
-def _recipe_in(path: Path) -> object:
+def _shows(path: Path, recipe: Recipe) -> bool:
+    """Whether a picture shows the maps of a recipe: the one that it carries, whatever wrote it, has the same values."""
     from PIL import Image
 
     with Image.open(io.BytesIO(path.read_bytes())) as found:
-        return json.loads(found.info.get("Description", "null"))
+        carried = found.info.get("Description")
+    return carried is not None and decode(json.loads(carried)) == recipe
 
 
 SHOWN = {

@@ -9,7 +9,7 @@ from PySide6.QtCore import QCoreApplication, QSettings
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from rsegen.gui.session import Session
+from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
 from rsegen.recipe.examples import EXAMPLES
 
@@ -27,10 +27,10 @@ def main(picture: Path) -> int:
     window = Window(Session.opened(EXAMPLES[EXAMPLE]))
     window.resize(1280, 720)
     window.show()
-    window.choose(EDITED)
+    window.document.select(EDITED)
     QTest.qWaitForWindowExposed(window)
     QTest.qWait(1000)
-    while not window.costs.text():
+    while not window.status.costs.text():
         QTest.qWait(50)
     kept = window.screen().grabWindow(window.winId()).save(str(picture))
     window.close()

@@ -1,13 +1,24 @@
-"""How hypothesis runs: without a clock, for machines are noisy; and in CI the same examples every time.
+"""Settings of all tests: markers by folder, a limit of CPU time, hypothesis, signals.
 
-And how programs hear of an end: a shell that runs the tests behind its back has them ignore Ctrl-C, nohup has them
-ignore that their terminal is gone, and all that they start would do so too.
+Hypothesis runs without deadlines, as machines are noisy, and in CI with the same examples every time.
+
+A shell that runs the tests in the background has them ignore Ctrl-C, nohup has them ignore that their terminal is gone,
+and all that they start would do so too; so both are set back.
 """
 
 import os
 import signal
+from collections.abc import Iterator
+from pathlib import Path
 
+import pytest
 from hypothesis import settings
+
+from tests.support.patience import limit_cpu_of_tests
+
+TESTS = Path(__file__).parent
+MARKED_FOLDERS = {"simulation/real": "real", "gui": "window"}
+"""Folder -> the marker of every test in it."""
 
 settings.register_profile("house", deadline=None, derandomize=os.environ.get("CI") == "true")
 settings.load_profile("house")
@@ -15,3 +26,17 @@ settings.load_profile("house")
 for _name, _usual in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.SIG_DFL)):
     if hasattr(signal, _name) and signal.getsignal(getattr(signal, _name)) == signal.SIG_IGN:
         signal.signal(getattr(signal, _name), _usual)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        for folder, marker in MARKED_FOLDERS.items():
+            if (TESTS / folder) in item.path.parents:
+                item.add_marker(marker)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
+    """A test that never ends fails, however busy the machine is."""
+    with limit_cpu_of_tests():
+        return (yield)

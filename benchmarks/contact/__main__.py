@@ -23,7 +23,7 @@ SEEDS = (1, 2)
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0, or 3 where there is no Gazebo Classic."""
     options = _options(arguments)
-    gazebo = SIMULATORS["classic"].found()
+    gazebo = SIMULATORS["classic"].installation()
     if not gazebo:
         print("no Gazebo Classic 11 here: run scripts/gazebo-classic", file=sys.stderr)
         return NO_GAZEBO

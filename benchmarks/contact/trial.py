@@ -17,10 +17,10 @@ from rsegen import StepField
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.experiment.machine import usage
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.classic_record import record, recording
+from rsegen.simulation.simulators.classic_record import parse_record, record_options
 from rsegen.simulation.simulators.gazebo_classic import STATE
-from rsegen.simulation.simulators.live import Pose, Record
-from rsegen.simulation.simulators.server import attempted, serving
+from rsegen.simulation.simulators.live_world import Pose, Record
+from rsegen.simulation.simulators.server import retried, running_server
 from tests.simulation.real.bodies import SIZE
 from tests.simulation.real.burger import way
 
@@ -78,19 +78,19 @@ def tried(construction: Construction, seed: int, gazebo: Installation) -> Trial:
     """Drive and drop everything; a server that is lost is tried again."""
     with tempfile.TemporaryDirectory() as folder:
         world = written(construction, field_of(construction, seed), Path(folder))
-        return attempted(lambda: _run(construction, seed, world, gazebo))
+        return retried(lambda: _run(construction, seed, world, gazebo))
 
 
 def _run(construction: Construction, seed: int, world: Path, gazebo: Installation) -> Trial:
     field = field_of(construction, seed)
     began = time.monotonic()
-    with serving(gazebo, world, options=recording(PERIOD), patience=PATIENCE) as server:
+    with running_server(gazebo, world, options=record_options(PERIOD), timeout=PATIENCE) as server:
         loaded, load = usage(server.pid), time.monotonic() - began
-        with server.live() as live:
-            live.advance(SECONDS * 1000)
+        with server.connect() as live:
+            live.step(SECONDS * 1000)
             done, ended, errors = usage(server.pid), live.poses(), server.errors
         server.stop()
-        told = record((server.home / STATE).read_text())
+        told = parse_record((server.home / STATE).read_text())
     if max((at for at, _ in told), default=0) < SECONDS - PERIOD:
         raise SimulatorFailed("stopped early")
     return Trial(

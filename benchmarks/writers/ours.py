@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.grids import BLOCK, Levels
 from rsegen import Placement, Random, Recipe, Scene, StepField
 from rsegen.exporters.gazebo import multi
-from rsegen.exporters.gazebo.obj import faces, obj
+from rsegen.exporters.gazebo.obj import face_count, obj
 from rsegen.geometry import meshes
 
 
@@ -35,7 +35,7 @@ def multi_world(levels: Levels, path: Path) -> int:
     scene = Scene(recipe=recipe, index=0, field=_field(levels))
     (world,) = multi.files(scene).values()
     _write(world, path)
-    return 6 * multi.models(scene)
+    return 6 * multi.model_count(scene)
 
 
 def merged(levels: Levels) -> int:
@@ -47,7 +47,7 @@ def _obj(levels: Levels, mesh: str, path: Path) -> int:
     found = 0
     with path.open("wb") as file:
         for piece in obj(meshes(_field(levels), mesh), "x.mtl"):
-            found += faces(piece)
+            found += face_count(piece)
             file.write(piece)
     return found
 

@@ -45,9 +45,13 @@ if TYPE_CHECKING:
     from rsegen.field.obstacles.peak import Peak as Peak
     from rsegen.field.obstacles.random import Random as Random
     from rsegen.field.stepfield import StepField as StepField
+    from rsegen.geometry import Boxes as Boxes
+    from rsegen.geometry import Mesh as Mesh
     from rsegen.io.dataset import Dataset as Dataset
     from rsegen.io.dataset import Tiles as Tiles
     from rsegen.io.dataset import make_dataset as make_dataset
+    from rsegen.io.export import Exported as Exported
+    from rsegen.io.export import export as export
     from rsegen.io.exports import ExportedMap as ExportedMap
     from rsegen.io.exports import export_maps as export_maps
     from rsegen.io.importers import imported as imported
@@ -63,6 +67,18 @@ if TYPE_CHECKING:
     from rsegen.recipe.codec import schema as schema
     from rsegen.recipe.recipe import Placement as Placement
     from rsegen.recipe.recipe import Recipe as Recipe
+    from rsegen.simulation.driving.drive import drive as drive
+    from rsegen.simulation.driving.drive_result import DriveResult as DriveResult
+    from rsegen.simulation.experiment.run import ExperimentResult as ExperimentResult
+    from rsegen.simulation.experiment.run import experiment as experiment
+    from rsegen.simulation.open_world import OpenResult as OpenResult
+    from rsegen.simulation.open_world import open as open
+    from rsegen.simulation.spawning.remove import RemoveResult as RemoveResult
+    from rsegen.simulation.spawning.remove import remove as remove
+    from rsegen.simulation.spawning.respawn import RespawnResult as RespawnResult
+    from rsegen.simulation.spawning.respawn import respawn as respawn
+    from rsegen.simulation.spawning.spawn import SpawnResult as SpawnResult
+    from rsegen.simulation.spawning.spawn import spawn as spawn
 
 __version__ = "0.1.0"
 
@@ -82,7 +98,9 @@ _HOMES = {
     "rsegen.field.obstacles.peak": ("Peak",),
     "rsegen.field.obstacles.random": ("Random",),
     "rsegen.field.stepfield": ("StepField",),
+    "rsegen.geometry": ("Boxes", "Mesh"),
     "rsegen.io.dataset": ("Dataset", "Tiles", "make_dataset"),
+    "rsegen.io.export": ("Exported", "export"),
     "rsegen.io.exports": ("ExportedMap", "export_maps"),
     "rsegen.io.importers": ("imported",),
     "rsegen.io.recipe_file": ("load", "save"),
@@ -92,6 +110,13 @@ _HOMES = {
     "rsegen.recipe.building": ("build",),
     "rsegen.recipe.codec": ("schema",),
     "rsegen.recipe.recipe": ("Placement", "Recipe"),
+    "rsegen.simulation.driving.drive": ("drive",),
+    "rsegen.simulation.driving.drive_result": ("DriveResult",),
+    "rsegen.simulation.experiment.run": ("ExperimentResult", "experiment"),
+    "rsegen.simulation.open_world": ("OpenResult", "open"),
+    "rsegen.simulation.spawning.remove": ("RemoveResult", "remove"),
+    "rsegen.simulation.spawning.respawn": ("RespawnResult", "respawn"),
+    "rsegen.simulation.spawning.spawn": ("SpawnResult", "spawn"),
 }
 """Where each public name is; the imports above say the same to type checkers, and a test holds both together."""
 

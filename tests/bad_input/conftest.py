@@ -22,9 +22,9 @@ def refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
 
     def run(*arguments: str | Path) -> str:
         capsys.readouterr()
-        before, start = snapshot(tmp_path), time.monotonic()
+        before, start = snapshot(tmp_path), time.process_time()
         assert exit_code(*arguments) == 2
-        assert time.monotonic() - start < 10
+        assert time.process_time() - start < 10
         assert snapshot(tmp_path) == before
         out, err = capsys.readouterr()
         assert out == ""

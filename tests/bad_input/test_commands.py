@@ -33,7 +33,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a misspelt flag": (["generate", "-o", "out", "--sed", "1"], ["'--sed'", "did you mean '--seed'?", "--chunk-size"]),
     "half a flag": (["generate", "-o", "out", "--chunk", "1"], ["'--chunk'", "did you mean '--chunks'?"]),
     "another command's flag": (["info", "recipe.yaml", "--force"], ["'--force'", "--json"]),
-    "two recipes": (["generate", "a.yaml", "b.yaml", "-o", "out"], ["'b.yaml' unexpected argument"]),
+    "two recipes": (["generate", "a.yaml", "b.yaml", "-o", "out"], ["unexpected argument 'b.yaml'"]),
     "no output": (["generate"], ["-o/--output"]),
     "an output of no name": (["generate", "-o", ""], ["-o/--output", "give a folder"]),
     "a recipe of no name": (["generate", "", "-o", "out"], ["directory"]),
@@ -65,7 +65,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a place of one number": (["spawn", "burger", "--at", "1"], ["--at: '1' is not X,Y or X,Y,Z or X,Y,Z,YAW"]),
     "a place in words": (["spawn", "burger", "--at", "1,here"], ["--at", "'here' is not a number"]),
     "a map of a robot": (["spawn", "burger", "--map", "1"], ["--map: burger is a robot"]),
-    "a name with a slash": (["spawn", "burger", "--name", "../b"], ["--name: '../b'"]),
+    "a name with a slash": (["spawn", "burger", "--name", "../b"], ["--name: invalid value '../b'"]),
     "seconds in a word": (["open", "two.yaml", "--seconds", "few"], ["--seconds: 'few' is not a number"]),
     "an index beyond": (["info", "two.yaml", "--map", "2"], ["--map", "'2'", "two.yaml", "rse_0000..rse_0001"]),
     "an index below": (["info", "two.yaml", "--map=-1"], ["--map", "'-1'", "rse_0000..rse_0001"]),
@@ -104,7 +104,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "a series of too long a name": (
         ["series", "two.yaml", "--name", "n" * 62, "--same-field", "-o", "out"],
-        ["name: 'nnn", "1..64 letters"],
+        ["name: invalid value 'nnn", "1..64 letters"],
     ),
     "a series in a file": (["series", "two.yaml", "-o", "file"], ["file: is a file; give a folder"]),
     "a series of more than there is room for": (
@@ -126,7 +126,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "an export into a file": (["export", "two.yaml", "--to", "ply", "-o", "file"], ["file: is a file; give a folder"]),
     "a world with another format": (["generate", "-o", "out", "--formats", "sdf"], ["--formats: unknown format 'sdf'"]),
     "a sheet of another ending": (["sheet", "two.yaml", "-o", "s.png"], ["s.png: not a build sheet", ".pdf or .csv"]),
-    "a sheet of no name": (["sheet", "two.yaml", "-o", ""], ["not a build sheet's name"]),
+    "a sheet of no name": (["sheet", "two.yaml", "-o", ""], ["not a name of a build sheet"]),
     "a sheet that is there": (["sheet", "two.yaml", "-o", "old.csv"], ["old.csv: is there already", "--force"]),
     "a sheet beside a table that is there": (
         ["sheet", "two.yaml", "-o", "s.pdf", "--csv", "old.csv"],

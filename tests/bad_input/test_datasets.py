@@ -123,7 +123,7 @@ def test_parquet_without_pyarrow(refused: Refused, monkeypatch: pytest.MonkeyPat
 
 
 def test_more_than_the_disk_has(refused: Refused) -> None:
-    assert "of disk, and" in refused("dataset", *OBSTACLE, "--maps", "1000000000000", "-o", "set")
+    assert "of disk, " in refused("dataset", *OBSTACLE, "--maps", "1000000000000", "-o", "set")
 
 
 def test_maps_larger_than_memory(refused: Refused) -> None:

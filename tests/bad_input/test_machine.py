@@ -7,7 +7,6 @@ import shutil
 import signal
 import subprocess
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,7 @@ from tests.support.complaints import (
     snapshot,
     the_line,
 )
-from tests.support.runs import ended, started, started_with_small_files, whole_maps_only
+from tests.support.runs import ended, started, started_with_small_files, until_it_has, until_there, whole_maps_only
 
 
 def test_a_mistake_of_ours_is_one_line_that_asks_for_a_report(
@@ -76,12 +75,11 @@ def test_an_impatient_second_ctrl_c_does_not_disturb_the_clearing_up(
     assert snapshot(tmp_path) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_a_run_that_is_stopped_leaves_whole_maps_only(tmp_path: Path, name: str) -> None:
     process = started("generate", *OBSTACLE, "--maps", "100000", "-o", tmp_path / "out")
-    while len(list(tmp_path.glob("out/rse_*"))) < 3:
-        assert process.poll() is None
-        time.sleep(0.01)
+    until_there(process, tmp_path / "out", 3)
     process.send_signal(getattr(signal, name))
     code, err = ended(process)
     made = len(list((tmp_path / "out").iterdir()))
@@ -94,9 +92,7 @@ def test_a_run_that_is_stopped_leaves_whole_maps_only(tmp_path: Path, name: str)
 
 def test_a_run_that_is_stopped_in_its_only_map_leaves_nothing(tmp_path: Path) -> None:
     process = started("generate", *OBSTACLE, "--chunks", "20", "--mesh-type", "multi", "-o", tmp_path / "a" / "b")
-    while not list(tmp_path.glob("a/b/.rse_*")):
-        assert process.poll() is None
-        time.sleep(0.001)
+    until_it_has(process, lambda: list(tmp_path.glob("a/b/.rse_*")))
     process.send_signal(signal.SIGINT)
     code, err = ended(process)
     assert (code, the_line(err)) == (1, "rsegen: stopped; the maps that were complete are there, nothing else is")
@@ -165,6 +161,7 @@ def test_a_disk_that_may_only_be_read(disk: Path, refused: Refused) -> None:
         assert "cannot be written: Read-only file system" in refused(*command)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
 @pytest.mark.parametrize(
     "command", [["schema"], ["obstacles", "--json"], ["--version"], ["generate", "--help"]], ids=" ".join
@@ -175,6 +172,7 @@ def test_a_report_that_cannot_be_printed(command: list[str]) -> None:
     assert (code, the_line(err)) == (1, "rsegen: what was to be printed: No space left on device")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [["schema"], ["obstacles"], ["--help"]], ids=" ".join)
 def test_a_reader_that_has_gone_hears_nothing_more(command: list[str]) -> None:
     reader, pipe = os.pipe()
@@ -185,6 +183,7 @@ def test_a_reader_that_has_gone_hears_nothing_more(command: list[str]) -> None:
         os.close(pipe)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("closed", [">&-", "2>&-"])
 def test_closed_output_does_not_keep_a_map_from_being_made(tmp_path: Path, closed: str) -> None:
     process = started("generate", *OBSTACLE, "--maps", "2", "-o", tmp_path / "out", after=closed)
@@ -192,9 +191,11 @@ def test_closed_output_does_not_keep_a_map_from_being_made(tmp_path: Path, close
     assert whole_maps_only(tmp_path / "out")
 
 
+@pytest.mark.slow
 def test_a_folder_that_cannot_be_printed_is_written_all_the_same(tmp_path: Path) -> None:
     for code, words in ((0, ""), (2, "is there already")):
         process = started("generate", *OBSTACLE, "-o", tmp_path / "über", PYTHONIOENCODING="ascii")
-        assert process.wait(60) == code
-        assert words in ended(process)[1]
+        found, err = ended(process)
+        assert found == code
+        assert words in err
     assert whole_maps_only(tmp_path / "über")

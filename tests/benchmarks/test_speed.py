@@ -27,6 +27,7 @@ def results(cpu: float) -> Results:
     return Results(machine="a machine", plan="none", writers=tuple(rows))
 
 
+@pytest.mark.slow
 def test_a_quick_run_gives_every_row(tmp_path: Path) -> None:
     plan = ["--quick", "--sizes", "10", "--runs", "1", "--output", str(tmp_path)]
     subprocess.run([sys.executable, "-m", "benchmarks.speed", *plan], cwd=ROOT, check=True, capture_output=True)

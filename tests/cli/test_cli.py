@@ -151,6 +151,7 @@ def test_force_leaves_other_maps_alone(tmp_path: Path) -> None:
     assert contents(tmp_path / "rse_0001") == before
 
 
+@pytest.mark.slow
 def test_a_preview_is_the_picture_that_the_preview_command_draws(tmp_path: Path) -> None:
     assert generated(*SMALL, "--preview", "-o", tmp_path / "out") == 0
     made = tmp_path / "out" / "rse_0000" / "preview.png"

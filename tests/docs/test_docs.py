@@ -22,6 +22,7 @@ def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
 
 
+@pytest.mark.slow
 def test_the_readme_s_commands_and_recipe_work_in_one_folder(tmp_path: Path) -> None:
     (recipe,) = blocks(ROOT / "README.md", "yaml")
     name = recipe.partition("\n")[0].removeprefix("# ")
@@ -46,6 +47,7 @@ def test_the_python_of_the_page_of_metrics_works() -> None:
     assert found.stdout.startswith("0.13017")
 
 
+@pytest.mark.slow
 def test_the_python_of_the_page_of_difficulty_works(tmp_path: Path) -> None:
     (script,) = blocks(ROOT / "docs" / "difficulty.md", "python")
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
@@ -61,6 +63,7 @@ def test_the_recipe_of_the_page_of_gazebo_has_frictions(tmp_path: Path) -> None:
     assert touched == [f"rse_0000_friction_{friction}.obj" for friction in (0.1, 0.4, 0.9)]
 
 
+@pytest.mark.slow
 def test_the_python_of_the_page_of_formats_works(tmp_path: Path) -> None:
     (recipe,), (script,) = blocks(ROOT / "README.md", "yaml"), blocks(ROOT / "docs" / "formats.md", "python")
     (tmp_path / "rubble.yaml").write_text(recipe)
@@ -69,12 +72,14 @@ def test_the_python_of_the_page_of_formats_works(tmp_path: Path) -> None:
         assert (tmp_path / folder / "rubble_0002" / "posture" / "raster.npy").is_file()
 
 
+@pytest.mark.slow
 def test_the_python_of_the_page_of_build_sheets_works() -> None:
     (script,) = blocks(ROOT / "docs" / "sheet.md", "python")
     found = subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, capture_output=True, text=True)
     assert found.stdout == "# build sheet of rse_0000 with seed 7\n"
 
 
+@pytest.mark.slow
 def test_the_python_of_the_page_of_data_sets_works(tmp_path: Path) -> None:
     (script,) = blocks(ROOT / "docs" / "datasets.md", "python")
     found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)

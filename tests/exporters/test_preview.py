@@ -11,14 +11,14 @@ import pytest
 from PIL import Image
 
 from rsegen import Placement, Random, Recipe, compose
-from rsegen.exporters.pictures.preview import DRAWN, FORMATS, picture
+from rsegen.exporters.pictures.preview import DRAWN, FORMATS, preview_image
 from rsegen.recipe.codec import decode
 
 RECIPE = Recipe(seed=1, obstacles=(Placement(obstacle=Random(max_height=5)),))
 
 
 def image(recipe: Recipe) -> Image.Image:
-    return Image.open(io.BytesIO(picture(compose(recipe))))
+    return Image.open(io.BytesIO(preview_image(compose(recipe))))
 
 
 def share(found: Image.Image, colour: tuple[float, float, float]) -> float:
@@ -44,7 +44,7 @@ def test_a_picture_carries_its_recipe() -> None:
 
 @pytest.mark.parametrize("format_", FORMATS)
 def test_same_map_same_bytes_in_every_format(format_: str) -> None:
-    assert picture(compose(RECIPE), format_) == picture(compose(RECIPE), format_)
+    assert preview_image(compose(RECIPE), format_) == preview_image(compose(RECIPE), format_)
 
 
 @pytest.mark.parametrize(

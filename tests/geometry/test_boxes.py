@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 
 from rsegen import StepField
-from rsegen.geometry import Boxes, boxes, single_boxes
+from rsegen.geometry import Boxes, box_per_block, boxes
 from tests.geometry.grids import GRIDS
 from tests.support.strategies import fields
 
@@ -28,13 +28,13 @@ def stacked(found: Boxes, field: StepField) -> np.ndarray:
 @given(fields())
 def test_boxes_rebuild_the_field_and_never_overlap(field: StepField) -> None:
     heights = np.unique(np.append(field.heights, 0.0))
-    for found in (boxes(field), single_boxes(field)):
+    for found in (boxes(field), box_per_block(field)):
         np.testing.assert_array_equal(stacked(found, field), field.heights[:, :, None] > heights[:-1])
 
 
 @given(fields())
 def test_merged_boxes_are_no_more_than_the_blocks(field: StepField) -> None:
-    assert len(boxes(field)) <= len(single_boxes(field)) == (field.heights > 0).sum()
+    assert len(boxes(field)) <= len(box_per_block(field)) == (field.heights > 0).sum()
 
 
 @pytest.mark.parametrize(("kind", "most"), [("uniform", 0.72), ("normal", 0.45), ("obstacles", 0.06), ("smooth", 0.06)])

@@ -10,7 +10,7 @@ import trimesh
 from hypothesis import example, given, settings
 
 from rsegen import Placement, Random, Recipe, StepField, build
-from rsegen.geometry import Mesh, blocks, meshes, surface, watertight
+from rsegen.geometry import Mesh, meshes, surface, unmerged, watertight
 from rsegen.params.sorts import parameters
 from tests.geometry.grids import GRIDS
 from tests.support.strategies import fields
@@ -118,7 +118,7 @@ def test_blocks_that_touch_along_an_edge_share_no_vertex_there() -> None:
 
 @given(fields())
 def test_blocks_have_8_vertices_and_6_faces_each(field: StepField) -> None:
-    mesh, count = blocks(field), int((field.heights > 0).sum())
+    mesh, count = unmerged(field), int((field.heights > 0).sum())
     assert (len(mesh.places), len(mesh.faces)) == (8 * count, 6 * count)
     if count:
         assert as_trimesh(mesh).is_watertight

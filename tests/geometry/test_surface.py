@@ -8,7 +8,7 @@ import trimesh
 from hypothesis import given
 
 from rsegen import Placement, Random, Recipe, StepField, build
-from rsegen.geometry import NORMALS, Mesh, surface, windows
+from rsegen.geometry import NORMALS, Mesh, split_window, surface
 from tests.support.strategies import fields
 
 
@@ -95,7 +95,7 @@ def test_level_ground_has_no_surface() -> None:
 
 def test_a_window_is_its_share_of_the_whole() -> None:
     field = build(Recipe(seed=4, chunks=(2, 2), obstacles=(Placement(obstacle=Random(max_height=5)),)))
-    parts = [surface(field, window) for window in windows(field.whole, 7)]
+    parts = [surface(field, window) for window in split_window(field.whole, 7)]
     assert len(parts) == 16
     area = sum(as_trimesh(part).area for part in parts)
     assert area == pytest.approx(as_trimesh(surface(field)).area, rel=1e-9)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -14,32 +13,34 @@ from PIL import Image
 pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]'")
 
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QTimer, QUrl
-from PySide6.QtGui import QDragEnterEvent, QDropEvent
+from PySide6.QtGui import QAction, QDragEnterEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
     QApplication,
     QComboBox,
     QDoubleSpinBox,
+    QFileDialog,
     QLabel,
     QLineEdit,
+    QMessageBox,
     QSlider,
     QSpinBox,
     QTableWidgetItem,
     QWidget,
 )
 
-from rsegen import build, load
-from rsegen.gui.cells import fit
-from rsegen.gui.reading import Reading
-from rsegen.gui.session import Session
-from rsegen.gui.sheet import room
+from rsegen import StepField, build, load
+from rsegen.gui.dialogs.heights import HeightsDialog
+from rsegen.gui.model.plan_layout import fit
+from rsegen.gui.model.session import Session
+from rsegen.gui.widgets.plan_painting import plan_area
 from rsegen.gui.window import Window
-from tests.support.clicking import shown
+from tests.support.clicking import answer, click, find, shown
 from tests.support.waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
-USUAL = {"usual", "ScrollLeftButton", "ScrollRightButton"}
+SELF_EXPLAINING = {"default_ends", "ScrollLeftButton", "ScrollRightButton"}
 """Buttons that speak for themselves, and Qt's own."""
 
 
@@ -51,22 +52,17 @@ def window(app: QApplication) -> Iterator[Window]:
         yield window
 
 
-Kind = TypeVar("Kind", bound=QWidget)
-
-
-def find(within: QWidget, kind: type[Kind], name: str) -> Kind:
-    (found,) = within.findChildren(kind, name)
-    return found
-
-
 def cell(window: Window, row: int, column: int) -> QTableWidgetItem:
-    found = window.rows.item(row, column)
+    found = window.views.table.item(row, column)
     assert found is not None
     return found
 
 
-def click(window: Window, name: str) -> None:
-    QTest.mouseClick(find(window, QAbstractButton, name), LEFT)
+def previewed(window: Window) -> StepField:
+    """The field that is shown, once it is that of the recipe."""
+    until(lambda: window.previewer.scene is not None and window.previewer.scene.recipe == window.session.recipe)
+    assert window.previewer.scene is not None
+    return window.previewer.scene.field
 
 
 def kinds(window: Window) -> list[str]:
@@ -74,38 +70,38 @@ def kinds(window: Window) -> list[str]:
 
 
 def choose(window: Window, kind: str) -> None:
-    window.obstacle.kind.setCurrentText(kind)
+    window.forms.obstacle.kind.setCurrentText(kind)
 
 
 def test_plus_adds_minus_takes_the_last_and_c_clears(window: Window) -> None:
     click(window, "add")
     choose(window, "peak")
-    window.rows.clearSelection()
+    window.views.table.clearSelection()
     click(window, "add")
-    assert window.rows.rowCount() == 2
-    click(window, "drop")
-    assert window.rows.rowCount() == 1
+    assert window.views.table.rowCount() == 2
+    click(window, "remove")
+    assert window.views.table.rowCount() == 1
     click(window, "add")
     click(window, "clear")
-    assert window.rows.rowCount() == 0
+    assert window.views.table.rowCount() == 0
     assert kinds(window) == []
 
 
 def test_the_type_height_and_softness_of_the_form_are_those_of_the_row(window: Window) -> None:
     choose(window, "random")
-    find(window.obstacle, QSpinBox, "max_height_field").setValue(4)
+    find(window.forms.obstacle, QSpinBox, "max_height_field").setValue(4)
     click(window, "add")
     (row,) = window.session.draft.rows
     assert (row.entry["kind"], row.entry["max_height"]) == ("random", 4)
     assert [cell(window, 0, column).text() for column in (1, 2)] == ["random", "4"]
-    assert find(window.obstacle, QLabel, "heights").text() == "Heights: 0, 10, 20, 30 cm"
+    assert find(window.forms.obstacle, QLabel, "heights").text() == "Heights: 0, 10, 20, 30 cm"
 
 
 def test_sliders_move_the_ends_of_the_chosen_obstacle(window: Window) -> None:
     choose(window, "peak")
-    window.obstacle.usual.setChecked(False)
+    window.forms.obstacle.default_ends.setChecked(False)
     click(window, "add")
-    slider = find(window.obstacle, QSlider, "x_last")
+    slider = find(window.forms.obstacle, QSlider, "x_last")
     assert slider.maximum() == 9
     slider.setFocus()
     before = slider.value()
@@ -114,9 +110,9 @@ def test_sliders_move_the_ends_of_the_chosen_obstacle(window: Window) -> None:
 
 
 def test_sliders_reach_as_far_as_the_map(window: Window) -> None:
-    for box in window.often.findChildren(QSpinBox, "chunks_field"):
+    for box in window.forms.basic.findChildren(QSpinBox, "chunks_field"):
         box.setValue(3)
-    assert find(window.obstacle, QSlider, "x_first").maximum() == 29
+    assert find(window.forms.obstacle, QSlider, "x_first").maximum() == 29
 
 
 def test_undo_and_redo_by_key(window: Window) -> None:
@@ -129,24 +125,22 @@ def test_undo_and_redo_by_key(window: Window) -> None:
 
 def test_a_problem_stands_beside_its_row_and_nothing_can_be_started(window: Window) -> None:
     choose(window, "peak")
-    window.obstacle.usual.setChecked(False)
+    window.forms.obstacle.default_ends.setChecked(False)
     click(window, "add")
     window.session.set("chunk_size", 5)
-    assert window.complaint.text() == "obstacles[0].last[0]: 9 is outside 0..4"
+    assert window.forms.error_label.text() == "obstacles[0].last[0]: 9 is outside 0..4"
     assert cell(window, 0, 1).toolTip() == "9 is outside 0..4"
-    assert not window.start.isEnabled()
+    assert not window.forms.start.isEnabled()
     window.session.undo()
-    assert window.start.isEnabled()
-    assert window.complaint.isHidden()
+    assert window.forms.start.isEnabled()
+    assert window.forms.error_label.isHidden()
 
 
 def test_the_field_follows_what_is_changed(window: Window) -> None:
     choose(window, "random")
     click(window, "add")
-    QTest.qWait(200)
-    assert window.scene is not None
-    assert window.scene.field == build(window.session.recipe)
-    assert "10 cm" in window.numbers.text() or "largest step" in window.numbers.text()
+    assert previewed(window) == build(window.session.recipe)
+    assert "10 cm" in window.status.numbers.text() or "largest step" in window.status.numbers.text()
 
 
 def test_difficulty_stands_in_the_form_and_eases_the_map(window: Window) -> None:
@@ -157,20 +151,18 @@ def test_difficulty_stands_in_the_form_and_eases_the_map(window: Window) -> None
     field.setValue(0.25)
     assert window.session.recipe.difficulty == 0.25
     field.setValue(0)
-    QTest.qWait(200)
-    assert window.scene is not None
-    assert not window.scene.field.levels.any()
+    assert not previewed(window).levels.any()
     field.setValue(1)
     assert window.session.recipe.difficulty == 1
 
 
 def test_frictions_stand_in_the_form_and_what_is_wrong_under_them(window: Window) -> None:
     field = find(window, QLineEdit, "level_friction_field")
-    complaint = find(window, QLabel, "level_friction_complaint")
+    error_label = find(window, QLabel, "level_friction_error")
     for text, said in (("0.9,0.1", ""), ("0.9,rough", "'rough' is not a number; give 0..1000"), ("", "")):
         field.setText(text)
         field.editingFinished.emit()
-        assert complaint.text() == said
+        assert error_label.text() == said
         assert window.session.recipe.level_friction == ((0.9, 0.1) if text else None)
 
 
@@ -189,19 +181,19 @@ def test_a_recipe_is_saved_and_opened(window: Window, tmp_path: Path) -> None:
     recipe = window.session.recipe
     window.session.save(tmp_path / "field.yaml")
     assert load(tmp_path / "field.yaml") == recipe
-    window.take(Session.opened(tmp_path / "field.yaml"))
-    assert window.rows.rowCount() == 1
+    window.document.open(Session.opened(tmp_path / "field.yaml"))
+    assert window.views.table.rowCount() == 1
     assert "field.yaml" in window.windowTitle()
 
 
 def test_an_obstacle_is_drawn_on_the_plan_and_its_end_dragged(window: Window) -> None:
-    QTest.qWait(200)
+    previewed(window)
     choose(window, "peak")
-    window.plan.drawn.emit(2, 2, 6, 6)
+    window.views.plan.drawn.emit(2, 2, 6, 6)
     assert window.session.draft.rows[0].entry["first"] == [2, 2]
-    assert window.rows.selected == 0
-    window.plan.moved.emit(0, "last", 8, 8)
-    window.plan.moved.emit(0, "last", 9, 9)
+    assert window.views.table.selected == 0
+    window.views.plan.moved.emit(0, "last", 8, 8)
+    window.views.plan.moved.emit(0, "last", 9, 9)
     assert window.session.draft.rows[0].entry["last"] == [9, 9]
     window.session.undo()
     assert window.session.draft.rows[0].entry["last"] == [6, 6]
@@ -209,9 +201,9 @@ def test_an_obstacle_is_drawn_on_the_plan_and_its_end_dragged(window: Window) ->
 
 def pressed(window: Window, *blocks: tuple[int, int]) -> None:
     """A stroke of the left button over the plan."""
-    assert window.scene
-    plan = window.plan
-    layout = fit(window.scene.field, room(plan.width(), plan.height()), plan.devicePixelRatio())
+    assert window.previewer.scene
+    plan = window.views.plan
+    layout = fit(window.previewer.scene.field, plan_area(plan.width(), plan.height()), plan.devicePixelRatio())
     points = [QPoint(*map(round, layout.middle(block))) for block in blocks]
     QTest.mousePress(plan, LEFT, pos=points[0])
     for point in points[1:]:
@@ -220,16 +212,15 @@ def pressed(window: Window, *blocks: tuple[int, int]) -> None:
 
 
 def test_painted_cells_are_a_matrix_of_which_each_stroke_is_undone_at_once(window: Window) -> None:
-    QTest.qWait(200)
+    previewed(window)
     QTest.keyClick(window, Qt.Key.Key_P)
     find(window, QSpinBox, "paint_level").setValue(3)
     assert find(window, QLabel, "paint_height").text() == "30 cm"
     pressed(window, (2, 2), (2, 5))
-    QTest.keyClick(window.plan, Qt.Key.Key_1)
+    QTest.keyClick(window.views.plan, Qt.Key.Key_1)
     assert window.session.draft.rows[0].entry["rows"] == ["1", "3", "3", "3"]
-    assert (window.session.recipe.top_level, window.rows.selected) == (3, 0)
-    QTest.qWait(200)
-    assert build(window.session.recipe).blocks[2, 2:6].tolist() == [3, 3, 3, 1]
+    assert (window.session.recipe.top_level, window.views.table.selected) == (3, 0)
+    assert previewed(window).blocks[2, 2:6].tolist() == [3, 3, 3, 1]
     window.session.undo()
     window.session.undo()
     assert kinds(window) == []
@@ -239,13 +230,15 @@ def test_levels_of_a_matrix_can_be_typed_as_text(window: Window, monkeypatch: py
     choose(window, "matrix")
     click(window, "add")
     typed = staticmethod(lambda *_: ("0 1\n\n2 3 \n", True))
-    monkeypatch.setattr("rsegen.gui.editors.QInputDialog.getMultiLineText", typed)
+    monkeypatch.setattr("rsegen.gui.widgets.editors.QInputDialog.getMultiLineText", typed)
     click(window, "rows_field")
     assert window.session.draft.rows[0].entry["rows"] == ["0 1", "2 3"]
     assert find(window, QAbstractButton, "rows_field").text() == "2 x 2 cells..."
-    monkeypatch.setattr("rsegen.gui.editors.QInputDialog.getMultiLineText", staticmethod(lambda *_: ("0 1\n2", True)))
+    monkeypatch.setattr(
+        "rsegen.gui.widgets.editors.QInputDialog.getMultiLineText", staticmethod(lambda *_: ("0 1\n2", True))
+    )
     click(window, "rows_field")
-    assert "rows[1]: has 1 cells" in find(window, QLabel, "complaint").text()
+    assert "rows[1]: has 1 cells" in find(window, QLabel, "error").text()
 
 
 def dropped(window: Window, path: Path) -> None:
@@ -265,12 +258,14 @@ def test_an_image_is_dropped_and_read_as_the_dialog_says(window: Window, tmp_pat
     complaints = []
 
     def answer() -> None:
-        reading = window.findChild(Reading, "reading")
-        assert reading
+        reading = window.findChild(HeightsDialog, "heights_dialog")
+        if reading is None:
+            QTimer.singleShot(50, answer)
+            return
         unit = find(reading, QLineEdit, "unit_cm_field")
         QTest.keyClicks(unit, "-1")
         QTest.keyClick(reading, Qt.Key.Key_Return)
-        complaints.append(find(reading, QLabel, "reading_complaint").text())
+        complaints.append(find(reading, QLabel, "heights_error").text())
         unit.clear()
         QTest.keyClicks(unit, "5")
         find(reading, QAbstractButton, "invert_field").click()
@@ -298,7 +293,7 @@ def test_a_chosen_robot_gets_across_what_it_climbs(window: Window) -> None:
     robot.setCurrentText("crawler")
     until(lambda: crossing.text() == "crosses south to north")
     window.session.add({**wall, "first": [0, 5], "last": [19, 5]})
-    until(lambda: crossing.text().startswith("does not cross; gets about on "))
+    until(lambda: crossing.text().startswith("does not cross; reaches "))
     window.session.clear()
     until(lambda: crossing.text() == "crosses west to east and south to north")
     robot.setCurrentText("no robot")
@@ -320,26 +315,23 @@ def test_every_widget_that_takes_input_has_a_name_for_those_who_do_not_see_it(wi
 
 def test_an_end_beside_the_map_is_said_to_be_and_everything_else_goes_on(window: Window) -> None:
     choose(window, "peak")
-    window.obstacle.usual.setChecked(False)
+    window.forms.obstacle.default_ends.setChecked(False)
     click(window, "add")
-    window.choose(0)
+    window.document.select(0)
     cell(window, 0, 5).setText("99, 99")
-    QTest.qWait(100)
-    assert window.complaint.text() == "obstacles[0].last[0]: 99 is outside 0..9"
+    assert window.forms.error_label.text() == "obstacles[0].last[0]: 99 is outside 0..9"
     cell(window, 0, 5).setText("8, 9")
-    QTest.qWait(100)
-    assert window.scene is not None
-    assert window.scene.field == build(window.session.recipe)
-    assert window.complaint.isHidden()
+    assert previewed(window) == build(window.session.recipe)
+    assert window.forms.error_label.isHidden()
 
 
 def test_tab_goes_through_the_window_as_it_is_read(window: Window) -> None:
     choose(window, "peak")
-    window.obstacle.usual.setChecked(False)
+    window.forms.obstacle.default_ends.setChecked(False)
     click(window, "add")
-    window.choose(0)
+    window.document.select(0)
     wanted = ["maps_field", "mesh_type_field", "seed_field", "keep_seed", "reroll", "kind", "max_height_field"]
-    wanted += ["softness_field", "usual", "x_first", "y_first", "x_last", "y_last", "add", "folder", "start"]
+    wanted += ["softness_field", "default_ends", "x_first", "y_first", "x_last", "y_last", "add", "folder", "start"]
     names, widget = [], window.nextInFocusChain()
     while widget is not None and widget is not window:
         if widget.focusPolicy() & Qt.FocusPolicy.TabFocus:
@@ -350,4 +342,15 @@ def test_tab_goes_through_the_window_as_it_is_read(window: Window) -> None:
 
 def test_every_button_says_what_it_does(window: Window) -> None:
     silent = [button.objectName() for button in window.findChildren(QAbstractButton) if not button.toolTip()]
-    assert [name for name in silent if name and not name.startswith("qt_") and name not in USUAL] == []
+    assert [name for name in silent if name and not name.startswith("qt_") and name not in SELF_EXPLAINING] == []
+
+
+def test_a_picture_that_cannot_be_written_is_one_line(
+    window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "nowhere" / "x.png"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", staticmethod(lambda *_: (str(path), "")))
+    messages = answer(QMessageBox.StandardButton.Ok)
+    (action,) = window.findChildren(QAction, "Save picture")
+    action.trigger()
+    assert messages == [f"{path}: cannot be written as a picture; give a name in an existing folder, such as x.png"]

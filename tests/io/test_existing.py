@@ -54,6 +54,7 @@ def test_recipe_json_is_foretold(recipe: Recipe, first: int, further: int) -> No
     assert map_json(recipe, first + further) == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", ["1", "2"])
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGKILL], ids=lambda stop: stop.name)
 def test_a_run_that_was_stopped_goes_on(
@@ -75,6 +76,7 @@ def test_a_run_that_was_stopped_goes_on(
     assert contents(tmp_path / "out") == whole
 
 
+@pytest.mark.slow
 def test_the_message_of_a_stopped_run_says_how_to_go_on(tmp_path: Path) -> None:
     command: list[str | Path] = ["generate", "--obstacle", "peak max_height=3", "--maps", "200", "-o", tmp_path / "out"]
     process = started(*command)
@@ -139,7 +141,7 @@ def test_what_is_not_a_map_is_refused(tmp_path: Path, name: str) -> None:
 
 
 def test_to_keep_and_to_replace_exclude_each_other(tmp_path: Path) -> None:
-    with pytest.raises(ParameterError, match="resume: keeps the maps that are there, and force replaces them"):
+    with pytest.raises(ParameterError, match="resume: --resume and --force exclude each other"):
         rsegen.generate(Recipe(seed=7), tmp_path, resume=True, force=True)
     assert list(tmp_path.iterdir()) == []
 

@@ -21,7 +21,7 @@ from rsegen import Placement, Random, Recipe, build, load, metrics, series
 from rsegen.cli import main
 from rsegen.errors import OutputError, ParameterError
 from rsegen.io import work
-from rsegen.io.series import Plan, Row
+from rsegen.io.series import SeriesPlan, SeriesRow
 from rsegen.recipe.codec import decode
 from tests.cli.test_cli import contents, printed, read
 
@@ -130,6 +130,7 @@ def test_maps_that_keep_to_constraints_follow_the_line_too(tmp_path: Path) -> No
         assert row.highest_step <= 0.2
 
 
+@pytest.mark.slow
 def test_workers_make_the_same(tmp_path: Path) -> None:
     recipe = replace(RANDOM, maps=250)
     series(recipe, tmp_path / "1")
@@ -137,6 +138,7 @@ def test_workers_make_the_same(tmp_path: Path) -> None:
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("same_field", "fields"), [(False, range(8)), (True, range(1))])
 def test_workers_measure_the_fields_and_make_the_maps(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, same_field: bool, fields: range
@@ -149,14 +151,14 @@ def test_workers_measure_the_fields_and_make_the_maps(
 
     series(RANDOM, tmp_path / "1", same_field=same_field)
     monkeypatch.setattr(work, "WORTHWHILE", 0.0)
-    monkeypatch.setattr(work, "shared_out", here)
+    monkeypatch.setattr(work, "run_in_workers", here)
     series(RANDOM, tmp_path / "2", same_field=same_field, workers=2)
     assert shared == [each for each in (fields, range(8)) if len(each) > 1]
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
 
 
 def test_a_series_that_was_stopped_goes_on(tmp_path: Path) -> None:
-    def stop(row: Row) -> None:
+    def stop(row: SeriesRow) -> None:
         if row.number == 3:
             raise KeyboardInterrupt
 
@@ -219,7 +221,7 @@ def test_who_stops_a_series_hears_how_to_go_on(
     def stopped(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules["rsegen.io.series.run"], "made", stopped)
+    monkeypatch.setattr(sys.modules["rsegen.io.series.run"], "write_world", stopped)
     assert main(["series", *FLAGS, "-o", str(tmp_path / "out")]) == 1
     assert "the same command with --seed 7 --resume makes the rest" in capsys.readouterr().err
     monkeypatch.undo()
@@ -265,7 +267,7 @@ def test_a_recipe_of_one_difficulty_is_refused(tmp_path: Path) -> None:
 
 def test_a_plan_says_its_names_without_building() -> None:
     for same_field in (False, True):
-        plan = Plan(recipe=RANDOM, same_field=same_field)
+        plan = SeriesPlan(recipe=RANDOM, same_field=same_field)
         for number in range(8):
             recipe = plan.whole(number)
             assert plan.map_name(number) == recipe.map_name(recipe.first_map)

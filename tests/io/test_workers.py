@@ -20,7 +20,16 @@ from rsegen.io import work
 from rsegen.io.exports import ExportedMap
 from rsegen.recipe.codec import decode
 from tests.support.complaints import exit_code, the_line
-from tests.support.runs import contents, ended, started, started_with_small_files, until_there, whole_maps_only
+from tests.support.patience import PATIENCE
+from tests.support.runs import (
+    contents,
+    ended,
+    started,
+    started_with_small_files,
+    until_it_has,
+    until_there,
+    whole_maps_only,
+)
 
 OBSTACLE = ["--obstacle", "random max_height=5", "--seed", "7"]
 MANY = [*OBSTACLE, "--maps", "50000", "--workers", "2"]
@@ -39,6 +48,7 @@ def eager(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(work, "WORTHWHILE", 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("eager")
 @pytest.mark.parametrize("mesh_type", ["single", "multi"])
 def test_maps_are_the_same_whoever_makes_them(tmp_path: Path, mesh_type: str) -> None:
@@ -54,6 +64,7 @@ def test_maps_are_the_same_whoever_makes_them(tmp_path: Path, mesh_type: str) ->
     assert contents(tmp_path / "1") == contents(tmp_path / "2") == contents(tmp_path / "3")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("eager")
 def test_maps_of_several_recipes_are_exported_the_same_whoever_does_it(tmp_path: Path) -> None:
     recipes, formats, told = [RECIPE, replace(RECIPE, name="other", seed=8)], [Heightmap(), Occupancy()], []
@@ -69,6 +80,7 @@ def test_maps_of_several_recipes_are_exported_the_same_whoever_does_it(tmp_path:
     assert contents(tmp_path / "1") == contents(tmp_path / "2") == contents(tmp_path / "3")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("eager")
 def test_the_command_exports_with_as_many_workers_as_are_asked_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -79,7 +91,7 @@ def test_the_command_exports_with_as_many_workers_as_are_asked_for(
         asked.append(workers)
         return iter(made(items))
 
-    monkeypatch.setattr(work, "shared_out", here)
+    monkeypatch.setattr(work, "run_in_workers", here)
     rsegen.save(RECIPE, tmp_path / "recipe.json")
     command: list[str | Path] = ["export", tmp_path / "recipe.json", "--to", "heightmap"]
     for workers in ("1", "2", "3"):
@@ -90,7 +102,7 @@ def test_the_command_exports_with_as_many_workers_as_are_asked_for(
 
 
 def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(work, "shared_out", lambda *_, **__: pytest.fail("workers were started"))
+    monkeypatch.setattr(work, "run_in_workers", lambda *_, **__: pytest.fail("workers were started"))
     assert len(rsegen.generate(RECIPE, tmp_path / "worlds", workers=8).maps) == 13
     assert len(rsegen.export_maps([RECIPE], tmp_path / "exported", [Heightmap()], workers=8)) == 13
     assert rsegen.export_maps([], tmp_path / "none", [Heightmap()], workers=8) == ()
@@ -126,6 +138,7 @@ def many(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return [*exporting(tmp_path_factory.mktemp("recipe"), recipe), "--workers", "2"]
 
 
+@pytest.mark.slow
 def test_what_fails_in_a_worker_is_told_as_if_it_were_here(tmp_path: Path, failing: list[str | Path]) -> None:
     told = []
     for workers in "13":
@@ -137,6 +150,7 @@ def test_what_fails_in_a_worker_is_told_as_if_it_were_here(tmp_path: Path, faili
     assert "rse_0000: cannot be written: File too large; nothing was left there" in told[0][1]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("eager")
 def test_workers_cannot_make_a_folder_in_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "file").write_text("")
@@ -155,6 +169,7 @@ def to_its_workers_too(process: int) -> None:
     os.kill(process, signal.SIGINT)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("send", [to_it_alone, to_its_workers_too])
 @pytest.mark.parametrize("maps", [0, 1, 200])
 def test_ctrl_c_ends_all_workers_and_leaves_whole_maps(
@@ -168,18 +183,18 @@ def test_ctrl_c_ends_all_workers_and_leaves_whole_maps(
     code, err = ended(process)
     assert code == 1
     assert the_line(err).startswith("rsegen: stopped; ")
-    assert not psutil.wait_procs(workers, timeout=10)[1]
+    assert not psutil.wait_procs(workers, timeout=PATIENCE)[1]
     made = list(tmp_path.glob("out/*"))
     assert not made or whole_maps_only(tmp_path / "out")
     words = f"stopped; {len(made)} of 50000 maps are" if many[0] == "generate" else "stopped; the maps that were"
     assert not made or f"{words} complete" in err
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_in_the_middle_of_a_large_map(tmp_path: Path) -> None:
     flags = ["--chunks", "40", "--mesh-type", "multi", "--maps", "20", "--workers", "2"]
     process = started("generate", *OBSTACLE, *flags, "-o", tmp_path / "out")
-    while not list(tmp_path.glob("out/.rse_*/*.world")):
-        assert process.poll() is None
+    until_it_has(process, lambda: list(tmp_path.glob("out/.rse_*/*.world")))
     to_it_alone(process.pid)
     code, err = ended(process)
     assert code == 1
@@ -188,6 +203,7 @@ def test_ctrl_c_stops_in_the_middle_of_a_large_map(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists() or whole_maps_only(tmp_path / "out")
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_is_told_of_and_leaves_nothing(tmp_path: Path, many: list[str | Path]) -> None:
     process = started(*many, "-o", tmp_path / "out")
     until_there(process, tmp_path / "out", 50)
@@ -201,6 +217,7 @@ def test_a_worker_that_is_killed_is_told_of_and_leaves_nothing(tmp_path: Path, m
     assert whole_maps_only(tmp_path / "out")
 
 
+@pytest.mark.slow
 def test_workers_end_when_the_one_who_started_them_is_killed(tmp_path: Path, many: list[str | Path]) -> None:
     process = started(*many, "-o", tmp_path / "out")
     until_there(process, tmp_path / "out", 50)
@@ -208,4 +225,4 @@ def test_workers_end_when_the_one_who_started_them_is_killed(tmp_path: Path, man
     process.kill()
     ended(process)
     assert len(workers) >= 2
-    assert not psutil.wait_procs(workers, timeout=10)[1]
+    assert not psutil.wait_procs(workers, timeout=PATIENCE)[1]

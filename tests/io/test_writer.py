@@ -9,7 +9,7 @@ from pathlib import Path, PurePosixPath
 import pytest
 
 from rsegen.errors import OutputError, WriteError
-from rsegen.io.writer import clear_away, write, write_file
+from rsegen.io.writer import remove_leftovers, write, write_file
 
 BUNDLE = {PurePosixPath("recipe.json"): [b"{", b"}"], PurePosixPath("meshes/a.obj"): [b"v 0 0 0\n"]}
 
@@ -102,10 +102,10 @@ def test_a_map_that_was_being_replaced_when_all_was_killed_comes_back(tmp_path: 
     before = contents(tmp_path)
     (tmp_path / "map").rename(tmp_path / ".map.0123abcd.old")
     (tmp_path / ".map.0123abcd").mkdir()
-    clear_away(tmp_path, names=lambda name: name == "map")
+    remove_leftovers(tmp_path, names=lambda name: name == "map")
     assert contents(tmp_path) == before
     assert [path.name for path in tmp_path.iterdir()] == ["map"]
 
 
 def test_where_there_is_no_folder_there_is_nothing_to_clear_away(tmp_path: Path) -> None:
-    clear_away(tmp_path / "none", names=lambda _: True)
+    remove_leftovers(tmp_path / "none", names=lambda _: True)

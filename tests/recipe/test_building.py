@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rsegen import HorizontalBarrier, Peak, Placement, Random, Recipe, build
+from rsegen.recipe.building import blocks
 from tests.support.strategies import placements, recipes
 
 
@@ -144,3 +146,16 @@ def test_the_method_s_two_ways_to_twenty_by_twenty() -> None:
     assert four == one
     assert four.shape == (20, 20)
     assert build(Recipe(chunk_size=10, chunks=(2, 2))).shape == (24, 24)
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [{}, {"max_step": 1}, {"inventory": (50, 9)}, {"crossable_by": (10.0, 10.0, 53.0), "difficulty": 0.7}],
+    ids=str,
+)
+def test_blocks_alone_are_those_of_the_whole_map(asked: dict[str, Any]) -> None:
+    """A data set has these: the map without frames, which keeps to all that it was asked for."""
+    recipe = Recipe(seed=3, chunks=(2, 1), obstacles=(Placement(obstacle=Random(max_height=5)),), **asked)
+    free = build(replace(recipe, max_step=None, inventory=None, crossable_by=None), 1)
+    assert (build(recipe, 1) == free) is not any(asked)
+    np.testing.assert_array_equal(blocks(recipe, 1), build(recipe, 1).blocks)

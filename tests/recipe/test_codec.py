@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 
 import rsegen
-from rsegen import Recipe
+from rsegen import Recipe, build
+from rsegen.errors import ParameterError
 from rsegen.io.recipe_file import to_yaml
-from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import decode, encode, schema, to_json
 from tests.support.strategies import recipes
 
@@ -38,22 +38,6 @@ def test_schema_accepts_every_recipe(recipe: Recipe) -> None:
 
 def test_schema_is_a_schema() -> None:
     jsonschema.Draft202012Validator.check_schema(schema())
-
-
-def test_a_file_says_everything(tmp_path: Path) -> None:
-    content = encode(Recipe(seed=3, difficulty=0.5))
-    open_ = {field.name for field in fields(Recipe) if field.default is None}
-    assert set(content) == {"version", "generator", "obstacles", *parameters(Recipe)} - open_
-    material = {"frame_friction", "level_friction", "frame_colour", "level_colours"}
-    assert open_ == material | {"max_step", "crossable_by", "inventory"}
-    assert content["seed"] == 3
-    assert content["generator"] == f"rsegen {rsegen.__version__}"
-
-
-def test_a_file_says_nothing_of_a_difficulty_that_changes_nothing() -> None:
-    content = encode(Recipe(seed=3))
-    assert "difficulty" not in content
-    assert decode(content).difficulty == 1
 
 
 def test_yaml_and_json_mean_the_same(tmp_path: Path) -> None:
@@ -83,3 +67,37 @@ def test_a_recipe_file_is_replaced_only_by_force(tmp_path: Path) -> None:
     assert rsegen.load(path).seed == 3
     rsegen.save(Recipe(seed=4), path, force=True)
     assert rsegen.load(path).seed == 4
+
+
+def test_levels_is_another_name_of_max_height() -> None:
+    named = decode({"seed": 1, "obstacles": [{"kind": "peak", "levels": 5}]})
+    assert named == decode({"seed": 1, "obstacles": [{"kind": "peak", "max_height": 5}]})
+    assert named.obstacles[0].key == decode({"obstacles": [{"kind": "peak", "max_height": 5}]}).obstacles[0].key
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ({"levels": 1}, r"obstacles\[0\].levels: 1 is outside 2..32767 units"),
+        ({"levels": 5, "max_height": 5}, r"obstacles\[0\].levels: is another name of max_height; give one of the two"),
+        ({}, r"obstacles\[0\].levels: is missing; give 2..32767 units"),
+    ],
+)
+def test_wrong_levels_are_told_by_that_name(row: dict[str, int], message: str) -> None:
+    with pytest.raises(ParameterError, match=message):
+        decode({"obstacles": [{"kind": "peak", **row}]})
+
+
+def test_a_file_says_what_differs_from_the_defaults_and_the_seed() -> None:
+    content = encode(Recipe(seed=7))
+    assert content == {"version": 2, "generator": f"rsegen {rsegen.__version__}", "seed": 7, "obstacles": []}
+    assert encode(Recipe(seed=7, unit_cm=10, chunks=(2, 2))) == content | {"chunks": [2, 2]}
+
+
+def test_the_parts_of_a_recipe_are_those_that_decide_a_map_its_looks_and_its_run() -> None:
+    recipe = Recipe(seed=7, maps=3, mesh_type="multi", unit_cm=5)
+    assert replace(recipe, frame_colour="#ff0000", friction=0.5, name="other").design == recipe.design
+    assert replace(recipe, seed=8).design != recipe.design
+    assert replace(recipe, seed=8).representation == recipe.representation
+    assert replace(recipe, first_map=2).run != recipe.run
+    assert build(recipe.design, 2) == build(recipe, 2)

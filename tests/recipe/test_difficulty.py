@@ -87,9 +87,9 @@ def test_more_difficulty_lowers_no_block(recipe: Recipe, one: float, other: floa
 
 @given(recipes(), SHARES)
 def test_a_higher_block_stays_as_high_or_higher(recipe: Recipe, share: float) -> None:
-    whole, eased = build(recipe).blocks.ravel(), build(replace(recipe, difficulty=share)).blocks.ravel()
+    whole, scaled_to_difficulty = build(recipe).blocks.ravel(), build(replace(recipe, difficulty=share)).blocks.ravel()
     for height in np.unique(whole):
-        assert eased[whole < height].max(initial=0) <= eased[whole == height].min()
+        assert scaled_to_difficulty[whole < height].max(initial=0) <= scaled_to_difficulty[whole == height].min()
 
 
 @given(recipes())
@@ -110,8 +110,8 @@ def test_an_eased_map_is_the_same_alone(recipe: Recipe, share: float, index: int
 def test_a_field_without_steps_is_lowered_as_one(recipe: Recipe, share: float) -> None:
     whole = build(recipe)
     if not any(steps(whole).counts):
-        eased = build(replace(recipe, difficulty=share))
-        np.testing.assert_array_equal(eased.levels, np.floor(share * whole.levels + 0.5))
+        scaled_to_difficulty = build(replace(recipe, difficulty=share))
+        np.testing.assert_array_equal(scaled_to_difficulty.levels, np.floor(share * whole.levels + 0.5))
 
 
 def test_a_floor_is_in_two_parts_at_the_most() -> None:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rsegen.simulation.simulators.base import Installation
-from rsegen.simulation.simulators.live import Pose
-from rsegen.simulation.simulators.server import attempted, serving
+from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.simulators.server import retried, running_server
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -26,10 +26,10 @@ def simulated(here: Installation, world: Path, *, steps: int, models: Path | Non
     """
 
     def once() -> Run:
-        with serving(here, world, models=models) as server:
-            with server.live() as live:
-                live.advance(steps)
+        with running_server(here, world, models=models) as server:
+            with server.connect() as live:
+                live.step(steps)
                 poses = live.poses()
             return Run(poses=poses, errors=server.errors)
 
-    return attempted(once)
+    return retried(once)

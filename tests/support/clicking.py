@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, TypeVar
 
+from tests.support.waiting import MINUTES, exposed
+
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QMessageBox, QWidget
 
@@ -17,14 +19,12 @@ Kind = TypeVar("Kind", bound="QWidget")
 @contextmanager
 def shown(window: Window) -> Iterator[None]:
     """The window on the screen, as long as this lasts, and then closed without a question."""
-    from PySide6.QtTest import QTest
-
-    from rsegen.gui.session import Session
+    from rsegen.gui.model.session import Session
 
     window.show()
-    QTest.qWaitForWindowExposed(window)
+    exposed(window)
     yield
-    window.take(Session.new())
+    window.document.open(Session.new())
     window.close()
 
 
@@ -63,7 +63,7 @@ def active(window: Kind) -> Kind:
     from PySide6.QtTest import QTest
 
     window.activateWindow()
-    QTest.qWaitForWindowActive(window)
+    assert QTest.qWaitForWindowActive(window, MINUTES)
     return window
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
-import time
 from contextlib import suppress
 
 import psutil
+import pytest
+
+from tests.support.patience import until
 
 MARK = "RSEGEN_TEST"
 """The variable."""
@@ -23,9 +25,8 @@ def left(mark: str) -> list[psutil.Process]:
     return found
 
 
-def left_in_the_end(mark: str, patience: float = 15) -> list[psutil.Process]:
-    """What still runs with that mark after some seconds, or nothing as soon as there is nothing."""
-    end = time.monotonic() + patience
-    while (found := left(mark)) and time.monotonic() < end:
-        time.sleep(0.05)
-    return found
+def left_in_the_end(mark: str) -> list[psutil.Process]:
+    """What still runs with that mark after a long wait, or nothing as soon as there is nothing."""
+    with suppress(pytest.fail.Exception):
+        until(lambda: not left(mark))
+    return left(mark)

@@ -5,17 +5,22 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+from tests.support.patience import CPU_SECONDS, PATIENCE, until
 
 
 def started(
     *arguments: str | Path, before: str = "", after: str = "", stdout: Any = subprocess.PIPE, **environment: str
 ) -> subprocess.Popen[str]:
-    """The command as a process of its own, which buffers what it prints; `before` and `after` are the shell's."""
+    """The command as a process of its own, which buffers what it prints; `before` and `after` are the shell's.
+
+    The system ends it if it has used more CPU time than any test needs.
+    """
     own = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")} | environment
-    shell = ["/bin/sh", "-c", f'{before} exec "$@" {after}', "sh"]
+    shell = ["/bin/sh", "-c", f'ulimit -t {CPU_SECONDS}; {before} exec "$@" {after}', "sh"]
     command = [*shell, sys.executable, "-m", "rsegen", *map(str, arguments)]
     return subprocess.Popen(command, stdout=stdout, stderr=subprocess.PIPE, text=True, env=own)
 
@@ -27,7 +32,7 @@ def started_with_small_files(*arguments: str | Path) -> subprocess.Popen[str]:
 
 def ended(process: subprocess.Popen[str]) -> tuple[int, str]:
     """Its exit code and what it said on stderr."""
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=PATIENCE)
     return process.returncode, err
 
 
@@ -36,11 +41,19 @@ def whole_maps_only(folder: Path) -> bool:
     return len(made) == 1 and all(one.name.startswith("rse_") for one in folder.iterdir())
 
 
-def until_there(process: subprocess.Popen[str], folder: Path, maps: int) -> None:
-    """Wait until a run has made so many maps."""
-    while len(list(folder.glob("[!.]*"))) < maps:
+def until_it_has(process: subprocess.Popen[str], made: Callable[[], object]) -> None:
+    """Wait until a process has made something; it may not end before."""
+
+    def holds() -> object:
         assert process.poll() is None, process.communicate()
-        time.sleep(0.01)
+        return made()
+
+    until(holds)
+
+
+def until_there(process: subprocess.Popen[str], folder: Path, maps: int) -> None:
+    """Wait until a run has made this many maps."""
+    until_it_has(process, lambda: len(list(folder.glob("[!.]*"))) >= maps)
 
 
 def contents(folder: Path) -> dict[str, bytes]:

@@ -1,20 +1,32 @@
-"""Waiting for what a window does behind itself."""
+"""Waiting for what a window does in threads."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-import pytest
+from tests.support import patience
+
+if TYPE_CHECKING:
+    from PySide6.QtWidgets import QWidget
+
+MINUTES = 600_000
+"""For Qt's own waiting, in milliseconds: no test fails for being slow, only for hanging."""
 
 
-def until(holds: Callable[[], bool], seconds: float = 30, every: int = 25) -> None:
-    """Let the window do its work, with short rests in which threads get their turn, until something holds."""
+def until(holds: Callable[[], bool], every: int = 25) -> None:
+    """Let the window work, with short rests in which threads get their turn, until something holds."""
     from PySide6.QtTest import QTest
 
-    end = time.monotonic() + seconds
-    while not holds():
-        if time.monotonic() > end:
-            pytest.fail("it never came")
+    def rest() -> None:
         QTest.qWait(every)
-        time.sleep(0.005)
+        patience.rest()
+
+    patience.until(holds, rest=rest)
+
+
+def exposed(widget: QWidget) -> None:
+    """Wait until a window is on the screen."""
+    from PySide6.QtTest import QTest
+
+    assert QTest.qWaitForWindowExposed(widget, MINUTES)

@@ -21,7 +21,7 @@ from rsegen.cli.flags import (
 from rsegen.cli.generate import add_workers_flag, workers_from
 from rsegen.errors import ParameterError
 from rsegen.io.dataset import Dataset, make_dataset
-from rsegen.io.dataset.layout import Layout
+from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.dataset.making import Progress, complete_maps
 from rsegen.params.sorts import Integer
 from rsegen.recipe.recipe import Recipe
@@ -42,7 +42,7 @@ def add(commands: Subparsers) -> None:
     what = command.add_mutually_exclusive_group(required=True)
     what.add_argument("-o", "--output", type=folder, metavar="DIR", help="folder to make the data set in")
     what.add_argument("--verify", type=folder, metavar="DIR", help="check every file of the data set there instead")
-    add_parameter_flags(command, Layout)
+    add_parameter_flags(command, ShardLayout)
     there = command.add_mutually_exclusive_group()
     there.add_argument("--force", action="store_true", help="replace a data set that is there already")
     there.add_argument(
@@ -87,7 +87,7 @@ def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
 
 
 def _made(recipe: Recipe, arguments: argparse.Namespace) -> Dataset:
-    said = given(Layout, arguments)
+    said = given(ShardLayout, arguments)
     with _told_how_to_go_on(recipe, arguments), _bar(recipe) as progress:
         return make_dataset(
             recipe,
@@ -107,7 +107,7 @@ def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace) -> Iterato
     try:
         yield
     except KeyboardInterrupt:
-        there = complete_maps(Layout(recipe=recipe, **given(Layout, arguments)), arguments.output)
+        there = complete_maps(ShardLayout(recipe=recipe, **given(ShardLayout, arguments)), arguments.output)
         if not there:
             raise KeyboardInterrupt("stopped; nothing was left there") from None
         raise KeyboardInterrupt(

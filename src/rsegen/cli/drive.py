@@ -1,4 +1,4 @@
-"""rsegen drive: a robot over a map, in a real simulator."""
+"""rsegen drive: robots driven over a map in Gazebo, and how far each got."""
 
 from __future__ import annotations
 
@@ -6,174 +6,101 @@ import argparse
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, replace
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import Subparsers
-from rsegen.cli.worlds import World, world_of
-from rsegen.errors import FileError, NoSimulator, ParameterError, shown
-from rsegen.exporters.scene import Scene, compose
-from rsegen.io.resources import refuse_too_large
-from rsegen.io.writer import write
-from rsegen.params.sorts import Choice, Float, Integer, ListOf, Parameter
-from rsegen.params.streams import SEEDS, fresh_seed
-from rsegen.recipe.codec import map_json
-from rsegen.simulation.driving.contacts import csv, shares
-from rsegen.simulation.driving.drive import Drive, Driver, driven
-from rsegen.simulation.driving.drive_metrics import Trip, measured
-from rsegen.simulation.driving.runs import ROUTES, beyond, crew, easy
-from rsegen.simulation.driving.trajectory_plot import sketch
-from rsegen.simulation.robots import ROBOTS, robot
-from rsegen.simulation.robots.base import Driven
-from rsegen.simulation.robots.own import from_file
-from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.opening import fitting, has_screen
+from rsegen.cli.simulation_flags import flags_in_errors
+from rsegen.params.sorts import Parameter
+from rsegen.simulation.driving.drive import DURATION, OF_A_FILE, ROBOTS, ROUTE, SEED, drive
+from rsegen.simulation.driving.drive_metrics import DriveMetrics
+from rsegen.simulation.driving.drive_result import DriveResult
+from rsegen.simulation.robots import ROBOTS as KINDS
 
-COUNT, SECONDS, SEED = Integer(1, 100), Float(0.1, 1e5, unit="s"), Integer(0, SEEDS - 1)
-_SAID = 5
-"""So many of its parts that touch most are told of a robot; drive.json has all."""
+_PARTS = 5
+"""The parts of a robot with the most contacts that are printed; drive.json has all."""
 
-ROUTE = Choice(ROUTES)
-OWN: Mapping[str, Parameter] = {
-    "size": ListOf(Float(0.01, 100, unit="m"), 3),
-    "speed": Float(0.001, 100, unit="m/s"),
-    "turn": Float(0.001, 100, unit="rad/s"),
-}
-"""What a person says of the robot in a file."""
+_NUMBERS: Mapping[str, Parameter] = {"robots": ROBOTS, "duration": DURATION, "seed": SEED, **OF_A_FILE}
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
+    """Add the parser of this command."""
     command = commands.add_parser(
         "drive",
-        help="drive a robot over a map in Gazebo, and tell how far it got",
-        description="Drive robots over a map in a Gazebo server without a window, and tell how far each got. The same "
-        "seed and simulator give the same tracks.",
-        epilog="rsegen sim lists the simulators that are here. Kinds of robots: " + ", ".join(ROBOTS) + ".",
+        help="drive a robot over a map in Gazebo and report how far it got",
+        description="Drive robots over a map in a Gazebo server without a window, and report how far each got. The "
+        "same seed and simulator give the same trajectories.",
+        epilog="rsegen sim lists the installed simulators. Kinds of robots: " + ", ".join(KINDS) + ".",
     )
-    command.add_argument("target", metavar="WORLD-or-DIR-or-RECIPE", help="a world of rsegen, its folder, or a recipe")
-    command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
+    where = "a world made by rsegen, its folder, or a recipe"
+    command.add_argument("target", metavar="WORLD-or-DIR-or-RECIPE", help=where)
+    command.add_argument("--map", metavar="INDEX", help="map, by its index or name (default: the first)")
     command.add_argument(
-        "--robot", default="burger", metavar="KIND|SDF", help="kind of robot, or the file of a model (default: burger)"
+        "--robot", default="burger", metavar="KIND|SDF", help="kind of robot, or SDF file of a model (default: burger)"
     )
-    command.add_argument("--size", metavar="L,W,H", help="of the robot in the file, metres (default: 0.5,0.5,0.5)")
-    command.add_argument("--speed", metavar="V", help="the most that it is told to go, m/s (default: 0.2)")
-    command.add_argument("--turn", metavar="W", help="the most that it is told to turn, rad/s (default: 0.5)")
+    command.add_argument("--size", metavar="L,W,H", help="size of the robot in the file, m (default: 0.5,0.5,0.5)")
+    command.add_argument("--speed", metavar="V", help="its maximum commanded speed, m/s (default: 0.2)")
+    command.add_argument("--turn", metavar="W", help="its maximum commanded turn rate, rad/s (default: 0.5)")
     command.add_argument(
-        "--robots", default="1", metavar="N", help=f"how many of them ({COUNT.describe()}, default: 1)"
-    )
-    command.add_argument(
-        "--route", default="straight", help=f"{ROUTE.describe()}: across the map, or about on top of it"
-    )
-    command.add_argument("--duration", default="30", metavar="S", help="simulated seconds (default: 30)")
-    command.add_argument("--seed", metavar="SEED", help="of places and routes; drawn and told where none is given")
-    command.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="write tracks, measures and a picture into it"
+        "--robots", default="1", metavar="N", help=f"number of robots ({ROBOTS.describe()}, default: 1)"
     )
     command.add_argument(
-        "--picture",
-        action="store_true",
-        help="add gazebo.jpg to DIR: what Gazebo's own camera saw last; needs a screen",
+        "--route", default="straight", help=f"{ROUTE.describe()}: across the map, or randomly on it (default: straight)"
+    )
+    command.add_argument("--duration", default="30", metavar="S", help="simulation time, seconds (default: 30)")
+    command.add_argument("--seed", metavar="SEED", help="seed of start poses and routes (default: drawn and printed)")
+    command.add_argument("-o", "--output", type=Path, metavar="DIR", help="write trajectories, metrics and a picture")
+    command.add_argument(
+        "--picture", action="store_true", help="add gazebo.jpg to DIR, by Gazebo's own camera; needs a screen"
     )
     command.add_argument("--force", action="store_true", help="replace DIR")
-    command.add_argument("--json", action="store_true", help="print the measures for programs")
+    command.add_argument("--json", action="store_true", help="print the metrics as JSON")
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Drive, and say what came of it."""
-    kind, seed = _robot(arguments), _seed(arguments.seed)
-    count = COUNT.check("--robots", COUNT.parse(arguments.robots))
-    seconds = SECONDS.check("--duration", SECONDS.parse(arguments.duration))
-    route = ROUTE.check("--route", arguments.route)
-    _check_picture(arguments)
-    world = world_of(arguments.target, arguments.map)
-    here, scene = fitting(world.made_for, "classic"), _scene(world, arguments.target)
-    drivers = crew(scene.field, kind, route, count=count, seed=seed)
-    with world.on_disk() as file, _bar(seconds) as progress:
-        watched = scene.field.extent if arguments.picture else None
-        drive = driven(here, file, drivers, seconds, progress, watched=watched)
-    goal = beyond(scene.field, kind) if route == "straight" else None
-    trips = {name: measured(track, easy(kind), goal, shares(drive.looks, name)) for name, track in drive.tracks.items()}
-    told = _summary(here, scene, route, seed, drivers, trips) | {"errors": list(drive.errors)}
-    if arguments.output:
-        write(_files(scene, drive, told), arguments.output, force=arguments.force)
-    print(json.dumps(told, indent=2) if arguments.json else "\n".join(_report(told, trips)))
+    """Drive, and print the metrics."""
+    given = {name: getattr(arguments, name) for name in _NUMBERS}
+    with flags_in_errors(*_NUMBERS, "map", "robot", "route", "picture"):
+        numbers: dict[str, Any] = {
+            name: _NUMBERS[name].check(name, _NUMBERS[name].parse(text))
+            for name, text in given.items()
+            if text is not None
+        }
+        with _bar(numbers["duration"]) as progress:
+            result = drive(
+                arguments.target,
+                map=arguments.map,
+                robot=arguments.robot,
+                route=arguments.route,
+                output=arguments.output,
+                picture=arguments.picture,
+                force=arguments.force,
+                progress=progress,
+                **numbers,
+            )
+    print(json.dumps(result.as_json(), indent=2) if arguments.json else "\n".join(_report(result)))
 
 
-def _robot(arguments: argparse.Namespace) -> Driven:
-    """One of ours, or that of a file; only of such a one does a person say what it is like."""
-    said = {name: getattr(arguments, name) for name in OWN if getattr(arguments, name) is not None}
-    if arguments.robot.endswith(".sdf"):
-        values = {name: OWN[name].check(f"--{name}", OWN[name].parse(text)) for name, text in said.items()}
-        return replace(from_file(arguments.robot), **values)
-    for name in said:
-        raise ParameterError(f"--{name}", f"is for the robot of a file; {shown(arguments.robot)} has its own")
-    return robot(arguments.robot, "--robot")
-
-
-def _check_picture(arguments: argparse.Namespace) -> None:
-    if arguments.picture and not arguments.output:
-        raise ParameterError("--picture", "needs a folder to be written into; give -o DIR")
-    if arguments.picture and not has_screen():
-        raise NoSimulator(
-            "--picture: Gazebo draws on a screen, and there is none here; put xvfb-run -a before the command"
-        )
-
-
-def _seed(text: str | None) -> int:
-    return fresh_seed() if text is None else SEED.check("--seed", SEED.parse(text))
-
-
-def _scene(world: World, target: str) -> Scene:
-    if not world.recipe:
-        raise FileError(f"{target}: no recipe.json beside it, so nobody knows where its blocks are")
-    refuse_too_large(world.recipe)
-    return compose(world.recipe, world.recipe.first_map)
-
-
-def _summary(
-    here: Installation, scene: Scene, route: str, seed: int, drivers: Sequence[Driver], trips: Mapping[str, Trip]
-) -> dict[str, object]:
-    robots = [
-        {"name": driver.name, "kind": driver.robot.kind, "start": asdict(driver.start), **asdict(trips[driver.name])}
-        for driver in drivers
-    ]
-    return {"map": scene.name, "simulator": str(here), "route": route, "seed": seed, "robots": robots}
-
-
-def _files(scene: Scene, drive: Drive, told: Mapping[str, object]) -> dict[PurePosixPath, list[bytes]]:
-    tracks = {
-        PurePosixPath(f"{name}.csv"): [row.encode() for row in track.csv()] for name, track in drive.tracks.items()
-    }
-    return {
-        **tracks,
-        PurePosixPath("contacts.csv"): [row.encode() for row in csv(drive.looks, drive.tracks)],
-        PurePosixPath("recipe.json"): [map_json(scene.recipe, scene.index)],
-        PurePosixPath("drive.json"): [json.dumps(told, indent=2).encode() + b"\n"],
-        PurePosixPath("drive.png"): [sketch(scene, drive.tracks)],
-    } | ({PurePosixPath("gazebo.jpg"): [drive.seen]} if drive.seen else {})
-
-
-def _report(told: Mapping[str, Any], trips: Mapping[str, Trip]) -> Iterator[str]:
-    yield f"{told['map']} in {told['simulator']}, {told['route']}, seed {told['seed']}:"
-    for name, trip in trips.items():
-        crossed = "" if told["route"] != "straight" else _crossed(trip)
-        tipped = f", tipped over {trip.tipped}x" if trip.tipped else ""
-        yield f"  {name}: {trip.distance:.2f} m in {trip.seconds:g} s{crossed}, stuck {trip.stuck:g} s{tipped}"
-        if trip.touched:
-            yield "    touching with " + ", ".join(f"{part} {share:.0%}" for part, share in _most(trip.touched))
-    yield from (f"warning: {line}" for line in dict.fromkeys(told["errors"]))
+def _report(result: DriveResult) -> Iterator[str]:
+    yield f"{result.scene.name} in {result.simulator}, {result.route}, seed {result.seed}:"
+    for robot in result.robots:
+        found = robot.metrics
+        crossed = "" if result.route != "straight" else _crossed(found)
+        tipped = f", tipped over {found.tipped}x" if found.tipped else ""
+        yield f"  {robot.name}: {found.distance:.2f} m in {found.seconds:g} s{crossed}, stuck {found.stuck:g} s{tipped}"
+        if found.touched:
+            yield "    contacts of " + ", ".join(f"{part} {share:.0%}" for part, share in _most(found.touched))
+    yield from (f"warning: {line}" for line in dict.fromkeys(result.errors))
 
 
 def _most(touched: Mapping[str, float]) -> Sequence[tuple[str, float]]:
-    return list(touched.items())[:_SAID]
+    return list(touched.items())[:_PARTS]
 
 
-def _crossed(trip: Trip) -> str:
-    return f", crossed the map after {trip.crossed:g} s" if trip.crossed is not None else ", did not cross the map"
+def _crossed(found: DriveMetrics) -> str:
+    return f", crossed the map after {found.crossed:g} s" if found.crossed is not None else ", did not cross the map"
 
 
 @contextmanager

@@ -11,10 +11,11 @@ from rsegen.cli.bar import counting
 from rsegen.cli.flags import Subparsers, folder
 from rsegen.cli.formats import add_option_flags, formats_of, listed
 from rsegen.cli.generate import add_workers_flag, workers_from
-from rsegen.cli.targets import add_target_flags, found, recipe_files
+from rsegen.cli.targets import add_target_flags
 from rsegen.exporters.formats import FORMATS
-from rsegen.io.dataset.naming import recipe_in
+from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.io.exports import ExportedMap, export_maps
+from rsegen.io.targets import found, recipe_files
 from rsegen.recipe.recipe import Recipe
 
 _SHOWN = 10

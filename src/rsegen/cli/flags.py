@@ -14,9 +14,9 @@ from typing import Any, TypeAlias
 from rsegen.cli.inventory import inventory_in
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.obstacles import kind
-from rsegen.io.dataset.naming import recipe_in
+from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.params.sorts import parameters
-from rsegen.recipe.codec import decode_placement
+from rsegen.recipe.codec import OTHER_NAMES, decode_placement
 from rsegen.recipe.examples import or_example
 from rsegen.recipe.recipe import Placement, Recipe
 from rsegen.simulation.robots import robot
@@ -105,6 +105,7 @@ def _entry(text: str) -> dict[str, object]:
     except ValueError:
         raise ParameterError("", "give a kind and then KEY=VALUE, as in 'peak max_height=5'") from None
     sorts = {**parameters(kind(name, "")), **parameters(Placement)}
+    sorts = {other: sorts[first] for other, first in OTHER_NAMES.items()} | sorts
     entry: dict[str, object] = {"kind": name}
     for pair in pairs:
         key, equals, value = pair.partition("=")

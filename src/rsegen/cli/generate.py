@@ -12,10 +12,10 @@ from pathlib import Path
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
 from rsegen.cli.formats import add_option_flags, formats_of
-from rsegen.exporters.constraint_report import told
+from rsegen.exporters.constraint_report import describe_constraints
 from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.scene import compose
-from rsegen.io.existing import standing
+from rsegen.io.existing import count_complete
 from rsegen.io.sidecars import Sidecars
 from rsegen.io.work import WORKERS
 from rsegen.io.workers import cores
@@ -83,8 +83,8 @@ def run(arguments: argparse.Namespace) -> None:
 def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
     """Write the maps of a recipe, and say what was made."""
     formats = formats_of("--formats", arguments.formats, arguments)
-    extras = Sidecars(preview=arguments.preview, sheet=arguments.sheet, formats=formats)
-    with _told_how_to_go_on(recipe, arguments, extras), _bar(recipe) as progress:
+    sidecars = Sidecars(preview=arguments.preview, sheet=arguments.sheet, formats=formats)
+    with _told_how_to_go_on(recipe, arguments, sidecars), _bar(recipe) as progress:
         made = generate(
             recipe,
             arguments.output,
@@ -109,12 +109,12 @@ def workers_from(arguments: argparse.Namespace) -> int:
 
 
 @contextmanager
-def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace, extras: Sidecars) -> Iterator[None]:
+def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace, sidecars: Sidecars) -> Iterator[None]:
     """Who stops a run hears how many maps are complete, and how to make the others."""
     try:
         yield
     except KeyboardInterrupt:
-        there = 0 if arguments.force else standing(recipe, arguments.output, extras.stand)
+        there = 0 if arguments.force else count_complete(recipe, arguments.output, sidecars.complete_in)
         if not there:
             raise
         raise KeyboardInterrupt(
@@ -158,7 +158,7 @@ def _report(made: Generated) -> Iterator[str]:
     if len(made.maps) > _SHOWN:
         yield f"  and {len(made.maps) - _SHOWN} more in {made.folder}"
     if made.recipe.is_constrained and len(made.maps) == 1:
-        yield from told(compose(made.recipe, made.maps[0].index))
+        yield from describe_constraints(compose(made.recipe, made.maps[0].index))
     for text in dict.fromkeys(text for one in made.maps for text in one.warnings):
         yield f"warning: {text}"
     yield from _how_to_open(made.maps[0], made.folder, made.recipe.simulator)

@@ -1,4 +1,4 @@
-"""rsegen gui: the window."""
+"""The command `rsegen gui`, which opens the window."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ def add(commands: Subparsers) -> None:
     command = commands.add_parser(
         "gui",
         help="open the window",
-        description="Open the window: shape a field with the mouse and see it. Needs pip install 'rsegen[gui]'.",
+        description="Open the window to shape a map with the mouse and see it. Needs pip install 'rsegen[gui]'.",
     )
-    where = "YAML or JSON file, the name of an example, a data set, or DIR#17, one of its maps"
+    where = "YAML or JSON file, the name of an example, a data set, or one of its maps as DIR#17"
     command.add_argument("recipe", nargs="?", metavar="RECIPE-or-DIR", help=where)
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Until the window is closed."""
+    """Open the window, and end the program when it is closed."""
     try:
         from rsegen.gui.application import run as run_window
     except ImportError as error:

@@ -9,7 +9,7 @@ from pathlib import Path
 from rsegen.cli.flags import Subparsers, add_recipe_flags, flag, given, with_flags
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.errors import ParameterError
-from rsegen.io.importers import FORMATS, Format, format_of, imported
+from rsegen.io.importers import IMPORTERS, Importer, imported, importer_for
 from rsegen.params.sorts import Flag, Parameter, parameters
 from rsegen.recipe.recipe import Recipe
 
@@ -23,7 +23,7 @@ def add(commands: Subparsers) -> None:
         "array (NPY), a grey image (PNG, JPEG, PGM, TIFF), an occupancy map of ROS (map.yaml).",
         epilog="The recipe is written beside the world, and can be opened in the window and generated again.",
     )
-    command.add_argument("file", metavar="FILE", help=f"named {', '.join('*' + suffix for suffix in FORMATS)}")
+    command.add_argument("file", metavar="FILE", help=f"named {', '.join('*' + suffix for suffix in IMPORTERS)}")
     _add_reading_flags(command)
     add_output_flags(command)
     add_recipe_flags(command, over="FILE")
@@ -36,11 +36,11 @@ def run(arguments: argparse.Namespace) -> None:
     recipe = given(Recipe, arguments)
     sorts = parameters(Recipe)
     settled = {name: sorts[name].check(name, recipe[name]) for name in ("unit_cm", "chunk_size") if name in recipe}
-    start = imported(path, _reading(format_of(path), arguments), **settled)
+    start = imported(path, _reading(importer_for(path), arguments), **settled)
     produce(with_flags(start, arguments), arguments)
 
 
-def _reading(cls: type[Format], arguments: argparse.Namespace) -> Format:
+def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
     """The format with the options that were given; one that it does not have is an error."""
     for name in _options():
         if name not in parameters(cls) and getattr(arguments, name) is not None:
@@ -52,7 +52,7 @@ def _reading(cls: type[Format], arguments: argparse.Namespace) -> Format:
 def _add_reading_flags(command: argparse.ArgumentParser) -> None:
     group = command.add_argument_group("reading")
     for name, option in _options().items():
-        kinds = dict.fromkeys(cls.name for cls in FORMATS.values() if name in parameters(cls))
+        kinds = dict.fromkeys(cls.name for cls in IMPORTERS.values() if name in parameters(cls))
         text = f"{', '.join(kinds)}: {option.help}".replace("%", "%%")
         if isinstance(option, Flag):
             group.add_argument(flag(name), dest=name, action="store_const", const="yes", help=text)
@@ -63,4 +63,4 @@ def _add_reading_flags(command: argparse.ArgumentParser) -> None:
 
 def _options() -> Mapping[str, Parameter]:
     """The options of all formats by name."""
-    return {name: option for cls in FORMATS.values() for name, option in parameters(cls).items()}
+    return {name: option for cls in IMPORTERS.values() for name, option in parameters(cls).items()}

@@ -7,8 +7,9 @@ import json
 from collections.abc import Iterator
 
 from rsegen.cli.flags import Subparsers
-from rsegen.cli.targets import add_target_flags, chosen
+from rsegen.cli.targets import add_target_flags
 from rsegen.exporters.map_summary import MapSummary, map_summary
+from rsegen.io.targets import chosen
 
 
 def add(commands: Subparsers) -> None:

@@ -7,9 +7,9 @@ from itertools import chain
 from typing import TypeAlias
 
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.pictures.paths import described
+from rsegen.exporters.pictures.paths import describe_robot
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics import Crossing, Metrics, Reach, Scale, Spread, Steps
+from rsegen.field.metrics import Crossing, Metrics, Scale, Spread, Steps, Traversability
 from rsegen.field.metrics.custom import METRICS, custom
 
 Measured: TypeAlias = tuple[Scene, Metrics]
@@ -103,8 +103,8 @@ def _scale(found: Scale) -> str:
     return f"scale    {grows} (Hurst exponent {round(found.hurst, 2) + 0:.2f}{weak})"
 
 
-def _reach(found: Reach) -> Iterator[str]:
-    yield f"{described(found.climber)}:"
+def _reach(found: Traversability) -> Iterator[str]:
+    yield f"{describe_robot(found.climber)}:"
     if found.climbable is not None and found.droppable is not None:
         yield f"steps    {found.climbable:.1%} it climbs, {found.droppable:.1%} it gets down"
     yield f"region   {found.cover:.1%} of the blocks, from each to each (analogue of coverability)"

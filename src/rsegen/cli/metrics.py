@@ -14,15 +14,16 @@ from typing import Any
 
 from rsegen.cli.flags import Subparsers, add_parameter_flags, given
 from rsegen.cli.measured import Measured, report
-from rsegen.cli.targets import add_target_flags, every
+from rsegen.cli.targets import add_target_flags
 from rsegen.errors import ParameterError
-from rsegen.exporters.pictures.paths import chart
-from rsegen.exporters.pictures.preview import picture_format
+from rsegen.exporters.pictures.paths import path_plot
+from rsegen.exporters.pictures.preview import image_format
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Metrics, RobotLimits, metrics
 from rsegen.field.metrics.custom import custom
-from rsegen.field.metrics.entry import entry, row
-from rsegen.io.resources import BYTES_A_CELL_OF_METRICS
+from rsegen.field.metrics.tables import flattened, nested
+from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS
+from rsegen.io.targets import every
 from rsegen.io.writer import refuse_taken_file, write_file
 from rsegen.simulation.robots import ROBOTS, robot
 
@@ -56,11 +57,11 @@ def run(arguments: argparse.Namespace) -> None:
     """Measure, draw and print."""
     climber = _climber(arguments)
     path = _picture(arguments, climber)
-    scenes = every(arguments.target, arguments.map, BYTES_A_CELL_OF_METRICS)
+    scenes = every(arguments.target, arguments.map, BYTES_PER_CELL_OF_METRICS)
     first = next(scenes)
     found = metrics(first.field, climber)
     if path and found.reach:
-        write_file([chart(first, found.reach, picture_format(path))], path, force=arguments.force)
+        write_file([path_plot(first, found.reach, image_format(path))], path, force=arguments.force)
     _print(chain([(first, found)], ((scene, metrics(scene.field, climber)) for scene in scenes)), arguments)
 
 
@@ -69,7 +70,7 @@ def _picture(arguments: argparse.Namespace, climber: RobotLimits | None) -> Path
     if arguments.output is None:
         return None
     path = Path(arguments.output)
-    picture_format(path)
+    image_format(path)
     refuse_taken_file(path, force=arguments.force)
     if climber is None:
         raise ParameterError("-o/--output", f"there is nothing to draw without a robot; {_NO_ROBOT}")
@@ -90,14 +91,14 @@ def _print(measured: Iterable[Measured], arguments: argparse.Namespace) -> None:
     if arguments.json:
         print(json.dumps([_entry(*one) for one in measured], indent=2))
     elif arguments.csv:
-        _print_table(dict(row(_entry(*one))) for one in measured)
+        _print_table(dict(flattened(_entry(*one))) for one in measured)
     else:
         for line in report(measured):
             print(line)
 
 
 def _entry(scene: Scene, found: Metrics) -> dict[str, Any]:
-    whole: dict[str, Any] = {"map": scene.name, "seed": scene.recipe.seed, **entry(found)}
+    whole: dict[str, Any] = {"map": scene.name, "seed": scene.recipe.seed, **nested(found)}
     return {name: value for name, value in whole.items() if value is not None} | custom(scene.field)
 
 

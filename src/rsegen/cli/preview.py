@@ -6,8 +6,9 @@ import argparse
 from pathlib import Path
 
 from rsegen.cli.flags import Subparsers
-from rsegen.cli.targets import add_target_flags, chosen
-from rsegen.exporters.pictures.preview import picture, picture_format
+from rsegen.cli.targets import add_target_flags
+from rsegen.exporters.pictures.preview import image_format, preview_image
+from rsegen.io.targets import chosen
 from rsegen.io.writer import refuse_taken_file, write_file
 
 
@@ -29,8 +30,8 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Draw, and write the picture."""
     path = Path(arguments.output)
-    format_ = picture_format(path)
+    format_ = image_format(path)
     refuse_taken_file(path, force=arguments.force)
     scene = chosen(arguments.target, arguments.map)
-    write_file([picture(scene, format_)], path, force=arguments.force)
+    write_file([preview_image(scene, format_)], path, force=arguments.force)
     print(f"{path}: {scene.name}, seed {scene.recipe.seed}")

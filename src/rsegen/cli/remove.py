@@ -1,38 +1,37 @@
-"""rsegen remove: models taken out of the simulation that runs."""
+"""rsegen remove: models deleted from the running simulation."""
 
 from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import asdict
 
 from rsegen.cli.flags import Subparsers
-from rsegen.cli.maps import add_running_flags
-from rsegen.errors import UnknownName
-from rsegen.simulation.simulators.connecting import joined
+from rsegen.cli.simulation_flags import add_running_flags, flags_in_errors
+from rsegen.simulation.simulators import SIMULATORS
+from rsegen.simulation.spawning.remove import remove
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
+    """Add the parser of this command."""
     command = commands.add_parser(
         "remove",
-        help="take models out of the simulation that runs",
-        description="Take maps, robots and other models out of the simulation that runs; none of them "
-        "where one is not there.",
+        help="delete models from the running simulation",
+        description="Delete maps, robots and other models from the running simulation; none of them if one does not "
+        "exist.",
     )
-    command.add_argument("names", nargs="+", metavar="NAME", help="what it is called there")
+    command.add_argument("names", nargs="+", metavar="NAME", help="name of a model in the simulation")
     add_running_flags(command)
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Take them out, and say so."""
-    names = list(dict.fromkeys(arguments.names))
-    with joined(arguments.simulator) as (simulator, live):
-        there = live.poses()
-        for name in names:
-            if name not in there:
-                raise UnknownName.among("", "model", name, there)
-        for name in names:
-            live.take(name)
-    told = {"removed": names, "simulator": simulator.name}
-    print(json.dumps(told, indent=2) if arguments.json else f"{', '.join(names)} out of {simulator.title}")
+    """Delete them, and print their names."""
+    with flags_in_errors("simulator"):
+        result = remove(*arguments.names, simulator=arguments.simulator)
+    removed = ", ".join(result.removed)
+    print(
+        json.dumps(asdict(result), indent=2)
+        if arguments.json
+        else f"{removed} removed from {SIMULATORS[result.simulator].title}"
+    )

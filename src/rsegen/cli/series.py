@@ -13,7 +13,7 @@ from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, recipe_f
 from rsegen.cli.formats import formats_of
 from rsegen.cli.generate import add_output_flags, workers_from
 from rsegen.exporters.numbers import decimal
-from rsegen.io.series import Plan, Row, Series, series
+from rsegen.io.series import Series, SeriesPlan, SeriesRow, series
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 
@@ -31,7 +31,7 @@ def add(commands: Subparsers) -> None:
     )
     command.add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
     add_output_flags(command)
-    sorts = parameters(Plan)
+    sorts = parameters(SeriesPlan)
     for name, usual in (("from_", "0.1"), ("to", "1")):
         text = f"{sorts[name].help} ({sorts[name].describe()}, {usual} by default)"
         command.add_argument(f"--{name.rstrip('_')}", dest=name, default=usual, metavar="D", help=text)
@@ -78,7 +78,7 @@ def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace) -> Iterato
 
 
 def _share(name: str, text: str) -> float:
-    sort = parameters(Plan)[name]
+    sort = parameters(SeriesPlan)[name]
     return float(sort.check(f"--{name.rstrip('_')}", sort.parse(text)))
 
 
@@ -103,7 +103,7 @@ def _report(found: Series) -> Iterator[str]:
     yield f"a picture: {found.picture}"
 
 
-def _some(rows: tuple[Row, ...]) -> list[Row]:
+def _some(rows: tuple[SeriesRow, ...]) -> list[SeriesRow]:
     """All of them, or some that are evenly spaced, with the last."""
     apart = -(-len(rows) // _SHOWN)
     return [*rows[:-1:apart], rows[-1]]

@@ -7,10 +7,11 @@ from dataclasses import asdict
 from pathlib import Path
 
 from rsegen.cli.flags import Subparsers, add_parameter_flags, given
-from rsegen.cli.targets import add_target_flags, found
+from rsegen.cli.targets import add_target_flags
 from rsegen.errors import ParameterError
 from rsegen.exporters.sheet import CutSettings, sheet_format
 from rsegen.io.sheets import write_sheets
+from rsegen.io.targets import found
 
 
 def add(commands: Subparsers) -> None:

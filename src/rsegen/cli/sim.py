@@ -1,4 +1,4 @@
-"""rsegen sim: the simulators, and which of them are here."""
+"""rsegen sim: the supported simulators, and which of them are installed."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from rsegen.simulation.simulators import SIMULATORS, Installation, Simulator
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
+    """Add the parser of this command."""
     command = commands.add_parser(
         "sim",
-        help="list the simulators, where they are, or how to get them",
-        description="List the simulators that rsegen opens worlds in: version and place, or how to get one.",
+        help="list the simulators with version and path, or how to install them",
+        description="List the simulators in which rsegen can open worlds: version and path, or how to install them.",
     )
-    command.add_argument("--json", action="store_true", help="print it for programs")
+    command.add_argument("--json", action="store_true", help="print it as JSON")
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Print them."""
-    found = {simulator: simulator.found() for simulator in SIMULATORS.values()}
+    found = {simulator: simulator.installation() for simulator in SIMULATORS.values()}
     if arguments.json:
         print(json.dumps([_summary(simulator, here) for simulator, here in found.items()], indent=2))
     else:
@@ -37,12 +37,12 @@ def _summary(simulator: Simulator, here: Installation | None) -> dict[str, objec
         "title": simulator.title,
         "version": here.version if here else None,
         "commands": there,
-        "how_to_get": list(simulator.remedy),
+        "how_to_get": list(simulator.how_to_install),
     }
 
 
 def _report(found: Mapping[Simulator, Installation | None]) -> Iterator[str]:
     for simulator, here in found.items():
-        yield f"{simulator.name:<9}{simulator.title} {here.version if here else 'is not found'}"
-        rows = [f"{name}: {path}" for name, path in here.commands.items()] if here else simulator.remedy
+        yield f"{simulator.name:<9}{simulator.title} {here.version if here else 'is not installed'}"
+        rows = [f"{name}: {path}" for name, path in here.commands.items()] if here else simulator.how_to_install
         yield from (f"{'':<9}  {row}" for row in rows)

@@ -1,48 +1,34 @@
-"""rsegen spawn: a map or a robot, put into the simulation that runs."""
+"""rsegen spawn: a map or a robot put into the running simulation."""
 
 from __future__ import annotations
 
 import argparse
 import json
-import os.path
-from collections.abc import Mapping
-from dataclasses import asdict, astuple, replace
-from pathlib import Path
+from dataclasses import asdict, astuple
 
 from rsegen.cli.flags import Subparsers
-from rsegen.cli.maps import add_output_flag, add_running_flags, map_of
-from rsegen.errors import ParameterError, UnknownName, shown
+from rsegen.cli.simulation_flags import add_output_flag, add_running_flags, flags_in_errors
+from rsegen.errors import ParameterError, shown
 from rsegen.exporters.gazebo.sdf import numbers
-from rsegen.params.sorts import Float, parameters
-from rsegen.recipe.examples import EXAMPLES
-from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.driving.start_poses import DROP
-from rsegen.simulation.robots import ROBOTS, Robot
-from rsegen.simulation.simulators import Simulator
-from rsegen.simulation.simulators.connecting import joined
-from rsegen.simulation.simulators.live import LiveWorld, Pose
-from rsegen.simulation.spawning.change import freed, put, reach_of, taken
-from rsegen.simulation.spawning.maps import Map, known
-from rsegen.simulation.spawning.placement import free
-from rsegen.simulation.spawning.spawned_map import Placed
-
-METRES = Float(-1e6, 1e6)
+from rsegen.simulation.robots import ROBOTS
+from rsegen.simulation.simulators import SIMULATORS
+from rsegen.simulation.spawning.spawn import METRES, SpawnResult, spawn
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
+    """Add the parser of this command."""
     command = commands.add_parser(
         "spawn",
         help="spawn a map or a robot in the running simulation",
-        description="Put a map or a robot into the simulation that runs: Gazebo Classic's at GAZEBO_MASTER_URI, or "
-        "Gazebo Sim's in GZ_PARTITION, or at their usual addresses.",
+        description="Spawn a map or a robot in the running simulation: Gazebo Classic's at GAZEBO_MASTER_URI, or "
+        "Gazebo Sim's in GZ_PARTITION, or at their default addresses.",
         epilog="Kinds of robots: " + ", ".join(ROBOTS) + ". rsegen open --shared starts a simulation.",
     )
     where = "the folder of a map or of maps, a recipe, or a kind of robot"
     command.add_argument("target", metavar="DIR-or-RECIPE-or-ROBOT", help=where)
-    command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
-    command.add_argument("--name", help="what it is called there (default: the map's name, or the kind of robot)")
-    place = "where, metres and radians, as in --at=-2,0 (default: the free place that is nearest to the origin)"
+    command.add_argument("--map", metavar="INDEX", help="map, by its index or name (default: the first)")
+    command.add_argument("--name", help="name of the model (default: the map's name, or the kind of robot)")
+    place = "pose in metres and radians, as in --at=-2,0 (default: the free place nearest to the origin)"
     command.add_argument("--at", metavar="X,Y[,Z[,YAW]]", help=place)
     add_output_flag(command)
     add_running_flags(command)
@@ -50,83 +36,28 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Put it there, and say where."""
-    at = _numbers(arguments.at) if arguments.at is not None else None
-    what = _robot_or_map(arguments)
-    name = _name(arguments.name, what)
-    with joined(arguments.simulator) as (simulator, live):
-        poses = live.poses()
-        if name in poses:
-            raise ParameterError("--name", f"{shown(name)} is there already; give another, or rsegen remove {name}")
-        homes = [arguments.output, *([what.folder.parent] if isinstance(what, Map) else [])]
-        maps = known(poses, homes)
-        if isinstance(what, Map):
-            what.refuse_unfit(simulator)
-            done = _put_map(live, what, name, poses, maps, at)
-        else:
-            done = _put_robot(live, what, name, poses, maps, at)
-    print(json.dumps(_summary(simulator, done), indent=2) if arguments.json else _line(simulator, done))
-
-
-Done = tuple[str, Pose, list[str]]
-"""Name and place of what was put in, and the names of what was put on top of it."""
-
-
-def _put_map(
-    live: LiveWorld, one: Map, name: str, poses: Mapping[str, Pose], maps: list[Placed], at: list[float] | None
-) -> Done:
-    new = Placed(name=name, field=one.field, at=Pose(x=0, y=0, z=0))
-    new = freed(new, poses, maps) if at is None else replace(new, at=_pose(at))
-    return name, new.at, put(live, one.model(name), new)
-
-
-def _put_robot(
-    live: LiveWorld, robot: Robot, name: str, poses: Mapping[str, Pose], maps: list[Placed], at: list[float] | None
-) -> Done:
-    reach = reach_of(robot.kind)
-    x, y = at[:2] if at else free(reach, reach, taken(poses, maps))[:2]
-    ground = max((each.top(Pose(x=x, y=y, z=0), reach) for each in maps), default=0.0)
-    pose = _pose([x, y, ground + DROP] if not at or len(at) == 2 else at)
-    live.put(robot.file(name, live.dialect), pose)
-    return name, pose, []
-
-
-def _robot_or_map(arguments: argparse.Namespace) -> Robot | Map:
-    target = arguments.target
-    if target in ROBOTS:
-        if arguments.map is not None:
-            raise ParameterError("--map", f"{target} is a robot, and has no maps")
-        return ROBOTS[target]
-    bare = not (os.path.exists(target) or Path(target).suffix or os.sep in target or "#" in target)
-    if bare and target not in EXAMPLES:
-        raise UnknownName.among("", "folder, recipe, example or robot", target, [*ROBOTS, *EXAMPLES])
-    return map_of(target, arguments.map, arguments.output)
-
-
-def _name(given: str | None, what: Robot | Map) -> str:
-    if given is None:
-        return what.kind if isinstance(what, Robot) else what.name
-    return str(parameters(Recipe)["name"].check("--name", given))
+    """Spawn it, and print its name and pose."""
+    with flags_in_errors("map", "name", "at", "simulator"):
+        result = spawn(
+            arguments.target,
+            map=arguments.map,
+            name=arguments.name,
+            at=None if arguments.at is None else _numbers(arguments.at),
+            output=arguments.output,
+            simulator=arguments.simulator,
+        )
+    print(json.dumps(asdict(result), indent=2) if arguments.json else _line(result))
 
 
 def _numbers(text: str) -> list[float]:
     parts = text.split(",")
     if not 2 <= len(parts) <= 4:
-        raise ParameterError("--at", f"{shown(text)} is not X,Y or X,Y,Z or X,Y,Z,YAW")
-    return [float(METRES.check("--at", METRES.parse(part))) for part in parts]
+        raise ParameterError("at", f"{shown(text)} is not X,Y or X,Y,Z or X,Y,Z,YAW")
+    return [METRES.check("at", METRES.parse(part)) for part in parts]
 
 
-def _pose(at: list[float]) -> Pose:
-    return Pose(x=at[0], y=at[1], z=at[2] if len(at) > 2 else 0.0, yaw=at[3] if len(at) > 3 else 0.0)
-
-
-def _summary(simulator: Simulator, done: Done) -> dict[str, object]:
-    name, pose, moved = done
-    return {"name": name, "simulator": simulator.name, "at": asdict(pose), "put_on_top": moved}
-
-
-def _line(simulator: Simulator, done: Done) -> str:
-    name, pose, moved = done
-    x, y, z, _, _, yaw = astuple(pose)
-    on_top = f"; put on top of it: {', '.join(moved)}" if moved else ""
-    return f"{name} is in {simulator.title} at {numbers([x, y, z])}, turned by {numbers([yaw])} rad{on_top}"
+def _line(result: SpawnResult) -> str:
+    x, y, z, _, _, yaw = astuple(result.at)
+    on_top = f"; put on top of it: {', '.join(result.put_on_top)}" if result.put_on_top else ""
+    where = f"{SIMULATORS[result.simulator].title} at {numbers([x, y, z])}, turned by {numbers([yaw])} rad"
+    return f"{result.name} is in {where}{on_top}"

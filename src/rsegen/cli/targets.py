@@ -1,19 +1,8 @@
-"""What a command can look at: a recipe file, a map of a data set, the folder of a map, or a folder of such folders."""
+"""The flags of commands that look at maps: where the maps are, and which of them."""
 
 from __future__ import annotations
 
 import argparse
-import os.path
-from collections.abc import Iterator
-from pathlib import Path
-from typing import NamedTuple
-
-from rsegen.errors import FileError, ParameterError, shown
-from rsegen.exporters.scene import Scene, compose
-from rsegen.io.dataset.naming import recipe_in
-from rsegen.io.resources import refuse_too_large
-from rsegen.recipe.examples import or_example
-from rsegen.recipe.recipe import Recipe
 
 
 def add_target_flags(command: argparse.ArgumentParser, usual: str = "the first") -> None:
@@ -23,57 +12,3 @@ def add_target_flags(command: argparse.ArgumentParser, usual: str = "the first")
     )
     command.add_argument("target", metavar="RECIPE-or-DIR", help=where)
     command.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {usual})")
-
-
-class Found(NamedTuple):
-    """One map of a recipe, and the file that the recipe is from."""
-
-    file: Path
-    recipe: Recipe
-    map: int
-
-
-def recipe_files(target: str) -> list[Path]:
-    """A recipe's file, or that of a map's folder, or of every map in a folder; FileError where there is none."""
-    path = or_example(target)
-    own = path / "recipe.json" if os.path.isdir(target) else path
-    files = [own] if own == path or own.is_file() else sorted(path.glob("*/recipe.json"))
-    if not files:
-        raise FileError(
-            f"{target}: no map in it, nor in its folders (a map's folder has a recipe.json; DIR#0 is one of a data set)"
-        )
-    return files
-
-
-def found(target: str, which: str | None) -> Found:
-    """One map of `target`: the given one, or the first."""
-    names = []
-    for file in recipe_files(target):
-        recipe = recipe_in(file)
-        index = recipe.first_map if which is None else _index(recipe, which)
-        if index is not None:
-            return Found(file, recipe, index)
-        names += [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
-    known = f"give an index or name, {names[0]}..{names[-1]}"
-    raise ParameterError("--map", f"there is no map {shown(which)} in {target}; {known}")
-
-
-def chosen(target: str, which: str | None) -> Scene:
-    """The scene of one map of `target`: the given one, or the first."""
-    _, recipe, index = found(target, which)
-    refuse_too_large(recipe)
-    return compose(recipe, index)
-
-
-def every(target: str, which: str | None, more: int = 0) -> Iterator[Scene]:
-    """The scenes of all maps of `target` one by one, or of the given one; each may need more bytes for each cell."""
-    maps = ((recipe, recipe.indices) for recipe in map(recipe_in, recipe_files(target)))
-    given = [] if which is None else [found(target, which)]
-    for recipe, indices in [(recipe, range(index, index + 1)) for _, recipe, index in given] or maps:
-        refuse_too_large(recipe, more)
-        yield from (compose(recipe, index) for index in indices)
-
-
-def _index(recipe: Recipe, which: str) -> int | None:
-    digits = which.removeprefix(f"{recipe.name}_")
-    return int(digits) if digits.isdecimal() and len(digits) < 20 and int(digits) in recipe.indices else None

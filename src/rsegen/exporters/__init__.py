@@ -1,4 +1,4 @@
-"""A map as the content of files: worlds and models of Gazebo, formats of other programs, build sheets and pictures.
+"""Maps as the bytes of files: Gazebo worlds and models, other formats, build sheets and pictures.
 
 Scene --export--> Bundle
 """

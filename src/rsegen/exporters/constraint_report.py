@@ -1,4 +1,4 @@
-"""That a map keeps to its constraints: what was asked beside what is there, measured on the field itself."""
+"""The constraint report: what a recipe demands and what its map has, measured on the field itself."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Any
 
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics.pairs import differences
-from rsegen.field.metrics.reach import crossing
+from rsegen.field.metrics.traversability import crossing
 from rsegen.recipe.building import build
 from rsegen.recipe.constraints.inventory import blocks
 
 
 def constraint_report(scene: Scene) -> dict[str, Any]:
-    """What was asked and what is there, for each constraint of a map's recipe, as JSON can say it."""
+    """For each constraint of a map's recipe the demanded and the actual value, as JSON values."""
     recipe = scene.recipe
     found: dict[str, Any] = {}
     if recipe.max_step is not None:
@@ -31,32 +31,32 @@ def constraint_report(scene: Scene) -> dict[str, Any]:
     return found
 
 
-def told(scene: Scene) -> Iterator[str]:
-    """The same in words."""
+def describe_constraints(scene: Scene) -> Iterator[str]:
+    """The constraint report as lines of text."""
     found = constraint_report(scene)
     if "max_step" in found:
-        yield "largest step between neighbours, in units: {is}; asked for: {asked}".format(**found["max_step"])
+        yield "largest step between neighbours in units: {is}, allowed: {asked}".format(**found["max_step"])
     if "crossable_by" in found:
         both = ((name, found["crossable_by"][name]) for name in ("west_east", "south_north"))
-        ways = [name.replace("_", " to ") for name, way in both if way["crosses"]] or ["nowhere"]
-        robot = "climbs {climb_cm:g} cm, gets down {drop_cm:g} cm and is {width_cm:g} cm wide"
-        yield f"a robot that {robot.format(**found['crossable_by'])} gets across from {' and from '.join(ways)}"
+        paths = [name.replace("_", " to ") for name, way in both if way["crosses"]] or ["no side"]
+        robot = "climbs {climb_cm:g} cm, descends {drop_cm:g} cm and is {width_cm:g} cm wide"
+        yield f"a robot that {robot.format(**found['crossable_by'])} can cross from {' and from '.join(paths)}"
     if "inventory" in found:
-        yield f"built of {sum(found['inventory']['used'].values())} of the blocks that there are"
+        yield f"uses {sum(found['inventory']['used'].values())} blocks of the inventory"
 
 
 def missing(scene: Scene) -> str:
-    """The blocks that a lab lacks for the map as it was designed, in words; nothing where it lacks none."""
+    """A line about the blocks that the inventory lacks for the map as designed; empty if it lacks none."""
     if scene.recipe.inventory is None:
         return ""
     unit_cm = scene.recipe.unit_cm
     lacks = _inventory(scene, scene.recipe.inventory)["missing"]
     parts = [f"{count} of {round(level * unit_cm, 6):g} cm" for level, count in lacks.items()]
-    return f"blocks are missing, others stand in their place: {', '.join(parts)}" if parts else ""
+    return f"missing blocks, replaced by others: {', '.join(parts)}" if parts else ""
 
 
 def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]]:
-    """Blocks by level: owned, used, and missing for the map as it would be without an inventory."""
+    """The numbers of blocks by level: owned, used, and missing for the map as it would be without an inventory."""
     design = build(replace(scene.recipe, inventory=None), scene.index).level_counts()
     used = scene.field.level_counts()
     there = blocks(owned, max(len(owned), *design, *used) + 1)

@@ -1,4 +1,4 @@
-"""The levels of a map's blocks as CSV: north up, as on a plan."""
+"""The levels of a map's blocks as CSV, north up."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rsegen.field.stepfield import StepField
 
 
 def csv(field: StepField) -> Iterator[bytes]:
-    """Whole units, frames left out; the top row is the largest y; `#` starts a comment."""
+    """The lines of the CSV file: levels in units, without frames, north up; `#` starts a comment."""
     unit = f"{decimal(field.unit * 100)} cm"
     yield f"# block levels in units of {unit}; north up: the top row is the largest y, x grows to the right\n".encode()
     for row in field.blocks.T[::-1]:

@@ -1,4 +1,4 @@
-"""The one way that rsegen writes a number."""
+"""The number format of everything that rsegen writes."""
 
 from __future__ import annotations
 

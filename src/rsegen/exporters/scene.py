@@ -1,4 +1,4 @@
-"""All that an exporter may know: a map, its geometry, its colours, its friction.
+"""The scene: one map of a recipe with its field, colours and friction, which every exporter starts from.
 
 StepField --compose--> Scene
 """
@@ -7,11 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField, Window
+from rsegen.field.stepfield import NANOMETRE_DIGITS, CellWindow, StepField
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
+
+if TYPE_CHECKING:
+    from rsegen.io.export import Exported
 
 Colour = tuple[float, float, float]
 _Value = TypeVar("_Value")
@@ -24,12 +28,12 @@ _LOW_TO_HIGH: tuple[Colour, ...] = (
     (0.45, 0.74, 0.38),
     (0.93, 0.85, 0.30),
 )
-"""From dark to light, so that heights can be told apart in grey too."""
+"""From dark to light, so that heights can be distinguished in greyscale too."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Scene:
-    """Map `index` of a recipe, as it stands in a world."""
+    """Map `index` of a recipe with its field: what exporters write and previews show."""
 
     recipe: Recipe
     index: int
@@ -37,37 +41,37 @@ class Scene:
 
     @property
     def friction(self) -> float:
-        """Coulomb's coefficient of the ground, and of all that the recipe says no other of."""
+        """The friction coefficient of the ground, and of all materials without one of their own."""
         return self.recipe.friction
 
     @property
     def name(self) -> str:
-        """What the map is called, on disk and in the simulator."""
+        """The name of the map, on disk and in the simulator."""
         return self.recipe.map_name(self.index)
 
     @property
     def alone(self) -> Recipe:
-        """The recipe of this map and no other."""
+        """The recipe of this map alone."""
         return self.recipe.alone(self.index)
 
     def colour(self, material: int) -> Colour:
-        """The colour of a material: 0 is the frame, any other the level."""
-        said = _said(material, self.recipe.frame_colour, self.recipe.level_colours)
-        if said is not None:
-            return _colour(said)
+        """The colour of a material: 0 is the frame, any other number a level."""
+        given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
+        if given is not None:
+            return _colour(given)
         return level_colour(material, self.recipe.top_level) if material else FRAME_COLOUR
 
     def friction_of(self, material: int) -> float:
-        """Coulomb's coefficient of a material: 0 is the frame, any other the level."""
-        said = _said(material, self.recipe.frame_friction, self.recipe.level_friction)
-        return self.friction if said is None else said
+        """The friction coefficient of a material: 0 is the frame, any other number a level."""
+        given = _given(material, self.recipe.frame_friction, self.recipe.level_friction)
+        return self.friction if given is None else given
 
     def by_friction(
-        self, field: StepField, window: Window | None = None
+        self, field: StepField, window: CellWindow | None = None
     ) -> Sequence[tuple[float, Sequence[int] | None]]:
-        """Every coefficient in a field of it, or in a window of that, the lowest first, and the materials that have it.
+        """The friction coefficients in a field or a window of it, lowest first, each with the materials that have it.
 
-        None stands for all materials that are there. Two coefficients that are written alike are one.
+        None stands for all materials. Coefficients that are written alike count as equal.
         """
         if self.recipe.is_of_one_friction:
             return [(self.friction, None)]
@@ -76,6 +80,31 @@ class Scene:
             found.setdefault(round(self.friction_of(material), NANOMETRE_DIGITS), []).append(material)
         return sorted(found.items()) if len(found) > 1 else [(next(iter(found), self.friction), None)]
 
+    def preview(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+        """The plan and a 3D view of the map as the bytes of an image file, PNG by default."""
+        from rsegen.exporters.pictures.preview import preview_image
+
+        return preview_image(self, format)
+
+    def _repr_png_(self) -> bytes:
+        """A small plan, which notebooks show."""
+        from rsegen.exporters.pictures.field_picture import thumbnail
+
+        return thumbnail(self)
+
+    def export(
+        self,
+        path: str | Path,
+        format: str | None = None,  # noqa: A002  # the command line's word
+        *,
+        force: bool = False,
+        **options: Any,
+    ) -> Exported:
+        """Write the map in another format, as `rsegen.export` does: `scene.export("map.glb")`."""
+        from rsegen.io.export import export
+
+        return export(self, path, format, force=force, **options)
+
 
 def compose(recipe: Recipe, index: int = 0) -> Scene:
     """The scene of map `index`."""
@@ -83,7 +112,7 @@ def compose(recipe: Recipe, index: int = 0) -> Scene:
 
 
 def level_colour(level: int, top_level: int) -> Colour:
-    """A level's colour, from the lowest to the highest that obstacles have; of higher ones that of the highest."""
+    """The default colour of a level between 1 and `top_level`; higher levels have the colour of `top_level`."""
     at = min(level / max(top_level, 1), 1) * (len(_LOW_TO_HIGH) - 1)
     low = min(int(at), len(_LOW_TO_HIGH) - 2)
     share = at - low
@@ -93,14 +122,14 @@ def level_colour(level: int, top_level: int) -> Colour:
     return red, green, blue
 
 
-def _said(material: int, frame: _Value | None, levels: Sequence[_Value] | None) -> _Value | None:
-    """What a recipe says of a material, if anything: of the frame, or of levels 1, 2, ..."""
+def _given(material: int, frame: _Value | None, levels: Sequence[_Value] | None) -> _Value | None:
+    """The value that a recipe gives for a material, if any: for the frame, or for levels 1, 2, ..."""
     if not material:
         return frame
     return levels[material - 1] if levels and material <= len(levels) else None
 
 
-def _colour(said: str) -> Colour:
-    """The colour that `#rrggbb` says."""
-    red, green, blue = (round(part / 255, 3) for part in bytes.fromhex(said[1:]))
+def _colour(given: str) -> Colour:
+    """The colour of a text `#rrggbb`."""
+    red, green, blue = (round(part / 255, 3) for part in bytes.fromhex(given[1:]))
     return red, green, blue

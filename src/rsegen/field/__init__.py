@@ -1,1 +1,1 @@
-"""A map as integer levels in cells (`StepField`), the obstacles that shape it and the metrics that measure it."""
+"""A map as integer levels in cells (`StepField`), the obstacles that shape it and its metrics."""

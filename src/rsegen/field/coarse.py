@@ -1,4 +1,4 @@
-"""A large map in fewer and larger cells, so that a view of it stays quick."""
+"""Downsampling: a large map in fewer and larger cells, which is quick to draw."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.stepfield import StepField, Window
+from rsegen.field.stepfield import CellWindow, StepField
 
 
 def coarseness(field: StepField, most: int) -> int:
-    """How many cells a side go into one, so that there are about `most` times `most` of them, or fewer."""
+    """The downsampling factor per side that gives at most about `most` x `most` cells."""
     n_x, n_y = field.shape
     return max(min(math.ceil(math.sqrt(n_x * n_y) / most), n_x, n_y), 1)
 
 
 def coarse(field: StepField, factor: int) -> StepField:
-    """The field in cells `factor` times as wide, of which each is the highest that it stands for; a rest is cut off."""
+    """The field downsampled: cells `factor` times as wide, each the highest of those under it; a rest is cut off."""
     if factor == 1:
         return field
     i, j = _highest(field, factor)
@@ -30,8 +30,8 @@ def coarse(field: StepField, factor: int) -> StepField:
     )
 
 
-def coarse_window(field: StepField, window: Window, factor: int) -> Window:
-    """The wide cells that a window of a field has a part in."""
+def coarse_window(field: StepField, window: CellWindow, factor: int) -> CellWindow:
+    """The cells of the downsampled field that a window of the field overlaps."""
     x, y = (
         slice(min(part.start // factor, cells // factor - 1), min(-(-part.stop // factor), cells // factor))
         for part, cells in zip(window, field.shape, strict=True)
@@ -40,7 +40,7 @@ def coarse_window(field: StepField, window: Window, factor: int) -> Window:
 
 
 def _highest(field: StepField, factor: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Where in a field the highest of every `factor` x `factor` cells is."""
+    """The indices of the highest of every `factor` x `factor` cells."""
     n_x, n_y = (cells // factor for cells in field.shape)
     parts = field.heights[: n_x * factor, : n_y * factor].reshape(n_x, factor, n_y, factor)
     within = parts.transpose(0, 2, 1, 3).reshape(n_x, n_y, -1).argmax(axis=-1)

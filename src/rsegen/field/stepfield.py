@@ -1,4 +1,4 @@
-"""A step field: integer levels in cells, some of which are frame.
+"""A step field: integer levels in cells, some of which are frame cells.
 
 Heights are integers in units, so equality is exact; metres appear only in `heights`. Arrays have shape (n_x, n_y):
 axis 0 along +x, axis 1 along +y, cell (0, 0) in the corner of smallest x and y, the field centred on the origin.
@@ -8,27 +8,31 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from rsegen.geometry import Boxes, Mesh
 
 Levels = NDArray[np.int16]
 Mask = NDArray[np.bool_]
 Array = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
-Window = tuple[slice, slice]
-"""Cells of a field, from start to stop along x and y, frames counted."""
+CellWindow = tuple[slice, slice]
+"""A rectangle of cells of a field as slices along x and y, frames counted."""
 
 NANOMETRE_DIGITS = 9
-"""Metres are rounded to this many decimals, so that 3 * 0.1 m and 0.3 m are one height."""
+"""Metres are rounded to this many decimals, so that 3 * 0.1 m and 0.3 m are equal."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class StepField:
     """The blocks and frames of one map, or of a part of it.
 
-    levels: (n_x, n_y), height of each block in units, 0 in frame cells; frame: (n_x, n_y), true where a frame stands.
+    levels: (n_x, n_y), height of each block in units, 0 in frame cells; frame: (n_x, n_y), true for frame cells.
     block_width, unit, frame_height: metres.
     """
 
@@ -60,23 +64,23 @@ class StepField:
         return self.levels.shape[0], self.levels.shape[1]
 
     @property
-    def whole(self) -> Window:
-        """All its cells."""
+    def whole(self) -> CellWindow:
+        """The window of all cells."""
         return slice(0, self.shape[0]), slice(0, self.shape[1])
 
-    def stands(self, window: Window | None = None) -> bool:
-        """Whether anything in it, or in a window of it, is above the ground."""
+    def stands(self, window: CellWindow | None = None) -> bool:
+        """Whether anything in the field, or in a window of it, is above the ground."""
         part = window or self.whole
         return bool(self.levels[part].any()) or self._frame_stands(part)
 
-    def materials(self, window: Window | None = None) -> list[int]:
-        """What stands in it, or in a window of it: 0 for a frame, any other the level of blocks."""
+    def materials(self, window: CellWindow | None = None) -> list[int]:
+        """The materials above the ground in the field, or in a window of it: 0 for frames, else the level of blocks."""
         part = window or self.whole
         levels = np.flatnonzero(np.bincount(self.levels[part].ravel())).tolist()
         return [0] * self._frame_stands(part) + [int(level) for level in levels if level]
 
     def only(self, materials: Sequence[int]) -> StepField:
-        """It with level ground in place of all that is of other materials."""
+        """The field with only these materials; the cells of all others become level ground."""
         kept = np.isin(self.levels, materials)
         frame = self.frame if 0 in materials else np.zeros_like(self.frame)
         return replace(self, levels=np.where(kept, self.levels, np.int16(0)), frame=frame)
@@ -95,24 +99,24 @@ class StepField:
 
     @property
     def blocks(self) -> Levels:
-        """The levels with frames left out."""
+        """The levels without the frame cells, as one array of blocks."""
         return self.levels[np.ix_(self.inside(0), self.inside(1))]
 
     def inside(self, axis: int) -> Mask:
-        """Along an axis (0: x, 1: y), where there are blocks and not frame alone."""
+        """Per index along an axis (0: x, 1: y): true if that line has blocks, false if it is all frame."""
         return np.asarray(~self.frame.all(axis=1 - axis))
 
     def edges(self) -> tuple[Array, Array]:
-        """The lines between cells, metres: x of shape (n_x + 1,) and y of shape (n_y + 1,)."""
+        """Coordinates of the cell edges, metres: x of shape (n_x + 1,) and y of shape (n_y + 1,)."""
         return _edges(self.shape[0], self.block_width), _edges(self.shape[1], self.block_width)
 
     def level_counts(self) -> dict[int, int]:
-        """How many blocks there are of each level, frames left out; lowest level first."""
+        """The number of blocks of each level, without frames; lowest level first."""
         counts = np.bincount(self.levels[~self.frame])
         return {int(level): int(counts[level]) for level in np.flatnonzero(counts)}
 
     def pallets(self, chunk_size: int) -> Iterator[Pallet]:
-        """Its chunks one by one, each with the frame cells beside it."""
+        """The chunks of the field, each with its adjacent frame cells."""
         cuts_x, cuts_y = (_cuts(self.inside(axis), chunk_size) for axis in (0, 1))
         middle_x, middle_y = ((cuts[1:] + cuts[:-1] - cuts[-1]) / 2 * self.block_width for cuts in (cuts_x, cuts_y))
         for i, x in enumerate(middle_x):
@@ -120,10 +124,34 @@ class StepField:
                 part = slice(cuts_x[i], cuts_x[i + 1]), slice(cuts_y[j], cuts_y[j + 1])
                 yield Pallet(chunk=(i, j), centre=(float(x), float(y)), field=self._part(part))
 
-    def _frame_stands(self, part: Window) -> bool:
+    def mesh(self, kind: str = "merged") -> Mesh:
+        """The field as a mesh: `merged` (its visible surface), `watertight` (closed) or `blocks` (nothing merged)."""
+        from rsegen.geometry import whole_mesh
+
+        return whole_mesh(self, kind)
+
+    def boxes(self) -> Boxes:
+        """The field as few axis-aligned boxes that fill its blocks and frames and do not overlap."""
+        from rsegen.geometry import boxes
+
+        return boxes(self)
+
+    def preview(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+        """The plan and a 3D view of the field as the bytes of an image file, PNG by default."""
+        from rsegen.exporters.pictures.field_picture import field_preview
+
+        return field_preview(self, format)
+
+    def _repr_png_(self) -> bytes:
+        """A small plan, which notebooks show."""
+        from rsegen.exporters.pictures.field_picture import ColouredField, thumbnail
+
+        return thumbnail(ColouredField(field=self))
+
+    def _frame_stands(self, part: CellWindow) -> bool:
         return bool(round(self.frame_height, NANOMETRE_DIGITS) and self.frame[part].any())
 
-    def _part(self, part: Window) -> StepField:
+    def _part(self, part: CellWindow) -> StepField:
         return StepField(
             levels=self.levels[part],
             frame=self.frame[part],
@@ -135,7 +163,7 @@ class StepField:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Pallet:
-    """One chunk of a map as a field of its own: its place among the chunks, and its centre in metres."""
+    """One chunk of a map as a field of its own, with its chunk indices and its centre in metres."""
 
     chunk: tuple[int, int]
     centre: tuple[float, float]
@@ -143,7 +171,7 @@ class Pallet:
 
 
 def framed(blocks: Levels, chunk_size: int, boundary: str) -> tuple[Levels, Mask]:
-    """Levels and frame of the whole map, from its blocks of shape (M_x * L, M_y * L).
+    """Levels and frame mask of the whole map, from its blocks of shape (M_x * L, M_y * L).
 
     `divided` puts a frame round every chunk, `outer` one round the map, `none` none; a frame is one cell deep.
     """
@@ -158,13 +186,13 @@ def framed(blocks: Levels, chunk_size: int, boundary: str) -> tuple[Levels, Mask
 
 
 def _inside(cells: int, period: int) -> Mask:
-    """Along one axis: false for a frame cell before and after every `period` cells, true for the cells themselves."""
+    """Per index along one axis: true for blocks, false for the frame before and after every `period` blocks."""
     period = min(cells, period)
     return np.tile(np.array([False, *[True] * period, False]), cells // period)
 
 
 def _cuts(inside: Mask, chunk_size: int) -> NDArray[np.intp]:
-    """Where one axis is cut into chunks: after every `chunk_size` inside cells and their frame cell, if any."""
+    """Where one axis is split into chunks: after every `chunk_size` blocks and their frame cell, if any."""
     ends = np.flatnonzero(inside)[chunk_size - 1 :: chunk_size] + 1
     last = len(inside)
     framed_between = len(ends) > 1 and not inside[min(ends[0], last - 1)]

@@ -1,13 +1,14 @@
-"""From a step field to geometry: meshes and boxes of a map."""
+"""Meshes and boxes of a step field."""
 
 from collections.abc import Iterator
 
-from rsegen.field.stepfield import StepField, Window
-from rsegen.geometry.blocks import blocks
-from rsegen.geometry.boxes import Boxes, boxes, single_boxes
+from rsegen.errors import UnknownName
+from rsegen.field.stepfield import CellWindow, StepField
+from rsegen.geometry.boxes import Boxes, box_per_block, boxes
+from rsegen.geometry.label_grid import split_window
 from rsegen.geometry.mesh import NORMALS, Mesh
-from rsegen.geometry.relief import windows
 from rsegen.geometry.surface import surface
+from rsegen.geometry.unmerged import unmerged
 from rsegen.geometry.watertight import watertight
 
 __all__ = [
@@ -15,24 +16,36 @@ __all__ = [
     "PIECE",
     "Boxes",
     "Mesh",
-    "blocks",
+    "box_per_block",
     "boxes",
     "meshes",
-    "single_boxes",
+    "split_window",
     "surface",
+    "unmerged",
     "watertight",
-    "windows",
+    "whole_mesh",
 ]
 
 PIECE = 512
-"""Side of the pieces, in cells, that large maps are made in, so that memory does not grow with the map."""
+"""Side of the pieces, in cells, that large maps are split into, so that memory does not grow with the map."""
 
 
-def meshes(field: StepField, mesh: str, window: Window | None = None) -> Iterator[Mesh]:
-    """A field, or a window of it, as a recipe's `mesh` says; large ones in pieces, but for a watertight mesh."""
+MESHES = {"merged": surface, "watertight": watertight, "blocks": unmerged}
+"""What makes a mesh of a field, by the name that a recipe's `mesh` gives it."""
+
+
+def meshes(field: StepField, mesh: str, window: CellWindow | None = None) -> Iterator[Mesh]:
+    """A field, or a window of it, as the recipe's `mesh` says; large fields in pieces, except watertight ones."""
     if mesh == "watertight":
         yield watertight(field)
         return
-    piece = {"merged": surface, "blocks": blocks}[mesh]
-    for part in windows(window or field.whole, PIECE):
+    piece = {"merged": surface, "blocks": unmerged}[mesh]
+    for part in split_window(window or field.whole, PIECE):
         yield piece(field, part)
+
+
+def whole_mesh(field: StepField, mesh: str) -> Mesh:
+    """A field as one mesh of the kind `mesh`, or an UnknownName that lists the kinds."""
+    if mesh not in MESHES:
+        raise UnknownName.among("mesh", "mesh", mesh, MESHES)
+    return MESHES[mesh](field)

@@ -1,9 +1,9 @@
-"""Where a plane of squares is cut: first for the fewest rectangles, then for the shortest seams.
+"""The cuts that partition a rectilinear polygon into few rectangles, with short seams.
 
-A plane has to be cut at each of its concave corners, and a cut that joins two of them, a chord, saves one rectangle.
-The fewest rectangles come from the most chords of which no two meet (Ohtsuki 1982; Ferrari, Sankar and Sklansky 1984).
-Of chords that meet, those that meet fewest others go first, and short ones before long ones; that is the most, or
-nearly. Corners without a chord are cut the shorter way. Short seams leave large rectangles whole:
+A polygon must be cut at each of its concave corners, and a cut that joins two of them, a good chord, saves a rectangle.
+The fewest rectangles result from a maximum set of chords of which no two intersect (Ohtsuki 1982; Ferrari, Sankar and
+Sklansky 1984). It is found greedily, by fewest intersections, then by length, and is maximum or nearly so. Corners
+without a chord are cut in the direction of the shorter cut. Short seams leave large rectangles whole:
 
        _    _              _    _                  _    _
      _| |__| |_          _|_|__|_|_              _| |__| |_
@@ -22,9 +22,9 @@ from rsegen.field.stepfield import Ints, Mask
 
 
 class _Runs(NamedTuple):
-    """Straight ways inside a plane from rim to rim: from corner `start` over `length` squares, each `step` corners on.
+    """Straight segments inside a polygon from boundary to boundary: from corner `start` over `length` squares.
 
-    Corners of squares are numbered row by row, (n_u + 1, n_v + 1).
+    Corners of squares are numbered row by row, (n_u + 1, n_v + 1); `step` is the difference to the next one.
     """
 
     start: Ints
@@ -39,35 +39,35 @@ class _Runs(NamedTuple):
         return _Runs(self.start[which], self.length[which], self.step)
 
     def corners(self, *, last: bool) -> tuple[Ints, Ints]:
-        """Of each run every corner in turn, with or without the last, and the number of the run that it belongs to."""
-        run, along = spread(self.length + last)
+        """Every corner of each run in turn, with or without the last, and the number of its run."""
+        run, along = ragged(self.length + last)
         return self.start[run] + along * self.step, run
 
 
-def spread(counts: Ints) -> tuple[Ints, Ints]:
-    """So many entries for each count: whose each is, and its place among them. [2, 3] gives 0 0 1 1 1 and 0 1 0 1 2."""
+def ragged(counts: Ints) -> tuple[Ints, Ints]:
+    """Ragged indices: for [2, 3] the groups 0 0 1 1 1 and the positions within them 0 1 0 1 2."""
     whose = np.repeat(np.arange(len(counts)), counts)
     return whose, np.arange(len(whose)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
-def walls(labels: Ints) -> Mask:
-    """Which neighbours along v a cut along u goes between: (n_u, n_v - 1). Labels (n_u, n_v); 0 is nothing."""
+def cuts_along_u(labels: Ints) -> Mask:
+    """Where cuts along u separate neighbours along v: (n_u, n_v - 1). Labels (n_u, n_v); 0 is empty."""
     n_u, n_v = labels.shape
     concave, along_u, along_v = _runs(labels)
     wall = np.zeros((n_u + 1) * (n_v + 1), dtype=bool)
     if not concave.any():
         return wall.reshape(n_u + 1, n_v + 1)[:-1, 1:-1]
-    kept_u, kept_v = _apart(_chords(along_u, concave), _chords(along_v, concave), len(wall))
+    kept_u, kept_v = _independent_chords(_chords(along_u, concave), _chords(along_v, concave), len(wall))
     wall[kept_u.corners(last=False)[0]] = True
     for chords in (kept_u, kept_v):
         concave[chords.start] = concave[chords.end] = False
-    for cut in _shorter_ways(concave, along_u, along_v, kept_v):
+    for cut in _shorter_cuts(concave, along_u, along_v, kept_v):
         wall[cut.corners(last=False)[0]] = True
     return wall.reshape(n_u + 1, n_v + 1)[:-1, 1:-1]
 
 
 def _runs(labels: Ints) -> tuple[Mask, _Runs, _Runs]:
-    """The concave corners, and all runs along u and along v. Between two squares of one label a way is inside."""
+    """The concave corners, and all runs along u and along v; a run is between squares of one label."""
     around = np.zeros([cells + 2 for cells in labels.shape], dtype=labels.dtype)
     around[1:-1, 1:-1] = labels
     there = around != 0
@@ -89,8 +89,8 @@ def _chords(runs: _Runs, concave: Mask) -> _Runs:
     return runs.rows(concave[runs.start] & concave[runs.end])
 
 
-def _apart(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_Runs, _Runs]:
-    """Chords of which no two meet, as many as can easily be had."""
+def _independent_chords(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_Runs, _Runs]:
+    """A large set of chords of which no two intersect, found greedily."""
     if not (len(along_u.start) and len(along_v.start)):
         return along_u, along_v
     on = np.full(corners, -1, dtype=np.int32)
@@ -99,15 +99,15 @@ def _apart(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_Runs, _Runs]:
     at, a = along_u.corners(last=True)
     b = on[at]
     a, b = a[b >= 0], b[b >= 0] + len(along_u.start)
-    kept = _independent(a, b, np.concatenate([along_u.length, along_v.length]))
+    kept = _independent_set(a, b, np.concatenate([along_u.length, along_v.length]))
     return along_u.rows(kept[: len(along_u.start)]), along_v.rows(kept[len(along_u.start) :])
 
 
-def _independent(a: Ints, b: Ints, lengths: Ints) -> Mask:
-    """Which chords stay, of a number of chords of which a[k] and b[k] meet.
+def _independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
+    """A large independent set of chords, of which a[k] and b[k] intersect.
 
-    Taking one that meets a single other is never wrong; where there is none, one that meets fewer than all that it
-    meets is taken, or as many and is shorter.
+    Keeping a chord that intersects only one other is always optimal; if there is none, a chord is kept that intersects
+    fewer others than its neighbours do, or as many and is shorter.
     """
     kept = np.ones(len(lengths), dtype=bool)
     rank = np.empty(len(lengths), dtype=np.int64)
@@ -129,8 +129,8 @@ def _independent(a: Ints, b: Ints, lengths: Ints) -> Mask:
     return kept
 
 
-def _shorter_ways(concave: Mask, along_u: _Runs, along_v: _Runs, kept_v: _Runs) -> tuple[_Runs, _Runs]:
-    """The cuts along u of the corners that are nearer to the rim along u than along v; they end at a kept chord."""
+def _shorter_cuts(concave: Mask, along_u: _Runs, along_v: _Runs, kept_v: _Runs) -> tuple[_Runs, _Runs]:
+    """The cuts along u of the corners whose cut along u is shorter than along v; they end at a kept chord."""
     reach = np.zeros(len(concave), dtype=np.int32)
     reach[along_v.start] = reach[along_v.end] = along_v.length
     stop = np.zeros(len(concave), dtype=bool)
@@ -143,9 +143,9 @@ def _shorter_ways(concave: Mask, along_u: _Runs, along_v: _Runs, kept_v: _Runs) 
 
 
 def _until(stop: Mask, runs: _Runs) -> _Runs:
-    """Every run as far as the first corner where it must stop."""
+    """Every run, shortened to the first corner at which it must stop."""
     if not len(runs.start):
         return runs
-    run, along = spread(runs.length + 1)
+    run, along = ragged(runs.length + 1)
     reached = np.where(stop[runs.start[run] + along * runs.step], along, runs.length[run])
     return runs._replace(length=np.minimum.reduceat(reached, np.flatnonzero(along == 0)))

@@ -1,4 +1,4 @@
-"""Faces on the grid of a field, as they are gathered: a corner is one number, until all are welded to a mesh."""
+"""Faces on a lattice, with one number per corner, until they are welded to a mesh."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rsegen.geometry.rectangles import Rectangles
 
 
 class Faces(NamedTuple):
-    """corners: (m, 3 or 4) numbers of places on a lattice, in turn; normals: rows of NORMALS; materials."""
+    """Faces: corners (m, 3 or 4), numbers of lattice points in order; normals (m,), rows of NORMALS; materials (m,)."""
 
     corners: Ints
     normals: Ints
@@ -24,37 +24,37 @@ class Faces(NamedTuple):
 
     @classmethod
     def joined(cls, parts: Iterable[Faces]) -> Faces:
-        """All of them, in the order of their materials."""
+        """All faces of the parts, sorted by material."""
         faces = cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
         return faces.rows(np.argsort(faces.materials, kind="stable"))
 
     def rows(self, which: Ints) -> Faces:
-        """Some of them, by number."""
+        """The faces of these indices."""
         return Faces(self.corners[which], self.normals[which], self.materials[which])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Lattice:
-    """All places where lines along x, y and z meet, numbered row by row; metres."""
+    """The intersections of lines along x, y and z, numbered row by row; coordinates in metres."""
 
     lines: tuple[Array, Array, Array]
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """How many lines there are along each axis."""
+        """The number of lines along each axis."""
         n_x, n_y, n_z = map(len, self.lines)
         return n_x, n_y, n_z
 
     @property
     def steps(self) -> tuple[int, int, int]:
-        """From a place to the next along each axis."""
+        """The difference between the numbers of neighbouring points along each axis."""
         _, n_y, n_z = self.shape
         return n_y * n_z, n_z, 1
 
-    def ring(self, found: Rectangles, axes: tuple[int, int], at: Ints) -> Ints:
-        """The corners (m, 4) of rectangles whose u and v run along two axes, at a number of the third axis each.
+    def corners_of(self, found: Rectangles, axes: tuple[int, int], at: Ints) -> Ints:
+        """The corners (m, 4) of rectangles along the axes u and v, each at an index of the third axis.
 
-        In turn from u to v.
+        The corners turn from u to v.
         """
         step_u, step_v, step_at = (self.steps[axis] for axis in (*axes, 3 - sum(axes)))
         small = prod(self.shape) < 2**31
@@ -66,12 +66,12 @@ class Lattice:
         return corners
 
     def weld(self, faces: Faces) -> Mesh:
-        """The mesh of faces: every place that is used becomes one vertex."""
+        """The mesh of faces, with one vertex per lattice point that is used."""
         places, numbers = welded(faces.corners, prod(self.shape))
         return self.mesh(faces._replace(corners=numbers), places)
 
     def mesh(self, faces: Faces, places: Ints) -> Mesh:
-        """The mesh of faces whose corners are numbers of vertices at the given places."""
+        """The mesh of faces whose corners are vertex numbers, with the lattice point of each vertex."""
         return Mesh(
             lines=self.lines,
             places=np.stack(self.unravelled(places), axis=-1).astype(np.int32),
@@ -81,18 +81,18 @@ class Lattice:
         )
 
     def unravelled(self, places: Ints) -> tuple[Ints, Ints, Ints]:
-        """Their lines along x, y and z."""
+        """The indices along x, y and z of lattice points."""
         across, z = np.divmod(places, self.shape[2])
         x, y = np.divmod(across, self.shape[1])
         return x, y, z
 
 
 _LARGEST_TABLE = 2**25
-"""Entries, of 5 bytes each; what would need a larger one is sorted."""
+"""Entries of 5 bytes each; larger inputs are sorted."""
 
 
 def welded(corners: Ints, possible: int) -> tuple[Ints, NDArray[np.int32]]:
-    """Every number below `possible` that comes, once and sorted; and which of them each corner is."""
+    """The unique numbers below `possible` in order, and the index among them of each corner."""
     if possible > min(64 * corners.size, _LARGEST_TABLE):
         found, numbers = np.unique(corners, return_inverse=True)
         return found, numbers.reshape(corners.shape).astype(np.int32)

@@ -1,4 +1,4 @@
-"""A mesh of faces that stand along the axes."""
+"""A mesh whose faces are perpendicular to the axes."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 from rsegen.field.stepfield import Array, Mask
 
 NORMALS = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
-"""The directions that a face may look in: +x, -x, +y, -y, +z, -z."""
+"""The normals that a face can have: +x, -x, +y, -y, +z, -z."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Mesh:
-    """Faces (m, 4) or (m, 3) of vertex numbers, counterclockwise seen from outside, in the order of their materials.
+    """Faces (m, 4) or (m, 3) of vertex numbers, counterclockwise seen from outside, sorted by material.
 
-    lines: the few different x, y and z that vertices have, metres; places: (n, 3) where in them each vertex is.
-    normals: (m,) row of NORMALS for each face; materials: (m,) 0 for a frame, else the level whose block it belongs to.
+    lines: the distinct x, y and z coordinates of vertices, metres; places: (n, 3), the indices of each vertex in them.
+    normals: (m,) row of NORMALS of each face; materials: (m,) 0 for a frame, else the level of the block.
     """
 
     lines: tuple[Array, Array, Array]
@@ -33,16 +33,16 @@ class Mesh:
 
     @property
     def vertices(self) -> Array:
-        """(n, 3), metres."""
+        """Coordinates of the vertices, (n, 3), metres."""
         return np.stack([line[at] for line, at in zip(self.lines, self.places.T, strict=True)], axis=1)
 
     @property
     def triangles(self) -> NDArray[np.int32]:
-        """Every face cut in triangles: (2 m, 3), or (m, 3) where they are triangles already."""
+        """The faces as triangles: (2 m, 3), or (m, 3) if the faces are triangles."""
         return self.faces if self.faces.shape[1] == 3 else self.faces[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
 
     def part(self, which: Mask) -> Mesh:
-        """Some of its faces, (m,), with the vertices that these use."""
+        """The mesh of the faces in a mask (m,), with the vertices that they use."""
         used, corners = np.unique(self.faces[which], return_inverse=True)
         return replace(
             self,

@@ -1,7 +1,7 @@
-"""Merging equal squares of a grid into few rectangles with short seams.
+"""Partition of a grid of labels into few rectangles of one label, with short seams.
 
-labels of shape (n_u, n_v): squares of one label that touch are one plane, 0 is nothing. A plane is cut along v at every
-concave corner that `chords.walls` does not cut along u; what is left between the cuts are rectangles.
+labels of shape (n_u, n_v): adjacent squares of one label are one polygon, 0 is empty. A polygon is cut along v at every
+concave corner that `chords.cuts_along_u` does not cut along u; the parts between the cuts are rectangles.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.field.stepfield import Ints
-from rsegen.geometry.chords import walls
+from rsegen.geometry.chords import cuts_along_u
 
 
 class Rectangles(NamedTuple):
-    """The squares u0 <= u < u1, v0 <= v < v1 that have one label, one array entry a rectangle."""
+    """Rectangles of squares u0 <= u < u1, v0 <= v < v1 of one label, one array entry per rectangle."""
 
     label: Ints
     u0: Ints
@@ -25,13 +25,13 @@ class Rectangles(NamedTuple):
     v1: Ints
 
     def rows(self, which: NDArray[np.intp] | NDArray[np.bool_]) -> Rectangles:
-        """Some of them, by number or by mask."""
+        """The rectangles of these indices, or of a mask."""
         return Rectangles(*(column[which] for column in self))
 
 
 def merge(labels: Ints) -> Rectangles:
-    """Rectangles that cover every labelled square once; nearly the fewest that there can be."""
-    wall = walls(labels)
+    """Rectangles that cover every labelled square once; the minimum number or nearly so."""
+    wall = cuts_along_u(labels)
     there, apart = labels != 0, labels[:, 1:] != labels[:, :-1]
     begins, ends = there.copy(), there.copy()
     begins[:, 1:] &= apart | wall
@@ -40,7 +40,7 @@ def merge(labels: Ints) -> Rectangles:
 
 
 def _stacked(labels: Ints, begins: NDArray[np.bool_], ends: NDArray[np.intp]) -> Rectangles:
-    """Strips along v, from where one begins to where it ends; equal ones in successive rows are one rectangle."""
+    """Rectangles from strips along v, given by where they begin and end; equal strips in successive rows merge."""
     n_u, n_v = labels.shape
     starts = np.flatnonzero(begins)
     lengths = np.zeros(labels.size, dtype=np.int32)
@@ -58,10 +58,10 @@ def _stacked(labels: Ints, begins: NDArray[np.bool_], ends: NDArray[np.intp]) ->
 
 
 def merge_hanging(strips: Rectangles) -> Rectangles:
-    """The fewest rectangles of strips that hang side by side from one height, v1, down to v0.
+    """The fewest rectangles for strips that hang side by side from one height, v1, down to v0.
 
-    strips: sorted by label and u0; no two that touch are equal in v0. Between two that end at one height what hangs
-    lower is cut off, so that they become one:
+    strips: sorted by label and u0; adjacent ones differ in v0. Between two strips that end at one height, the part of
+    the others below that height is cut off, so that the rest merges:
 
          _______________            _______________
         |   |   |   |   |          |           |   |
@@ -71,7 +71,7 @@ def merge_hanging(strips: Rectangles) -> Rectangles:
     """
     done = []
     while True:
-        hopeful = _has_twins(strips)
+        hopeful = _has_equal_depths(strips)
         done.append(strips.rows(~hopeful))
         strips = strips.rows(hopeful)
         if not len(strips.label):
@@ -83,12 +83,12 @@ def merge_hanging(strips: Rectangles) -> Rectangles:
 
 
 def _touching(strips: Rectangles) -> NDArray[np.bool_]:
-    """Between each strip and the next: do they hang side by side?"""
+    """Whether each strip and the next are adjacent."""
     return np.asarray((strips.label[1:] == strips.label[:-1]) & (strips.u0[1:] == strips.u1[:-1]))
 
 
 def _neighbours(strips: Rectangles) -> tuple[Ints, Ints]:
-    """How far down the strips beside each hang, before it and after it; v1 where there is none."""
+    """The v0 of the strips before and after each; v1 if there is none."""
     touching = _touching(strips)
     before, after = strips.v1.copy(), strips.v1.copy()
     before[1:][touching] = strips.v0[:-1][touching]
@@ -97,14 +97,14 @@ def _neighbours(strips: Rectangles) -> tuple[Ints, Ints]:
 
 
 def _joined(strips: Rectangles) -> Rectangles:
-    """Strips that touch and hang equally far down, as one."""
+    """The strips, with adjacent ones of equal v0 merged."""
     begins = np.ones(len(strips.label) + 1, dtype=bool)
     begins[1:-1] = ~_touching(strips) | (strips.v0[1:] != strips.v0[:-1])
     return strips.rows(begins[:-1])._replace(u1=strips.u1[begins[1:]])
 
 
-def _has_twins(strips: Rectangles) -> NDArray[np.bool_]:
-    """Which strips are in a row of at least three, two of which hang equally far down."""
+def _has_equal_depths(strips: Rectangles) -> NDArray[np.bool_]:
+    """Which strips are in a row of at least three, two of which have the same v0."""
     row = np.zeros(len(strips.label), dtype=np.int64)
     np.cumsum(~_touching(strips), out=row[1:])
     long: NDArray[np.bool_] = np.bincount(row)[row] >= 3

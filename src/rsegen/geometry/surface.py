@@ -1,6 +1,6 @@
-"""The exposed surface of a step field: tops and risers, merged, welded, outward.
+"""The visible surface of a step field: tops and risers, merged and welded, with outward normals.
 
-Nothing faces down and nothing lies at z = 0, where the ground is. A riser belongs to the higher of its two cells:
+There are no faces downward and none at z = 0, where the ground is. A riser belongs to the higher of its two cells:
 
          ____
         |top |      level 2: top at rank 2, riser from rank 1 to 2
@@ -12,47 +12,46 @@ from __future__ import annotations
 
 import numpy as np
 
-from rsegen.field.stepfield import Ints, StepField, Window
+from rsegen.field.stepfield import CellWindow, Ints, StepField
 from rsegen.geometry.faces import Faces
+from rsegen.geometry.label_grid import LabelGrid, label_grid
 from rsegen.geometry.mesh import Mesh
 from rsegen.geometry.rectangles import Rectangles, merge, merge_hanging
-from rsegen.geometry.relief import Relief, relief
 
 
-def surface(field: StepField, window: Window | None = None) -> Mesh:
-    """The mesh of a field, or of those of its cells in a window; empty where all of them are at level 0."""
-    ground = relief(field, window)
-    return ground.lattice.weld(Faces.joined([tops(ground), risers(ground, axis=0), risers(ground, axis=1)]))
+def surface(field: StepField, window: CellWindow | None = None) -> Mesh:
+    """The surface mesh of a field, or of the cells of a window; empty if all of them are at level 0."""
+    grid = label_grid(field, window)
+    return grid.lattice.weld(Faces.joined([tops(grid), risers(grid, axis=0), risers(grid, axis=1)]))
 
 
-def tops(ground: Relief) -> Faces:
-    """What looks up; one plane for each height and material that touch."""
-    found = merge(ground.cells)
-    height, material = np.divmod(found.label, ground.kinds)
-    return Faces(ground.lattice.ring(found, (0, 1), height), np.full(len(material), 4), material)
+def tops(grid: LabelGrid) -> Faces:
+    """The horizontal faces; one polygon per connected area of one height and material, split into rectangles."""
+    found = merge(grid.cells)
+    height, material = np.divmod(found.label, grid.materials)
+    return Faces(grid.lattice.corners_of(found, (0, 1), height), np.full(len(material), 4), material)
 
 
-def risers(ground: Relief, axis: int) -> Faces:
-    """What looks along an axis, forward or back; u runs across it, v upward."""
-    labels = ground.labels if axis == 0 else ground.labels.T
-    strips, sides = _strips(labels[:, 1:-1], ground)
+def risers(grid: LabelGrid, axis: int) -> Faces:
+    """The vertical faces with normals along an axis, in both directions; u runs across it, v upward."""
+    labels = grid.labels if axis == 0 else grid.labels.T
+    strips, sides = _strips(labels[:, 1:-1], grid)
     found = merge_hanging(strips)
     line, side = np.divmod(found.label, sides)
     owner, back = np.divmod(side, 2)
-    corners = ground.lattice.ring(found, (1 - axis, 2), line)
+    corners = grid.lattice.corners_of(found, (1 - axis, 2), line)
     inward = (back == 1) == (axis == 0)
     corners[inward] = corners[inward, ::-1]
-    return Faces(corners, 2 * axis + back, owner % ground.kinds)
+    return Faces(corners, 2 * axis + back, owner % grid.materials)
 
 
-def _strips(labels: Ints, ground: Relief) -> tuple[Rectangles, int]:
-    """Risers between neighbours along the first array axis, joined where they are equal; u along the second.
+def _strips(labels: Ints, grid: LabelGrid) -> tuple[Rectangles, int]:
+    """Risers between neighbours along the first array axis, merged if equal, u along the second; and the side count.
 
-    Their label is line * sides + side, where side is 2 * the label of the higher cell, plus 1 where they look back; and
-    the number of sides.
+    Their label is line * sides + side, and side is 2 * the label of the higher cell, plus 1 if they face backward.
     """
-    ranks = len(ground.lattice.lines[2])
-    rank = labels // ground.kinds
+    ranks = len(grid.lattice.lines[2])
+    rank = labels // grid.materials
     forward, back = rank[:-1] > rank[1:], rank[:-1] < rank[1:]
     forward[0] = back[-1] = False  # the higher cell is outside the window
     side = np.where(forward, 2 * labels[:-1], np.where(back, 2 * labels[1:] + 1, 0)).astype(np.int64)
@@ -64,6 +63,6 @@ def _strips(labels: Ints, ground: Relief) -> tuple[Rectangles, int]:
     starts, stops = np.flatnonzero(begins), np.flatnonzero(ends) + 1
     line, u0 = np.divmod(starts, kind.shape[1])
     side, low = np.divmod(kind.ravel()[starts], ranks)
-    sides = 2 * ground.kinds * ranks
-    top = side // 2 // ground.kinds
+    sides = 2 * grid.materials * ranks
+    top = side // 2 // grid.materials
     return Rectangles(line * sides + side, u0, stops - line * kind.shape[1], low, top), sides

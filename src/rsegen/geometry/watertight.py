@@ -1,10 +1,10 @@
-"""The closed surface of a step field: no gap, no corner in the middle of an edge, the volume of its blocks.
+"""The watertight surface of a step field: no gaps, no T-junctions, the volume of its blocks.
 
-Every rectangle of the merged surface, and of the bottoms at z = 0, is cut into triangles between all corners that lie
-on its sides, so that triangles meet edge to edge (no T-junctions); corners that are not needed are then taken out.
+Every rectangle of the merged surface, and of the bottoms at z = 0, is triangulated with all corners that lie on its
+sides, so that triangles meet edge to edge (no T-junctions); removable vertices are then decimated.
 
-Where two blocks touch along a vertical edge alone, each has vertices of its own there: four faces at one edge would be
-no surface of a solid.
+If two blocks touch only along a vertical edge, each has vertices of its own there: an edge with four faces would not be
+manifold.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.field.stepfield import Ints, Mask, StepField
-from rsegen.geometry.chords import spread
+from rsegen.geometry.chords import ragged
+from rsegen.geometry.decimation import decimated
 from rsegen.geometry.faces import Faces, Lattice, welded
+from rsegen.geometry.label_grid import LabelGrid, label_grid
 from rsegen.geometry.mesh import Mesh
 from rsegen.geometry.rectangles import merge
-from rsegen.geometry.relief import Relief, relief
-from rsegen.geometry.sparing import without_needless
 from rsegen.geometry.surface import risers, tops
 
 
 class _Outlines(NamedTuple):
-    """Points around rings in turn: what each is, where the next is, which ring it is of and on which side (0..3).
+    """Points around rectangles in order: the point, the index of the next, the rectangle (ring), and its side (0..3).
 
-    first: (rings, 4) where the points of each side begin, with a corner of the ring.
+    first: (rings, 4), where the points of each side begin, with a corner of the rectangle.
     """
 
     point: Ints
@@ -38,41 +38,41 @@ class _Outlines(NamedTuple):
 
 
 def watertight(field: StepField) -> Mesh:
-    """The closed mesh of a field, in triangles; empty where every cell is at level 0."""
-    ground = relief(field)
-    rings = Faces.joined([tops(ground), bottoms(ground), risers(ground, axis=0), risers(ground, axis=1)])
-    triangles, ring = _fans(_outlines(rings, ground))
-    points, corners = welded(triangles, 2 * prod(ground.lattice.shape))
+    """The watertight mesh of a field, in triangles; empty if every cell is at level 0."""
+    grid = label_grid(field)
+    rings = Faces.joined([tops(grid), bottoms(grid), risers(grid, axis=0), risers(grid, axis=1)])
+    triangles, ring = _fans(_outlines(rings, grid))
+    points, corners = welded(triangles, 2 * prod(grid.lattice.shape))
     faces = rings.rows(ring)._replace(corners=corners)
-    faces = without_needless(faces, ground.lattice.mesh(faces, points // 2).vertices)
+    faces = decimated(faces, grid.lattice.mesh(faces, points // 2).vertices)
     used, corners = welded(faces.corners, len(points))
-    return ground.lattice.mesh(faces._replace(corners=corners), points[used] // 2)
+    return grid.lattice.mesh(faces._replace(corners=corners), points[used] // 2)
 
 
-def bottoms(ground: Relief) -> Faces:
-    """What looks down, at z = 0: one plane wherever blocks touch; all of it in the material of the lowest of them."""
-    found = merge((ground.cells != 0).astype(np.int8))
-    ring = ground.lattice.ring(found, (0, 1), np.zeros_like(found.u0))[:, ::-1]
-    material = (ground.cells[ground.cells != 0] % ground.kinds).min(initial=ground.kinds)
+def bottoms(grid: LabelGrid) -> Faces:
+    """The faces downward at z = 0, one polygon per connected area; all have the material of the lowest block."""
+    found = merge((grid.cells != 0).astype(np.int8))
+    ring = grid.lattice.corners_of(found, (0, 1), np.zeros_like(found.u0))[:, ::-1]
+    material = (grid.cells[grid.cells != 0] % grid.materials).min(initial=grid.materials)
     return Faces(ring, np.full(len(ring), 5), np.full(len(ring), material))
 
 
-def _outlines(rings: Faces, ground: Relief) -> _Outlines:
-    """The rings, with every corner of any ring that lies on their sides. A point is 2 * its place + its sheet."""
+def _outlines(rings: Faces, grid: LabelGrid) -> _Outlines:
+    """The rectangles with every corner of others on their sides. A point is 2 * its lattice point + its sheet."""
     corners = rings.corners.astype(np.int64)
-    places, count = _between(corners, ground.lattice)
+    places, count = _between(corners, grid.lattice)
     side = np.repeat(np.arange(corners.size), count)
     first = (np.cumsum(count) - count).reshape(corners.shape)
     after = np.arange(1, len(places) + 1)
     after[first[:, 0][1:] - 1] = first[:, 0][:-1]
     after[-1:] = first[-1:, 0]
-    beyond = _beyond(rings, ground.lattice).ravel()[side]
-    sheet = beyond & _pinched(places, ground)
+    beyond = _beyond(rings, grid.lattice).ravel()[side]
+    sheet = beyond & _pinched(places, grid)
     return _Outlines(2 * places + sheet, after, side // 4, side % 4, first)
 
 
 def _between(corners: Ints, lattice: Lattice) -> tuple[Ints, Ints]:
-    """The places along each side of the rings, from its own corner to before the next; and how many they are."""
+    """The lattice points along each side, from its first corner to before the next one, and their number per side."""
     starts, ends = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
     known = welded(starts, prod(lattice.shape))[0]
     begin, steps = np.zeros((2, len(starts)), dtype=np.int64)
@@ -85,19 +85,19 @@ def _between(corners: Ints, lattice: Lattice) -> tuple[Ints, Ints]:
         begin[here], steps[here] = at + axis * len(known), until - at
         sorted_along.append(known[order])
     count = np.abs(steps)
-    side, offset = spread(count)
+    side, offset = ragged(count)
     return np.concatenate(sorted_along)[begin[side] + offset * np.sign(steps)[side]], count
 
 
 def _key(places: Ints, axis: int, lattice: Lattice) -> Ints:
-    """A number for each place, in which those on one line along an axis follow one another."""
+    """A sort key of lattice points, in which points on one line along an axis are consecutive."""
     lines, shape = lattice.unravelled(places), lattice.shape
     one, other = (k for k in range(3) if k != axis)
     return (lines[one] * shape[other] + lines[other]) * shape[axis] + lines[axis]
 
 
 def _beyond(rings: Faces, lattice: Lattice) -> Mask:
-    """Whether the block that a corner belongs to lies beyond it along y: (m, 4)."""
+    """Whether the block of a corner lies on the side of larger y of it: (m, 4)."""
     y = lattice.unravelled(rings.corners)[1]
     found: Mask = y == y.min(axis=1, keepdims=True)
     found[rings.normals == 2] = False
@@ -105,16 +105,16 @@ def _beyond(rings: Faces, lattice: Lattice) -> Mask:
     return found
 
 
-def _pinched(places: Ints, ground: Relief) -> Mask:
-    """Where two blocks that lie across from one another touch, and the other two are lower."""
-    x, y, z = ground.lattice.unravelled(places)
-    top = ground.labels // ground.kinds
+def _pinched(places: Ints, grid: LabelGrid) -> Mask:
+    """Whether two diagonally opposite blocks touch at a point while the other two are lower."""
+    x, y, z = grid.lattice.unravelled(places)
+    top = grid.labels // grid.materials
     near_left, near_right, far_left, far_right = (top[x + i, y + j] >= np.maximum(z, 1) for i in (0, 1) for j in (0, 1))
     return np.asarray((near_left == far_right) & (near_right == far_left) & (near_left != near_right))
 
 
 def _fans(outline: _Outlines) -> tuple[Ints, Ints]:
-    """Triangles of every ring, and the ring of each.
+    """The triangles of every rectangle, and the rectangle of each.
 
     c3 ____.____ c2    The edges of each side and one point: on the left the first after c0, on the right the first
       |        |       after c2; below, without the first edge, c3; above, without the first edge, c1.

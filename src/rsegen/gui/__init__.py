@@ -1,1 +1,1 @@
-"""The window: a recipe made and looked at with the mouse. `session` knows no Qt."""
+"""The window: shape a map with the mouse and see it; model (no Qt), workers, widgets and dialogs, the window on top."""

@@ -1,4 +1,4 @@
-"""The program: one window, until it is closed."""
+"""The program `rsegen gui`: one window, until it is closed."""
 
 from __future__ import annotations
 
@@ -9,33 +9,32 @@ from pathlib import Path
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
-from rsegen.gui.files import choose_map
-from rsegen.gui.session import Session
+from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
 from rsegen.io.dataset.manifest import read_manifest
-from rsegen.io.dataset.naming import dataset_at
+from rsegen.io.dataset.map_reference import dataset_at
 from rsegen.recipe.examples import EXAMPLES
 
 
 def run(recipe: Path | None) -> int:
-    """Show the window, of a recipe or a map of a data set if one is given; gives the exit code."""
+    """Show the window until it is closed, with a recipe or a map of a data set if one is given; gives the exit code."""
     dataset = dataset_at(recipe) if recipe else None
     if dataset:
-        read_manifest(dataset)  # what is wrong with it is said without a window
-    session = _session_of(recipe) if recipe and not dataset else Session.new()
+        read_manifest(dataset)  # an invalid one is refused without a window
+    session = session_of(recipe) if recipe and not dataset else Session.new()
     application = QApplication(sys.argv[:1])
     application.setApplicationName("rsegen")
     window = Window(session)
     window.show()
     if dataset:
-        choose_map(window, dataset)
+        window.files.choose_map(dataset)
     signal.signal(signal.SIGINT, lambda *_: application.quit())
-    awake = QTimer(interval=200)  # Python hears of Ctrl-C only when it is asked something
-    awake.timeout.connect(lambda: None)
-    awake.start()
+    heartbeat = QTimer(interval=200)  # Python sees Ctrl-C only when one of its functions is called
+    heartbeat.timeout.connect(lambda: None)
+    heartbeat.start()
     return application.exec()
 
 
-def _session_of(recipe: Path) -> Session:
-    """A file is bound to the session; an example is copied, and stays as it is."""
+def session_of(recipe: Path) -> Session:
+    """A session that is bound to a recipe file; an example is copied instead, so that it stays unchanged."""
     return Session.copied(recipe) if recipe in EXAMPLES.values() else Session.opened(recipe)

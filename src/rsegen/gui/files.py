@@ -1,142 +1,142 @@
-"""Recipes, maps of data sets and heights: how they come into the window, are saved, and are remembered."""
+"""Opening and saving: recipes, maps of data sets and heights."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QSettings
 from PySide6.QtGui import QDropEvent
-from PySide6.QtWidgets import QFileDialog, QMenu, QMessageBox
+from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from rsegen.errors import RsegenError
-from rsegen.gui.dataset_dialog import DatasetDialog
-from rsegen.gui.reading import Reading
-from rsegen.gui.session import Session
+from rsegen.gui.dialogs.dataset import DatasetDialog
+from rsegen.gui.dialogs.example import ExampleDialog
+from rsegen.gui.dialogs.heights import HeightsDialog
+from rsegen.gui.model.document import Document
+from rsegen.gui.model.session import Session
+from rsegen.gui.widgets.recent_files import RecentFiles
 from rsegen.io.dataset.manifest import MANIFEST
-from rsegen.io.dataset.naming import dataset_at
-from rsegen.io.importers import FORMATS
-
-if TYPE_CHECKING:
-    from rsegen.gui.window import Window
+from rsegen.io.dataset.map_reference import dataset_at
+from rsegen.io.importers import IMPORTERS
 
 RECIPE_SUFFIXES = (".yaml", ".yml", ".json")
 RECIPES = f"Recipes ({' '.join('*' + suffix for suffix in RECIPE_SUFFIXES)})"
-REMEMBERED = 8
-"""So many recent files."""
 
 
-def replace_session(window: Window, make: Callable[[], Session]) -> bool:
-    """Another session, unless the present one is not saved and is to be kept, or there is none; whether it came."""
-    question = "The recipe is not saved. Leave it?"
-    if window.session.unsaved and QMessageBox.question(window, "rsegen", question) != QMessageBox.StandardButton.Yes:
-        return False
-    try:
-        window.take(make())
-    except RsegenError as error:
-        QMessageBox.warning(window, "rsegen", str(error))
-        return False
-    return True
+class Files:
+    """Opens files into a document and saves it; dialogs have `parent`, errors are shown in a message box."""
+
+    def __init__(self, document: Document, parent: QWidget) -> None:
+        self._document, self._parent = document, parent
+        self.recent = RecentFiles(parent)
+        self.recent.chosen.connect(self.open)
+
+    def new(self) -> None:
+        """Open a new recipe."""
+        self._replace(Session.new)
+
+    def may_leave(self, *, discard: bool = False) -> bool:
+        """Whether the open recipe may be left: it is saved, or the user says so; `discard` names the buttons so."""
+        standard = QMessageBox.StandardButton
+        yes, no = (standard.Discard, standard.Cancel) if discard else (standard.Yes, standard.No)
+        question = "The recipe is not saved. Leave it?"
+        return not self._document.session.unsaved or (
+            QMessageBox.question(self._parent, "rsegen", question, yes | no) == yes
+        )
+
+    def choose_example(self) -> None:
+        """Ask for an example, and open a copy of it."""
+        dialog = ExampleDialog(self._parent)
+        dialog.chosen.connect(lambda path: self._replace(partial(Session.copied, path)))
+        dialog.open()
+
+    def choose_file(self) -> None:
+        """Ask for a recipe, or for the manifest of a data set, and open it."""
+        title = "Open a recipe, or manifest.json of a data set"
+        name, _ = QFileDialog.getOpenFileName(self._parent, title, "", RECIPES)
+        if name:
+            self.open(Path(name))
+
+    def open(self, path: Path) -> None:
+        """Open and remember a recipe or DIR#17 of a data set; of a data set alone, ask for the map first."""
+        if folder := dataset_at(path):
+            self.choose_map(folder)
+        elif self._replace(partial(Session.opened, path)):
+            self.recent.remember(path)
+
+    def choose_dataset(self) -> None:
+        """Ask for a data set and one of its maps, and open that."""
+        name = QFileDialog.getExistingDirectory(self._parent, "Folder of a data set")
+        if name:
+            self.choose_map(Path(name))
+
+    def choose_map(self, folder: Path) -> None:
+        """Ask for a map of a data set, and open it."""
+        try:
+            dialog = DatasetDialog(folder.resolve(), self._parent)
+        except RsegenError as error:
+            self._show_error(error)
+            return
+        dialog.chosen.connect(self.open)
+        dialog.open()
+
+    def choose_heights(self) -> None:
+        """Ask for a file of heights, and read it."""
+        suffixes = " ".join(f"*{suffix}" for suffix in IMPORTERS)
+        filter_ = f"Tables, arrays, images, maps ({suffixes})"
+        name, _ = QFileDialog.getOpenFileName(self._parent, "Read heights", "", filter_)
+        if name:
+            self.read_heights(Path(name))
+
+    def read_heights(self, path: Path) -> None:
+        """Open a new recipe with the heights of a file, read by the options that a dialog asks for."""
+        dialog = HeightsDialog(self._parent, path)
+        if dialog.exec() and dialog.recipe:
+            self._replace(partial(Session.imported, dialog.recipe))
+
+    def open_dropped(self, path: Path) -> None:
+        """Open a recipe or a data set, or read heights."""
+        is_recipe = path.suffix.lower() in RECIPE_SUFFIXES or path.is_dir()
+        (self.open if is_recipe else self.read_heights)(path)
+
+    def save(self) -> None:
+        """Save the recipe to its file; ask for one if it has none."""
+        session = self._document.session
+        if session.path is None:
+            self.save_as()
+            return
+        try:
+            session.save(session.path)
+            self.recent.remember(session.path)
+        except RsegenError as error:
+            self._show_error(error)
+
+    def save_as(self) -> None:
+        """Ask for a file, and save the recipe to it."""
+        session = self._document.session
+        name, _ = QFileDialog.getSaveFileName(self._parent, "Save the recipe", f"{session.recipe.name}.yaml", RECIPES)
+        if name:
+            session.path = Path(name)
+            self.save()
+
+    def _replace(self, make: Callable[[], Session]) -> bool:
+        """Open another session if the present one may be left; gives whether it was opened."""
+        if not self.may_leave():
+            return False
+        try:
+            self._document.open(make())
+        except RsegenError as error:
+            self._show_error(error)
+            return False
+        return True
+
+    def _show_error(self, error: RsegenError) -> None:
+        QMessageBox.warning(self._parent, "rsegen", str(error))
 
 
-def choose_file(window: Window) -> None:
-    """Open a recipe, or the manifest of a data set, that is asked for."""
-    name, _ = QFileDialog.getOpenFileName(window, "Open a recipe, or manifest.json of a data set", "", RECIPES)
-    if name:
-        open_file(window, Path(name))
-
-
-def open_file(window: Window, path: Path) -> None:
-    """Open a recipe, or DIR#17 of a data set, and remember that; of a data set alone, ask which map."""
-    if folder := dataset_at(path):
-        choose_map(window, folder)
-    elif replace_session(window, partial(Session.opened, path)):
-        _remember(path)
-
-
-def choose_dataset(window: Window) -> None:
-    """Open a map of a data set; both are asked for."""
-    name = QFileDialog.getExistingDirectory(window, "Folder of a data set")
-    if name:
-        choose_map(window, Path(name))
-
-
-def choose_map(window: Window, folder: Path) -> None:
-    """Open a map of a data set, which is asked for."""
-    try:
-        dialog = DatasetDialog(folder.resolve(), window)
-    except RsegenError as error:
-        QMessageBox.warning(window, "rsegen", str(error))
-        return
-    dialog.chosen.connect(partial(open_file, window))
-    dialog.open()
-
-
-def choose_heights(window: Window) -> None:
-    """Read heights from a file that is asked for."""
-    suffixes = " ".join(f"*{suffix}" for suffix in FORMATS)
-    name, _ = QFileDialog.getOpenFileName(window, "Read heights", "", f"Tables, arrays, images, maps ({suffixes})")
-    if name:
-        read_heights(window, Path(name))
-
-
-def read_heights(window: Window, path: Path) -> None:
-    """A new recipe from heights, read as the dialog says."""
-    reading = Reading(window, path)
-    if reading.exec() and reading.recipe:
-        replace_session(window, partial(Session.imported, reading.recipe))
-
-
-def take_dropped(window: Window, path: Path) -> None:
-    """Open a recipe or a data set, or read heights."""
-    is_recipe = path.suffix.lower() in RECIPE_SUFFIXES or path.is_dir()
-    (open_file if is_recipe else read_heights)(window, path)
-
-
-def dropped(event: QDropEvent) -> Path | None:
-    """The recipe, data set or file of heights that is dragged, if it is one."""
+def dropped_path(event: QDropEvent) -> Path | None:
+    """The path that is dragged if it is a recipe, a data set or a file of heights."""
     paths = (Path(url.toLocalFile()) for url in event.mimeData().urls())
-    known = {*RECIPE_SUFFIXES, *FORMATS}
+    known = {*RECIPE_SUFFIXES, *IMPORTERS}
     return next((path for path in paths if path.suffix.lower() in known or (path / MANIFEST).is_file()), None)
-
-
-def save(window: Window) -> None:
-    """Write the recipe to its file."""
-    if window.session.path is None:
-        save_as(window)
-        return
-    try:
-        window.session.save(window.session.path)
-        _remember(window.session.path)
-    except RsegenError as error:
-        QMessageBox.warning(window, "rsegen", str(error))
-
-
-def save_as(window: Window) -> None:
-    """Write the recipe to a file that is asked for."""
-    name, _ = QFileDialog.getSaveFileName(window, "Save the recipe", f"{window.session.recipe.name}.yaml", RECIPES)
-    if name:
-        window.session.path = Path(name)
-        save(window)
-
-
-def _recent() -> list[str]:
-    found = QSettings("rsegen", "rsegen").value("recent")
-    return [found] if isinstance(found, str) else [str(name) for name in found] if isinstance(found, list) else []
-
-
-def _remember(path: Path) -> None:
-    names = [str(path.resolve()), *(name for name in _recent() if name != str(path.resolve()))]
-    QSettings("rsegen", "rsegen").setValue("recent", names[:REMEMBERED])
-
-
-def fill_recent(window: Window, menu: QMenu) -> None:
-    """The recent files, each of which opens itself."""
-    menu.clear()
-    for name in _recent():
-        menu.addAction(name, partial(open_file, window, Path(name)))
-    menu.setEnabled(True)
-    if menu.isEmpty():
-        menu.addAction("none yet").setEnabled(False)

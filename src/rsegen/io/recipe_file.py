@@ -1,4 +1,4 @@
-"""Recipe files on disk: YAML, or JSON where the name ends so. They come from strangers: nothing in them is trusted."""
+"""Reads and writes recipe files: JSON if the name ends in .json, else YAML. Nothing in them is trusted."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MAX_MIB = {".json": 64, ".yaml": 4}
 
 
 def load(path: str | Path) -> Recipe:
-    """The recipe in a YAML or JSON file; FileError where it cannot be read, ParameterError where a value is wrong."""
+    """The recipe in a YAML or JSON file; FileError if it cannot be read, ParameterError if a value is wrong."""
     path = Path(path)
     try:
         return decode(content(path))
@@ -28,14 +28,14 @@ def load(path: str | Path) -> Recipe:
 
 
 def content(path: Path) -> object:
-    """What a YAML or JSON file says, in plain values; FileError where it cannot be read."""
+    """The content of a YAML or JSON file as plain values; FileError if it cannot be read."""
     most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"])
     text = text_of(path, most, f"a recipe (JSON: up to {MAX_MIB['.json']} MiB)")
     return _parse_json(text, path) if path.suffix.lower() == ".json" else _parse_yaml(text, path)
 
 
 def save(recipe: Recipe, path: str | Path, *, force: bool = False) -> None:
-    """Write a recipe file, whole or not at all; an OutputError where it is there already, unless `force`."""
+    """Write a recipe file, whole or not at all; an OutputError if it exists already, unless `force`."""
     path = Path(path)
     text = to_json(recipe) if path.suffix.lower() == ".json" else to_yaml(recipe)
     write_file([text.encode()], path, force=force)
@@ -51,7 +51,7 @@ def to_yaml(recipe: Recipe) -> str:
 
 def _parse_json(text: str, path: Path) -> object:
     def unique(pairs: list[tuple[str, Json]]) -> dict[str, Json]:
-        _refuse_twins((key, str(path)) for key, _ in pairs)
+        _refuse_duplicates((key, str(path)) for key, _ in pairs)
         return dict(pairs)
 
     try:
@@ -59,24 +59,26 @@ def _parse_json(text: str, path: Path) -> object:
     except json.JSONDecodeError as error:
         raise FileError(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
     except (RecursionError, ValueError) as error:
-        raise FileError(f"{path}: not a recipe: {_words(error)}") from None
+        raise FileError(f"{path}: not a recipe: {_parser_message(error)}") from None
 
 
 def _parse_yaml(text: str, path: Path) -> object:
     import yaml
 
     class Loader(yaml.SafeLoader):
-        """Refuses keys that stand twice, which YAML forbids and PyYAML lets pass, and merge keys, which can explode."""
+        """Refuses duplicate keys, which PyYAML accepts, and merge keys, which can grow without end."""
 
         def compose_mapping_node(self, anchor: Any) -> Any:
             node = super().compose_mapping_node(anchor)
             keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-            _refuse_twins((key.value, f"{path}:{key.start_mark.line + 1}") for key in keys)
+            _refuse_duplicates((key.value, f"{path}:{key.start_mark.line + 1}") for key in keys)
             return node
 
         def flatten_mapping(self, node: Any) -> None:
             for key in (key for key, _ in node.value if key.tag == "tag:yaml.org,2002:merge"):
-                raise FileError(f"{path}:{key.start_mark.line + 1}: the key '<<' is not read here; write the keys out")
+                raise FileError(
+                    f"{path}:{key.start_mark.line + 1}: merge keys ('<<') are not supported; write the keys out"
+                )
 
     try:
         return yaml.load(text, Loader)  # noqa: S506  # a SafeLoader
@@ -85,11 +87,11 @@ def _parse_yaml(text: str, path: Path) -> object:
     except Exception as error:  # PyYAML fails in many ways at values that are not what their tags say
         mark = getattr(error, "problem_mark", None)
         at = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
-        raise FileError(f"{path}{at}: not YAML: {_words(error)}") from None
+        raise FileError(f"{path}{at}: not YAML: {_parser_message(error)}") from None
 
 
-def _refuse_twins(keys: Iterable[tuple[str, str]]) -> None:
-    """A FileError for the first key that has been there before; each comes with its place."""
+def _refuse_duplicates(keys: Iterable[tuple[str, str]]) -> None:
+    """Raise a FileError for the first duplicate key; each comes with its place in the file."""
     seen = set()
     for key, where in keys:
         if key in seen:
@@ -97,8 +99,8 @@ def _refuse_twins(keys: Iterable[tuple[str, str]]) -> None:
         seen.add(key)
 
 
-def _words(error: Exception) -> str:
-    """What a parser says, in a few words and without its advice to programmers."""
+def _parser_message(error: Exception) -> str:
+    """The message of a parser, short and without its advice to programmers."""
     if isinstance(error, RecursionError):
         return "nested too deeply"
     if isinstance(error, (AttributeError, LookupError, TypeError)):

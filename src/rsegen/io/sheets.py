@@ -1,4 +1,4 @@
-"""Build sheets on disk.
+"""Writes the build sheet of a map as PDF or CSV files.
 
 Scene --sheet--> the content of a file --write_file--> PDF or CSV
 """
@@ -26,8 +26,8 @@ def write_sheets(
 ) -> Scene:
     """Write the build sheet of one map into files, each in the format that its name asks for; gives the map.
 
-    Nothing is written before all of them are made; `progress` is told of each page of a PDF. Raises an OutputError
-    where a file is there already, unless `force`; TooLarge or a ParameterError where the map has no sheet.
+    All are made before the first is written; `progress` is called after each page of a PDF. Raises an OutputError if a
+    file exists already, unless `force`; TooLarge or a ParameterError if the map cannot have a sheet.
     """
     saw = saw or CutSettings()
     formats = {path: sheet_format(path) for path in paths}

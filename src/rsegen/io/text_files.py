@@ -1,4 +1,4 @@
-"""Texts from strangers: read up to a size, and as XML without what could grow in it."""
+"""Reads text and XML files that may come from anybody: up to a size, and without entities, which can grow."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rsegen.errors import FileError, shown
 
 
 def text_of(path: Path, mib: int, too_large: str) -> str:
-    """The text of a file of up to so many MiB; FileError where it cannot be read, is larger, or is not UTF-8."""
+    """The text of a file of at most `mib` MiB; FileError if it cannot be read, is larger, or is not UTF-8."""
     try:
         with path.open("rb") as file:
             content = file.read(mib * 2**20 + 1)

@@ -1,6 +1,6 @@
-"""What is done for each of many: here or, where that is quicker, by workers; always in order, and whole or not at all.
+"""Runs a task for many items, here or, if that is quicker, in workers: always in order, each map whole or not at all.
 
-items --Work--> what comes of each of them
+RunPlan --run--> the result of each map, in order
 """
 
 from __future__ import annotations
@@ -8,11 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
 
-from rsegen.io.workers import shared_out
-from rsegen.io.writer import clear_away, parent_of, told
+from rsegen.io.resources import Needs
+from rsegen.io.workers import run_in_workers
+from rsegen.io.writer import as_write_errors, parents_made, remove_leftovers
 from rsegen.params.sorts import Integer
 
 WORTHWHILE = 1.0
@@ -29,61 +31,65 @@ Made = TypeVar("Made")
 Made_co = TypeVar("Made_co", covariant=True)
 
 
-class Work(Protocol[Item_contra, Made_co]):
-    """What is done for each of many items: all that a worker is told, but which of them are its own."""
+class Task(Protocol[Item_contra, Made_co]):
+    """What to do for each of many items: all that a worker needs to know, except which items are its own."""
 
     @property
     def seconds(self) -> float:
-        """About how long one takes; it decides how the work is shared out, not what comes of it."""
-
-    @property
-    def at_once(self) -> int:
-        """How many fit into memory together."""
+        """About how long one item takes; decides how the items are divided among workers, never the result."""
 
     def __call__(self, items: Iterable[Item_contra], /) -> Sequence[Made_co]:
-        """What comes of some of them."""
+        """The results of some items."""
 
 
-class Writing(Work[Item_contra, Made_co], Protocol[Item_contra, Made_co]):
-    """Work that puts a map into a folder for each item."""
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RunPlan(Generic[Item, Made]):
+    """What a run will make, how, what exists already and stays, and what it needs; nothing prevents it any more.
 
-    @property
-    def folder(self) -> Path:
-        """Where the maps go."""
+    task: how a map is made   to_make: the maps, in order   makes: whether one of its maps has a name
+    existing: maps that exist and are kept   workers: how many processes take part, at the most
+    resumes: what a killed run left half done is removed first
+    """
 
-    def map_name(self, item: Item_contra, /) -> str:
-        """What the map of an item is called."""
-
-
-def each(work: Work[Item, Made], items: Sequence[Item], workers: int) -> Generator[Made, None, None]:
-    """What comes of the items, made here or, where that is quicker, by workers."""
-    workers = min(workers, len(items), work.at_once)
-    if workers <= 1 or len(items) * work.seconds < WORTHWHILE:
-        for item in items:
-            yield from work([item])
-        return
-    batch = math.ceil(min(BATCH / work.seconds, len(items) / workers / 4))
-    yield from shared_out(work, items, batch=batch, workers=workers)
+    folder: Path
+    task: Task[Item, Made]
+    to_make: Sequence[Item]
+    makes: Callable[[str], bool]
+    existing: Sequence[Item] = ()
+    needs: Needs
+    workers: int
+    resumes: bool = False
 
 
-def carried_out(
-    work: Writing[Item, Made], items: Sequence[Item], workers: int, progress: Callable[[Made], object] | None
-) -> tuple[Made, ...]:
-    """What comes of the items, on disk; `progress` is told of each that is done."""
+def run(plan: RunPlan[Item, Made], progress: Callable[[Made], object] | None = None) -> tuple[Made, ...]:
+    """Make the maps of a plan; `progress` is called with the result of each."""
     done = []
-    with closing(_whole(work, items, workers)) as found:
-        for one in found:
-            done.append(one)
+    with closing(_results(plan)) as results:
+        for result in results:
+            done.append(result)
             if progress:
-                progress(one)
+                progress(result)
     return tuple(done)
 
 
-def _whole(work: Writing[Item, Made], items: Sequence[Item], workers: int) -> Generator[Made, None, None]:
-    """The same one by one; what a worker leaves that is killed goes."""
-    with told(work.folder), parent_of(work.folder / "map"):
+def run_each(task: Task[Item, Made], items: Sequence[Item], workers: int) -> Generator[Made, None, None]:
+    """The results of the items in their order, made here or, if that is quicker, by workers."""
+    workers = min(workers, len(items))
+    if workers <= 1 or len(items) * task.seconds < WORTHWHILE:
+        for item in items:
+            yield from task([item])
+        return
+    batch = math.ceil(min(BATCH / task.seconds, len(items) / workers / 4))
+    yield from run_in_workers(task, items, batch=batch, workers=workers)
+
+
+def _results(plan: RunPlan[Item, Made]) -> Generator[Made, None, None]:
+    """The results one by one; what workers leave half done when they are killed is removed."""
+    with as_write_errors(plan.folder), parents_made(plan.folder / "map"):
+        if plan.resumes:
+            remove_leftovers(plan.folder, plan.makes)
         try:
-            yield from each(work, items, workers)
+            yield from run_each(plan.task, plan.to_make, plan.workers)
         except BaseException:
-            clear_away(work.folder, lambda name: name in map(work.map_name, items))
+            remove_leftovers(plan.folder, plan.makes)
             raise

@@ -1,7 +1,7 @@
-"""Work shared out among processes: in order, a few batches ahead, stopped without a mess.
+"""Runs work in several processes: results in order, a few batches ahead, nothing left behind when it is stopped.
 
-Workers are started anew (spawn) on every system and version of Python: nothing is inherited from threads, and no worker
-holds a pipe that tells another one of its end. They hear of Ctrl-C from this process alone, wherever it was sent to.
+Workers are started with `spawn` on every system and version of Python: nothing is inherited from threads, and no worker
+keeps another one's pipe open. Only this process handles Ctrl-C; it then tells the workers to stop.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ Item = TypeVar("Item")
 Made = TypeVar("Made")
 
 AHEAD = 3
-"""Batches that are given out for each worker before the first of them is done."""
+"""Batches that each worker gets before the first of them is done."""
 
 MOST = 61 if sys.platform == "win32" else 1024
-"""Windows waits for no more than 63 things at once."""
+"""Workers at most: Windows waits for no more than 63 handles at once."""
 
-_STOPS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+_STOP_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
 def cores() -> int:
@@ -43,26 +43,25 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
 
 
-def shared_out(
+def run_in_workers(
     work: Callable[[Sequence[Item]], Sequence[Made]], items: Iterable[Item], *, batch: int, workers: int
 ) -> Iterator[Made]:
-    """What `work` makes of the items, in their order, `batch` of them at a time, each in one of the workers.
+    """The results of `work` for the items, in their order, `batch` items at a time in one of the workers.
 
-    What it raises is raised here; WorkerLost where a worker has ended. However this ends, no worker is left.
+    What it raises is raised here; WorkerLost if a worker has died. However this ends, no worker is left.
     """
     context = multiprocessing.get_context("spawn")
-    told, tell = context.Pipe(duplex=False)
-    pool = ProcessPoolExecutor(min(workers, MOST), context, _begin, (told,))
+    stop_receiver, stop_sender = context.Pipe(duplex=False)
+    pool = ProcessPoolExecutor(min(workers, MOST), context, _start_worker, (stop_receiver,))
     try:
-        yield from _in_order(
-            partial(_submit, pool, partial(_undisturbed, with_plugins(work))), _batches(items, batch), workers
-        )
+        submit = partial(_submit, pool, partial(_interruptible, with_plugins(work)))
+        yield from _in_order(submit, _batches(items, batch), workers)
     except BrokenProcessPool as error:
         raise WorkerLost("a worker was lost: it was killed, or ran out of memory; give fewer --workers") from error
     finally:
-        tell.close()
+        stop_sender.close()
         pool.shutdown(cancel_futures=True)
-        told.close()
+        stop_receiver.close()
 
 
 def _batches(items: Iterable[Item], batch: int) -> Iterator[tuple[Item, ...]]:
@@ -80,7 +79,7 @@ def _in_order(
 
 
 def _result(future: Future[Sequence[Made]]) -> Sequence[Made]:
-    """Waits in small steps: on Windows nothing else lets Ctrl-C through."""
+    """The result, waited for in small steps: otherwise Ctrl-C would have no effect on Windows."""
     while not finished([future], timeout=0.2).done:
         continue
     return future.result()
@@ -89,13 +88,13 @@ def _result(future: Future[Sequence[Made]]) -> Sequence[Made]:
 def _submit(
     pool: ProcessPoolExecutor, work: Callable[[Sequence[Item]], Sequence[Made]], batch: Sequence[Item]
 ) -> Future[Sequence[Made]]:
-    with _unhurried(), _deaf():
+    with _defer_signals(), _block_sigint():
         return pool.submit(work, batch)
 
 
 @contextmanager
-def _deaf() -> Iterator[None]:
-    """What is started here hears no Ctrl-C, from its first instant on."""
+def _block_sigint() -> Iterator[None]:
+    """Processes that are started here never receive SIGINT."""
     if sys.platform == "win32":
         yield
         return
@@ -107,47 +106,47 @@ def _deaf() -> Iterator[None]:
 
 
 @contextmanager
-def _unhurried() -> Iterator[None]:
-    """Signals wait until this is over: a worker that is half started would complain.
+def _defer_signals() -> Iterator[None]:
+    """Handles signals only afterwards: a worker that is still starting would print an error.
 
-    A mask would not do: threads of numerical libraries have none, and what they hear Python takes for its own.
+    A signal mask is not enough: threads of numerical libraries have none, and Python handles what they receive.
     """
     here = threading.current_thread() is threading.main_thread()
-    handlers = {each: signal.getsignal(each) for each in _STOPS if here}
+    handlers = {each: signal.getsignal(each) for each in _STOP_SIGNALS if here}
     handlers = {each: handler for each, handler in handlers.items() if handler not in (signal.SIG_IGN, None)}
-    heard: list[int] = []
+    received: list[int] = []
     try:
         for each in handlers:
-            signal.signal(each, lambda signal_, frame: heard.append(signal_))
+            signal.signal(each, lambda signal_, frame: received.append(signal_))
         yield
     finally:
         for each, handler in handlers.items():
             signal.signal(each, handler)
-        for each in heard[:1]:
+        for each in received[:1]:
             signal.raise_signal(each)
 
 
 # In a worker.
 
 
-def _begin(told: Connection) -> None:
-    """A worker's first act: be deaf to Ctrl-C, and listen to the one who gives the work."""
+def _start_worker(stop: Connection) -> None:
+    """Runs first in a worker: ignore SIGINT, and watch the process that started it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_listen, args=(told,), daemon=True).start()
+    threading.Thread(target=_watch_parent, args=(stop,), daemon=True).start()
 
 
-def _listen(told: Connection) -> None:
-    """Where work is to stop, interrupt all that is still begun; where nobody is left to want it, end at once."""
+def _watch_parent(stop: Connection) -> None:
+    """When the pipe is closed, interrupt the work; when the parent process is gone, end at once."""
     parent = multiprocessing.parent_process()
     gone = [parent.sentinel] if parent else []
-    wait([told, *gone])
+    wait([stop, *gone])
     while not wait(gone, 0.02):
         _thread.interrupt_main(signal.SIGINT)
     os._exit(1)
 
 
-def _undisturbed(work: Callable[[Sequence[Item]], Sequence[Made]], batch: Sequence[Item]) -> Sequence[Made]:
-    """The work, which may be interrupted once; what is around it, and its clearing up, may not."""
+def _interruptible(work: Callable[[Sequence[Item]], Sequence[Made]], batch: Sequence[Item]) -> Sequence[Made]:
+    """The result of the work, which may be interrupted once; its cleaning up may not."""
 
     def stop(signal_: int, frame: object) -> NoReturn:
         signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,6 +1,6 @@
-"""From a recipe to worlds on disk: what command line, window and scripts call.
+"""Writes the worlds of a recipe: `generate` is what the command line, the window and scripts call.
 
-Recipe --build--> StepField --compose--> Scene --export--> Bundle --write--> files
+Recipe --plan_worlds--> WorldsPlan --make_worlds: compose, export, write, for each map--> Generated
 """
 
 from __future__ import annotations
@@ -12,22 +12,21 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from rsegen.errors import ParameterError
 from rsegen.exporters.formats import Format
 from rsegen.exporters.gazebo import export
 from rsegen.exporters.map_summary import warnings
 from rsegen.exporters.scene import Scene, compose
-from rsegen.io.existing import complete, is_map_of
-from rsegen.io.resources import maps_at_once, refuse_too_large, refuse_too_many
+from rsegen.io.existing import OnExisting, existing_maps, is_map_of
+from rsegen.io.resources import check_needs
 from rsegen.io.sidecars import Sidecars
-from rsegen.io.work import WORKERS, carried_out
-from rsegen.io.writer import clear_away, refuse_not_a_folder, refuse_taken, write
+from rsegen.io.work import WORKERS, RunPlan, run
+from rsegen.io.writer import refuse_not_a_folder, refuse_taken, write
 from rsegen.recipe.recipe import Recipe
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class GeneratedMap:
-    """One map on disk: where, how large (cells with frames, metres), its blocks of each level, what to know of it.
+    """One map on disk: its files, size (cells with frames, metres), number of blocks of each level, and warnings.
 
     `home` is the folder that all maps are in, `names` are those of the files in this map's own.
     """
@@ -48,7 +47,7 @@ class GeneratedMap:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """All that was written."""
+        """The files that were written."""
         return tuple(self.folder / name for name in self.names)
 
     @property
@@ -59,7 +58,7 @@ class GeneratedMap:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Generated:
-    """The maps of a recipe on disk: those that were made, and the indices of those that were there already."""
+    """The maps of a recipe on disk: those that were made, and the indices of those that existed already."""
 
     recipe: Recipe
     folder: Path
@@ -79,41 +78,62 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
     workers: int = 1,
     progress: Callable[[GeneratedMap], None] | None = None,
 ) -> Generated:
-    """Write every map of a recipe as `folder/NAME_000k`; `progress` is told of each that is done, in their order.
+    """Write every map of a recipe as `folder/NAME_000k`; `progress` is called with each that is done, in their order.
 
-    `force` replaces maps that are there already; `resume` leaves them, if each is the one that would be made, and makes
+    `force` replaces maps that exist already; `resume` keeps them, if each is the one that would be made, and makes
     the others; `preview` adds a picture to each, `sheet` a build sheet, `formats` files for other programs. With
-    `workers` beyond 1, other processes take a part where that is quicker; a script then needs
-    `if __name__ == "__main__":`. Raises, before anything is written, an OutputError where a map's folder is taken,
-    TooLarge where there is no room for the maps, a ParameterError where they are too large for build sheets.
+    `workers` beyond 1, other processes take a part if that is quicker; a script then needs
+    `if __name__ == "__main__":`. Raises, before anything is written, an OutputError if a map's folder is taken,
+    TooLarge if memory or disk space are too small, a ParameterError if maps are too large for build sheets.
     """
-    folder, workers = Path(folder), WORKERS.check("workers", workers)
-    if force and resume:
-        raise ParameterError("resume", "--resume and --force exclude each other")
-    extras = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
-    extras.refuse(recipe)
-    refuse_too_large(recipe, extras.bytes_a_cell)
+    sidecars = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
+    on_existing = OnExisting.of(force=force, resume=resume)
+    return make_worlds(recipe, plan_worlds(recipe, Path(folder), sidecars, on_existing, workers), progress)
+
+
+WorldsPlan = RunPlan[int, GeneratedMap]
+"""The plan of a run that makes worlds; its items are the indices of maps."""
+
+
+def plan_worlds(
+    recipe: Recipe, folder: Path, sidecars: Sidecars, on_existing: OnExisting, workers: int = 1
+) -> WorldsPlan:
+    """Check that the worlds of a recipe can be made, and plan it; nothing is written. Raises as `generate` does."""
+    workers, keep = WORKERS.check("workers", workers), on_existing is OnExisting.KEEP
     refuse_not_a_folder(folder)
-    already = complete(recipe, folder, extras.stand) if resume else frozenset()
-    refuse_too_many(recipe.maps - len(already), folder)
-    if resume:
-        clear_away(folder, partial(is_map_of, recipe))
-    else:
-        refuse_taken((os.path.join(folder, recipe.map_name(index)) for index in recipe.indices), force=force)
-    order = _Order(recipe=recipe, folder=folder, replace=force or resume, extras=extras)
-    left = [index for index in recipe.indices if index not in already]
-    maps = carried_out(order, left, workers, progress)
-    return Generated(recipe=recipe, folder=folder, maps=maps, already=tuple(sorted(already)))
+    existing = existing_maps(recipe, folder, sidecars.complete_in) if keep else []
+    sidecars.refuse(recipe)
+    needs = check_needs([recipe], recipe.maps - len(existing), folder, sidecars.bytes_per_cell)
+    if not keep:
+        homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
+        refuse_taken(homes, force=on_existing is OnExisting.REPLACE)
+    replace = on_existing is not OnExisting.REFUSE
+    return RunPlan(
+        folder=folder,
+        makes=partial(is_map_of, recipe),
+        task=WorldTask(recipe=recipe, folder=folder, replace=replace, sidecars=sidecars),
+        to_make=_without(recipe.indices, existing),
+        existing=existing,
+        needs=needs,
+        workers=min(workers, needs.maps_at_once),
+        resumes=keep,
+    )
 
 
-def made(scene: Scene, folder: Path, extras: Sidecars, *, replace: bool) -> GeneratedMap:
-    """One map, put on disk."""
-    bundle = {**export(scene), **extras.files(scene)}
+def make_worlds(recipe: Recipe, plan: WorldsPlan, progress: Callable[[GeneratedMap], None] | None = None) -> Generated:
+    """Make the worlds of a plan; `progress` is called with each map that is done, in their order."""
+    maps = run(plan, progress)
+    return Generated(recipe=recipe, folder=plan.folder, maps=maps, already=tuple(plan.existing))
+
+
+def write_world(scene: Scene, folder: Path, sidecars: Sidecars, *, replace: bool) -> GeneratedMap:
+    """Write the world of one map, and its sidecars, into `folder`."""
+    bundle, name = {**export(scene), **sidecars.files(scene)}, scene.name
     return GeneratedMap(
-        name=scene.name,
+        name=name,
         index=scene.index,
         home=folder,
-        names=tuple(map(sys.intern, write(bundle, folder / scene.name, force=replace))),
+        names=tuple(map(sys.intern, write(bundle, folder / name, force=replace))),
         cells=scene.field.shape,
         extent=scene.field.extent,
         level_counts=scene.field.level_counts(),
@@ -121,33 +141,34 @@ def made(scene: Scene, folder: Path, extras: Sidecars, *, replace: bool) -> Gene
     )
 
 
-def seconds(recipe: Recipe, extras: Sidecars) -> float:
-    """About how long a map takes; it decides how the work is shared out, not what comes of it."""
+def seconds_per_world(recipe: Recipe, sidecars: Sidecars) -> float:
+    """About how long a map takes; decides how the maps are divided among workers, never the result."""
     n_x, n_y = recipe.grid.shape
-    return 2e-3 + n_x * n_y * 4e-6 + extras.seconds(n_x * n_y)
+    return 2e-3 + n_x * n_y * 4e-6 + sidecars.seconds(n_x * n_y)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class _Order:
-    """Which maps to make, where and how: all that a worker is told."""
+class WorldTask:
+    """Makes worlds of a recipe by their indices: all that a worker needs to know."""
 
     recipe: Recipe
     folder: Path
     replace: bool
-    extras: Sidecars
+    sidecars: Sidecars
 
     @property
     def seconds(self) -> float:
-        return seconds(self.recipe, self.extras)
-
-    @property
-    def at_once(self) -> int:
-        return maps_at_once(self.recipe, self.extras.bytes_a_cell)
-
-    def map_name(self, index: int) -> str:
-        return self.recipe.map_name(index)
+        """About how long a map takes."""
+        return seconds_per_world(self.recipe, self.sidecars)
 
     def __call__(self, indices: Iterable[int]) -> tuple[GeneratedMap, ...]:
-        return tuple(
-            made(compose(self.recipe, index), self.folder, self.extras, replace=self.replace) for index in indices
-        )
+        """The maps of some indices, on disk."""
+        scenes = (compose(self.recipe, index) for index in indices)
+        return tuple(write_world(scene, self.folder, self.sidecars, replace=self.replace) for scene in scenes)
+
+
+def _without(indices: Sequence[int], existing: Sequence[int]) -> Sequence[int]:
+    if not existing:
+        return indices
+    known = frozenset(existing)
+    return [index for index in indices if index not in known]

@@ -1,7 +1,8 @@
 """The modules of rsegen 0.1 under the names that they had then, for one release.
 
 `from rsegen.robots import robot` gives what `from rsegen.simulation.robots import robot` gives, with a
-DeprecationWarning. `rsegen.build`, `rsegen.metrics`, `rsegen.series` and `rsegen.sheet` are functions and nothing else.
+DeprecationWarning. `rsegen.build`, `rsegen.experiment`, `rsegen.export`, `rsegen.metrics`, `rsegen.series` and
+`rsegen.sheet` are functions and nothing else.
 """
 
 from __future__ import annotations
@@ -25,8 +26,6 @@ NEW_NAMES = {
     "drawing": "exporters.pictures.preview",
     "driving": "simulation.driving",
     "examples": "recipe.examples",
-    "experiment": "simulation.experiment",
-    "export": "exporters.gazebo",
     "exporting": "io.exports",
     "extras": "io.sidecars",
     "formats": "exporters.formats",

@@ -246,6 +246,22 @@ def validate(instance: object) -> None:
             object.__setattr__(instance, name, parameter.check(name, value))
 
 
+def changed(instance: object) -> dict[str, Json]:
+    """The parameters of a dataclass that differ from their defaults, as a file has them."""
+    defaults = {field.name: field.default for field in fields(instance)}  # type: ignore[arg-type]  # a dataclass
+    values = {name: getattr(instance, name) for name in parameters(type(instance))}
+    return {name: plain(value) for name, value in values.items() if value != defaults[name]}
+
+
+def plain(value: object) -> Json:
+    """A value as a file has it: lists for tuples, and 10 for 10.0."""
+    if isinstance(value, tuple):
+        return [plain(one) for one in value]
+    if isinstance(value, float) and value.is_integer():
+        return int(value)
+    return value
+
+
 def as_int(value: object) -> int | None:
     """`value` as an int where it is a whole number (2, 2.0, numpy's), else None; a bool is none."""
     if isinstance(value, float):

@@ -1,9 +1,8 @@
-"""From a recipe to a map.
+"""Builds the step field of a map: the obstacles in their order, the difficulty, the frames, the constraints.
 
-    Recipe --build--> StepField
+    MapDesign (of a Recipe) --build--> StepField
 
-Each obstacle is asked once for its levels, with its own generator, and is imposed on those before it; then the map is
-eased to its difficulty; then come frames, and what the map is to keep to.
+Each obstacle gives its levels once, with a random generator of its own, and is imposed on those before it.
 """
 
 from __future__ import annotations
@@ -20,16 +19,17 @@ from rsegen.params.places import Cell
 from rsegen.params.sorts import Integer
 from rsegen.params.streams import SEEDS, generator
 from rsegen.recipe.constraints import constrained
-from rsegen.recipe.difficulty import eased
-from rsegen.recipe.recipe import Placement, Recipe
+from rsegen.recipe.difficulty import scaled_to_difficulty
+from rsegen.recipe.map_design import MapDesign
+from rsegen.recipe.placement import Placement
 
 INDEX = Integer(0, SEEDS - 1, help="index of a map")
 
 
-def build(recipe: Recipe, index: int = 0) -> StepField:
-    """Map `index` of a recipe: the same, whichever other maps are made; `index` is 0 or more."""
+def build(recipe: MapDesign, index: int = 0) -> StepField:
+    """The step field of map `index` (0 or more) of a recipe; it does not depend on which other maps are made."""
     index = INDEX.check("index", index)
-    levels, frame = framed(_eased(recipe, index), recipe.chunk_size, recipe.boundary)
+    levels, frame = framed(_at_difficulty(recipe, index), recipe.chunk_size, recipe.boundary)
     field = StepField(
         levels=levels,
         frame=frame,
@@ -40,25 +40,25 @@ def build(recipe: Recipe, index: int = 0) -> StepField:
     return constrained(field, recipe, index)
 
 
-def blocks(recipe: Recipe, index: int) -> Levels:
-    """The levels of map `index` alone, frames left out, shape (n_x, n_y): the `blocks` of what `build` gives."""
-    return build(recipe, index).blocks if recipe.is_constrained else _eased(recipe, INDEX.check("index", index))
+def blocks(recipe: MapDesign, index: int) -> Levels:
+    """The levels of the blocks of map `index`, frames left out, shape (n_x, n_y): `build(recipe, index).blocks`."""
+    return build(recipe, index).blocks if recipe.is_constrained else _at_difficulty(recipe, INDEX.check("index", index))
 
 
-def placed(recipe: Recipe, placement: Placement, index: int) -> tuple[Cell, Cell, Patch]:
-    """Where the ends of a recipe's obstacle are in map `index`, and the levels that it proposes."""
+def placed(recipe: MapDesign, placement: Placement, index: int) -> tuple[Cell, Cell, Patch]:
+    """The cells of both ends of an obstacle in map `index`, and the levels that it proposes there."""
     return _placed(recipe.grid, placement, generator(recipe.seed, index, placement.key or ""))
 
 
-def _eased(recipe: Recipe, index: int) -> Levels:
-    """All obstacles as the map's difficulty has them."""
-    return eased(_imposed(recipe, index), recipe, index)
+def _at_difficulty(recipe: MapDesign, index: int) -> Levels:
+    """The levels of all obstacles, scaled to the difficulty."""
+    return scaled_to_difficulty(_imposed(recipe, index), recipe, index)
 
 
-def _imposed(recipe: Recipe, index: int) -> Levels:
-    """All obstacles, one after the other, on level ground."""
+def _imposed(recipe: MapDesign, index: int) -> Levels:
+    """The levels of all obstacles, each imposed on those before it, on flat ground."""
     grid, top_level = recipe.grid, recipe.top_level
-    levels = _level_ground(grid)
+    levels = _flat_ground(grid)
     for number, placement in enumerate(recipe.obstacles):
         rng = generator(recipe.seed, index, placement.key or "")
         try:
@@ -69,7 +69,7 @@ def _imposed(recipe: Recipe, index: int) -> Levels:
     return levels
 
 
-def _level_ground(grid: Grid) -> Levels:
+def _flat_ground(grid: Grid) -> Levels:
     try:
         return np.zeros(grid.shape, dtype=np.int16)
     except (MemoryError, OverflowError, ValueError):

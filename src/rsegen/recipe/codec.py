@@ -2,6 +2,8 @@
 
 A file has the words of `Recipe`, and `version` (of this format), `generator` (what wrote it), `plugins` (kinds of
 obstacles from other packages), `$schema` (for editors).
+It says what differs from the defaults of its format version (docs/decisions/0013): format 1 wrote every parameter out,
+format 2 does not; both are read, and mean the same.
 """
 
 from __future__ import annotations
@@ -18,14 +20,18 @@ from rsegen.params.sorts import Integer, Json, Parameter, Text, parameters
 from rsegen.recipe.plugin_record import PluginRecord, check_plugins, needed_plugins
 from rsegen.recipe.recipe import Placement, Recipe
 
-FORMAT = 1
-SCHEMA_ID = "urn:rsegen:recipe:1"
+FORMAT = 2
+SCHEMA_ID = f"urn:rsegen:recipe:{FORMAT}"
 _ENVELOPE: dict[str, Parameter] = {
-    "version": Integer(FORMAT, FORMAT, help="version of the recipe format"),
+    "version": Integer(1, FORMAT, help="version of the recipe format"),
     "generator": Text(r"[^\x00-\x1f]{0,100}", "a short text", help="what wrote the file"),
     "plugins": PluginRecord(),
     "$schema": Text(r"[^\x00-\x1f]{0,500}", "the address of a schema", help="for editors"),
 }
+
+
+OTHER_NAMES = {"levels": "max_height"}
+"""Parameters of obstacles that have a second name in files and flags."""
 
 
 def decode(content: object) -> Recipe:
@@ -64,24 +70,38 @@ def decode_placement(entry: Mapping[str, Any]) -> Placement:
         raise ParameterError("kind", f"is missing (known: {', '.join(KINDS)})")
     cls = kind(entry["kind"])
     own, common = parameters(cls), parameters(Placement)
-    given = {key: value for key, value in entry.items() if key != "kind"}
-    refuse_unknown(f"parameter of {cls.kind}", given, [*own, *common])
+    given = _by_first_names({key: value for key, value in entry.items() if key != "kind"}, own)
+    refuse_unknown(f"parameter of {cls.kind}", given, [*own, *common, *OTHER_NAMES])
     if "max_height" not in given:
-        raise ParameterError("max_height", f"is missing; give {own['max_height'].describe()}")
+        raise ParameterError("levels", f"is missing; give {own['max_height'].describe()}")
     obstacle = cls(**{key: value for key, value in given.items() if key in own})
     return Placement(obstacle=obstacle, **{key: value for key, value in given.items() if key in common})
 
 
+def _by_first_names(given: Mapping[str, Any], own: Mapping[str, Parameter]) -> dict[str, Any]:
+    """What is given under the second name of a parameter, under its first one; checked, so an error says the second."""
+    found = dict(given)
+    for other, name in OTHER_NAMES.items():
+        if other in given and other not in own:
+            if name in given:
+                raise ParameterError(other, f"is another name of {name}; give one of the two")
+            found[name] = own[name].check(other, found.pop(other))
+    return found
+
+
 def encode(recipe: Recipe) -> dict[str, Json]:
-    """The complete content of a recipe's file, with the seed and the generator's version."""
+    """The content of a recipe's file, with the seed and the generator's version."""
     found = needed_plugins(recipe)
     plugins = {"plugins": found} if found else {}
     return {"version": FORMAT, "generator": f"rsegen {__version__}"} | plugins | recipe.entry()
 
 
 def to_json(recipe: Recipe) -> str:
-    """The recipe as the text of a JSON file, an obstacle a line."""
-    content = encode(recipe)
+    """The recipe as the text of a JSON file, with one line per obstacle."""
+    return _json_text(encode(recipe))
+
+
+def _json_text(content: dict[str, Json]) -> str:
     rows = [f"    {json.dumps(row)}" for row in content.pop("obstacles")]
     lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in content.items()]
     obstacles = "[\n" + ",\n".join(rows) + "\n  ]" if rows else "[]"
@@ -91,15 +111,14 @@ def to_json(recipe: Recipe) -> str:
 def map_json(recipe: Recipe, index: int) -> bytes:
     """The JSON file of map `index` of a recipe and no other."""
     before, after = _around_index(recipe)
-    return before + str(index).encode() + after
+    return before + (b'\n  "first_map": %d,' % index if index else b"") + after
 
 
 @lru_cache(maxsize=8)
 def _around_index(recipe: Recipe) -> tuple[bytes, bytes]:
     """The JSON files of all maps of a recipe are one text, but for the index: what stands before it, and after it."""
-    first, key = recipe.first_map, b'\n  "first_map": '
-    before, _, after = to_json(recipe.alone(first)).encode().partition(b"%s%d,\n" % (key, first))
-    return before + key, b",\n" + after
+    before, _, after = to_json(recipe.alone(1)).encode().partition(b'\n  "first_map": 1,')
+    return before, after
 
 
 def schema() -> dict[str, Json]:
@@ -118,13 +137,16 @@ def schema() -> dict[str, Json]:
 
 
 def _row_schema(cls: type[Obstacle]) -> dict[str, Json]:
-    own = {name: _property(parameter) for name, parameter in {**parameters(cls), **parameters(Placement)}.items()}
+    sorts = {**parameters(cls), **parameters(Placement)}
+    sorts |= {other: sorts[name] for other, name in OTHER_NAMES.items() if other not in sorts}
+    own = {name: _property(parameter) for name, parameter in sorts.items()}
     return {
         "title": cls.kind,
         "description": summary(cls),
         "type": "object",
         "properties": {"kind": {"const": cls.kind}} | own,
-        "required": ["kind", "max_height"],
+        "required": ["kind"],
+        "oneOf": [{"required": [name]} for name in ("max_height", *OTHER_NAMES)],
         "additionalProperties": False,
     }
 

@@ -1,11 +1,11 @@
-"""How hard a map is: the rms step between its blocks, and the same map with a share of it.
+"""Scales a map to its difficulty: a share of the rms step between the blocks of its obstacles.
 
-    levels h --eased--> floor(s h + u), u near 1/2: every block s times as high, rounded to whole units
+    levels h --scaled--> floor(s h + u), u near 1/2: every block s times as high, rounded to whole units
 
 s is the scale at which the rms step is nearest to `difficulty` times that of h. Blocks of one height are raised one
-after the other, in an order that u gives: plateau by plateau at random, and over a plateau from one side. So what is
-level stays level but for one edge, what is higher stays higher, and the measure moves by one block at a time.
-docs/difficulty.md has the formulas and how near they come.
+after the other, in an order given by u: plateau by plateau at random, and from one side over a plateau. So a plateau
+stays flat but for one edge, higher blocks stay higher, and the rms step changes by one block at a time.
+docs/difficulty.md has the formulas and their accuracy.
 """
 
 from __future__ import annotations
@@ -16,40 +16,40 @@ from math import sqrt
 
 import numpy as np
 
-from rsegen.field.metrics.regions import joined, neighbours
+from rsegen.field.metrics.regions import connected, neighbours
 from rsegen.field.stepfield import Array, Ints, Levels
 from rsegen.params.streams import generator
-from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.map_design import MapDesign
 
 _KEY = "difficulty of the map"
-"""Names its randomness; no obstacle's key has blanks."""
+"""Key of its random generator; no key of an obstacle has blanks."""
 
 
-def eased(levels: Levels, recipe: Recipe, index: int) -> Levels:
-    """The blocks of map `index` at the recipe's difficulty; where they have no steps, they are lowered as one."""
-    if recipe.difficulty == 1:
+def scaled_to_difficulty(levels: Levels, design: MapDesign, index: int) -> Levels:
+    """The levels of map `index` at the difficulty of its design; a field without steps is lowered as a whole."""
+    if design.difficulty == 1:
         return levels
-    measure = partial(roughness, parts=parts_of(levels, recipe))
-    asked = recipe.difficulty * measure(levels)
+    measure = partial(roughness, parts=parts_of(levels, design))
+    asked = design.difficulty * measure(levels)
     if not asked:
-        return lowered(levels, 0.5, recipe.difficulty)
-    drawn = generator(recipe.seed, index, _KEY).random(levels.shape)
-    return nearest(partial(lowered, levels, _rounding(levels, drawn)), measure, asked, _halvings(levels))
+        return scaled(levels, 0.5, design.difficulty)
+    drawn = generator(design.seed, index, _KEY).random(levels.shape)
+    return nearest(partial(scaled, levels, _rounding(levels, drawn)), measure, asked, _halvings(levels))
 
 
-def lowered(levels: Levels, rounding: Array | float, scale: float) -> Levels:
-    """floor(s h + u): `levels` themselves at scale 1, and level ground at 0."""
+def scaled(levels: Levels, rounding: Array | float, scale: float) -> Levels:
+    """floor(s h + u): `levels` unchanged at scale 1, flat ground at 0."""
     return np.asarray(np.floor(levels * scale + rounding), dtype=np.int16)
 
 
-def parts_of(levels: Levels, recipe: Recipe) -> tuple[int, int]:
-    """Cells along x and y between which no frame stands."""
+def parts_of(levels: Levels, design: MapDesign) -> tuple[int, int]:
+    """Size of the parts of a map that no frame divides, in cells along x and y."""
     n_x, n_y = levels.shape
-    return (recipe.chunk_size, recipe.chunk_size) if recipe.boundary == "divided" else (n_x, n_y)
+    return (design.chunk_size, design.chunk_size) if design.boundary == "divided" else (n_x, n_y)
 
 
 def roughness(levels: Levels, parts: tuple[int, int]) -> float:
-    """sqrt(sum dh^2) over all neighbours without a frame between them: the rms step, but for a factor."""
+    """sqrt(sum dh^2) over all neighbours without a frame between them: proportional to the rms step."""
     n_x, n_y = levels.shape
     x, y = levels.reshape(-1, parts[0], n_y), levels.reshape(n_x, -1, parts[1])
     steps = (x[:, 1:], x[:, :-1]), (y[:, :, 1:], y[:, :, :-1])
@@ -58,10 +58,9 @@ def roughness(levels: Levels, parts: tuple[int, int]) -> float:
 
 
 def nearest(at: Callable[[float], Levels], measure: Callable[[Levels], float], asked: float, halvings: int) -> Levels:
-    """Of the two fields beside the place where the measure passes what is asked, the one that is nearer to it.
+    """The field `at(scale)` whose measure is nearest to `asked`, by bisection over the scale.
 
-    By halving. Whatever the measure does in between, who asks for more goes the same way or higher: so fields are
-    nested.
+    Larger `asked` never gives a smaller scale, so the fields of rising difficulty are nested.
     """
     low, high = 0.0, 1.0
     for _ in range(halvings):
@@ -83,7 +82,7 @@ def _plateaus(levels: Levels) -> Ints:
     """For each cell, in one row, the first cell of those of its level that it hangs together with."""
     row, (low, high) = levels.ravel(), neighbours(levels.shape)
     level = row[low] == row[high]
-    return joined(levels.size, low[level], high[level])
+    return connected(levels.size, low[level], high[level])
 
 
 def _halvings(levels: Levels) -> int:

@@ -16,10 +16,10 @@ from rsegen.errors import OutputError, WriteError
 from rsegen.exporters.formats import FORMATS, summary
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
-from rsegen.io.existing import standing
+from rsegen.io.existing import count_complete
 from rsegen.io.sidecars import Sidecars
 from tests.exporters.formats.maps import RECIPES
-from tests.support.complaints import exit_code, the_line
+from tests.support.complaints import exit_code
 from tests.support.runs import contents
 
 SMALL = replace(RECIPES["frames round every chunk"], maps=3)
@@ -63,25 +63,6 @@ def test_the_list_says_what_each_format_is_and_needs_nothing_else(capsys: pytest
     told = capsys.readouterr().out
     assert all(f"{name}\n    {summary(cls)}" in told for name, cls in FORMATS.items())
     assert "--per-block" in told
-
-
-def test_what_is_there_is_replaced_by_force_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert exit_code("export", "peak", "--to", "heightmap", "-o", tmp_path) == 0
-    before = contents(tmp_path)
-    assert exit_code("export", "peak", "--to", "occupancy", "-o", tmp_path) == 2
-    assert "is there already; give --force" in the_line(capsys.readouterr().err)
-    assert contents(tmp_path) == before
-    assert exit_code("export", "peak", "--to", "occupancy", "-o", tmp_path, "--force") == 0
-    assert (tmp_path / "peak_0000" / "occupancy" / "map.yaml").is_file()
-    assert not (tmp_path / "peak_0000" / "heightmap").exists()
-
-
-def test_a_world_is_never_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    rsegen.generate(SMALL, tmp_path)
-    before = contents(tmp_path)
-    assert exit_code("export", tmp_path, *TO, tmp_path, "--force") == 2
-    assert "rse_0000: has a world in it, so it is not replaced" in the_line(capsys.readouterr().err)
-    assert contents(tmp_path) == before
 
 
 def test_two_maps_of_one_name_are_refused_before_anything_is_written(tmp_path: Path) -> None:
@@ -135,7 +116,7 @@ def test_resume_keeps_maps_that_have_the_formats_and_makes_the_others_anew(
 
 def test_resume_makes_worlds_of_maps_that_were_exported_alone(tmp_path: Path) -> None:
     rsegen.export_maps([SMALL], tmp_path / "worlds", [Heightmap()])
-    assert standing(SMALL, tmp_path / "worlds", Sidecars().stand) == 0
+    assert count_complete(SMALL, tmp_path / "worlds", Sidecars().complete_in) == 0
     assert generated(tmp_path / "worlds", "--resume") == 0
     assert generated(tmp_path / "plain") == 0
     assert contents(tmp_path / "worlds") == contents(tmp_path / "plain")
@@ -145,13 +126,14 @@ def test_resume_makes_worlds_of_maps_that_were_exported_alone(tmp_path: Path) ->
 def test_a_list_of_formats_that_is_none_has_none(content: bytes, tmp_path: Path) -> None:
     formats = [Heightmap()]
     rsegen.generate(SMALL, tmp_path, formats=formats)
-    wanted = Sidecars(formats=formats).stand
-    assert standing(SMALL, tmp_path, wanted) == 3
+    wanted = Sidecars(formats=formats).complete_in
+    assert count_complete(SMALL, tmp_path, wanted) == 3
     (tmp_path / "rse_0001" / "formats.json").write_bytes(content)
-    assert standing(SMALL, tmp_path, wanted) == 2
-    assert standing(SMALL, tmp_path, Sidecars().stand) == 3
+    assert count_complete(SMALL, tmp_path, wanted) == 2
+    assert count_complete(SMALL, tmp_path, Sidecars().complete_in) == 3
 
 
+@pytest.mark.slow
 def test_workers_make_the_same_files(tmp_path: Path) -> None:
     many: Recipe = replace(SMALL, maps=150)
     formats = [Heightmap(pixels=2), Occupancy(climb_cm=12)]

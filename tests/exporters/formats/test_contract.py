@@ -12,7 +12,7 @@ import pytest
 import rsegen
 from rsegen import Recipe, Scene, compose, load
 from rsegen.exporters.formats import FORMATS, Format, base, exported, summary
-from rsegen.io.importers import FORMATS as READ
+from rsegen.io.importers import IMPORTERS as READ
 from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import to_json
 from tests.exporters.formats.maps import RECIPES, SCENES, made
@@ -44,6 +44,7 @@ def test_the_same_map_gives_the_same_bytes_in_files_that_stay_in_their_folder(cl
         assert ".." not in path.parts
 
 
+@pytest.mark.slow
 def test_the_same_bytes_come_from_another_process(tmp_path: Path) -> None:
     (tmp_path / "recipe.json").write_text(to_json(SMALL))
     to = ",".join(FORMATS)

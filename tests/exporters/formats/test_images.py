@@ -84,7 +84,9 @@ def test_levels_are_exact_however_many_there_are(top: int, tmp_path: Path) -> No
 
 def test_frames_too_high_for_16_bits_are_refused() -> None:
     scene = compose(Recipe(seed=1, unit_cm=0.001, frame_height_cm=100))
-    with pytest.raises(ParameterError, match=r"frame_height_cm: frames of 100 cm are more than 65535 units of 0\.001"):
+    with pytest.raises(
+        ParameterError, match=r"frame_height_cm: frames of 100 cm are higher than 65535 units of 0\.001"
+    ):
         Heightmap().files(scene)
 
 

@@ -67,6 +67,7 @@ def test_a_ray_from_above_meets_every_cell_at_its_height(name: str, scene: Scene
     np.testing.assert_array_equal(seen_from_above(loaded(name, scene), scene.field).astype(np.float32), expected)
 
 
+@pytest.mark.slow
 @given(field=fields())
 def test_a_solid_stays_closed_where_vertices_at_one_place_are_welded(field: StepField) -> None:
     found = solid(field)

@@ -186,7 +186,7 @@ def test_a_slippery_cube_that_is_pushed_slides_where_the_map_is_slippery_too(
 
 
 def test_a_height_field_of_several_frictions_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ParameterError, match=r"^shape: 'hfield' has one coefficient of friction"):
+    with pytest.raises(ParameterError, match=r"^shape: 'hfield' has one friction coefficient"):
         written("hfield", SLIPPERY, tmp_path)
     alike = compose(replace(SLIPPERY.recipe, frame_friction=0.9, level_friction=(0.9, 0.9)))
     model, _ = compiled(written("hfield", alike, tmp_path))

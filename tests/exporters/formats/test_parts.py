@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 
 from rsegen import StepField
@@ -28,6 +29,7 @@ def test_columns_are_the_heights_and_the_materials_and_do_not_overlap(field: Ste
     np.testing.assert_array_equal(materials, field.levels)
 
 
+@pytest.mark.slow
 @given(field=fields())
 def test_parts_of_one_colour_are_together_the_surface(field: StepField) -> None:
     from trimesh import Trimesh

@@ -82,6 +82,7 @@ def test_catkin_pkg_takes_the_package_for_valid(scene: Scene, tmp_path: Path) ->
         assert needed == simulators | {"ament_index_python", "launch"}
 
 
+@pytest.mark.slow
 @given(name=st.from_regex(r"[A-Za-z0-9_][A-Za-z0-9_.\-]{0,63}_[0-9]{4}", fullmatch=True))
 def test_any_map_s_name_gives_a_package_s(name: str) -> None:
     found = package_name(name)
@@ -107,6 +108,7 @@ def test_cmake_installs_what_the_package_holds(scene: Scene, tmp_path: Path) -> 
     assert hook == [f"prepend-non-duplicate;{variable};share/{source.name}/models" for variable in VARIABLES]
 
 
+@pytest.mark.slow
 def test_colcon_builds_it_and_its_setup_says_where_the_models_are(tmp_path: Path) -> None:
     """With the real ament_cmake, which takes the python3 beside colcon."""
     colcon = shutil.which("colcon") or missing("no colcon: run scripts/ros2")

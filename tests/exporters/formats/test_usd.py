@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 from rsegen import Recipe, Scene, compose
-from rsegen.exporters.formats.light import linear
+from rsegen.exporters.formats.srgb import srgb_to_linear
 from rsegen.exporters.formats.usd import Usd
 from tests.exporters.formats.maps import SCENES, made
 from tests.exporters.formats.test_meshes import seen_from_above
@@ -135,7 +135,7 @@ def test_every_level_and_the_frame_have_faces_of_their_colour(scene: Scene, tmp_
         material, _ = UsdShade.MaterialBindingAPI(subset.GetPrim()).ComputeBoundMaterial()
         name = subset.GetPrim().GetName()
         assert material.GetPrim().GetName() == name
-        colour = linear(scene.colour(int(name.removeprefix("level_") if name != "frame" else 0)))
+        colour = srgb_to_linear(scene.colour(int(name.removeprefix("level_") if name != "frame" else 0)))
         np.testing.assert_allclose(material.ComputeSurfaceSource()[0].GetInput("diffuseColor").Get(), colour, rtol=1e-6)
         np.testing.assert_allclose(shown[faces], np.tile(colour, (len(faces), 1)), rtol=1e-6)
         found[name] = area[faces][upward[faces]].sum() / field.block_width**2

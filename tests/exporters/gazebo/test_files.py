@@ -38,6 +38,7 @@ def text_of(element: ET.Element, path: str) -> str:
     return found
 
 
+@pytest.mark.slow
 @given(recipes())
 def test_same_recipe_same_bytes(recipe: Recipe) -> None:
     assert files_of(compose(recipe)) == files_of(compose(decode(json.loads(to_json(recipe)))))
@@ -55,6 +56,7 @@ def test_a_mesh_has_the_same_bytes_however_many_lines_are_made_at_once(
         assert files_of(scene) == whole
 
 
+@pytest.mark.slow
 @given(recipes())
 def test_recipe_json_makes_this_map_again(recipe: Recipe) -> None:
     files = files_of(compose(replace(recipe, maps=9), 3))
@@ -63,6 +65,7 @@ def test_recipe_json_makes_this_map_again(recipe: Recipe) -> None:
     assert files_of(compose(again, 3)) == files
 
 
+@pytest.mark.slow
 @given(recipes())
 def test_levels_csv_is_the_blocks_north_up(recipe: Recipe) -> None:
     scene = compose(recipe)
@@ -72,6 +75,7 @@ def test_levels_csv_is_the_blocks_north_up(recipe: Recipe) -> None:
     assert b"north up" in content.splitlines()[0]
 
 
+@pytest.mark.slow
 @given(recipes())
 @settings(max_examples=30)
 def test_obj_read_by_trimesh_has_the_volume_of_the_blocks(recipe: Recipe) -> None:
@@ -105,6 +109,7 @@ def test_obj_has_a_normal_at_every_corner_and_absolute_indices(recipe: Recipe) -
         assert 1 <= int(normal) <= normals
 
 
+@pytest.mark.slow
 @given(recipes())
 @settings(max_examples=30)
 def test_materials_that_a_mesh_uses_are_in_its_library(recipe: Recipe) -> None:
@@ -118,6 +123,7 @@ def test_materials_that_a_mesh_uses_are_in_its_library(recipe: Recipe) -> None:
             assert {line.split()[1] for line in lines if line.startswith("usemtl")} <= set(library)
 
 
+@pytest.mark.slow
 @given(recipes())
 def test_multi_has_a_static_box_for_each_cell_above_the_ground(recipe: Recipe) -> None:
     scene = compose(replace(recipe, mesh_type="multi"))
@@ -148,6 +154,7 @@ def test_multi_names_blocks_by_cell_with_frames_left_out() -> None:
     assert poses["frame_0_7"].startswith("-0.35 0.35 ")
 
 
+@pytest.mark.slow
 @given(recipes())
 @settings(max_examples=30)
 def test_pallets_hold_all_blocks_at_their_place(recipe: Recipe) -> None:
@@ -159,7 +166,7 @@ def test_pallets_hold_all_blocks_at_their_place(recipe: Recipe) -> None:
         assert uri == text_of(model, "link/visual/geometry/mesh/uri")
         volume += trimesh.load_mesh(io.BytesIO(files[uri]), file_type="obj").volume
     assert volume == pytest.approx(scene.field.heights.sum() * scene.field.block_width**2, rel=1e-6)
-    assert len(world_of(scene).findall("model")) == 1 + MESH_TYPES["pallet"].models(scene)
+    assert len(world_of(scene).findall("model")) == 1 + MESH_TYPES["pallet"].model_count(scene)
 
 
 @pytest.mark.parametrize("mesh_type", MESH_TYPES)
@@ -191,6 +198,7 @@ def test_every_mesh_type_that_a_recipe_may_name_is_made() -> None:
     assert parameters(Recipe)["mesh_type"].schema()["enum"] == list(MESH_TYPES)
 
 
+@pytest.mark.slow
 @given(recipes())
 def test_paths_stay_inside_the_folder(recipe: Recipe) -> None:
     for path in export(compose(recipe)):

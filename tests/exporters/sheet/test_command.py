@@ -24,6 +24,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
     return out
 
 
+@pytest.mark.slow
 def test_it_writes_what_python_gives(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pdf, table = tmp_path / "new" / "s.PDF", tmp_path / "s.csv"
     out = printed(capsys, "sheet", PALLET, "-o", pdf, "--csv", table, "--kerf-mm", "2", "--stock-cm", "300")
@@ -40,6 +41,7 @@ def test_the_ending_says_the_format(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.slow
 def test_a_sheet_is_replaced_only_by_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "s.pdf"
     path.write_text("old")
@@ -49,6 +51,7 @@ def test_a_sheet_is_replaced_only_by_force(tmp_path: Path, capsys: pytest.Captur
     assert path.read_bytes().startswith(b"%PDF")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_generate_puts_into_every_folder_what_the_command_writes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], workers: str

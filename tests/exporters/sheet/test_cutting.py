@@ -43,26 +43,26 @@ def test_blocks_are_sawn_first_fit_decreasing(counts: Mapping[int, int], saw: Cu
 
 @given(COUNTS, SAWS)
 def test_every_block_is_sawn_and_nothing_is_lost_but_to_the_saw(counts: Mapping[int, int], saw: CutSettings) -> None:
-    sawing = plan_cuts(counts, saw)
+    plan = plan_cuts(counts, saw)
     sawn_of: Counter[int] = Counter()
-    for pattern in sawing.patterns:
+    for pattern in plan.patterns:
         for length, count in pattern.parts:
             sawn_of[length] += pattern.pieces * count
     assert sawn_of == counts
-    assert sawing.timber == sum(length * count for length, count in counts.items())
-    assert sawing.timber + sawing.sawdust + sawing.offcuts == sawing.pieces * saw.stock
-    assert 0 <= sawing.sawdust <= saw.kerf * sum(counts.values())
+    assert plan.timber == sum(length * count for length, count in counts.items())
+    assert plan.timber + plan.kerf_loss + plan.offcuts == plan.pieces * saw.stock
+    assert 0 <= plan.kerf_loss <= saw.kerf * sum(counts.values())
 
 
-def parts(sawing: CuttingPlan) -> list[tuple[int, tuple[tuple[int, int], ...], int]]:
+def parts(plan: CuttingPlan) -> list[tuple[int, tuple[tuple[int, int], ...], int]]:
     """Of each pattern: how often, length in cm and number, what is left in mm."""
     return [
         (
             pattern.pieces,
             tuple((length // CM, count) for length, count in pattern.parts),
-            pattern.offcut(sawing.saw) * 10 // CM,
+            pattern.offcut(plan.settings) * 10 // CM,
         )
-        for pattern in sawing.patterns
+        for pattern in plan.patterns
     ]
 
 
@@ -74,8 +74,8 @@ def test_the_saw_costs_a_block() -> None:
 
 
 def test_a_block_as_long_as_the_stock_is_not_sawn() -> None:
-    sawing = plan_cuts({240 * CM: 3}, CutSettings(kerf_mm=3))
-    assert (sawing.pieces, sawing.sawdust, sawing.offcuts) == (3, 0, 0)
+    plan = plan_cuts({240 * CM: 3}, CutSettings(kerf_mm=3))
+    assert (plan.pieces, plan.kerf_loss, plan.offcuts) == (3, 0, 0)
 
 
 def test_what_is_longer_than_the_stock_is_refused() -> None:

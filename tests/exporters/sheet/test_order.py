@@ -8,7 +8,7 @@ from hypothesis import given
 
 from rsegen import Recipe, compose
 from rsegen.exporters.sheet.cutting import nanometres
-from rsegen.exporters.sheet.order import in_order, lengths, name, placing
+from rsegen.exporters.sheet.order import building_order, length_counts, name, placing_order
 from tests.support.strategies import recipes
 
 
@@ -20,7 +20,7 @@ def test_pallets_are_named_as_the_fields_of_a_chess_board(chunk: tuple[int, int]
 
 
 def test_pallets_are_built_row_by_row_from_the_north_west() -> None:
-    pallets = in_order(compose(Recipe(seed=1, chunks=(3, 2), chunk_size=4)))
+    pallets = building_order(compose(Recipe(seed=1, chunks=(3, 2), chunk_size=4)))
     assert [each.name for each in pallets] == ["A2", "B2", "C2", "A1", "B1", "C1"]
     assert [each.number for each in pallets] == [1, 2, 3, 4, 5, 6]
     assert [each.corner for each in pallets] == [(0, 4), (4, 4), (8, 4), (0, 0), (4, 0), (8, 0)]
@@ -28,17 +28,17 @@ def test_pallets_are_built_row_by_row_from_the_north_west() -> None:
 
 def test_blocks_are_placed_row_by_row_and_empty_cells_are_passed_over() -> None:
     as_read = np.array([[1, 0, 2], [0, 3, 1]], dtype=np.int16)
-    assert placing(as_read[::-1].T)[:, ::-1].T.tolist() == [[1, 0, 2], [0, 3, 4]]
+    assert placing_order(as_read[::-1].T)[:, ::-1].T.tolist() == [[1, 0, 2], [0, 3, 4]]
 
 
 @given(recipes())
 def test_the_pallets_in_order_are_the_map(recipe: Recipe) -> None:
     scene = compose(recipe)
     levels = np.full(recipe.grid.shape, -1)
-    for each in in_order(scene):
+    for each in building_order(scene):
         (x, y), (n_x, n_y) = each.corner, each.levels.shape
         levels[x : x + n_x, y : y + n_y] = each.levels
-        order = placing(each.levels)
+        order = placing_order(each.levels)
         assert sorted(order[order > 0].tolist()) == list(range(1, int((each.levels > 0).sum()) + 1))
     assert np.array_equal(levels, scene.field.blocks)
 
@@ -47,4 +47,4 @@ def test_the_pallets_in_order_are_the_map(recipe: Recipe) -> None:
 def test_the_cut_list_is_the_blocks_of_each_level(recipe: Recipe) -> None:
     field = compose(recipe).field
     expected = {level: count for level, count in field.level_counts().items() if level}
-    assert lengths(field) == {nanometres(level * recipe.unit_cm): count for level, count in expected.items()}
+    assert length_counts(field) == {nanometres(level * recipe.unit_cm): count for level, count in expected.items()}

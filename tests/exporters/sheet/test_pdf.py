@@ -16,7 +16,7 @@ from pypdf import PageObject, PdfReader
 from rsegen import CutSettings, Placement, Random, Recipe, Scene, compose, load, sheet
 from rsegen.errors import ParameterError
 from rsegen.exporters.sheet.cutting import centimetres
-from rsegen.exporters.sheet.order import in_order, placing
+from rsegen.exporters.sheet.order import building_order, placing_order
 from rsegen.field.stepfield import Ints
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
@@ -66,7 +66,7 @@ def cells(page: PageObject, shape: tuple[int, int], top: float = 40, side: float
 
 def inside(grid: list[list[str]], scene: Scene, number: int) -> list[list[str]]:
     """What stands in the cells that are no frame."""
-    field = in_order(scene)[number].pallet.field
+    field = building_order(scene)[number].pallet.field
     rows = [row for row, kept in zip(grid, field.inside(1)[::-1], strict=True) if kept]
     return [[text for text, kept in zip(row, field.inside(0), strict=True) if kept] for row in rows]
 
@@ -96,7 +96,7 @@ def test_it_is_a_page_of_a4_for_the_map_and_one_for_each_pallet(recipe: Recipe) 
 @EVERY
 def test_every_cell_of_a_pallet_has_its_height_on_its_page(recipe: Recipe) -> None:
     scene, pages = compose(recipe), read(recipe).pages
-    for number, each in enumerate(in_order(scene)):
+    for number, each in enumerate(building_order(scene)):
         grid = inside(cells(pages[number + 1], each.pallet.field.shape)["large"], scene, number)
         heights = [[float(text) for text in row] for row in grid]
         assert heights == [[level * recipe.unit_cm for level in row] for row in as_read(each.levels)]
@@ -105,9 +105,9 @@ def test_every_cell_of_a_pallet_has_its_height_on_its_page(recipe: Recipe) -> No
 @pytest.mark.parametrize("name", ["framed", "bare", "outer", "real"])
 def test_blocks_of_small_pallets_have_their_order(name: str) -> None:
     scene, pages = compose(RECIPES[name]), read(RECIPES[name]).pages
-    for number, each in enumerate(in_order(scene)):
+    for number, each in enumerate(building_order(scene)):
         grid = inside(cells(pages[number + 1], each.pallet.field.shape)["small"], scene, number)
-        assert [[int(text or 0) for text in row] for row in grid] == as_read(placing(each.levels))
+        assert [[int(text or 0) for text in row] for row in grid] == as_read(placing_order(each.levels))
         assert "Small numbers are the order of placing" in words(pages[number + 1])
 
 
@@ -123,7 +123,7 @@ def test_cells_too_small_for_heights_have_levels_and_it_is_said() -> None:
 @EVERY
 def test_cut_lists_are_the_blocks_of_the_map_and_of_each_pallet(recipe: Recipe) -> None:
     scene, pages = compose(recipe), read(recipe).pages
-    for field, page in zip([scene.field, *(each.pallet.field for each in in_order(scene))], pages, strict=True):
+    for field, page in zip([scene.field, *(each.pallet.field for each in building_order(scene))], pages, strict=True):
         counts = {level: count for level, count in field.level_counts().items() if level}
         for level, count in counts.items():
             length = level * recipe.unit_cm
@@ -177,7 +177,7 @@ def test_pallets_are_numbered_and_named_on_the_first_page() -> None:
 def test_the_first_page_says_which_blocks_each_pallet_needs_where_there_is_room() -> None:
     recipe = load(EXAMPLES["five-pallet-dash"])
     first = words(read(recipe).pages[0])
-    for each in in_order(compose(recipe)):
+    for each in building_order(compose(recipe)):
         counts = each.pallet.field.level_counts()
         assert f"{each.number} {each.name} {' '.join(str(counts.get(level, 0)) for level in range(1, 5))}" in first
 
@@ -233,7 +233,7 @@ def test_pallets_of_other_shapes_read_north_up() -> None:
         i, j = (scene.field.inside(axis).nonzero()[0][-1] for axis in (0, 1))
         levels[i, j] = 4
         scene = replace(scene, field=replace(scene.field, levels=levels))
-        last = in_order(scene)[0] if size == (1, 2) else in_order(scene)[1]
+        last = building_order(scene)[0] if size == (1, 2) else building_order(scene)[1]
         page = PdfReader(io.BytesIO(sheet(scene))).pages[last.number]
         grid = inside(cells(page, last.pallet.field.shape)["large"], scene, last.number - 1)
         assert grid == [["0", "0", centimetres(400_000_000)], ["0"] * 3, ["0"] * 3]
@@ -244,7 +244,7 @@ def test_pallets_of_other_shapes_read_north_up() -> None:
     [
         (
             Recipe(seed=1, chunk_size=61),
-            "chunk_size: 61 blocks a side do not fit on a page of a build sheet; give up to 60",
+            "chunk_size: 61 blocks per side do not fit on a page of a build sheet; give up to 60",
         ),
         (Recipe(seed=1, chunks=(401, 1), chunk_size=1), "chunks: 401 pallets with 401 blocks are too many"),
         (Recipe(seed=1, chunks=(3, 4), chunk_size=60), "chunks: 12 pallets with 43,200 blocks are too many"),

@@ -14,8 +14,8 @@ from PIL import Image
 import rsegen
 from rsegen import RobotLimits
 from rsegen.cli import main
-from rsegen.exporters.pictures.paths import chart
-from rsegen.field.metrics.reach import reach
+from rsegen.exporters.pictures.paths import path_plot
+from rsegen.field.metrics.traversability import traversability
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.simulation.robots import ROBOTS
 
@@ -125,8 +125,8 @@ def test_a_picture_is_written(capsys: pytest.CaptureFixture[str], tmp_path: Path
 def test_a_picture_shows_ways_where_there_are_any(climb_cm: float) -> None:
     """A robot that gets nowhere has a picture too."""
     scene = rsegen.compose(rsegen.load(PALLET))
-    found = reach(scene.field, RobotLimits(climb_cm=climb_cm))
-    pixels = Image.open(io.BytesIO(chart(scene, found))).convert("RGB")
+    found = traversability(scene.field, RobotLimits(climb_cm=climb_cm))
+    pixels = Image.open(io.BytesIO(path_plot(scene, found))).convert("RGB")
     assert pixels.size == (1400, 700)
     heat = pixels.crop((700, 100, 1300, 600)).getcolors(2**24)
     assert heat is not None

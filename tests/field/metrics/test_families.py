@@ -113,5 +113,5 @@ def test_a_large_map_has_lags_enough_for_an_exponent() -> None:
 
 
 def test_frames_alone_cannot_be_measured() -> None:
-    with pytest.raises(ParameterError, match="field: is all frame"):
+    with pytest.raises(ParameterError, match="field: has only frame cells"):
         rsegen.metrics(field("##", "##"))

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from rsegen import Matrix, Placement, Random, Recipe, build
 from rsegen.errors import ParameterError
-from rsegen.gui.spelled import command_line
+from rsegen.gui.model.as_code import command_line
 from rsegen.recipe.codec import decode, decode_placement, encode
 
 ROWS = ("0 1 2", "3 . 4")

@@ -52,7 +52,7 @@ def test_counts_and_cells_are_as_many() -> None:
     assert rsegen.build(made({"first": (1, 1), "last": (2, 3)}, counts=(1, 2, 0, 2, 1))).levels.sum() == 12
     for place, counts, says in (
         ({}, (9, 27, 33, 21, 9), "counts: 99 blocks for 100 cells: the counts must add up to the number of cells"),
-        ({"first": "random"}, COUNTS, "counts: need a region of a known size; give first and last"),
+        ({"first": "random"}, COUNTS, "counts: needs a region of fixed size; give first and last"),
         ({}, (1, 2), "counts: 2 counts for 5 levels; give one for each level"),
     ):
         with pytest.raises(rsegen.UserError, match=says):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,7 +12,8 @@ import pytest
 
 from rsegen.io.dataset import cluster
 from tests.support.complaints import OBSTACLE, exit_code, the_line
-from tests.support.runs import contents, ended, started
+from tests.support.patience import PATIENCE
+from tests.support.runs import contents, ended, started, until_it_has
 
 MANY = ["dataset", *OBSTACLE, "--maps", "20000", "--shard-maps", "500"]
 
@@ -45,12 +45,11 @@ def kill_a_worker(parent: int) -> None:
     worker.kill()
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_costs_nothing(tmp_path: Path, whole: dict[str, bytes]) -> None:
     folder = tmp_path / "set"
     process = started(*MANY, "--workers", "2", "--scheduler", "local", "-o", folder)
-    while shards(folder) < 3:
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.01)
+    until_it_has(process, lambda: shards(folder) >= 3)
     kill_a_worker(process.pid)
     code, err = ended(process)
     assert code == 0, err
@@ -66,9 +65,10 @@ def address(tmp_path: Path) -> Iterator[str]:
     )
     assert process.stdout
     yield process.stdout.readline().strip()
-    process.communicate("\n", timeout=60)
+    process.communicate("\n", timeout=PATIENCE)
 
 
+@pytest.mark.slow
 def test_a_cluster_that_runs_makes_the_same_bytes(address: str, tmp_path: Path, whole: dict[str, bytes]) -> None:
     process = started(*MANY, "--scheduler", address, "-o", tmp_path / "set")
     code, err = ended(process)
@@ -76,6 +76,7 @@ def test_a_cluster_that_runs_makes_the_same_bytes(address: str, tmp_path: Path, 
     assert contents(tmp_path / "set") == whole
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_is_not_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

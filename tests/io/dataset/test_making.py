@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,10 +19,10 @@ import rsegen
 from rsegen import Dataset, Placement, Recipe, make_dataset
 from rsegen.errors import OutputError, TooLarge
 from rsegen.io import work
-from rsegen.io.dataset import making
+from rsegen.io.dataset import shards
 from rsegen.recipe.codec import decode
 from tests.support.complaints import exit_code, snapshot, the_line
-from tests.support.runs import contents, ended, started
+from tests.support.runs import contents, ended, started, until_it_has
 
 OBSTACLE = ["--obstacle", "random max_height=5", "--seed", "7"]
 MANY = ["dataset", *OBSTACLE, "--maps", "40000", "--shard-maps", "500", "--workers", "2"]
@@ -43,6 +44,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return contents(folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("metrics", ["npy", "parquet", "none"])
 def test_a_data_set_is_the_same_whoever_makes_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, metrics: str) -> None:
     monkeypatch.setattr(work, "WORTHWHILE", 0.0)
@@ -52,16 +54,23 @@ def test_a_data_set_is_the_same_whoever_makes_it(tmp_path: Path, monkeypatch: py
     assert len(contents(tmp_path / "1")) == 1 + 5 * (1 + (metrics != "none"))
 
 
+def test_the_maps_of_a_constrained_recipe_keep_to_it(tmp_path: Path) -> None:
+    recipe = replace(RECIPE, max_step=1)
+    made = make_dataset(recipe, tmp_path, shard_maps=5)
+    fields = [rsegen.build(recipe, index) for index in recipe.indices]
+    assert [field.blocks.tolist() for field in fields] == np.asarray(made[:]).tolist()
+    assert fields != [rsegen.build(RECIPE, index) for index in recipe.indices]
+
+
 def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(work, "shared_out", lambda *_, **__: pytest.fail("workers were started"))
+    monkeypatch.setattr(work, "run_in_workers", lambda *_, **__: pytest.fail("workers were started"))
     assert len(make_dataset(RECIPE, tmp_path, shard_maps=1, workers=8)) == 13
 
 
 def until_made(process: subprocess.Popen[str], folder: Path, shards: int) -> None:
     """Wait until the record has so many shards."""
     record = folder / "unfinished.jsonl"
-    while not record.is_file() or record.read_text("utf-8").count("\n") <= shards:
-        assert process.poll() is None, process.communicate()
+    until_it_has(process, lambda: record.is_file() and record.read_text("utf-8").count("\n") > shards)
 
 
 def end_by(signal_: signal.Signals) -> Callable[[Path], tuple[int, str]]:
@@ -85,6 +94,7 @@ def kill_a_worker(folder: Path) -> tuple[int, str]:
 STOPS = {"SIGINT": end_by(signal.SIGINT), "SIGKILL": end_by(signal.SIGKILL), "a worker": kill_a_worker}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stop", STOPS.values(), ids=STOPS)
 def test_a_run_that_was_stopped_goes_on(
     tmp_path: Path, whole: dict[str, bytes], stop: Callable[[Path], tuple[int, str]]
@@ -102,6 +112,7 @@ def test_a_run_that_was_stopped_goes_on(
     assert contents(folder) == whole
 
 
+@pytest.mark.slow
 def test_the_message_of_a_stopped_run_says_how_to_go_on(tmp_path: Path) -> None:
     code, err = STOPS["SIGINT"](tmp_path / "set")
     found = re.fullmatch(
@@ -120,7 +131,7 @@ def test_a_run_that_made_nothing_leaves_nothing(tmp_path: Path, monkeypatch: pyt
     def stopped(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(making, "blocks", stopped)
+    monkeypatch.setattr(shards, "blocks", stopped)
     with pytest.raises(KeyboardInterrupt):
         make_dataset(RECIPE, tmp_path / "a" / "set")
     assert list(tmp_path.iterdir()) == []
@@ -144,8 +155,8 @@ def test_a_record_that_was_cut_off_is_believed_as_far_as_it_goes(tmp_path: Path)
     make_dataset(RECIPE, folder, shard_maps=3)
     expected = contents(folder)
     layout, shards = rsegen.io.dataset.manifest.read_manifest(folder)
-    lines = [rsegen.io.dataset.manifest.next_line(layout, shard) for shard in shards]
-    text = rsegen.io.dataset.manifest.first_line(layout) + "".join(lines[:2]) + lines[2][:40]
+    lines = [rsegen.io.dataset.manifest.record_entry(layout, shard) for shard in shards]
+    text = rsegen.io.dataset.manifest.record_header(layout) + "".join(lines[:2]) + lines[2][:40]
     (folder / "unfinished.jsonl").write_text(text, "utf-8")
     (folder / "manifest.json").unlink()
     told: list[tuple[int, bool]] = []
@@ -167,6 +178,7 @@ def test_a_run_that_was_killed_at_once_goes_on(tmp_path: Path, text: str) -> Non
     assert not (tmp_path / "unfinished.jsonl").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no locks there")
 def test_two_runs_do_not_make_one_data_set(tmp_path: Path, whole: dict[str, bytes]) -> None:
     folder = tmp_path / "set"
@@ -224,3 +236,19 @@ def test_high_levels_have_room(tmp_path: Path) -> None:
     assert found.levels.dtype == np.int16
     assert found.field(4) == rsegen.build(found.recipe, 4)
     assert Dataset(tmp_path).levels[:].max() > 255
+
+
+@pytest.mark.parametrize("finished", [True, False])
+def test_what_changes_no_map_does_not_make_another_data_set(tmp_path: Path, *, finished: bool) -> None:
+    """Colours, meshes and the name: shards that are there stay, and the manifest says what was given last."""
+    make_dataset(RECIPE, tmp_path, shard_maps=3)
+    if not finished:
+        layout, shards = rsegen.io.dataset.manifest.read_manifest(tmp_path)
+        lines = [rsegen.io.dataset.manifest.record_entry(layout, shard) for shard in shards[:2]]
+        (tmp_path / "unfinished.jsonl").write_text(rsegen.io.dataset.manifest.record_header(layout) + "".join(lines))
+        (tmp_path / "manifest.json").unlink()
+    before = {path: path.read_bytes() for path in tmp_path.glob("*.npy")}
+    other = replace(RECIPE, frame_colour="#ff0000", mesh_type="multi", name="other")
+    made = make_dataset(other, tmp_path, shard_maps=3, resume=True)
+    assert made.recipe == other
+    assert {path: path.read_bytes() for path in tmp_path.glob("*.npy")} == before

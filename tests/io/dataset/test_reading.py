@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen import Dataset, Placement, Recipe, make_dataset
 from rsegen.errors import DatasetDamaged, ParameterError
-from rsegen.field.metrics.entry import entry, row
-from rsegen.field.metrics.many import COLUMNS
+from rsegen.field.metrics.batch import COLUMNS
+from rsegen.field.metrics.tables import flattened, nested
 from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents
 from tests.support.strategies import recipes
@@ -72,6 +72,7 @@ def test_levels_are_read_as_one_array(dataset: Dataset) -> None:
         dataset[0][0, 0] = 1
 
 
+@pytest.mark.slow
 def test_it_goes_to_other_processes(dataset: Dataset) -> None:
     dataset[0]
     assert np.array_equal(pickle.loads(pickle.dumps(dataset))[7], dataset[7])  # noqa: S301  # our own
@@ -84,7 +85,7 @@ def test_metrics_are_those_of_each_map(tmp_path: Path, form: str) -> None:
     assert tuple(found) == ("map", *COLUMNS)
     assert found["map"].tolist() == list(range(20))
     for index in range(20):
-        alone = dict(row(entry(rsegen.metrics(rsegen.build(RECIPE, index)))))
+        alone = dict(flattened(nested(rsegen.metrics(rsegen.build(RECIPE, index)))))
         assert {name: found[name][index] for name in COLUMNS} == pytest.approx(
             {name: alone[name] for name in COLUMNS}, rel=1e-6
         )
@@ -160,7 +161,7 @@ def test_a_changed_byte_is_found(tmp_path: Path, capsys: pytest.CaptureFixture[s
         content = path.read_bytes()
         path.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
         assert exit_code("dataset", "--verify", tmp_path) == 1
-        assert f"{path}: is not as it was made" in the_line(capsys.readouterr().err)
+        assert f"{path}: has changed, its checksum is wrong" in the_line(capsys.readouterr().err)
         with pytest.raises(DatasetDamaged):
             found.verify(0)
         path.write_bytes(content)

@@ -15,14 +15,14 @@ from PIL import Image
 
 from rsegen import Recipe, build, generate, imported
 from rsegen.errors import FileError, ParameterError, UserError
-from rsegen.io.importers import FORMATS, format_of
+from rsegen.io.importers import IMPORTERS, importer_for
 from rsegen.io.importers.array import Saved
 from rsegen.io.importers.image import Picture
 from rsegen.io.importers.occupancy import Occupancy
 from rsegen.io.importers.table import Table
 from rsegen.params.sorts import parameters
 
-FORMAT = pytest.mark.parametrize("suffix", FORMATS)
+FORMAT = pytest.mark.parametrize("suffix", IMPORTERS)
 LEVELS = arrays(np.int32, st.tuples(st.integers(1, 9), st.integers(1, 9)), elements=st.integers(0, 30))
 PICTURE = np.array([[0, 64, 255], [255, 191, 0]], dtype=np.uint8)
 """As an image has it: two rows of three pixels, the first the upper one."""
@@ -44,7 +44,7 @@ def written(folder: Path, text: str, name: str = "heights.csv") -> Path:
 
 @FORMAT
 def test_every_format_explains_itself_and_its_options(suffix: str) -> None:
-    cls = FORMATS[suffix]
+    cls = IMPORTERS[suffix]
     assert (cls.__doc__ or "").splitlines()[0].endswith(".")
     assert all(option.help and option.describe() for option in parameters(cls).values())
 
@@ -57,7 +57,7 @@ def test_what_is_no_file_of_a_format_is_refused_in_one_line(suffix: str, content
     path = tmp_path / f"strange{suffix}"
     path.write_bytes(content)
     with pytest.raises(UserError, match=r"strange") as refused:
-        imported(path, FORMATS[suffix]())
+        imported(path, IMPORTERS[suffix]())
     assert "\n" not in str(refused.value)
 
 
@@ -67,12 +67,12 @@ def test_a_file_that_is_not_there_or_is_a_folder_is_refused(suffix: str, tmp_pat
         if path.stem == "folder":
             path.mkdir()
         with pytest.raises(FileError, match=path.name):
-            imported(path, FORMATS[suffix]())
+            imported(path, IMPORTERS[suffix]())
 
 
 def test_a_file_of_no_known_format_is_refused_with_the_known_ones() -> None:
     with pytest.raises(FileError, match=r"heights\.xlsx: heights are read from files named \*\.bmp, \*\.csv"):
-        format_of(Path("heights.xlsx"))
+        importer_for(Path("heights.xlsx"))
 
 
 @given(levels=LEVELS, unit_cm=st.sampled_from([10, 1, 8.5]))

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen.cli import main
 from rsegen.exporters.constraint_report import constraint_report, missing
-from rsegen.exporters.pictures.preview import picture
+from rsegen.exporters.pictures.preview import preview_image
 from rsegen.field.metrics.pairs import differences
-from rsegen.field.metrics.reach import crossing
+from rsegen.field.metrics.traversability import crossing
 from rsegen.params.streams import generator
-from rsegen.recipe.constraints.inventory import fitted
+from rsegen.recipe.constraints.inventory import fitted_to_inventory
 from tests.support.complaints import the_line
 from tests.support.strategies import fields, recipes
 
@@ -76,7 +76,7 @@ def test_frames_that_a_robot_cannot_get_over_are_refused() -> None:
 
 @given(fields(), st.lists(st.integers(0, 12), min_size=1, max_size=6), st.integers(0, 99))
 def test_blocks_are_owned_and_few_are_replaced(field: rsegen.StepField, owned: list[int], seed: int) -> None:
-    levels, left = fitted(field, owned, generator(seed, 0, "k"))
+    levels, left = fitted_to_inventory(field, owned, generator(seed, 0, "k"))
     needed = np.bincount(field.levels[~field.frame], minlength=len(left))
     used = np.bincount(levels[~field.frame], minlength=len(left))
     there = np.array([*owned, *[0] * len(left)])[: len(left) - 1]
@@ -99,7 +99,7 @@ def test_a_block_that_is_missing_is_replaced_by_the_nearest() -> None:
         "used": {1: 1, 3: 1, 4: 1},
         "missing": {4: 3},
     }
-    assert missing(scene) == "blocks are missing, others stand in their place: 3 of 40 cm"
+    assert missing(scene) == "missing blocks, replaced by others: 3 of 40 cm"
 
 
 def test_all_of_it_at_once() -> None:
@@ -135,9 +135,9 @@ def test_it_is_said_what_the_map_keeps_to(tmp_path: Path, capsys: pytest.Capture
     asked = ["--max-step", "1", "--inventory", "1,1,1,1", "--crossable-by", "10,12.5,30"]
     assert main(["generate", "--seed", "3", "--obstacle", "random max_height=5", *asked, "-o", str(tmp_path)]) == 0
     said = capsys.readouterr().out
-    assert "largest step between neighbours, in units: 1; asked for: 1" in said
-    assert "a robot that climbs 10 cm, gets down 12.5 cm and is 30 cm wide gets across from west to east" in said
-    assert "warning: blocks are missing, others stand in their place: " in said
+    assert "largest step between neighbours in units: 1, allowed: 1" in said
+    assert "a robot that climbs 10 cm, descends 12.5 cm and is 30 cm wide can cross from west to east" in said
+    assert "warning: missing blocks, replaced by others: " in said
 
 
 def test_an_inventory_from_a_file(tmp_path: Path) -> None:
@@ -181,7 +181,7 @@ def test_a_map_of_blocks_higher_than_its_obstacles_is_drawn_and_coloured(tmp_pat
     assert (made.top_level, made.highest_level) == (4, 5)
     assert set(scene.field.level_counts()) == {0, 5}
     assert scene.colour(5) == scene.colour(4)
-    assert len(picture(scene)) > 10_000
+    assert len(preview_image(scene)) > 10_000
     (one,) = rsegen.generate(made, tmp_path).maps
     text = (one.folder / "meshes" / f"{scene.name}.obj").read_text()
     used = {line.split()[1] for line in text.splitlines() if line.startswith("usemtl")}

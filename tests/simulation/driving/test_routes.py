@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen.simulation.driving.routes import STANDING, Route, Straight, Wandering
-from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.driving.routes import STOP, Route, Straight, Wandering
+from rsegen.simulation.simulators.live_world import Pose
 
 PLACE = st.floats(-5, 5)
 ANGLE = st.floats(-3.2, 3.2)
@@ -43,22 +43,22 @@ def test_no_route_asks_for_more_than_the_robot_can(x: float, y: float, yaw: floa
 @pytest.mark.parametrize("yaw", [-1.0, 0.5])
 def test_a_straight_route_comes_back_to_its_line_without_weaving(speed: float, yaw: float) -> None:
     route = Straight(speed=speed, turn=2.0, line=0.5, goal=1e9)
-    track = list(followed(route, Pose(x=0, y=0, z=0, yaw=yaw), 200))
-    assert max(abs(at.y - 0.5) for at in track[-20:]) < 0.01
-    assert max(abs(at.yaw) for at in track[-20:]) < 0.01
+    trajectory = list(followed(route, Pose(x=0, y=0, z=0, yaw=yaw), 200))
+    assert max(abs(at.y - 0.5) for at in trajectory[-20:]) < 0.01
+    assert max(abs(at.yaw) for at in trajectory[-20:]) < 0.01
 
 
 def test_a_straight_route_ends_at_its_goal() -> None:
     route = Straight(speed=0.4, turn=2.0, line=0.0, goal=1.0)
     assert not route.is_done(Pose(x=0.99, y=0, z=0))
     assert route.is_done(Pose(x=1.0, y=0, z=0))
-    assert route.motion(Pose(x=1.0, y=0, z=0)) == STANDING
+    assert route.motion(Pose(x=1.0, y=0, z=0)) == STOP
 
 
 def test_wandering_stays_about_its_rectangle_and_goes_all_over_it() -> None:
-    track = list(followed(wandering(), Pose(x=0, y=0, z=0), 300))
-    assert max(max(abs(at.x), abs(at.y)) for at in track) < 1.6
-    assert len({(at.x > 0, at.y > 0) for at in track}) == 4
+    trajectory = list(followed(wandering(), Pose(x=0, y=0, z=0), 300))
+    assert max(max(abs(at.x), abs(at.y)) for at in trajectory) < 1.6
+    assert len({(at.x > 0, at.y > 0) for at in trajectory}) == 4
 
 
 def test_wandering_is_drawn_from_its_generator_alone() -> None:

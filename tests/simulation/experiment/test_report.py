@@ -12,7 +12,7 @@ from PIL import Image
 
 from rsegen.simulation.experiment.plan import Cell, Plan, Row
 from rsegen.simulation.experiment.published import FIGURES
-from rsegen.simulation.experiment.report import csv, middle, page, plot
+from rsegen.simulation.experiment.report import median_of, plot, report_page, trials_csv
 from rsegen.simulation.experiment.results import Results
 from rsegen.simulation.experiment.trial import Outcome
 
@@ -40,7 +40,7 @@ def rows(text: str) -> dict[str, list[str]]:
 
 
 def test_the_page_has_medians_and_the_paper_s_figures_beside_them(results: Results) -> None:
-    text = page(PLAN, results, MACHINE)
+    text = report_page(PLAN, results, MACHINE)
     found = rows(text)
     assert found["processor"] == ["a quick one"]
     assert found["80 x 80"] == [
@@ -57,14 +57,14 @@ def test_a_row_without_an_empty_world_is_held_against_that_of_the_same_robots(re
     for number, (robots, found) in enumerate([(3, "0.80"), (2, "-")], 2):
         plan = replace(PLAN, rows=(*PLAN.rows, *[replace(jackal, robots=robots)] * (number - 1)), paces=("free",))
         outcomes = {**results, Cell(row=number, size=20, pace="free"): [outcome(4.0)]}
-        assert rows(page(plan, outcomes, MACHINE))["20 x 20"][5] == found
-        assert "on the wall, at full speed." in page(plan, outcomes, MACHINE)
+        assert rows(report_page(plan, outcomes, MACHINE))["20 x 20"][5] == found
+        assert "on the wall, at full speed." in report_page(plan, outcomes, MACHINE)
 
 
 def test_a_world_in_turns_with_an_empty_one_is_told_with_its_error(results: Results) -> None:
-    def beside(*shares: float) -> str:
-        outcomes = [replace(outcome(4.0), share=share) for share in shares]
-        text = page(PLAN, {**results, Cell(row=0, size=80, pace="beside"): outcomes}, MACHINE)
+    def beside(*contact_shares: float) -> str:
+        outcomes = [replace(outcome(4.0), share=share) for share in contact_shares]
+        text = report_page(PLAN, {**results, Cell(row=0, size=80, pace="beside"): outcomes}, MACHINE)
         return rows(text)["80 x 80"][5]
 
     assert beside(0.9) == "0.90"
@@ -72,21 +72,22 @@ def test_a_world_in_turns_with_an_empty_one_is_told_with_its_error(results: Resu
 
 
 def test_a_page_of_nothing_yet_has_no_rows_of_figures() -> None:
-    assert "10 x 10" not in page(PLAN, {}, MACHINE)
+    assert "10 x 10" not in report_page(PLAN, {}, MACHINE)
 
 
 def test_the_csv_has_every_trial(results: Results) -> None:
-    lines = list(reading.DictReader(io.StringIO(csv(PLAN, results))))
+    lines = list(reading.DictReader(io.StringIO(trials_csv(PLAN, results))))
     assert len(lines) == 3 * len(PLAN.cells)
     assert {line["robot"] for line in lines} == {"burger", "jackal"}
     assert [line["speed"] for line in lines if line["size"] == "80" and line["pace"] == "free"] == ["4.5", "4", "1"]
 
 
 def test_a_median_leaves_out_what_is_not_there() -> None:
-    assert middle([outcome(1), outcome(2, 0.5), outcome(9)], "rtf") == 0.5
-    assert middle([outcome(1)], "rtf") is None
+    assert median_of([outcome(1), outcome(2, 0.5), outcome(9)], "rtf") == 0.5
+    assert median_of([outcome(1)], "rtf") is None
 
 
+@pytest.mark.slow
 def test_the_plot_is_a_picture(results: Results) -> None:
     with Image.open(io.BytesIO(plot(PLAN, results))) as picture:
         assert picture.size == (1100, 450)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from math import cos, pi, sin
 from typing import NamedTuple
 
-from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.simulators.live_world import Pose
 
 SPEED = 0.22
 """Metres a second: the most that the real one does."""

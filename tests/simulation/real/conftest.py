@@ -10,7 +10,7 @@ from typing import NoReturn
 import pytest
 
 from rsegen.simulation.simulators import SIMULATORS, Installation
-from rsegen.simulation.simulators.process import printed
+from rsegen.simulation.simulators.process import command_output
 
 CHECKERS = (("ign", "sdf", "--check"), ("gz", "sdf", "--check"))
 """Commands of libsdformat 12 and later; Gazebo Classic's own `gz sdf` reads its old dialect and is not asked."""
@@ -19,7 +19,7 @@ CHECKERS = (("ign", "sdf", "--check"), ("gz", "sdf", "--check"))
 @pytest.fixture(scope="session")
 def gazebo() -> Installation:
     """The Gazebo Classic 11 of this machine."""
-    return SIMULATORS["classic"].found() or missing("no Gazebo Classic 11: run scripts/gazebo-classic")
+    return SIMULATORS["classic"].installation() or missing("no Gazebo Classic 11: run scripts/gazebo-classic")
 
 
 @pytest.fixture(scope="session")
@@ -27,9 +27,9 @@ def check_sdf(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Path], str]
     """What libsdformat says of a file."""
     empty = tmp_path_factory.mktemp("sdf") / "empty.sdf"
     empty.write_text('<sdf version="1.6"/>\n')
-    found = (checker for checker in CHECKERS if "Valid" in printed([*checker, empty]))
+    found = (checker for checker in CHECKERS if "Valid" in command_output([*checker, empty]))
     checker = next(found, None) or missing("no libsdformat 12: run scripts/sdformat")
-    return lambda path: printed([*checker, path])
+    return lambda path: command_output([*checker, path])
 
 
 def missing(why: str) -> NoReturn:

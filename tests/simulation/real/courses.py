@@ -9,8 +9,8 @@ from pathlib import Path
 
 from rsegen.simulation.robots import Robot
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.live import LiveWorld, Pose
-from rsegen.simulation.simulators.server import Server, attempted, serving
+from rsegen.simulation.simulators.live_world import LiveWorld, Pose
+from rsegen.simulation.simulators.server import Server, retried, running_server
 
 LANE = 4.0
 """Metres from lane to lane."""
@@ -74,12 +74,12 @@ def driven(
         with served(gazebo, course, folder) as (_, live):
             for run, count in enumerate(steps):
                 for name, (v, w) in commands.items() if run in (0, stop_after) else ():
-                    live.tell(course.robots[name].command(name, *((v, w) if run == 0 else (0.0, 0.0))))
-                live.advance(count)
+                    live.send_command(course.robots[name].command(name, *((v, w) if run == 0 else (0.0, 0.0))))
+                live.step(count)
                 poses.append(live.poses())
         return poses
 
-    return attempted(once)
+    return retried(once)
 
 
 @contextmanager
@@ -87,7 +87,7 @@ def served(gazebo: Installation, course: Course, folder: Path) -> Iterator[tuple
     """A server, and its world, which stands still."""
     file = folder / "course.world"
     file.write_text(course.world())
-    with serving(gazebo, file) as server, server.live() as live:
+    with running_server(gazebo, file) as server, server.connect() as live:
         yield server, live
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.simulators.live_world import Pose
 from tests.simulation.real.bodies import SHAPES, SIZE, body, furnished
 from tests.simulation.real.maps import Map
 

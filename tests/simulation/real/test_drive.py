@@ -15,10 +15,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import rsegen
 from rsegen import Matrix, Placement, Recipe, generate
 from rsegen.cli import main
 from rsegen.simulation.experiment.plan import Plan, Row
-from rsegen.simulation.experiment.trial import tried
+from rsegen.simulation.experiment.trial import run_trial
 from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.simulators import Installation
 from tests.simulation.real.conftest import missing
@@ -61,6 +62,20 @@ def test_a_burger_crosses_steps_of_a_centimetre_and_no_higher_ones(
     assert rows[:, 3].max() == pytest.approx(2 * unit_cm / 100 if crosses else 0, abs=0.015)
     with Image.open(tmp_path / "out" / "drive.png") as picture:
         assert picture.size == (800, 800)
+
+
+def test_python_gives_what_the_command_line_does(gazebo: Installation, tmp_path: Path) -> None:
+    done: list[float] = []
+    folder = course(tmp_path, 1)
+    result = rsegen.drive(folder, duration=4, seed=5, output=tmp_path / "python", progress=done.append)
+    assert main(["drive", str(folder), "--duration", "4", "--seed", "5", "-o", str(tmp_path / "command")]) == 0
+    for file in ("burger_0.csv", "contacts.csv", "drive.json"):
+        assert (tmp_path / "python" / file).read_bytes() == (tmp_path / "command" / file).read_bytes()
+    (robot,) = result.robots
+    assert json.loads((tmp_path / "python" / "drive.json").read_text()) == result.as_json()
+    assert robot.metrics.distance == pytest.approx(0.7, abs=0.3)
+    assert robot.trajectory.rows[0, 1] == pytest.approx(robot.start.x, abs=0.01)
+    assert done[-1] == 4
 
 
 def test_the_same_seed_gives_the_same_tracks_and_another_seed_others(
@@ -122,11 +137,11 @@ def test_an_experiment_goes_on_where_it_was_stopped(
         "10 x 10",
     ]
     assert errors.splitlines()[-1].startswith("4 of 4: row 1")
-    notebook = tmp_path / "out" / "results.jsonl"
-    lines = notebook.read_text().splitlines(keepends=True)
-    notebook.write_text("".join(lines[:-1]) + lines[-1][:20])
+    log = tmp_path / "out" / "results.jsonl"
+    lines = log.read_text().splitlines(keepends=True)
+    log.write_text("".join(lines[:-1]) + lines[-1][:20])
     assert main(words) == 0
-    again = notebook.read_text().splitlines(keepends=True)
+    again = log.read_text().splitlines(keepends=True)
     assert again[:-1] == lines[:-1]
     outcome = json.loads(again[-1])["outcome"]
     assert outcome["speed"] > 0
@@ -142,7 +157,7 @@ def test_an_experiment_goes_on_where_it_was_stopped(
 
 def test_an_empty_world_in_turns_with_another_has_the_same_speed(gazebo: Installation) -> None:
     plan = Plan(name="null", rows=(Row(robots=1, sizes=(0,)),), paces=("beside",), seconds=4)
-    outcome = tried(plan, plan.cells[0], 0, gazebo)
+    outcome = run_trial(plan, plan.cells[0], 0, gazebo)
     assert outcome.share == pytest.approx(1, abs=0.3)
     assert outcome.cpu is outcome.rtf is None
     assert outcome.speed > 0

@@ -14,10 +14,10 @@ import pytest
 
 import rsegen
 from rsegen.field.stepfield import Ints
-from rsegen.simulation.driving.world_with_robots import arena
+from rsegen.simulation.driving.world_with_robots import world_with_robots
 from rsegen.simulation.robots import ROBOTS, Robot
 from rsegen.simulation.robots.drives import Wheels
-from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.simulators.live_world import Pose
 from tests.simulation.real.bodies import body, furnished, tilt
 from tests.simulation.real.conftest import missing
 from tests.simulation.real.falling import falling, judge
@@ -142,7 +142,7 @@ def course(  # what a world is made of
     )
     world = generated(recipe, folder).world
     x, y, z = place
-    world.write_text(arena(world, [robot.model("robot", "sim", (x, y, z + 0.005, 0, 0, 0))]))
+    world.write_text(world_with_robots(world, [robot.model("robot", "sim", (x, y, z + 0.005, 0, 0, 0))]))
     return world
 
 

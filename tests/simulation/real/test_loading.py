@@ -10,7 +10,7 @@ import pytest
 
 import rsegen
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.simulators.live_world import Pose
 from tests.simulation.real.bodies import SIZE, body
 from tests.simulation.real.maps import examples, generated, kinds, map_name, variants
 from tests.simulation.simulated import simulated

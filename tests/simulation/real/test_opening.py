@@ -16,8 +16,8 @@ from rsegen.recipe.examples import EXAMPLES
 from rsegen.simulation.robots import robot
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.gazebo_classic import STATE
-from rsegen.simulation.simulators.live import LiveWorld, Pose
-from rsegen.simulation.simulators.server import attempted, serving
+from rsegen.simulation.simulators.live_world import LiveWorld, Pose
+from rsegen.simulation.simulators.server import retried, running_server
 from tests.simulation.real.maps import generated
 from tests.support.leftovers import MARK, left, left_in_the_end
 from tests.support.runs import ended, started
@@ -45,7 +45,7 @@ def opening(*arguments: str | Path, **environment: str) -> subprocess.Popen[str]
 
 def server_of(process: subprocess.Popen[str], mark: str) -> psutil.Process:
     """The gzserver that a command has started, when it is there."""
-    end = time.monotonic() + 30
+    end = time.monotonic() + 180
     while process.poll() is None and time.monotonic() < end:
         for found in left(mark):
             with suppress(psutil.Error):
@@ -91,7 +91,7 @@ def test_a_mesh_that_is_missing_is_told_and_is_a_failure(gazebo: Installation, t
     assert code == 1
     *told, line = said.splitlines()
     assert told
-    assert line == f"rsegen: {gazebo} complained of the world: {told[0]}"
+    assert line == f"rsegen: {gazebo} printed an error: {told[0]}"
 
 
 @pytest.mark.parametrize(("word", "code"), [("SIGINT", 0), ("SIGTERM", 0), ("SIGKILL", -9)])
@@ -112,13 +112,13 @@ def test_two_servers_side_by_side_do_not_disturb_each_other(gazebo: Installation
 
     def both() -> None:
         with (
-            serving(gazebo, worlds[0]) as one,
-            serving(gazebo, worlds[1]) as other,
-            one.live() as in_one,
-            other.live() as in_other,
+            running_server(gazebo, worlds[0]) as one,
+            running_server(gazebo, worlds[1]) as other,
+            one.connect() as in_one,
+            other.connect() as in_other,
         ):
             assert len({one.pid, other.pid}) == len({one.home, other.home}) == 2
-            in_one.advance(30)
+            in_one.step(30)
             assert [each.clock().steps for each in (in_one, in_other)] == [30, 0]
             assert [names(each) for each in (in_one, in_other)] == [
                 {"ground_plane", "one_0000"},
@@ -128,18 +128,21 @@ def test_two_servers_side_by_side_do_not_disturb_each_other(gazebo: Installation
             assert names(in_other) == {"ground_plane", "other_0000"}
             assert one.errors == other.errors == []
 
-    attempted(both)
+    retried(both)
     assert left(mark) == []
 
 
 def test_a_server_goes_on_when_it_is_told_to(gazebo: Installation, tmp_path: Path, mark: str) -> None:
     def resumed() -> int:
-        with serving(gazebo, made(tmp_path / str(time.monotonic_ns()), "course")) as server, server.live() as live:
-            live.go()
+        with (
+            running_server(gazebo, made(tmp_path / str(time.monotonic_ns()), "course")) as server,
+            server.connect() as live,
+        ):
+            live.unpause()
             time.sleep(0.5)
             return live.clock().steps
 
-    assert attempted(resumed) > 0
+    assert retried(resumed) > 0
 
 
 def names(live: LiveWorld) -> set[str]:
@@ -147,13 +150,13 @@ def names(live: LiveWorld) -> set[str]:
 
 
 def test_a_record_is_kept_until_it_is_stopped(gazebo: Installation, tmp_path: Path) -> None:
-    with serving(gazebo, made(tmp_path, "course")) as server, server.live() as live:
+    with running_server(gazebo, made(tmp_path, "course")) as server, server.connect() as live:
 
         def kept() -> int:
-            live.advance(1000)
+            live.step(1000)
             return (server.home / STATE).stat().st_size
 
-        live.put(robot("burger").file("burger"), Pose(x=0, y=0, z=200))
+        live.spawn(robot("burger").file("burger"), Pose(x=0, y=0, z=200))
         before = kept()
         assert kept() > before
         live.stop_recording()

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from rsegen.simulation.robots import ROBOTS, SIMULATORS, Robot
+from rsegen.simulation.robots import BACKENDS, ROBOTS, Robot
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.classic_live import ClassicWorld
-from rsegen.simulation.simulators.live import Pose
-from rsegen.simulation.simulators.server import attempted
+from rsegen.simulation.simulators.classic_world import ClassicWorld
+from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.simulators.server import retried
 from tests.simulation.real.courses import Course, driven, served, stair
 from tests.simulation.real.test_sdformat import said
 
@@ -22,7 +22,7 @@ TILT = 0.02
 
 
 @ROBOT
-@pytest.mark.parametrize("simulator", SIMULATORS)
+@pytest.mark.parametrize("simulator", BACKENDS)
 def test_libsdformat_finds_nothing_against_it(
     robot: Robot, simulator: str, check_sdf: Callable[[Path], str], tmp_path: Path
 ) -> None:
@@ -82,12 +82,12 @@ def test_flippers_and_arm_go_where_they_are_told(gazebo: Installation, tmp_path:
     def moved() -> Mapping[str, Pose]:
         with served(gazebo, course, tmp_path) as (server, live):
             for joint in ("left_flipper_pivot", "shoulder_joint"):
-                server.told(*ROBOTS["crawler"].servo_command("one", joint, angles[joint]).shell)
-            live.advance(2000)
+                server.run_command(*ROBOTS["crawler"].servo_command("one", joint, angles[joint]).shell)
+            live.step(2000)
             assert isinstance(live, ClassicWorld)
             return live.links()
 
-    links = attempted(moved)
+    links = retried(moved)
     turned = {
         "left_flipper_pivot": "left_flipper",
         "right_flipper_pivot": "right_flipper",

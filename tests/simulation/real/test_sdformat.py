@@ -33,5 +33,5 @@ def test_a_name_given_twice_is_not_valid(check_sdf: Callable[[Path], str], tmp_p
     assert "Valid." not in said(check_sdf(twice))
 
 
-def said(printed: str) -> list[str]:
-    return [line for line in printed.splitlines() if line and not line.startswith(HARMLESS)]
+def said(command_output: str) -> list[str]:
+    return [line for line in command_output.splitlines() if line and not line.startswith(HARMLESS)]

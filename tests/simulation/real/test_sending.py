@@ -17,11 +17,11 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from rsegen import generate
-from rsegen.gui.session import Session
+from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.server import serving
+from rsegen.simulation.simulators.server import running_server
 from tests.support.waiting import until
 
 
@@ -32,7 +32,7 @@ def test_a_map_is_sent_and_the_next_one_takes_its_place(
     QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "settings"))
     app = QApplication.instance() or QApplication([])
     world = generate(Recipe(name="bare", seed=1, boundary="none"), tmp_path).maps[0].world
-    with serving(gazebo, world) as server:
+    with running_server(gazebo, world) as server:
         for name, value in server.environment.items():
             monkeypatch.setenv(name, value)
         window = Window(Session.new())
@@ -44,9 +44,9 @@ def test_a_map_is_sent_and_the_next_one_takes_its_place(
             QTest.keyClick(window, Qt.Key.Key_F6)
             until(lambda number=number: message() == f"rse_0000-{number} is in the simulation")  # type: ignore[misc]
             window.session.set("unit_cm", 5)
-        with server.live() as live:
+        with server.connect() as live:
             there = set(live.poses())
-        window.take(Session.new())
+        window.document.open(Session.new())
         window.close()
     assert app
     assert "rse_0000-2" in there
@@ -61,6 +61,6 @@ def test_where_nothing_runs_the_window_says_so(tmp_path: Path, monkeypatch: pyte
     QTest.qWaitForWindowExposed(window)
     QTest.keyClick(window, Qt.Key.Key_F6)
     until(lambda: "no simulation runs" in window.statusBar().currentMessage())
-    window.take(Session.new())
+    window.document.open(Session.new())
     window.close()
     assert app

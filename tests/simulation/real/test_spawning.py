@@ -17,9 +17,9 @@ from rsegen.cli import main
 from rsegen.exporters.gazebo import sdf
 from rsegen.simulation.robots import robot
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.live import LiveWorld, Pose
-from rsegen.simulation.simulators.server import Server, serving
-from rsegen.simulation.spawning.spawned_map import Placed
+from rsegen.simulation.simulators.live_world import LiveWorld, Pose
+from rsegen.simulation.simulators.server import Server, running_server
+from rsegen.simulation.spawning.spawned_map import SpawnedMap
 from tests.simulation.real.bodies import SIZE, body
 from tests.support.complaints import the_line
 
@@ -38,10 +38,10 @@ COURSE = rsegen.Recipe(
 def server(gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
     """One with the ground alone, that the command finds by itself; the current folder is for maps."""
     world = tmp_path / "ground.world"
-    world.write_bytes(b"".join(sdf.encoded(sdf.world(rsegen.compose(COURSE), ()))))
+    world.write_bytes(b"".join(sdf.utf8(sdf.world(rsegen.compose(COURSE), ()))))
     rsegen.save(COURSE, tmp_path / "course.yaml")
     monkeypatch.chdir(tmp_path)
-    with serving(gazebo, world) as running:
+    with running_server(gazebo, world) as running:
         monkeypatch.setenv("GAZEBO_MASTER_URI", running.environment["GAZEBO_MASTER_URI"])
         yield running
 
@@ -65,15 +65,15 @@ def ground_under(live: LiveWorld, name: str) -> float:
     poses = live.poses()
     (there,) = (each for each in poses if each.startswith("course_"))
     field = rsegen.compose(COURSE, int(there[-4:])).field
-    return poses[name].z - Placed(name=there, field=field, at=poses[there]).top(poses[name])
+    return poses[name].z - SpawnedMap(name=there, field=field, at=poses[there]).top(poses[name])
 
 
 def test_a_robot_drives_on_while_its_map_is_replaced(server: Server, capsys: Capture) -> None:
-    with server.live() as live:
-        live.go()
+    with server.connect() as live:
+        live.unpause()
         assert done(capsys, "spawn", "course.yaml")["at"] == dict.fromkeys(("x", "y", "z", "roll", "pitch", "yaw"), 0.0)
         done(capsys, "spawn", "burger", "--at", "0,0")
-        live.tell(BURGER.command("burger", 0.1, 0.4))
+        live.send_command(BURGER.command("burger", 0.1, 0.4))
         for index in (1, 2, 3):
             before, told = live.poses()["burger"], done(capsys, "respawn", "course.yaml")
             assert (told["name"], told["put_on_top"]) == (f"course_000{index}", ["burger"])
@@ -83,19 +83,19 @@ def test_a_robot_drives_on_while_its_map_is_replaced(server: Server, capsys: Cap
             after = live.poses()["burger"]
             assert dist((before.x, before.y), (after.x, after.y)) > 0.02
             assert ground_under(live, "burger") > -BURGER.clearance
-        assert not live.clock().stands
+        assert not live.clock().paused
         done(capsys, "remove", "burger", "course_0003")
         assert set(live.poses()) == {"ground_plane"}
     assert server.errors == []
 
 
 def test_what_stands_still_goes_on_standing_still(server: Server, capsys: Capture) -> None:
-    with server.live() as live:
+    with server.connect() as live:
         done(capsys, "spawn", "burger")
         assert done(capsys, "spawn", "course.yaml", "--at", "0,0,0,0.5")["put_on_top"] == ["burger"]
         done(capsys, "respawn", "course.yaml")
         assert live.clock().steps == 0
-        assert live.clock().stands
+        assert live.clock().paused
         assert astuple(live.poses()["course_0001"]) == pytest.approx((0, 0, 0, 0, 0, 0.5))
         assert ground_under(live, "burger") >= 0
 
@@ -108,13 +108,13 @@ def test_a_map_of_several_frictions_is_put_in_whole(server: Server, capsys: Capt
     x, y = ((line[:-1] + line[1:]) / 2 for line in field.edges())
     cells = [np.argwhere(where)[0] for where in (field.frame, field.levels == 1, field.levels == 2)]
     cubes = {f"cube-{i}-{j}": (float(x[i]), float(y[j]), float(field.heights[i, j])) for i, j in cells}
-    with server.live() as live:
+    with server.connect() as live:
         for name, place in cubes.items():
-            live.put(
+            live.spawn(
                 f'<sdf version="1.6">{body(name, "cube", (0, 0, 0))}</sdf>',
                 Pose(x=place[0], y=place[1], z=place[2] + 0.03),
             )
-        live.advance(800)
+        live.step(800)
         poses = live.poses()
     assert {name: poses[name].z for name in cubes} == pytest.approx(
         {name: top + SIZE / 2 for name, (_, _, top) in cubes.items()}, abs=0.001
@@ -126,10 +126,10 @@ def test_two_maps_do_not_overlap(server: Server, capsys: Capture) -> None:
     rsegen.generate(replace(COURSE, maps=3), "maps")
     for index in range(3):
         done(capsys, "spawn", "maps", "--map", str(index))
-    with server.live() as live:
+    with server.connect() as live:
         poses = live.poses()
     rectangles = [
-        Placed(name=name, field=rsegen.compose(COURSE, int(name[-4:])).field, at=at).rectangle
+        SpawnedMap(name=name, field=rsegen.compose(COURSE, int(name[-4:])).field, at=at).rectangle
         for name, at in poses.items()
         if name.startswith("course_")
     ]
@@ -140,10 +140,10 @@ def test_two_maps_do_not_overlap(server: Server, capsys: Capture) -> None:
 def test_what_cannot_be_is_said_in_one_line(server: Server, capsys: Capture) -> None:
     rsegen.save(replace(COURSE, name="many", mesh_type="multi"), "many.yaml")
     done(capsys, "spawn", "burger")
-    assert "'burger' is there already; give another" in refused(capsys, "spawn", "burger")
+    assert "'burger' exists already; give another" in refused(capsys, "spawn", "burger")
     line = refused(capsys, "remove", "burgr")
     assert "unknown model 'burgr'; did you mean 'burger'? (known: burger, ground_plane)" in line
-    assert "no map such as course_0000 is there" in refused(capsys, "respawn", "course.yaml")
+    assert "no map such as course_0000 in the simulation" in refused(capsys, "respawn", "course.yaml")
     assert "multi makes a map of many models" in refused(capsys, "spawn", "many.yaml")
     done(capsys, "spawn", "course.yaml")
-    assert "'course_0000' is there already" in refused(capsys, "respawn", "course.yaml", "--map", "0")
+    assert "'course_0000' exists already" in refused(capsys, "respawn", "course.yaml", "--map", "0")

@@ -7,10 +7,10 @@ from xml.etree import ElementTree
 import pytest
 
 from rsegen.errors import ParameterError, UnknownName
-from rsegen.simulation.robots import ROBOTS, SIMULATORS, Robot, robot
+from rsegen.simulation.robots import BACKENDS, ROBOTS, Robot, robot
 
 ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
-SIMULATOR = pytest.mark.parametrize("simulator", SIMULATORS)
+SIMULATOR = pytest.mark.parametrize("simulator", BACKENDS)
 
 
 def parsed(robot: Robot, simulator: str = "classic") -> ElementTree.Element:

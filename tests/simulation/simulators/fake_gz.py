@@ -100,9 +100,9 @@ def main(*words: str) -> str:
         case ("service", "-s", name, "--reqtype", asked, "--reptype", answered, "--timeout", _, "--req", text):
             short = name.removeprefix("/world/lab/")
             assert (asked, answered) == tuple(f"gz.msgs.{each}" for each in TYPES[short])
-            answer = served(state, short, read(text))
+            output_of = served(state, short, read(text))
             file.write_text(json.dumps(state))
-            return written(answer) + "\n"
+            return written(output_of) + "\n"
         case ("topic", "-e", "-t", name, "-n", "1"):
             return written(heard(state, name.removeprefix("/world/lab/"))) + "\n"
         case ("topic", "-t", name, "-m", type_name, "-p", text):

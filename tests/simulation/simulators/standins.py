@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import _thread
 import os
-from collections.abc import Mapping
+import sys
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
 import pytest
+
+from tests.simulation.simulators import fake_gz
 
 _SCRIPT = """\
 #!/bin/sh
@@ -78,3 +85,31 @@ def put_tools(folder: Path) -> None:
     tools.mkdir(exist_ok=True)
     for name in ("env", "mv", "sleep"):
         (tools / name).symlink_to(next(path for path in (Path("/bin", name), Path("/usr/bin", name)) if path.exists()))
+
+
+def play(programs: Path) -> None:
+    """Put the program that plays `gz` on PATH."""
+    program = programs / "gz"
+    program.write_text(f"#!{sys.executable} -S\n" + Path(fake_gz.__file__).read_text())
+    program.chmod(0o755)
+
+
+@contextmanager
+def interrupted_when_started(program: Path) -> Iterator[None]:
+    """Ctrl-C as soon as a stand-in has started, however long that takes."""
+    ended = threading.Event()
+
+    def interrupt() -> None:
+        while not ended.is_set():
+            if program.with_name(f"{program.name}.started").exists():
+                _thread.interrupt_main()
+                return
+            time.sleep(0.02)
+
+    watching = threading.Thread(target=interrupt)
+    watching.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watching.join()

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.robots import robot
-from rsegen.simulation.simulators.classic_messages import TYPES, decoded, encoded, said
-from rsegen.simulation.simulators.classic_transport import line
-from rsegen.simulation.simulators.sim_messages import parse, spelled
+from rsegen.simulation.simulators.classic_messages import TYPES, decode, encode, parse_text
+from rsegen.simulation.simulators.classic_transport import transport_client
+from rsegen.simulation.simulators.sim_messages import format_message, parse
 
 PLAIN: dict[object, st.SearchStrategy[Any]] = {
     int: st.integers(-(2**31), 2**31 - 1),
@@ -35,29 +35,30 @@ def message_of(type_name: str) -> st.SearchStrategy[dict[str, Any]]:
     return st.fixed_dictionaries({}, optional=optional)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("type_name", TYPES)
 @given(data=st.data())
 def test_every_message_comes_back_from_its_bytes(type_name: str, data: st.DataObject) -> None:
     message = data.draw(message_of(type_name))
-    assert decoded(type_name, encoded(type_name, message)) == message
+    assert decode(type_name, encode(type_name, message)) == message
 
 
 def test_bytes_are_those_of_protocol_buffers() -> None:
-    assert encoded("Time", {"sec": 300, "nsec": 1}) == bytes([0x08, 0xAC, 0x02, 0x10, 0x01])
-    assert encoded("GzString", {"data": "rse"}) == b"\x0a\x03rse"
-    assert encoded("Vector3d", {"x": 1.0}) == b"\x09" + b"\0" * 6 + b"\xf0\x3f"
+    assert encode("Time", {"sec": 300, "nsec": 1}) == bytes([0x08, 0xAC, 0x02, 0x10, 0x01])
+    assert encode("GzString", {"data": "rse"}) == b"\x0a\x03rse"
+    assert encode("Vector3d", {"x": 1.0}) == b"\x09" + b"\0" * 6 + b"\xf0\x3f"
 
 
 def test_a_field_that_is_not_known_is_skipped() -> None:
-    content = encoded("Model", {"name": "one", "id": 3, "pose": {"position": {"z": 2.0}}})
-    assert decoded("GzString", content) == {"data": "one"}
+    content = encode("Model", {"name": "one", "id": 3, "pose": {"position": {"z": 2.0}}})
+    assert decode("GzString", content) == {"data": "one"}
 
 
 @given(v=st.floats(-0.2, 0.2), w=st.floats(-2, 2))
 def test_what_is_said_to_a_robot_is_a_message(v: float, w: float) -> None:
     command = robot("burger").command("burger", v, w)
     type_name = command.type.rpartition(".")[2]
-    message = decoded(type_name, encoded(type_name, said(command.text)))
+    message = decode(type_name, encode(type_name, parse_text(command.text)))
     assert message["position"]["x"] == pytest.approx(v, abs=1e-6)
 
 
@@ -67,7 +68,7 @@ def test_what_is_said_to_a_robot_is_a_message(v: float, w: float) -> None:
     on=st.booleans(),
 )
 def test_a_message_is_spelled_for_gazebo_sim(name: str, x: float, on: bool) -> None:
-    text = spelled({"name": name, "pause": on, "pose": {"position": {"x": x}}})
+    text = format_message({"name": name, "pause": on, "pose": {"position": {"x": x}}})
     assert text.endswith(f"pause: {'true' if on else 'false'} pose {{ position {{ x: {x} }} }}")
 
 
@@ -83,6 +84,6 @@ def test_what_gazebo_sim_prints_is_a_message() -> None:
 def test_where_nobody_answers_it_is_said() -> None:
     with (
         pytest.raises(SimulatorFailed, match=r"nobody answers at 127.0.0.1:1 \(Connection refused\)"),
-        line(("127.0.0.1", 1)),
+        transport_client(("127.0.0.1", 1)),
     ):
         pass

@@ -11,7 +11,7 @@ import pytest
 
 from rsegen.cli import main
 from rsegen.simulation.simulators import SIMULATORS
-from tests.simulation.simulators.standins import PROGRAMS, put, start
+from tests.simulation.simulators.standins import PROGRAMS, interrupted_when_started, put, start
 from tests.support.complaints import the_line
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
@@ -27,8 +27,8 @@ def test_sim_says_of_each_what_is_there_or_how_to_get_it(programs: Path, capsys:
     assert main(["sim"]) == 0
     out = capsys.readouterr().out
     assert f"Gazebo Sim 8.9.0\n           gz sim: {programs}/gz\n" in out
-    assert "Gazebo Classic is not found\n" in out
-    assert all(line in out for line in SIMULATORS["classic"].remedy)
+    assert "Gazebo Classic is not installed\n" in out
+    assert all(line in out for line in SIMULATORS["classic"].how_to_install)
 
 
 def test_sim_says_the_same_to_programs(programs: Path, capsys: Capture) -> None:
@@ -36,7 +36,7 @@ def test_sim_says_the_same_to_programs(programs: Path, capsys: Capture) -> None:
     assert main(["sim", "--json"]) == 0
     sim, classic = json.loads(capsys.readouterr().out)
     assert (sim["name"], sim["version"], sim["commands"]) == ("sim", None, {})
-    assert sim["how_to_get"] == list(SIMULATORS["sim"].remedy)
+    assert sim["how_to_get"] == list(SIMULATORS["sim"].how_to_install)
     assert (classic["name"], classic["version"]) == ("classic", "11.14.0")
     assert classic["commands"]["gzserver"] == str(programs / "gzserver")
 
@@ -50,14 +50,14 @@ def test_open_starts_a_server_until_the_seconds_are_over(
     put(programs, PROGRAMS[name])
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STAYS", "60")
-        assert opened(world, "--simulator", name, "--headless", "--seconds", "1") == 0
+        assert opened(world, "--simulator", name, "--headless", "--seconds", "3") == 0
     did = start(programs / program)
     assert did.command[1:-1] == tuple(words)
     assert did.folder / did.command[-1] == world
     assert Path(did.variables["HOME"]).name.startswith("rsegen-")
     assert not Path(did.variables["HOME"]).exists()
     out, err = capsys.readouterr()
-    address = [f"{name}={did.variables[name]}" for name in SIMULATORS[name].address]
+    address = [f"{name}={did.variables[name]}" for name in SIMULATORS[name].address_variables]
     assert out.endswith(f": {world}, at {' '.join(address)}\n")
     assert err == ""
 
@@ -103,14 +103,14 @@ def test_a_server_without_its_window_says_so(programs: Path, world: Path, capsys
     put(programs, {"gzserver": PROGRAMS["classic"]["gzserver"]})
     capsys.readouterr()
     assert opened(world, "--print") == 2
-    assert "Gazebo Classic 11.14.0 is here without its window; give --headless" in the_line(capsys.readouterr().err)
+    assert "Gazebo Classic 11.14.0 is installed without its window; install it" in the_line(capsys.readouterr().err)
 
 
 def test_where_nothing_is_installed_it_says_how_to_get_each(programs: Path, world: Path, capsys: Capture) -> None:
     capsys.readouterr()
     assert opened(world) == 2
     line = the_line(capsys.readouterr().err)
-    assert all(simulator.remedy[0] in line for simulator in SIMULATORS.values())
+    assert all(simulator.how_to_install[0] in line for simulator in SIMULATORS.values())
 
 
 def test_a_map_for_classic_is_not_opened_in_another(programs: Path, classic_world: Path, capsys: Capture) -> None:
@@ -121,7 +121,7 @@ def test_a_map_for_classic_is_not_opened_in_another(programs: Path, classic_worl
         said = "this map opens in Gazebo Classic only: its recipe says simulator: classic"
         assert said in the_line(capsys.readouterr().err)
     assert opened(classic_world) == 2
-    assert "no Gazebo Classic here" in the_line(capsys.readouterr().err)
+    assert "Gazebo Classic is not installed; to install it: " in the_line(capsys.readouterr().err)
 
 
 def test_the_newest_that_can_is_chosen(programs: Path, world: Path, classic_world: Path, capsys: Capture) -> None:
@@ -147,7 +147,8 @@ def test_a_recipe_is_opened_as_a_world_that_then_goes(programs: Path, tmp_path: 
     recipe.write_text("name: course\nmaps: 3\nseed: 1\nchunk_size: 2\n")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STAYS", "60")
-        assert opened(recipe, "--map", "2", "--headless", "--seconds", "0.5") == 0
+        with interrupted_when_started(programs / "gz"):
+            assert opened(recipe, "--map", "2", "--headless") == 0
     world = Path(start(programs / "gz").command[-1])
     assert world.name == "course_0002.world"
     assert not world.parent.parent.exists()
@@ -167,8 +168,8 @@ NO_MESH = "[Err] [a.cc:1] no such mesh"
             "[Err] [b.cc:1] Failed to find world [a]",
             "did not load the world",
         ),
-        (f"\\033[1;31m{NO_MESH}\\033[0m", NO_MESH, "complained of the world: "),
-        ("(2026) [error] no such mesh", "(2026) [error] no such mesh", "complained of the world: "),
+        (f"\\033[1;31m{NO_MESH}\\033[0m", NO_MESH, "printed an error: "),
+        ("(2026) [error] no such mesh", "(2026) [error] no such mesh", "printed an error: "),
     ],
 )
 def test_what_a_server_complains_of_is_told_and_is_a_failure(
@@ -179,7 +180,7 @@ def test_what_a_server_complains_of_is_told_and_is_a_failure(
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SAYS", f"[Msg] hello\\n{says}\\n")
         patch.setenv("STAYS", "60")
-        assert opened(world, "--headless", "--seconds", "2") == 1
+        assert opened(world, "--headless", "--seconds", "5") == 1
     first, line = capsys.readouterr().err.splitlines()
     assert first == told
     assert words in line
@@ -198,7 +199,8 @@ def test_shared_leaves_the_address_to_the_user(
     put(programs, PROGRAMS["sim"])
     monkeypatch.setenv("GZ_PARTITION", "lab")
     monkeypatch.setenv("STAYS", "60")
-    assert opened(world, "--headless", "--shared", "--seconds", "0.3") == 0
-    assert start(programs / "gz").variables["GZ_PARTITION"] == "lab"
-    assert opened(world, "--headless", "--seconds", "0.3") == 0
-    assert start(programs / "gz").variables["GZ_PARTITION"] != "lab"
+    for flags, is_shared in ((["--shared"], True), ([], False)):
+        with interrupted_when_started(programs / "gz"):
+            assert opened(world, "--headless", *flags) == 0
+        assert (start(programs / "gz").variables["GZ_PARTITION"] == "lab") == is_shared
+        (programs / "gz.started").unlink()

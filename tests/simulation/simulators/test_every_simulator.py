@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rsegen.simulation.simulators import SIMULATORS, Installation, Launch, Opening, Simulator
+from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest, Simulator
 from rsegen.simulation.simulators.base import installations
 from tests.simulation.simulators.standins import PROGRAMS, put, start
 
@@ -20,35 +20,35 @@ EACH = pytest.mark.parametrize("simulator", SIMULATORS.values(), ids=list(SIMULA
 
 def installed(simulator: Simulator, programs: Path) -> Installation:
     put(programs, PROGRAMS[simulator.name])
-    here = simulator.found()
+    here = simulator.installation()
     assert here
     return here
 
 
-def launches(here: Installation, opening: Opening) -> Iterator[Launch]:
-    windowed = here.simulator.windowed(here, opening)
+def launches(here: Installation, opening: OpenRequest) -> Iterator[LaunchCommand]:
+    windowed = here.simulator.with_gui(here, opening)
     assert windowed
     yield windowed
     yield here.simulator.headless(here, opening)
-    yield here.simulator.standing(here, opening, Path("/home/of/its/own"))
+    yield here.simulator.paused(here, opening, Path("/home/of/its/own"))
 
 
 @EACH
 def test_it_says_in_whole_lines_how_to_get_it(simulator: Simulator) -> None:
-    assert simulator.remedy
-    assert all(line == line.strip() and "\n" not in line for line in (simulator.title, *simulator.remedy))
+    assert simulator.how_to_install
+    assert all(line == line.strip() and "\n" not in line for line in (simulator.title, *simulator.how_to_install))
 
 
 @EACH
 def test_it_is_not_found_where_nothing_is(simulator: Simulator, programs: Path) -> None:
-    assert simulator.found() is None
+    assert simulator.installation() is None
 
 
 @EACH
 def test_it_is_not_found_where_the_programs_of_another_are(simulator: Simulator, programs: Path) -> None:
     for name in set(PROGRAMS) - {simulator.name}:
         put(programs, PROGRAMS[name])
-    assert simulator.found() is None
+    assert simulator.installation() is None
 
 
 @EACH
@@ -62,7 +62,7 @@ def test_it_is_found_with_its_version_and_its_commands(simulator: Simulator, pro
 
 @EACH
 def test_a_launch_has_all_that_the_world_needs(simulator: Simulator, programs: Path, world: Path) -> None:
-    for launch in launches(installed(simulator, programs), Opening(world=world)):
+    for launch in launches(installed(simulator, programs), OpenRequest(world=world)):
         assert Path(launch.command[0]).parent == programs
         assert launch.folder / launch.command[-1] == world
         assert launch.folder == world.parent
@@ -74,10 +74,10 @@ def test_models_are_looked_for_before_where_the_user_has_them(
     simulator: Simulator, programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     here = installed(simulator, programs)
-    plain = here.simulator.headless(here, Opening(world=world))
+    plain = here.simulator.headless(here, OpenRequest(world=world))
     for name in (name for name, value in plain.environment.items() if value == str(world.parent.parent)):
         monkeypatch.setenv(name, "/the/user's")
-        given = here.simulator.headless(here, Opening(world=world, models=Path("/given")))
+        given = here.simulator.headless(here, OpenRequest(world=world, models=Path("/given")))
         assert given.environment[name] == "/given:/the/user's"
 
 
@@ -85,27 +85,27 @@ def test_models_are_looked_for_before_where_the_user_has_them(
 def test_every_launch_has_an_address_of_its_own_unless_it_is_shared(
     simulator: Simulator, programs: Path, world: Path
 ) -> None:
-    here, alone = installed(simulator, programs), Opening(world=world)
+    here, alone = installed(simulator, programs), OpenRequest(world=world)
     shared = replace(alone, shared=True)
     for one, other in zip(launches(here, alone), launches(here, alone), strict=True):
         assert one.command == other.command
         differing = {name for name, value in one.environment.items() if value != other.environment[name]}
-        assert differing == set(here.simulator.address)
+        assert differing == set(here.simulator.address_variables)
     for one, other in zip(launches(here, shared), launches(here, shared), strict=True):
         assert one == other
 
 
 @EACH
 def test_only_a_server_has_a_home_of_its_own(simulator: Simulator, programs: Path, world: Path) -> None:
-    windowed, headless, standing = launches(installed(simulator, programs), Opening(world=world))
+    windowed, headless, standing = launches(installed(simulator, programs), OpenRequest(world=world))
     assert "HOME" not in {*windowed.environment, *headless.environment}
     assert standing.environment["HOME"] == "/home/of/its/own"
 
 
 @EACH
 def test_its_line_does_in_a_shell_what_the_launch_says(simulator: Simulator, programs: Path, world: Path) -> None:
-    for launch in launches(installed(simulator, programs), Opening(world=world)):
-        subprocess.run(["/bin/sh", "-c", launch.line], check=True)
+    for launch in launches(installed(simulator, programs), OpenRequest(world=world)):
+        subprocess.run(["/bin/sh", "-c", launch.shell_line], check=True)
         did = start(Path(launch.command[0]))
         assert (did.folder, did.command) == (launch.folder, launch.command)
         assert {name: did.variables[name] for name in launch.environment} == launch.environment
@@ -117,11 +117,11 @@ def test_its_error_lines_are_told_from_others(simulator: Simulator) -> None:
         [
             "\x1b[1;32m[Msg] all is well\x1b[0m",
             "\x1b[1;31m[Err] [Server.cc:1] \x1b[0m\x1b[1;31mno mesh\x1b[0m",
-            *(f"[Err] {known}" for known in simulator.harmless),
+            *(f"[Err] {known}" for known in simulator.harmless_messages),
             "(2026-01-01 00:00:00.000) [error] [Server.cc:1] no plug-in",
         ]
     )
-    found = simulator.complaints(log)
+    found = simulator.error_lines(log)
     assert found == [
         "[Err] [Server.cc:1] no mesh",
         "(2026-01-01 00:00:00.000) [error] [Server.cc:1] no plug-in",
@@ -130,12 +130,12 @@ def test_its_error_lines_are_told_from_others(simulator: Simulator) -> None:
 
 @EACH
 def test_a_world_that_is_not_there_is_known_by_the_log(simulator: Simulator) -> None:
-    assert simulator.unloaded
-    assert all(simulator.has_not_loaded(f"[Err] [a.cc:1] {words} that") for words in simulator.unloaded)
-    assert not simulator.has_not_loaded("")
+    assert simulator.load_failures
+    assert all(simulator.load_failed(f"[Err] [a.cc:1] {words} that") for words in simulator.load_failures)
+    assert not simulator.load_failed("")
 
 
 @EACH
 def test_it_opens_maps_for_both(simulator: Simulator) -> None:
-    assert simulator.opens("both")
-    assert [other for other in SIMULATORS if simulator.opens(other)] == [simulator.name]
+    assert simulator.can_open("both")
+    assert [other for other in SIMULATORS if simulator.can_open(other)] == [simulator.name]

@@ -9,7 +9,7 @@ import pytest
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators import SIMULATORS
-from rsegen.simulation.simulators.server import serving
+from rsegen.simulation.simulators.server import running_server
 from tests.simulation.simulators.standins import PROGRAMS, put, start
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
@@ -20,7 +20,7 @@ LOADED = "[Msg] World [rse_0000] initialized with [default_physics] physics prof
 @pytest.mark.parametrize("told", ["Invalid arguments\\n\\n", "The gz command\\n  sdf:  Utilities\\n 8\\n", ""])
 def test_another_program_of_its_name_is_not_taken_for_it(told: str, programs: Path) -> None:
     put(programs, {"gz": told, "ign": told})
-    assert SIM.found() is None
+    assert SIM.installation() is None
 
 
 @pytest.mark.parametrize(
@@ -34,7 +34,7 @@ def test_another_program_of_its_name_is_not_taken_for_it(told: str, programs: Pa
 )
 def test_the_newest_of_all_its_versions_is_found(gz: str, ign: str, newest: str, words: str, programs: Path) -> None:
     put(programs, {"gz": gz, "ign": ign})
-    here = SIM.found()
+    here = SIM.installation()
     assert here
     assert (here.version, dict(here.commands)) == (newest, {words: programs / words.split(maxsplit=1)[0]})
 
@@ -43,9 +43,9 @@ def test_a_server_has_loaded_when_it_says_so(programs: Path, world: Path, monkey
     put(programs, PROGRAMS["sim"])
     monkeypatch.setenv("STAYS", "60")
     monkeypatch.setenv("SAYS", f"{LOADED}[Err] [a.cc:1] no such mesh\\n")
-    here = SIM.found()
+    here = SIM.installation()
     assert here
-    with serving(here, world) as server:
+    with running_server(here, world) as server:
         did = start(programs / "gz")
         assert did.command[1:] == ("sim", "-s", "-v", "3", str(world))
         assert did.variables["HOME"] == str(server.home)
@@ -69,8 +69,8 @@ def test_a_server_that_does_not_load_is_an_error_with_its_last_words(
     put(programs, PROGRAMS["sim"])
     monkeypatch.setenv("STAYS", stays)
     monkeypatch.setenv("SAYS", says)
-    here = SIM.found()
+    here = SIM.installation()
     assert here
-    with pytest.raises(SimulatorFailed, match=why) as error, serving(here, world, patience=0.5):
+    with pytest.raises(SimulatorFailed, match=why) as error, running_server(here, world, timeout=0.5):
         pass
     assert str(error.value).endswith("[Msg] Loading SDF world file")

@@ -1,4 +1,4 @@
-"""Levels, heights and frames as arrays: for numpy, MATLAB and tables."""
+"""Levels, heights and frames as arrays for numpy, MATLAB and tables."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from rsegen.exporters.formats.base import MAT, Extra, Format, register
-from rsegen.exporters.formats.encoded import as_json, facts, mat, npy, recipe_of
+from rsegen.exporters.formats.encoded import as_json, mat, metadata, npy, recipe_json
 from rsegen.exporters.levels import csv
 from rsegen.exporters.scene import Scene
 
@@ -25,13 +25,13 @@ _FILES = {
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Arrays(Format):
-    """Levels, heights and frame as arrays for numpy (NPY) and MATLAB (MAT), levels as a table, and what they mean."""
+    """Levels, heights and frame mask as arrays for numpy (NPY) and MATLAB (MAT), levels as CSV, metadata as JSON."""
 
     name: ClassVar[str] = "arrays"
     extra: ClassVar[Extra | None] = MAT
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """Arrays have shape (n_x, n_y), frames included."""
+        """The arrays, of shape (n_x, n_y) with frames, the table and the metadata."""
         field = scene.field
         variables = {
             "levels": field.levels,
@@ -49,5 +49,5 @@ class Arrays(Format):
             "frame.npy": [npy(field.frame)],
             "levels.csv": csv(field),
             "levels.mat": [mat(variables)],
-            "meta.json": [as_json({**facts(scene), "files": _FILES, "recipe": recipe_of(scene)})],
+            "meta.json": [as_json({**metadata(scene), "files": _FILES, "recipe": recipe_json(scene)})],
         }

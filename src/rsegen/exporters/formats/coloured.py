@@ -1,4 +1,4 @@
-"""The surface of a map cut by colour: for programs that give a mesh file one colour."""
+"""The surface of a map split by colour, for programs that use one colour per mesh file."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from rsegen.geometry import Mesh, surface
 
 
 def coloured_objs(scene: Scene) -> Mapping[int, Iterable[bytes]]:
-    """An OBJ file for each material that is there; the colours are in the map's MTL file beside it."""
+    """An OBJ file per material of the map; the colours are in the map's MTL file in the same folder."""
     return {material: obj([part], f"{scene.name}.mtl") for material, part in coloured(surface(scene.field))}
 
 
 def coloured(mesh: Mesh) -> Iterator[tuple[int, Mesh]]:
-    """Of each material the faces that have it, with the vertices that these use."""
+    """Each material with the mesh of its faces and the vertices that they use."""
     for material in np.unique(mesh.materials).tolist():
         yield material, mesh.part(mesh.materials == material)

@@ -1,4 +1,4 @@
-"""A map as boxes of one colour each, which stand on the ground: what programs can both show and touch."""
+"""A map as boxes on the ground of one colour each, for both visual and collision geometry."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.field.stepfield import StepField
+from rsegen.geometry.label_grid import label_grid
 from rsegen.geometry.rectangles import merge
-from rsegen.geometry.relief import relief
 
 
 class Column(NamedTuple):
-    """A box from the ground up: its middle and its size along x, y and z, metres, and its material."""
+    """A box on the ground: its centre and its size along x, y and z, metres, and its material."""
 
     centre: tuple[float, float, float]
     size: tuple[float, float, float]
@@ -21,11 +21,11 @@ class Column(NamedTuple):
 
 
 def columns(field: StepField) -> Iterator[Column]:
-    """Few boxes that are together the blocks and frames of a field; no two of them overlap."""
-    ground = relief(field)
-    found = merge(ground.cells)
-    rank, material = np.divmod(found.label, ground.kinds)
-    x, y, z = ground.lattice.lines
+    """Few boxes that together fill the blocks and frames of a field and do not overlap."""
+    grid = label_grid(field)
+    found = merge(grid.cells)
+    rank, material = np.divmod(found.label, grid.materials)
+    x, y, z = grid.lattice.lines
     low = np.stack([x[found.u0], y[found.v0], np.zeros(len(rank))], axis=1)
     high = np.stack([x[found.u1], y[found.v1], z[rank]], axis=1)
     rows = zip(((low + high) / 2).tolist(), (high - low).tolist(), material.tolist(), strict=True)

@@ -1,4 +1,4 @@
-"""Where the height of a field jumps: what a robot's contacts are with."""
+"""The edges of a field: every side of a cell at which the height changes."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ COLUMNS = {
     "high_level": "level of the higher cell; -1 for a frame",
     "high_m": "its height above the ground",
 }
-"""Of a row of `edges`, and what they mean."""
+"""The columns of `edges`, and their meaning."""
 
 FRAME = -1
-"""Stands for the level of a frame, which has none."""
+"""The level of frames in `edges`, as they have none."""
 
 
 def edges(field: StepField) -> Array:
-    """An edge a row, shape (n, 10): every side of a cell whose height is not that of the cell, or ground, beyond it.
+    """The edges of a field, one per row (n, 10): the sides of cells at which the height changes, also to the ground.
 
     First those that run along y, then those along x; by i, then by j.
     """
@@ -43,7 +43,7 @@ def edges(field: StepField) -> Array:
 
 
 def _jumps(levels: Array, heights: Array) -> Array:
-    """Between neighbours along the first axis: (n, 7) line, row, sign of the rise; level and height of low and high."""
+    """The edges across the first axis: (n, 7) line, row, sign of the rise; level and height of low and high."""
     at = np.argwhere(heights[1:] != heights[:-1])
     line, row = at.T
     rises = heights[line + 1, row] > heights[line, row]

@@ -1,4 +1,4 @@
-"""Numbers and facts as the bytes of files: numpy's arrays, MATLAB's, tables of text, JSON. No dates are in them."""
+"""Arrays and metadata as the bytes of NPY, MAT, CSV and JSON files, without dates."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from rsegen.recipe.codec import encode
 AXES = "axis 0 along +x, axis 1 along +y, cell (0, 0) in the corner of smallest x and y; z up, the ground is z = 0"
 
 _MAT_HEAD = b"MATLAB 5.0 MAT-file, written by rsegen".ljust(116)
-"""A text of 116 bytes that MATLAB shows and does not use; scipy puts the date there."""
+"""The header text of 116 bytes, which MATLAB ignores; scipy writes the date into it."""
 
 
 def npy(array: NDArray[Any]) -> bytes:
-    """An array as numpy saves it."""
+    """An array as the bytes of an NPY file."""
     buffer = BytesIO()
     np.lib.format.write_array(buffer, np.ascontiguousarray(array), allow_pickle=False)
     return buffer.getvalue()
 
 
 def mat(variables: Mapping[str, object]) -> bytes:
-    """Variables as MATLAB saves them (version 5); one axis is a column."""
+    """Variables as the bytes of a MAT file (version 5); 1D arrays become columns."""
     from scipy.io import savemat
 
     buffer = BytesIO()
@@ -40,7 +40,7 @@ def mat(variables: Mapping[str, object]) -> bytes:
 
 
 def north_up(values: Array, head: str, repeat: int = 1) -> Iterator[bytes]:
-    """Values of shape (n_x, n_y) as a table: the top row is the largest y. Each is there `repeat` times either way."""
+    """Values of shape (n_x, n_y) as lines of CSV, north up, each value repeated `repeat` times along x and y."""
     yield f"# {head}; north up: the top row is the largest y, x grows to the right\n".encode()
     for row in values.T[::-1]:
         line = ",".join(text for value in row.tolist() for text in [decimal(value)] * repeat)
@@ -48,12 +48,12 @@ def north_up(values: Array, head: str, repeat: int = 1) -> Iterator[bytes]:
 
 
 def as_json(content: Mapping[str, Json]) -> bytes:
-    """The text of a JSON file."""
+    """A dict as the bytes of a JSON file."""
     return (json.dumps(content, indent=2) + "\n").encode()
 
 
-def facts(scene: Scene) -> dict[str, Json]:
-    """What belongs to every map that leaves rsegen: lengths in metres, how to make it again."""
+def metadata(scene: Scene) -> dict[str, Json]:
+    """The metadata of a map for JSON: name, seed, generator, lengths in metres, axes and origin."""
     field = scene.field
     return {
         "name": scene.name,
@@ -69,6 +69,6 @@ def facts(scene: Scene) -> dict[str, Json]:
     }
 
 
-def recipe_of(scene: Scene) -> dict[str, Json]:
-    """The content of the recipe of the map alone."""
+def recipe_json(scene: Scene) -> dict[str, Json]:
+    """The map's own recipe as a dict for JSON."""
     return encode(scene.alone)

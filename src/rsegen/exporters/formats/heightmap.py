@@ -1,4 +1,4 @@
-"""A grey image of 16 bits whose greys are exact multiples of one height."""
+"""The format `heightmap`: a 16-bit greyscale image in which every level is a whole number of grey values."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, register
-from rsegen.exporters.formats.encoded import as_json, facts, recipe_of
+from rsegen.exporters.formats.encoded import as_json, metadata, recipe_json
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Ints, StepField
@@ -20,13 +20,13 @@ from rsegen.params.sorts import Integer, Json
 WHITE = 65535
 
 _STEPS = [step for step in range(WHITE, 0, -1) if WHITE % step == 0]
-"""Greys that a level may be: what divides white, so that white is a whole number of levels too."""
+"""The possible grey values per level: the divisors of white, so that white is a whole number of levels."""
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Heightmap(Format):
-    """A grey image of the heights (PNG, 16 bits), exact to the level, north up, and what its greys and pixels mean."""
+    """A greyscale image of the heights (PNG, 16 bits), exact to the level, north up, with its metadata as JSON."""
 
     name: ClassVar[str] = "heightmap"
 
@@ -34,26 +34,26 @@ class Heightmap(Format):
 
     @property
     def bytes_a_cell(self) -> int:
-        """Its pixels, and what the image library keeps of them."""
+        """The memory of the pixels and of the image library's copies."""
         return 100 + 16 * self.pixels**2
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The image and what it means."""
-        step = grey_step(scene.field)
-        said = {**facts(scene), **self._meaning(scene, step), "recipe": recipe_of(scene)}
-        return {f"{scene.name}.png": self._png(scene.field, step), "heightmap.json": [as_json(said)]}
+        """The image and its metadata."""
+        step = sample_step(scene.field)
+        content = {**metadata(scene), **self._image_metadata(scene, step), "recipe": recipe_json(scene)}
+        return {f"{scene.name}.png": self._png(scene.field, step), "heightmap.json": [as_json(content)]}
 
     def _png(self, field: StepField, step: int) -> Iterator[bytes]:
         from PIL import Image
 
-        rows = greys(field, step).T[::-1].repeat(self.pixels, axis=0).repeat(self.pixels, axis=1)
+        rows = samples(field, step).T[::-1].repeat(self.pixels, axis=0).repeat(self.pixels, axis=1)
         buffer = BytesIO()
         Image.fromarray(rows).save(buffer, "png")
         yield buffer.getvalue()
 
-    def _meaning(self, scene: Scene, step: int) -> dict[str, Json]:
+    def _image_metadata(self, scene: Scene, step: int) -> dict[str, Json]:
         field = scene.field
-        frame_error = np.abs(greys(field, step) * (field.unit / step) - field.heights).max()
+        frame_error = np.abs(samples(field, step) * (field.unit / step) - field.heights).max()
         return {
             "image": f"{scene.name}.png",
             "rows": "north up: the top row is the largest y, x grows to the right",
@@ -68,24 +68,26 @@ class Heightmap(Format):
         }
 
 
-def grey_step(field: StepField) -> int:
-    """How many greys a level is: the most that divide white and leave nothing whiter than white."""
+def sample_step(field: StepField) -> int:
+    """The grey values per level: the largest divisor of white with which the highest block or frame fits."""
     frames = field.frame_height if field.frame.any() else 0.0
     levels = max(int(field.levels.max()), int(np.ceil(frames / field.unit - 1e-9)), 1)
     if levels > WHITE:
-        problem = f"frames of {decimal(field.frame_height * 100)} cm are more than {WHITE} units of "
-        raise ParameterError("frame_height_cm", f"{problem}{decimal(field.unit * 100)} cm, so no heightmap can be made")
+        problem = f"frames of {decimal(field.frame_height * 100)} cm are higher than {WHITE} units of "
+        raise ParameterError(
+            "frame_height_cm", f"{problem}{decimal(field.unit * 100)} cm, the most that a heightmap can have"
+        )
     return next(step for step in _STEPS if step * levels <= WHITE)
 
 
-def greys(field: StepField, step: int) -> Ints:
-    """The grey of every cell, uint16 (n_x, n_y): level * step in a block, the nearest in a frame."""
+def samples(field: StepField, step: int) -> Ints:
+    """The grey value of every cell, uint16 (n_x, n_y): level * step for blocks, the nearest value for frames."""
     frame = int(np.floor(field.frame_height / field.unit * step + 0.5)) if field.frame.any() else 0
     return np.where(field.frame, frame, field.levels.astype(np.int64) * step).astype(np.uint16)
 
 
 def _import_command(scene: Scene, step: int) -> str:
-    """What reads the image again; frames become blocks."""
+    """The command that imports the image again; frames become blocks."""
     field, (n_x, n_y) = scene.field, scene.field.shape
     lengths = f"--unit-cm {decimal(field.unit * 100)} --block-width-cm {decimal(field.block_width * 100)}"
     return f"rsegen import {scene.name}.png --max-height {WHITE // step + 1} --size {n_x}x{n_y} {lengths} -o DIR"

@@ -1,6 +1,6 @@
-"""MJCF: the map as one static body of MuJoCo, and a scene with light, ground and camera that includes it.
+"""The format `mjcf`: the map as one static MuJoCo body, and a scene with light, ground and camera that includes it.
 
-MuJoCo takes a mesh for its convex hull where things touch, so nothing here is touched as a mesh: boxes are exact, and a
+MuJoCo uses the convex hull of a mesh for collisions, so no collision geometry here is a mesh: boxes are exact, and a
 height field slopes from each sample to the next.
 """
 
@@ -19,7 +19,7 @@ from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.formats.coloured import coloured_objs
 from rsegen.exporters.formats.columns import Column, columns
 from rsegen.exporters.gazebo.obj import material_name
-from rsegen.exporters.gazebo.sdf import encoded, numbers
+from rsegen.exporters.gazebo.sdf import numbers, utf8
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, StepField
@@ -29,7 +29,7 @@ from rsegen.params.sorts import Choice, Integer
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Mjcf(Format):
-    """A static body for MuJoCo (MJCF), of boxes, of a height field, or of a mesh with boxes, and a scene around it."""
+    """A static body for MuJoCo (MJCF), of boxes, a height field, or a mesh with boxes, and a scene that includes it."""
 
     name: ClassVar[str] = "mjcf"
 
@@ -37,29 +37,29 @@ class Mjcf(Format):
         str,
         Choice(
             ("boxes", "hfield", "mesh"),
-            help="boxes that are seen and touched; a height field, which slopes between its samples; "
-            "or a mesh that is seen, with boxes that are touched",
+            help="geometry: boxes; a height field, which slopes between its samples; "
+            "or a visual mesh with collision boxes",
         ),
     ] = "boxes"
-    pixels: Annotated[int, Integer(1, 100, help="samples along each side of a cell, in a height field")] = 10
+    pixels: Annotated[int, Integer(1, 100, help="samples per cell and side of a height field")] = 10
 
     @property
     def bytes_a_cell(self) -> int:
-        """A few boxes or faces, or the samples."""
+        """The memory of a few boxes or faces, or of the samples."""
         return 24 * self.pixels**2 + 300 if self.shape == "hfield" else 600
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The map by its own name, the scene, and what the map is made of where that is not in it."""
+        """The map under its own name, the scene, and the mesh or height field files of the map."""
         body = self._body(scene)
         return {
-            f"{scene.name}.xml": encoded(_map(scene, body)),
-            "scene.xml": encoded(_scene(scene)),
+            f"{scene.name}.xml": utf8(_map(scene, body)),
+            "scene.xml": utf8(_scene(scene)),
             **body.files,
         }
 
     def _body(self, scene: Scene) -> _Body:
         if self.shape == "hfield" and not scene.recipe.is_of_one_friction:
-            problem = "'hfield' has one coefficient of friction, and the recipe gives several; give boxes or mesh"
+            problem = "'hfield' has one friction coefficient, but the recipe gives several; give boxes or mesh"
             raise ParameterError("shape", problem)
         if not scene.field.stands():
             return _Body()
@@ -70,44 +70,44 @@ class Mjcf(Format):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Body:
-    """What a body is made of: assets, <geom> elements, the files that they need, and defaults of what is touched."""
+    """The parts of a body: assets, <geom> elements, the files that they need, defaults of collision geoms."""
 
     assets: Iterable[str] = ()
     geoms: Iterable[str] = ()
     files: Mapping[str, Iterable[bytes]] = field(default_factory=dict)
-    touched: str = ""
+    collisions: str = ""
 
 
 def _boxes(scene: Scene) -> _Body:
-    """What is seen is what is touched."""
+    """Boxes for both visual and collision geometry."""
     found = list(columns(scene.field))
     geoms = (_box(scene, column, f' material="{_material(scene, column.material)}"') for column in found)
     return _Body(assets=_materials(scene, {column.material for column in found}), geoms=geoms)
 
 
 def _meshes(scene: Scene) -> _Body:
-    """A mesh for each colour to be seen, and boxes in group 3, which viewers hide, to be touched."""
+    """A visual mesh per colour, and collision boxes in group 3, which viewers hide."""
     objs = coloured_objs(scene)
     named = {_material(scene, material): content for material, content in objs.items()}
     meshes = (f'    <mesh name="{name}" file="{name}.obj" inertia="shell"/>\n' for name in named)
-    seen = (
+    visuals = (
         f'      <geom type="mesh" mesh="{name}" material="{name}" contype="0" conaffinity="0" group="2"/>\n'
         for name in named
     )
-    touched = (_box(scene, column) for column in columns(scene.field))
+    collisions = (_box(scene, column) for column in columns(scene.field))
     return _Body(
         assets=chain(_materials(scene, objs), meshes),
-        geoms=chain(seen, touched),
+        geoms=chain(visuals, collisions),
         files={f"{name}.obj": content for name, content in named.items()},
-        touched=' group="3"',
+        collisions=' group="3"',
     )
 
 
 def _height_field(scene: Scene, pixels: int) -> _Body:
-    """Samples in the middle of small squares, `pixels` along each side of a cell; half a sample of the rim is lost.
+    """A height field of samples at the centres of small squares, `pixels` per side of a cell; it loses half a square.
 
-    MuJoCo stretches samples to 0..1, so the lowest of them is said by the place of the geom; and it lays the first and
-    the last of a row on the sides of the field, which are therefore those of the outermost samples.
+    MuJoCo scales samples to 0..1, so the position of the geom gives the lowest one; and it puts the first and the last
+    sample of a row on the sides of the field, which therefore are those of the outermost samples.
     """
     heights = _sampled(scene.field, pixels)
     low, high = float(heights.min()), float(heights.max())
@@ -127,11 +127,11 @@ def _height_field(scene: Scene, pixels: int) -> _Body:
 
 
 _BASE = 0.01
-"""Metres that a height field reaches into the ground, where MuJoCo wants it to have a bottom."""
+"""Thickness in metres of the base of a height field, which MuJoCo requires."""
 
 
 def _sampled(field: StepField, pixels: int) -> Array:
-    """The heights of small squares; along an axis of one cell at least two, which is the least that there may be."""
+    """The heights of small squares; at least two along each axis, the minimum of MuJoCo."""
     heights = field.heights
     for axis, cells in enumerate(field.shape):
         heights = heights.repeat(max(pixels, 3 - cells), axis=axis)
@@ -139,20 +139,20 @@ def _sampled(field: StepField, pixels: int) -> Array:
 
 
 def _samples(heights: Array) -> Iterator[bytes]:
-    """A height field's own binary file: rows and columns, then rows of single precision from the smallest y on."""
+    """A binary height field file: rows and columns, then rows of single precision from the smallest y on."""
     yield np.array(heights.shape[::-1], dtype="<i4").tobytes()
     yield heights.T.astype("<f4").tobytes()
 
 
 def _map(scene: Scene, body: _Body) -> Iterator[str]:
-    """The body alone, to be included or attached."""
+    """The file of the body alone, to be included or attached."""
     name = scene.name
     yield f"""\
 <!-- made by rsegen: metres, z up, the middle of the map at 0 0 0, the ground at z = 0 -->
 <mujoco model="{name}">
   <default>
     <default class="{name}">
-      <geom type="box" {_friction(scene.friction)}{body.touched}/>
+      <geom type="box" {_friction(scene.friction)}{body.collisions}/>
     </default>
   </default>
   <asset>
@@ -168,7 +168,7 @@ def _map(scene: Scene, body: _Body) -> Iterator[str]:
 
 
 def _scene(scene: Scene) -> Iterator[str]:
-    """Light, a ground plane and a camera; the free camera of viewers sees the whole map."""
+    """The scene with light, a ground plane and a camera; the free camera of viewers sees the whole map."""
     across = hypot(*scene.field.extent)
     top = float(scene.field.heights.max())
     yield f"""\
@@ -196,18 +196,18 @@ def _materials(scene: Scene, materials: Iterable[int]) -> Iterator[str]:
 
 
 def _material(scene: Scene, material: int) -> str:
-    """With the map's name, so that two maps can be in one scene."""
+    """The name of a material with the map's name, so that two maps can be in one scene."""
     return f"{scene.name}_{material_name(material)}"
 
 
-def _box(scene: Scene, column: Column, paint: str = "") -> str:
-    """It has the map's friction by default."""
+def _box(scene: Scene, column: Column, material: str = "") -> str:
+    """The <geom> of a box; its friction is only written if it is not the map's."""
     friction = scene.friction_of(column.material)
     own = "" if friction == scene.friction else f" {_friction(friction)}"
     place = f'pos="{numbers(column.centre)}" size="{numbers(side / 2 for side in column.size)}"'
-    return f"      <geom {place}{own}{paint}/>\n"
+    return f"      <geom {place}{own}{material}/>\n"
 
 
 def _friction(sliding: float) -> str:
-    """Spin and rolling are MuJoCo's own."""
+    """The friction attribute; torsional and rolling friction are MuJoCo's defaults."""
     return f'friction="{decimal(sliding)} 0.005 0.0001"'

@@ -1,4 +1,4 @@
-"""An occupancy map of ROS: what is too high for a robot is occupied."""
+"""The format `occupancy`: an occupancy grid of ROS, in which cells that are too high for a robot are occupied."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ from rsegen.field.stepfield import NANOMETRE_DIGITS
 from rsegen.params.sorts import Float, Integer
 
 _OCCUPIED, _FREE = 0, 254
-"""Greys as map_server writes them."""
+"""Grey values as map_server writes them."""
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Occupancy(Format):
-    """A map of ROS (map.yaml and map.pgm, for map_server and Nav2): cells higher than a robot climbs are occupied."""
+    """An occupancy grid for ROS map_server and Nav2 (map.yaml, map.pgm): cells too high to climb are occupied."""
 
     name: ClassVar[str] = "occupancy"
 
     climb_cm: Annotated[
         float | None,
-        Float(0, 100_000, unit="cm", help="cells higher than this are occupied (default: those above one unit)"),
+        Float(0, 100_000, unit="cm", help="cells higher than this are occupied; default: one unit"),
     ] = None
     pixels: Annotated[int, Integer(1, 100, help="pixels along each side of a cell")] = 1
 
     @property
     def bytes_a_cell(self) -> int:
-        """Its pixels, twice."""
+        """The memory of the pixels, twice."""
         return 100 + 2 * self.pixels**2
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The image, north up, and where it lies: the map's middle is the origin of the world."""
+        """The image, north up, and its YAML metadata; the centre of the map is the origin of the world."""
         field = scene.field
         climb = field.unit if self.climb_cm is None else self.climb_cm / 100
         occupied = field.heights > round(climb, NANOMETRE_DIGITS)

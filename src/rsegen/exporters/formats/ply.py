@@ -1,4 +1,4 @@
-"""PLY: triangles with a colour at each vertex."""
+"""The format `ply`: triangles with vertex colours."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from rsegen.exporters.scene import Scene
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Ply(Format):
-    """A closed mesh with a colour for each level and the frame (PLY, binary), in metres, z up."""
+    """A watertight mesh with vertex colours by level and frame (PLY, binary), in metres, z up."""
 
     name: ClassVar[str] = "ply"
     extra: ClassVar[Extra | None] = MESH
 
     @property
     def bytes_a_cell(self) -> int:
-        """That of a closed surface."""
+        """The memory of a watertight mesh."""
         return BYTES_A_CELL
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """One."""
+        """One PLY file."""
         return {f"{scene.name}.ply": _ply(scene)}
 
 
 def _ply(scene: Scene) -> Iterator[bytes]:
-    """Where two colours meet, each has vertices of its own, so that no colour runs into another."""
+    """The PLY file; each colour has vertices of its own, so that colours are not interpolated."""
     from trimesh import Trimesh
     from trimesh.util import concatenate
 

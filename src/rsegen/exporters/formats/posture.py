@@ -1,7 +1,7 @@
-"""What a search over postures needs: a fine raster without smoothed edges, the edges, start and goal, and tags.
+"""The format `posture`: traversability raster and graph data, for planning over robot postures.
 
-After what Magid and Tsubouchi's work on static balance in a Random Step Environment asks of a field (2010 on): there a
-block is 5 x 5 cells of the raster, or 10 x 10. The files are ours; they follow no standard.
+It has what Magid and Tsubouchi's work on static balance in Random Step Environments (2010 on) needs: a fine raster
+without smoothed edges (5 x 5 or 10 x 10 cells per block), edges, start and goal, tags. The files follow no standard.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import numpy as np
 
 from rsegen.exporters.formats.base import MAT, Extra, Format, register
 from rsegen.exporters.formats.edges import COLUMNS, edges
-from rsegen.exporters.formats.encoded import as_json, facts, mat, north_up, npy, recipe_of
-from rsegen.exporters.formats.tags import Shape, peaks_and_pits, shapes
+from rsegen.exporters.formats.encoded import as_json, mat, metadata, north_up, npy, recipe_json
+from rsegen.exporters.formats.tags import ObstacleCells, obstacle_cells, peaks_and_pits
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Ints, Mask, StepField
@@ -41,27 +41,27 @@ _TAGS = {
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Posture(Format):
-    """For searches over postures: heights in sub-cells, every edge, start and goal, tags; NPY, CSV, MAT and JSON."""
+    """Traversability raster, edges, start and goal poses, and tags for planners over postures (NPY, CSV, MAT, JSON)."""
 
     name: ClassVar[str] = "posture"
     extra: ClassVar[Extra | None] = MAT
 
-    per_block: Annotated[int, Integer(1, 100, help="cells of the raster along each side of a block")] = 5
+    per_block: Annotated[int, Integer(1, 100, help="raster cells per block and side")] = 5
     climb_cm: Annotated[
         float | None,
-        Float(0, 100_000, unit="cm", help="peaks and pits have steps above this all around, by default above one unit"),
+        Float(0, 100_000, unit="cm", help="peaks and pits have higher steps than this on all sides; default: one unit"),
     ] = None
     clearance_cm: Annotated[
-        float, Float(0, 100_000, unit="cm", help="from the map's rim to the start, and to the goal, on flat ground")
+        float, Float(0, 100_000, unit="cm", help="distance of start and goal from the map's border, on flat ground")
     ] = 100.0
 
     @property
     def bytes_a_cell(self) -> int:
-        """Its part of the raster in several copies, its edges, and what finds plateaus."""
+        """The memory of the raster in several copies, of the edges, and of the search for plateaus."""
         return 3000 + 40 * self.per_block**2
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """Arrays have axis 0 along x; tables of heights are north up; lengths are metres."""
+        """Arrays with axis 0 along x, tables of heights north up, and metadata; lengths in metres."""
         found = self._found(scene)
         raster = scene.field.heights.repeat(self.per_block, axis=0).repeat(self.per_block, axis=1)
         head = f"heights in metres, {self.per_block} x {self.per_block} cells for each block"
@@ -71,22 +71,22 @@ class Posture(Format):
             "edges.csv": _table(COLUMNS, (map(decimal, row) for row in found.edges.tolist())),
             "tags.csv": _table(["i", "j", "level", "tag", "from", "number"], found.tagged()),
             "posture.mat": [mat({"raster": raster, **self._variables(found)})],
-            "posture.json": [as_json(self._meaning(found))],
+            "posture.json": [as_json(self._metadata(found))],
         }
 
     def _found(self, scene: Scene) -> _Found:
         field = scene.field
         limit = field.unit if self.climb_cm is None else self.climb_cm / 100
         peaks, pits = peaks_and_pits(field, limit)
-        return _Found(scene, limit, edges(field), tuple(shapes(scene)), peaks, pits)
+        return _Found(scene, limit, edges(field), tuple(obstacle_cells(scene)), peaks, pits)
 
     def _pose(self, field: StepField, side: int) -> dict[str, Json]:
-        """Level with the map's middle, heading east: in the west of it at side -1, in the east at side 1."""
+        """The start pose, west of the map (side -1), or the goal pose, east of it (side 1), both heading east."""
         x = side * (field.extent[0] / 2 + self.clearance_cm / 100)
         return {"x": round(x, NANOMETRE_DIGITS), "y": 0.0, "z": 0.0, "yaw": 0.0}
 
     def _variables(self, found: _Found) -> dict[str, object]:
-        """For MATLAB: plateaus are counted from 1 there, and 0 is none."""
+        """The variables for MATLAB, in which plateaus are numbered from 1, and 0 is none."""
         field = found.scene.field
         return {
             "levels": field.levels,
@@ -108,11 +108,11 @@ class Posture(Format):
             "name": found.scene.name,
         }
 
-    def _meaning(self, found: _Found) -> dict[str, Json]:
+    def _metadata(self, found: _Found) -> dict[str, Json]:
         scene = found.scene
         plateaus = {tag: int(where.max()) + 1 for tag, where in (("peaks", found.peaks), ("pits", found.pits))}
         return {
-            **facts(scene),
+            **metadata(scene),
             "cells_per_block": self.per_block,
             "cell_m": scene.field.block_width / self.per_block,
             "raster": _RASTER,
@@ -126,22 +126,22 @@ class Posture(Format):
                 "recipe": [shape.entry() for shape in found.shapes],
                 "field": plateaus,
             },
-            "recipe": recipe_of(scene),
+            "recipe": recipe_json(scene),
         }
 
 
 class _Found(NamedTuple):
-    """What is found in a map, once for all files; limit: metres."""
+    """Edges, obstacle cells, peaks and pits of a map, computed once for all files; limit: metres."""
 
     scene: Scene
     limit: float
     edges: Array
-    shapes: tuple[Shape, ...]
+    shapes: tuple[ObstacleCells, ...]
     peaks: Ints
     pits: Ints
 
     def tagged(self) -> Iterator[tuple[str, ...]]:
-        """Every tag of every cell: those of the recipe by obstacle, then peaks, then pits."""
+        """The rows of tags.csv: cells of the recipe's obstacles, then of peaks, then of pits."""
         levels = self.scene.field.levels
         for shape in self.shapes:
             for i, j in np.argwhere(shape.cells).tolist():
@@ -152,7 +152,7 @@ class _Found(NamedTuple):
 
 
 def _stacked(masks: Sequence[Mask], field: StepField) -> Mask:
-    """(n_x, n_y, number of masks), also where there are none."""
+    """Masks stacked to (n_x, n_y, number of masks), also if there are none."""
     return np.moveaxis(np.array(masks, dtype=bool).reshape(len(masks), *field.shape), 0, 2)
 
 

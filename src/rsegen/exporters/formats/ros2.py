@@ -1,4 +1,4 @@
-"""ROS 2: the map as a package that `colcon build` installs and whose launch files open it in either Gazebo."""
+"""The format `ros2`: the map as a package for `colcon build`, with launch files for both Gazebos."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class Ros2(Format):
 
     @property
     def bytes_a_cell(self) -> int:
-        """That of a world."""
+        """The memory of a world."""
         return 600
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The package, in a folder of its name."""
+        """The files of the package, in a folder of its name."""
         package = package_name(scene.name)
         texts = {
             "package.xml": _package_xml(package, scene),
@@ -35,25 +35,25 @@ class Ros2(Format):
             "launch/gazebo_sim.launch.py": _SIM.format(package=package, world=scene.name),
         }
         found = {path: [text.encode()] for path, text in texts.items()} | dict(_model(scene))
-        found[f"worlds/{scene.name}.world"] = sdf.encoded(sdf.world(scene, [_INCLUDE.format(name=scene.name)]))
+        found[f"worlds/{scene.name}.world"] = sdf.utf8(sdf.world(scene, [_INCLUDE.format(name=scene.name)]))
         return {f"{package}/{path}": content for path, content in found.items()}
 
 
 def package_name(name: str) -> str:
-    """A map's name as ROS has names of packages (REP 144): lower case, digits, single underscores, a letter first."""
+    """A map's name as a ROS package name (REP 144): lower case, digits, single underscores, a letter first."""
     plain = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
     return plain if plain[:1].isalpha() else f"map_{plain}"
 
 
 def _model(scene: Scene) -> Iterator[tuple[str, Iterable[bytes]]]:
-    """The model that `single` makes, whose world says where it is."""
+    """The files of the map's model, made by mesh type `single`; the package has a world of its own."""
     for path, content in single.files(scene).items():
         if path != f"{scene.name}.world":
             yield f"models/{scene.name}/{path}", content
 
 
 def _package_xml(package: str, scene: Scene) -> str:
-    """gazebo_ros is asked for where a ROS has it: Humble and Iron are the last."""
+    """The text of package.xml, which depends on gazebo_ros if the distribution has it, as up to Humble and Iron."""
     return f"""\
 <?xml version="1.0"?>
 <package format="3">
@@ -91,7 +91,7 @@ _HOOK = "".join(
     f"prepend-non-duplicate;{variable};share/@PROJECT_NAME@/models\n"
     for variable in ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
 )
-"""Where Gazebo Classic, Gazebo Sim and Ignition look for models."""
+"""The search paths for models of Gazebo Classic, Gazebo Sim and Ignition."""
 
 _INCLUDE = """\
     <include>

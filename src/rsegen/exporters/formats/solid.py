@@ -1,4 +1,4 @@
-"""The closed surface of a map as programs read it that weld equal corners: what stl, ply and glb are made of."""
+"""A watertight mesh that stays watertight when a program merges equal vertices, for stl, ply, glb and usd."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.geometry import watertight
 
 BYTES_A_CELL = 6000
-"""Of memory while a closed surface is made and written: its triangles, and trimesh's copies of them."""
+"""The memory per cell for a watertight mesh and trimesh's copies of it."""
 
 
 class Solid(NamedTuple):
-    """vertices (n, 3) metres, z up; triangles (m, 3) of them, counterclockwise seen from outside; materials (m,)."""
+    """A mesh: vertices (n, 3) in metres, z up; triangles (m, 3), counterclockwise from outside; materials (m,)."""
 
     vertices: Array
     triangles: Ints
@@ -23,13 +23,13 @@ class Solid(NamedTuple):
 
     @property
     def mesh(self) -> Any:
-        """It as it is, as a trimesh.Trimesh."""
+        """The mesh as a trimesh.Trimesh, not processed."""
         import trimesh
 
         return trimesh.Trimesh(self.vertices, self.triangles, process=False)
 
     def parts(self) -> Iterator[tuple[int, Solid]]:
-        """Of each material what has it, with vertices of its own."""
+        """Each material with the mesh of its triangles, which has vertices of its own."""
         for material in np.unique(self.materials).tolist():
             of_it = self.materials == material
             used, corners = np.unique(self.triangles[of_it], return_inverse=True)
@@ -37,10 +37,10 @@ class Solid(NamedTuple):
 
 
 def solid(field: StepField) -> Solid:
-    """The closed surface of a field, which stays closed where vertices at one place are welded.
+    """The watertight mesh of a field, which stays watertight when vertices at one position are merged.
 
-    Where two blocks touch along a vertical edge alone, four faces meet in it. One of the two blocks has a vertex more
-    in the middle of that edge: so no edge between two vertices has more than two faces, and nothing has moved.
+    If two blocks touch only along a vertical edge, four faces meet in it. One of the two blocks has an additional
+    vertex in the middle of that edge: so no edge between two vertices has more than two faces, and no point has moved.
     """
     mesh = watertight(field)
     edges = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]]
@@ -49,17 +49,17 @@ def solid(field: StepField) -> Solid:
     edge = np.unique(_numbered(places[edges], len(places)), return_inverse=True)[1].reshape(own.shape)
     lowest = np.full(own.size, np.iinfo(np.int64).max)
     np.minimum.at(lowest, edge, own)
-    return _halved(Solid(mesh.vertices, mesh.triangles, mesh.materials), own, own != lowest[edge])
+    return _bisected(Solid(mesh.vertices, mesh.triangles, mesh.materials), own, own != lowest[edge])
 
 
 def _numbered(edges: Ints, count: int) -> Ints:
-    """One number (m, 3) for the two ends of each edge (m, 3, 2), whichever comes first."""
+    """One number (m, 3) per undirected edge (m, 3, 2)."""
     ends = np.sort(edges, axis=2).astype(np.int64)
     return ends[..., 0] * count + ends[..., 1]
 
 
-def _halved(found: Solid, edges: Ints, chosen: Ints) -> Solid:
-    """Triangles cut in two from the middle of an edge; no triangle has two of those, which are all vertical."""
+def _bisected(found: Solid, edges: Ints, chosen: Ints) -> Solid:
+    """The mesh with triangles bisected at the chosen edges; these are vertical, so no triangle has two of them."""
     cut, side = np.nonzero(chosen)
     start, end, tip = (found.triangles[cut, (side + step) % 3] for step in range(3))
     known, first, number = np.unique(edges[cut, side], return_index=True, return_inverse=True)

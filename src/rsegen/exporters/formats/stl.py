@@ -1,4 +1,4 @@
-"""STL: triangles alone, for printers, slicers and every mesh program."""
+"""The format `stl`: triangles without colours, for 3D printers, slicers and mesh programs."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from rsegen.exporters.scene import Scene
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Stl(Format):
-    """A closed mesh without colours (STL, binary), in metres, z up."""
+    """A watertight mesh without colours (STL, binary), in metres, z up."""
 
     name: ClassVar[str] = "stl"
     extra: ClassVar[Extra | None] = MESH
 
     @property
     def bytes_a_cell(self) -> int:
-        """That of a closed surface."""
+        """The memory of a watertight mesh."""
         return BYTES_A_CELL
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """One."""
+        """One STL file."""
         return {f"{scene.name}.stl": _stl(scene)}
 
 

@@ -1,10 +1,10 @@
-"""Which cells belong to what: obstacles of the recipe, and peaks and pits of the field itself.
+"""Tags of cells: the obstacles of the recipe, and the peaks and pits of the field.
 
-A plateau is all blocks of one height that hang together by their sides; a frame is none, and nor is the ground around
-the map, but both are neighbours. Neighbours share a side.
+A plateau is a connected area of blocks of one height; frames and the ground around the map are no plateaus, but can be
+neighbours of one. Neighbours share a side.
 
-    peak   a plateau that stands above each of its neighbours by more than a limit
-    pit    a plateau that lies below each of its neighbours by more than a limit
+    peak   a plateau that is higher than each of its neighbours by more than a limit
+    pit    a plateau that is lower than each of its neighbours by more than a limit
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics.regions import joined, neighbours
+from rsegen.field.metrics.regions import connected, neighbours
 from rsegen.field.obstacles.base import Shaped
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Ints, Mask, StepField
 from rsegen.params.places import Cell
@@ -25,11 +25,11 @@ from rsegen.recipe.building import placed
 _BLOCK, _FRAME, _GROUND = range(3)
 
 
-class Shape(NamedTuple):
+class ObstacleCells(NamedTuple):
     """A barrier or peak of the recipe: its number in the list, its kind, key and ends, and its cells (n_x, n_y).
 
-    The ends count block cells with frames left out, as a recipe does. The cells are those where its own level is 1 or
-    more, whatever stands there in the end.
+    The ends count block cells without frames, as a recipe does. The cells are those in which its own level is 1 or
+    more, whatever later obstacles do there.
     """
 
     number: int
@@ -40,13 +40,13 @@ class Shape(NamedTuple):
     cells: Mask
 
     def entry(self) -> dict[str, Json]:
-        """It in short."""
+        """The obstacle as a dict for JSON, with the number of its cells."""
         named = {"number": self.number, "kind": self.kind, "key": self.key}
         return {**named, "first": list(self.first), "last": list(self.last), "cells": int(self.cells.sum())}
 
 
-def shapes(scene: Scene) -> Iterator[Shape]:
-    """The barriers and peaks that the recipe names; none where it has a matrix or a random field alone."""
+def obstacle_cells(scene: Scene) -> Iterator[ObstacleCells]:
+    """The cells of every barrier and peak of the recipe; a matrix and random kinds have none."""
     field, recipe = scene.field, scene.recipe
     inside = np.ix_(field.inside(0), field.inside(1))
     for number, placement in enumerate(recipe.obstacles):
@@ -56,17 +56,17 @@ def shapes(scene: Scene) -> Iterator[Shape]:
             blocks[patch.window] = patch.footprint
             cells = np.zeros(field.shape, dtype=bool)
             cells[inside] = blocks
-            yield Shape(number, placement.obstacle.kind, placement.key or "", first, last, cells)
+            yield ObstacleCells(number, placement.obstacle.kind, placement.key or "", first, last, cells)
 
 
 def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
-    """The number of the peak that each cell belongs to, (n_x, n_y), and that of the pit; -1 for none; limit: metres."""
+    """For each cell the number of its peak, and of its pit, (n_x, n_y) each; -1 for none; limit: metres."""
     tops = np.pad(np.rint(field.heights * 10**NANOMETRE_DIGITS).astype(np.int64), 1)
     sort = np.pad(np.where(field.frame, _FRAME, _BLOCK), 1, constant_values=_GROUND)
     a, b = neighbours(tops.shape)
     height, kind = tops.ravel(), sort.ravel()
     alike = (height[a] == height[b]) & (kind[a] == kind[b])
-    plateau = joined(height.size, a[alike], b[alike])
+    plateau = connected(height.size, a[alike], b[alike])
     a, b = plateau[a[~alike]], plateau[b[~alike]]
     rise = round(limit * 10**NANOMETRE_DIGITS)
     peaks, pits = (
@@ -77,7 +77,7 @@ def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
 
 
 def _beyond(height: Ints, a: Ints, b: Ints, rise: int) -> Mask:
-    """Which plateaus are higher than each plateau beside them by more than so much."""
+    """Which plateaus are higher than each adjacent plateau by more than `rise`."""
     least = np.full(height.size, np.iinfo(np.int64).max)
     np.minimum.at(least, a, height[a] - height[b])
     np.minimum.at(least, b, height[b] - height[a])
@@ -85,7 +85,7 @@ def _beyond(height: Ints, a: Ints, b: Ints, rise: int) -> Mask:
 
 
 def _numbered(plateau: Ints, chosen: Mask) -> Ints:
-    """Chosen cells by the number of their plateau, counted from 0 in the order of their first cells; else -1."""
+    """The plateau number of chosen cells, counted from 0 in the order of first cells; -1 for all others."""
     found = np.full(plateau.size, -1)
     found[chosen] = np.unique(plateau[chosen], return_inverse=True)[1].ravel()
     return found

@@ -1,6 +1,6 @@
-"""URDF: the map as a link that nothing moves, seen as meshes, touched as boxes.
+"""The format `urdf`: the map as a static link, with visual meshes and collision boxes.
 
-A link has one coefficient of friction, so a map of several has as many links, joined for good.
+A link has one friction coefficient, so a map of several has as many links, connected by fixed joints.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from typing import ClassVar
 from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.formats.coloured import coloured_objs
 from rsegen.exporters.gazebo.obj import material_name, mtl
-from rsegen.exporters.gazebo.sdf import encoded, numbers
-from rsegen.exporters.gazebo.shapes import parted
+from rsegen.exporters.gazebo.sdf import numbers, utf8
+from rsegen.exporters.gazebo.shapes import split_by_friction
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import StepField
@@ -24,42 +24,42 @@ from rsegen.geometry import boxes
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Urdf(Format):
-    """A static link (URDF) for PyBullet, Isaac Lab and RViz, with a mesh for each colour and boxes to touch."""
+    """A static link (URDF) for PyBullet, Isaac Lab and RViz, with a visual mesh per colour and collision boxes."""
 
     name: ClassVar[str] = "urdf"
 
     @property
     def bytes_a_cell(self) -> int:
-        """A few boxes and faces."""
+        """The memory of a few boxes and faces."""
         return 600
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The links, and in the folder meshes what is seen of them."""
+        """The URDF file, and the visual meshes in the folder meshes."""
         objs = coloured_objs(scene)
         meshes = {_mesh(scene, material): content for material, content in objs.items()}
         colours = {f"meshes/{scene.name}.mtl": mtl(scene)} if meshes else {}
-        return {f"{scene.name}.urdf": encoded(_robot(scene, objs)), **meshes, **colours}
+        return {f"{scene.name}.urdf": utf8(_robot(scene, objs)), **meshes, **colours}
 
 
 def _robot(scene: Scene, materials: Iterable[int]) -> Iterator[str]:
-    """A link for each coefficient of friction; the first has the map's name and all that is seen."""
+    """The URDF text: one link per friction coefficient; the first has the map's name and all visual meshes."""
     yield f"""\
 <?xml version="1.0"?>
 <!-- made by rsegen: metres, z up, the middle of the map at 0 0 0, the ground at z = 0.
      In a ROS package, write package://PACKAGE/PATH/meshes/ for meshes/. -->
 <robot name="{scene.name}">
 """
-    seen = [_seen(scene, material) for material in materials]
-    for number, (friction, field) in enumerate(parted(scene, scene.field)):
+    visuals = [_visual(scene, material) for material in materials]
+    for number, (friction, field) in enumerate(split_by_friction(scene, scene.field)):
         name = f"{scene.name}_friction_{decimal(friction)}" if number else scene.name
-        yield from _link(name, friction, chain([] if number else seen, _touched(field)))
+        yield from _link(name, friction, chain([] if number else visuals, _collisions(field)))
         if number:
             yield _joint(scene.name, name)
     yield "</robot>\n"
 
 
 def _link(name: str, friction: float, shapes: Iterable[str]) -> Iterator[str]:
-    """<contact> is Bullet's word for friction; PyBullet takes a link whose mass is not said for one of 1 kg."""
+    """The text of a link; Bullet reads friction from <contact>, and takes a link without a mass for one of 1 kg."""
     yield f"""\
   <link name="{name}">
     <inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>
@@ -78,7 +78,7 @@ def _joint(parent: str, child: str) -> str:
 """
 
 
-def _seen(scene: Scene, material: int) -> str:
+def _visual(scene: Scene, material: int) -> str:
     rgba = numbers((*scene.colour(material), 1))
     return f"""\
     <visual name="{material_name(material)}">
@@ -88,10 +88,9 @@ def _seen(scene: Scene, material: int) -> str:
 """
 
 
-def _touched(field: StepField) -> Iterator[str]:
+def _collisions(field: StepField) -> Iterator[str]:
     found = boxes(field)
-    sizes, centres = found.high - found.low, (found.low + found.high) / 2
-    for size, centre in zip(sizes.tolist(), centres.tolist(), strict=True):
+    for size, centre in zip(found.sizes.tolist(), found.centres.tolist(), strict=True):
         yield f"""\
     <collision>
       <origin xyz="{numbers(centre)}"/>

@@ -1,4 +1,4 @@
-"""USD: the map as one mesh with a material for each colour, which physics takes for a static triangle mesh."""
+"""The format `usd`: the map as one mesh with a material per colour, and a static triangle mesh collider."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.exporters.formats.base import Extra, Format, register
-from rsegen.exporters.formats.light import linear
 from rsegen.exporters.formats.solid import Solid, solid
+from rsegen.exporters.formats.srgb import srgb_to_linear
 from rsegen.exporters.gazebo.obj import material_name
 from rsegen.exporters.scene import Colour, Scene
 from rsegen.field.stepfield import Array
@@ -23,27 +23,27 @@ from rsegen.params.sorts import Flag
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Usd(Format):
-    """A closed mesh with colours, friction and a static collider (USD) for Isaac Sim and usdview, in metres, z up."""
+    """A watertight mesh with colours, friction and a static collider (USD) for Isaac Sim and usdview, metres, z up."""
 
     name: ClassVar[str] = "usd"
     extra: ClassVar[Extra | None] = Extra("usd", "pxr")
 
-    binary: Annotated[bool, Flag(help="a binary file (.usdc) in place of text (.usda)")] = False
+    binary: Annotated[bool, Flag(help="binary file (.usdc) instead of text (.usda)")] = False
 
     @property
     def bytes_a_cell(self) -> int:
-        """That of a closed surface, and of the text that it is written as."""
+        """The memory of a watertight mesh and of its text."""
         return 4000
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """One."""
+        """One USD file."""
         if self.binary:
             return {f"{scene.name}.usdc": _binary(scene)}
         return {f"{scene.name}.usda": _text(scene)}
 
 
 def prim_name(name: str) -> str:
-    """The name of a map as USD has names: letters, digits and _, no digit first."""
+    """The name of a map as a USD prim name: letters, digits and _, no digit first."""
     plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
     return f"_{plain}" if plain[0].isdigit() else plain
 
@@ -54,7 +54,7 @@ def _text(scene: Scene) -> Iterator[bytes]:
 
 
 def _binary(scene: Scene) -> Iterator[bytes]:
-    """By way of a file, the only thing that pxr writes binary layers to."""
+    """The bytes of a binary layer, by way of a temporary file, the only target that pxr supports."""
     stage = _stage(scene)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "map.usdc"
@@ -64,7 +64,7 @@ def _binary(scene: Scene) -> Iterator[bytes]:
 
 
 def _stage(scene: Scene) -> Any:
-    """The map as the default prim, an Xform of its name; a scene of physics is left to whoever takes the map in."""
+    """The stage with the map as default prim, an Xform of its name, and without a physics scene."""
     from pxr import Kind, Usd, UsdGeom
 
     stage = Usd.Stage.CreateInMemory()
@@ -77,13 +77,13 @@ def _stage(scene: Scene) -> Any:
     found = solid(scene.field)
     if len(found.triangles):
         mesh = _mesh(root, scene, found)
-        _colour(root, scene, mesh, found)
-        _touch(root, scene, mesh, found)
+        _bind_colours(root, scene, mesh, found)
+        _add_physics(root, scene, mesh, found)
     return stage
 
 
 def _mesh(root: Any, scene: Scene, found: Solid) -> Any:
-    """The triangles, with a colour and a normal for each; coordinates are of single precision, as USD has them."""
+    """The mesh prim: triangles with a colour and a normal each, in single precision, as in USD."""
     from pxr import UsdGeom, Vt
 
     mesh = UsdGeom.Mesh.Define(root.GetPrim().GetStage(), root.GetPath().AppendChild("surface"))
@@ -95,33 +95,35 @@ def _mesh(root: Any, scene: Scene, found: Solid) -> Any:
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
     mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(_normals(found).astype(np.float32)))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.uniform)
-    colours = np.array([linear(scene.colour(kind)) for kind in range(int(found.materials.max()) + 1)], dtype=np.float32)
+    colours = np.array(
+        [srgb_to_linear(scene.colour(kind)) for kind in range(int(found.materials.max()) + 1)], dtype=np.float32
+    )
     shown = mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.uniform)
     shown.Set(Vt.Vec3fArray.FromNumpy(colours[found.materials]))
     return mesh
 
 
 def _normals(found: Solid) -> Array:
-    """The way that each triangle looks, (m, 3): along an axis."""
+    """The normal of each triangle, (m, 3), along an axis."""
     first, second, third = (found.vertices[found.triangles[:, corner]] for corner in range(3))
     return np.sign(np.round(np.cross(second - first, third - first), 15)) + 0.0
 
 
-def _colour(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
-    """A subset of the faces for each material, bound to it."""
+def _bind_colours(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
+    """Bind a subset of the faces to each material."""
     from pxr import UsdGeom, UsdShade, Vt
 
     binding = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
     for kind in np.unique(found.materials).tolist():
         faces = np.flatnonzero(found.materials == kind).astype(np.int32)
         subset = binding.CreateMaterialBindSubset(material_name(kind), Vt.IntArray.FromNumpy(faces))
-        material = _material(root, material_name(kind), linear(scene.colour(kind)))
+        material = _material(root, material_name(kind), srgb_to_linear(scene.colour(kind)))
         UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
     binding.SetMaterialBindSubsetsFamilyType(UsdGeom.Tokens.partition)
 
 
 def _material(root: Any, name: str, colour: Colour) -> Any:
-    """A matt surface of one colour."""
+    """The material of a matte surface of one colour."""
     from pxr import Gf, Sdf, UsdShade
 
     stage, path = _looks(root), root.GetPath().AppendChild("Looks").AppendChild(name)
@@ -135,7 +137,7 @@ def _material(root: Any, name: str, colour: Colour) -> Any:
 
 
 def _looks(root: Any) -> Any:
-    """The stage, in which the scope of materials is there."""
+    """The stage, after defining the scope of materials in it."""
     from pxr import UsdGeom
 
     stage = root.GetPrim().GetStage()
@@ -143,8 +145,8 @@ def _looks(root: Any) -> Any:
     return stage
 
 
-def _touch(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
-    """What physics knows: a collider that is the triangles themselves, no rigid body, and the friction of each part."""
+def _add_physics(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
+    """Add a triangle mesh collider without a rigid body, and the friction of each part."""
     from pxr import UsdPhysics, UsdShade
 
     UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
@@ -152,15 +154,15 @@ def _touch(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
     binding = UsdShade.MaterialBindingAPI(mesh.GetPrim())
     frictions = [scene.friction_of(kind) for kind in np.unique(found.materials).tolist()]
     whole = scene.friction if len(set(frictions)) > 1 else frictions[0]
-    binding.Bind(_rubbing(root, "friction", whole), materialPurpose="physics")
+    binding.Bind(_friction_material(root, "friction", whole), materialPurpose="physics")
     for subset, friction in zip(binding.GetMaterialBindSubsets(), frictions, strict=True):
         if friction != whole:
-            material = _rubbing(root, f"friction_{subset.GetPrim().GetName()}", friction)
+            material = _friction_material(root, f"friction_{subset.GetPrim().GetName()}", friction)
             UsdShade.MaterialBindingAPI(subset.GetPrim()).Bind(material, materialPurpose="physics")
 
 
-def _rubbing(root: Any, name: str, friction: float) -> Any:
-    """A material of physics."""
+def _friction_material(root: Any, name: str, friction: float) -> Any:
+    """A physics material with a friction coefficient."""
     from pxr import UsdPhysics, UsdShade
 
     material = UsdShade.Material.Define(_looks(root), root.GetPath().AppendChild("Looks").AppendChild(name))

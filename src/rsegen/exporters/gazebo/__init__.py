@@ -1,4 +1,4 @@
-"""From a scene to the files of a map, as bytes: nothing here touches a disk."""
+"""Gazebo worlds and models of a map as bytes; nothing is written to disk here."""
 
 from rsegen.exporters.gazebo.bundle import MESH_TYPES, Bundle, export
 

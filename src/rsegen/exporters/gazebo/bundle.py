@@ -1,4 +1,4 @@
-"""A bundle: the files of one map as bytes, before anything is written.
+"""The bundle of one map: its files as bytes, before they are written.
 
 Scene --export--> Bundle
 """
@@ -17,29 +17,27 @@ from rsegen.exporters.scene import Scene
 from rsegen.recipe.codec import map_json
 
 Bundle = Mapping[PurePosixPath, Iterable[bytes]]
-"""Where each file goes inside the map's folder, and its content piece by piece; to be read once."""
+"""The content of each file in chunks of bytes by its path in the map's folder; to be read once."""
 
 
 class MeshType(Protocol):
-    """One way to make models of a map: a file of this folder with these three functions."""
+    """A way to make models of a map: a module of this package with these three functions."""
 
     def files(self, scene: Scene) -> dict[str, Iterable[bytes]]:
-        """The world, and whatever it needs beside it."""
+        """The world file and all other files that it needs."""
 
-    def models(self, scene: Scene) -> int:
-        """How many models the world has."""
+    def model_count(self, scene: Scene) -> int:
+        """The number of models in the world."""
 
-    def collisions(self, scene: Scene) -> int:
-        """How many shapes can be touched in it."""
+    def collision_count(self, scene: Scene) -> int:
+        """The number of collision shapes in the world."""
 
 
 MESH_TYPES: Mapping[str, MeshType] = {"single": single, "multi": multi, "pallet": pallet}
 
 
 def export(scene: Scene) -> Bundle:
-    """Everything on disk of a map: world and models as its mesh type says, its levels, the recipe of it alone, and
-    the proof that it keeps to its constraints.
-    """
+    """All files of a map: world and models by its mesh type, levels, the map's own recipe, the constraint report."""
     files = MESH_TYPES[scene.recipe.mesh_type].files(scene)
     files["levels.csv"] = csv(scene.field)
     if scene.recipe.is_constrained:

@@ -1,7 +1,7 @@
-"""Wavefront OBJ and MTL: the mesh format that both Gazebos load fastest.
+"""Wavefront OBJ and MTL files, the mesh format that both Gazebos load fastest.
 
-Absolute indices, one normal for each face (a file without normals crashes Gazebo Sim), one group for each material.
-Coordinates come from few lines and indices from a count, so each text is made once and gathered as bytes.
+Absolute indices, one normal per face (a file without normals crashes Gazebo Sim), one group per material. There are few
+distinct coordinates, and indices are consecutive, so each number is formatted once and gathered as bytes.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from rsegen.field.stepfield import Ints
 from rsegen.geometry import NORMALS, Mesh
 
 _Texts = NDArray[np.void]
-"""Texts of one width, filled up with zero bytes, as items of that many bytes."""
+"""Texts of one width, padded with zero bytes, as items of that many bytes."""
 
 STRIP = 2**15
-"""Lines that are made at once: enough to be quick, few enough to stay in the processor's cache."""
+"""Lines that are made at once: enough to be fast, few enough to stay in the CPU cache."""
 
 
 def obj(meshes: Iterable[Mesh], mtl_name: str) -> Iterator[bytes]:
-    """The OBJ file of meshes, one after the other, whose colours are in the file `mtl_name` beside it."""
+    """The OBJ file of meshes, one after the other, with the colours of the file `mtl_name` in the same folder."""
     yield f"# metres, z up; made by rsegen\nmtllib {mtl_name}\n".encode()
     yield "".join(f"vn {x} {y} {z}\n" for x, y, z in NORMALS).encode()
     vertices = 0
@@ -35,13 +35,13 @@ def obj(meshes: Iterable[Mesh], mtl_name: str) -> Iterator[bytes]:
         vertices += len(mesh.places)
 
 
-def faces(piece: bytes) -> int:
-    """How many faces a piece of an OBJ file has."""
+def face_count(piece: bytes) -> int:
+    """The number of faces in a chunk of an OBJ file."""
     return piece.count(b"\nf ") + piece.startswith(b"f ")
 
 
 def mtl(scene: Scene) -> Iterator[bytes]:
-    """The MTL file of every colour that a map of the scene's recipe can have."""
+    """The MTL file with every colour that maps of the scene's recipe can have."""
     for material in range(scene.recipe.highest_level + 1):
         red, green, blue = map(decimal, scene.colour(material))
         colour = f"{red} {green} {blue}"
@@ -49,7 +49,7 @@ def mtl(scene: Scene) -> Iterator[bytes]:
 
 
 def material_name(material: int) -> str:
-    """What OBJ and MTL call a material: 0 is the frame, any other the level."""
+    """The name of a material in OBJ and MTL: `frame` for 0, `level_N` for any other number."""
     return f"level_{material}" if material else "frame"
 
 
@@ -61,7 +61,7 @@ def _vertices(mesh: Mesh) -> Iterator[bytes]:
 
 
 def _faces(mesh: Mesh, first: int) -> Iterator[bytes]:
-    """A group for each material, in whose order the faces are; `first` is the number of the first vertex."""
+    """The faces, one group per material; `first` is the number of the first vertex."""
     numbers = _counted(first, len(mesh.places))
     normals = _texts([f"//{number + 1}" for number in range(len(NORMALS))])
     before = -1
@@ -78,7 +78,7 @@ def _faces(mesh: Mesh, first: int) -> Iterator[bytes]:
 
 
 def _groups(materials: Ints) -> Iterator[tuple[int, slice]]:
-    """Each material, and where in the row it is."""
+    """Each material and the slice of faces that have it."""
     changes = np.flatnonzero(materials[1:] != materials[:-1]) + 1
     for low, high in pairwise([0, *changes.tolist(), len(materials)]):
         yield int(materials[low]), slice(low, high)
@@ -94,7 +94,7 @@ def _texts(texts: Sequence[str]) -> _Texts:
 
 
 def _counted(first: int, count: int) -> _Texts:
-    """The numbers from `first` on, up to 8 digits or more: put together from texts of four digits each."""
+    """The texts of the numbers from `first` on, put together from texts of four digits each."""
     numbers = np.arange(first, first + count)
     if first + count > 10**8:
         return _texts(numbers.astype("S").tolist())
@@ -108,7 +108,7 @@ _BARE = np.array([f"{number}" if number else "" for number in range(10_000)], dt
 
 
 def _page(parts: Sequence[_Texts | bytes], count: int) -> _Texts:
-    """`count` lines: in each the texts of all parts, one after the other; a part of bytes is the same in every line."""
+    """`count` lines, each with the texts of all parts one after the other; a part of bytes is in every line."""
     widths = [f"S{len(part)}" if isinstance(part, bytes) else part.dtype for part in parts]
     page = np.empty(count, dtype=[(str(number), width) for number, width in enumerate(widths)])
     for number, part in enumerate(parts):
@@ -117,5 +117,5 @@ def _page(parts: Sequence[_Texts | bytes], count: int) -> _Texts:
 
 
 def _bare(page: _Texts) -> bytes:
-    """The lines as bytes, without what filled them up."""
+    """The lines as bytes, without padding."""
     return page.tobytes().translate(None, b"\0")

@@ -1,4 +1,4 @@
-"""Mesh type `pallet`: every chunk, with the frame beside it, is one model: what a lab moves about."""
+"""Mesh type `pallet`: every chunk with its adjacent frame is one model, as the pallets that a lab moves."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from rsegen.field.stepfield import Pallet
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
-    """A world of pallets, and a mesh for each; pallets without a block above the ground are left out."""
-    found: dict[str, Iterable[bytes]] = {f"{scene.name}.world": sdf.encoded(sdf.world(scene, _models(scene)))}
-    for pallet in _standing(scene):
+    """The world of pallets and a mesh for each; pallets without a block above the ground are left out."""
+    found: dict[str, Iterable[bytes]] = {f"{scene.name}.world": sdf.utf8(sdf.world(scene, _models(scene)))}
+    for pallet in _pallets(scene):
         found |= shapes.mesh_files(scene, pallet.field, _stem(scene, pallet))
     return found
 
 
-def models(scene: Scene) -> int:
-    """Pallets with a block above the ground."""
-    return sum(1 for _ in _standing(scene))
+def model_count(scene: Scene) -> int:
+    """The number of pallets with a block above the ground."""
+    return sum(1 for _ in _pallets(scene))
 
 
-def collisions(scene: Scene) -> int:
-    """Of all of them."""
-    return sum(shapes.collisions(scene, pallet.field) for pallet in _standing(scene))
+def collision_count(scene: Scene) -> int:
+    """The number of collision shapes of all pallets."""
+    return sum(shapes.collision_count(scene, pallet.field) for pallet in _pallets(scene))
 
 
 def _models(scene: Scene) -> Iterator[str]:
-    for pallet in _standing(scene):
+    for pallet in _pallets(scene):
         stem = _stem(scene, pallet)
-        seen, touched = (shape(scene, pallet.field, stem) for shape in (shapes.seen, shapes.touched))
-        yield from sdf.model(_name(pallet), seen, touched, sdf.numbers((*pallet.centre, 0)))
+        visuals, collisions = (shape(scene, pallet.field, stem) for shape in (shapes.visuals, shapes.collisions))
+        yield from sdf.model(_name(pallet), visuals, collisions, sdf.numbers((*pallet.centre, 0)))
 
 
-def _standing(scene: Scene) -> Iterator[Pallet]:
+def _pallets(scene: Scene) -> Iterator[Pallet]:
     return (pallet for pallet in scene.field.pallets(scene.recipe.chunk_size) if pallet.field.stands())
 
 

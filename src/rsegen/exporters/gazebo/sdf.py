@@ -1,4 +1,4 @@
-"""SDF text that Gazebo Classic 11 and Gazebo Sim read alike: version 1.6, no plug-in, nothing from the internet."""
+"""SDF texts for both Gazebo Classic 11 and Gazebo Sim: version 1.6, no plugins, no downloads."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from rsegen.exporters.scene import Colour, Scene
 
 VERSION = "1.6"
 
-HEAD = f'<?xml version="1.0"?>\n<!-- made by rsegen -->\n<sdf version="{VERSION}">\n'
-TAIL = "</sdf>\n"
+HEADER = f'<?xml version="1.0"?>\n<!-- made by rsegen -->\n<sdf version="{VERSION}">\n'
+FOOTER = "</sdf>\n"
 
 _WORLD = """\
   <world name="{name}">
@@ -49,48 +49,46 @@ _WORLD = """\
 
 
 def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
-    """A world file: physics, light, a ground plane that reaches well beyond the map, and `models`."""
+    """The text of a world file: physics, light, a ground plane much larger than the map, and `models`."""
     side = max(100.0, 2 * max(scene.field.extent))
-    yield HEAD + _WORLD.format(name=scene.name, side=decimal(side), friction=_friction(scene.friction))
+    yield HEADER + _WORLD.format(name=scene.name, side=decimal(side), friction=_friction(scene.friction))
     yield from models
-    yield "  </world>\n" + TAIL
+    yield "  </world>\n" + FOOTER
 
 
 class Shape(NamedTuple):
-    """A <geometry> as SDF has it, what it is called, where its middle is, metres, its paint where it is seen, and its
-    coefficient of friction where it is touched.
-    """
+    """A named <geometry> with its centre in metres; its <material> if visual, its friction coefficient if collision."""
 
     name: str
     geometry: str
     centre: Sequence[float] = ()
-    paint: str = ""
+    material: str = ""
     friction: float = 1.0
 
 
 def mesh(name: str, uri: str) -> Shape:
-    """The mesh of a file."""
+    """The shape of a mesh file."""
     return Shape(name, f"<mesh><uri>{uri}</uri></mesh>")
 
 
 def box(name: str, size: Iterable[float], centre: Sequence[float] = ()) -> Shape:
-    """A box along the axes, its size in metres."""
+    """The shape of an axis-aligned box, its size in metres."""
     return Shape(name, f"<box><size>{numbers(size)}</size></box>", centre)
 
 
-def model(name: str, seen: Iterable[Shape], touched: Iterable[Shape], place: str = "0 0 0") -> Iterator[str]:
-    """A static model of shapes to be seen and shapes to be touched, piece by piece; `place` is x, y and z, metres."""
+def model(name: str, visuals: Iterable[Shape], collisions: Iterable[Shape], place: str = "0 0 0") -> Iterator[str]:
+    """The text of a static model of visual and collision shapes, in pieces; `place` is x, y and z in metres."""
     yield f"""\
     <model name="{name}">
       <static>true</static>
       <pose>{place} 0 0 0</pose>
       <link name="link">
 """
-    yield from _shapes(seen, touched)
+    yield from _shapes(visuals, collisions)
 
 
-def body(name: str, seen: Iterable[Shape], touched: Iterable[Shape]) -> Iterator[str]:
-    """The same as a body that nothing moves, for Gazebo Classic alone (decision 8)."""
+def kinematic_model(name: str, visuals: Iterable[Shape], collisions: Iterable[Shape]) -> Iterator[str]:
+    """The text of a kinematic model that nothing moves, for Gazebo Classic alone (decision 8)."""
     yield f"""\
     <model name="{name}">
       <link name="link">
@@ -101,42 +99,42 @@ def body(name: str, seen: Iterable[Shape], touched: Iterable[Shape]) -> Iterator
           <inertia><ixx>1000000</ixx><iyy>1000000</iyy><izz>1000000</izz></inertia>
         </inertial>
 """
-    yield from _shapes(seen, map(_lifted, touched))
+    yield from _shapes(visuals, map(_raised, collisions))
 
 
-def _shapes(seen: Iterable[Shape], touched: Iterable[Shape]) -> Iterator[str]:
-    yield from map(_touched, touched)
-    yield from map(_seen, seen)
+def _shapes(visuals: Iterable[Shape], collisions: Iterable[Shape]) -> Iterator[str]:
+    yield from map(_collision, collisions)
+    yield from map(_visual, visuals)
     yield "      </link>\n    </model>\n"
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Numbers as SDF has them."""
+    """Numbers as SDF text, separated by spaces."""
     return " ".join(map(decimal, values))
 
 
-def paint(colour: Colour) -> str:
-    """A material of one colour."""
+def material(colour: Colour) -> str:
+    """The text of a <material> of one colour."""
     rgba = numbers((*colour, 1))
     return f"<material><ambient>{rgba}</ambient><diffuse>{rgba}</diffuse></material>"
 
 
-def encoded(texts: Iterable[str]) -> Iterator[bytes]:
-    """Text as bytes, piece by piece."""
+def utf8(texts: Iterable[str]) -> Iterator[bytes]:
+    """Texts as UTF-8 bytes, piece by piece."""
     return (text.encode() for text in texts)
 
 
 LIFT = 0.00001
-"""Metres: a body that stood on the ground plane would touch it, at the foot of every wall and in every step."""
+"""Metres above the ground plane, so that a kinematic model has no contacts with it in every step."""
 
 
-def _lifted(shape: Shape) -> Shape:
+def _raised(shape: Shape) -> Shape:
     x, y, z = shape.centre or (0, 0, 0)
     return shape._replace(centre=(x, y, z + LIFT))
 
 
-def _touched(shape: Shape) -> str:
-    """`kd` 1000 lets soft wheels roll over the seams between coplanar triangles, which ODE would take for bumps."""
+def _collision(shape: Shape) -> str:
+    """The text of a <collision>; `kd` 1000 lets soft wheels roll over seams between coplanar triangles in ODE."""
     return f"""\
         <collision name="{shape.name}">{_pose(shape)}
           <geometry>{shape.geometry}</geometry>
@@ -148,10 +146,10 @@ def _touched(shape: Shape) -> str:
 """
 
 
-def _seen(shape: Shape) -> str:
+def _visual(shape: Shape) -> str:
     return f"""\
         <visual name="{shape.name}">{_pose(shape)}
-          <geometry>{shape.geometry}</geometry>{shape.paint and _LINE + shape.paint}
+          <geometry>{shape.geometry}</geometry>{shape.material and _LINE + shape.material}
         </visual>
 """
 

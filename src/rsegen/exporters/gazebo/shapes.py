@@ -1,7 +1,7 @@
-"""What is seen and touched of a field: its mesh files, and the shapes of a model that uses them.
+"""The visual and collision geometry of a field: its mesh files, and the shapes of a model that uses them.
 
-A shape that is touched has one coefficient of friction. So where a mesh has several, what is touched is cut by them:
-the same faces, in a file for each coefficient.
+A collision shape has one friction coefficient. So if a mesh has several, its collision geometry is split: the same
+faces, in one file per coefficient.
 """
 
 from __future__ import annotations
@@ -16,96 +16,95 @@ from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.gazebo.obj import mtl, obj
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import StepField, Window
-from rsegen.geometry import Boxes, Mesh, boxes, meshes, single_boxes, windows
+from rsegen.field.stepfield import CellWindow, StepField
+from rsegen.geometry import Boxes, Mesh, box_per_block, boxes, meshes, split_window
 
 
 def mesh_files(scene: Scene, field: StepField, stem: str) -> dict[str, Iterable[bytes]]:
-    """The meshes of a field by their path in the map's folder, and the colours; made as they are read."""
+    """The mesh files of a field by their path in the map's folder, and the MTL file; generated while they are read."""
     found: dict[str, Iterable[bytes]] = {
         f"meshes/{name}.obj": obj(meshes(field, scene.recipe.mesh, part), f"{scene.name}.mtl")
         for name, part in _parts(scene, field, stem)
     }
-    for each in _touched_meshes(scene, field, stem):
+    for each in _collision_meshes(scene, field, stem):
         if each.materials is not None:
             found[each.path] = obj(_of(each, scene, field), f"../{scene.name}.mtl")
     return found | ({f"meshes/{scene.name}.mtl": mtl(scene)} if found else {})
 
 
-def seen(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:
-    """The meshes as shapes; their URIs start with `root`."""
+def visuals(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:
+    """The visual shapes of a field; the URIs of their meshes start with `root`."""
     names = [name for name, _ in _parts(scene, field, stem)]
     for shape, name in zip(_called("visual", len(names)), names, strict=True):
         yield sdf.mesh(shape, f"{root}meshes/{name}.obj")
 
 
-def touched(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:
-    """The same meshes, whole or cut by their friction, or boxes, as the recipe says."""
+def collisions(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:
+    """The collision shapes of a field: the visual meshes, whole or split by friction, or boxes, as the recipe says."""
     if scene.recipe.collision == "mesh":
-        found = list(_touched_meshes(scene, field, stem))
+        found = list(_collision_meshes(scene, field, stem))
         for shape, each in zip(_called("collision", len(found)), found, strict=True):
             yield sdf.mesh(shape, root + each.path)._replace(friction=each.friction)
         return
     numbers = count()
     for friction, part in _boxes(scene, field):
-        sizes, centres = part.high - part.low, (part.low + part.high) / 2
-        for size, centre in zip(sizes.tolist(), centres.tolist(), strict=True):
+        for size, centre in zip(part.sizes.tolist(), part.centres.tolist(), strict=True):
             yield sdf.box(f"collision_{next(numbers)}", size, centre)._replace(friction=friction)
 
 
-def collisions(scene: Scene, field: StepField) -> int:
-    """How many shapes can be touched."""
+def collision_count(scene: Scene, field: StepField) -> int:
+    """The number of collision shapes of a field."""
     if scene.recipe.collision == "mesh":
-        return sum(1 for _ in _touched_meshes(scene, field, ""))
+        return sum(1 for _ in _collision_meshes(scene, field, ""))
     return sum(len(part) for _, part in _boxes(scene, field))
 
 
-def parted(scene: Scene, field: StepField) -> Iterator[tuple[float, StepField]]:
-    """Every coefficient of friction in a field, and the field with nothing but what has it."""
+def split_by_friction(scene: Scene, field: StepField) -> Iterator[tuple[float, StepField]]:
+    """Every friction coefficient in a field, with the part of the field that has it."""
     for friction, materials in scene.by_friction(field):
         yield friction, field if materials is None else field.only(materials)
 
 
-class _Touched(NamedTuple):
-    """A mesh file that is touched: its path, what part of a field is in it, and of which materials (None: of all)."""
+class _CollisionMesh(NamedTuple):
+    """A mesh file for collisions: its path, the window of the field in it, and its materials (None: all)."""
 
     path: str
-    part: Window
+    part: CellWindow
     friction: float
     materials: Sequence[int] | None
 
 
-def _touched_meshes(scene: Scene, field: StepField, stem: str) -> Iterator[_Touched]:
-    """What is seen, or parts of it where it has several coefficients and is touched."""
+def _collision_meshes(scene: Scene, field: StepField, stem: str) -> Iterator[_CollisionMesh]:
+    """The meshes of the collision geometry: the visual meshes, or parts of them if they have several coefficients."""
     if scene.recipe.collision != "mesh":
         return
     for name, part in _parts(scene, field, stem):
         for friction, materials in scene.by_friction(field, part):
             cut = "" if materials is None else f"_friction_{decimal(friction)}"
-            yield _Touched(f"meshes/{'touched/' if cut else ''}{name}{cut}.obj", part, friction, materials)
+            yield _CollisionMesh(f"meshes/{'touched/' if cut else ''}{name}{cut}.obj", part, friction, materials)
 
 
-def _of(each: _Touched, scene: Scene, field: StepField) -> Iterator[Mesh]:
-    """The faces that have its materials."""
+def _of(each: _CollisionMesh, scene: Scene, field: StepField) -> Iterator[Mesh]:
+    """The faces of the materials of a collision mesh."""
     for mesh in meshes(field, scene.recipe.mesh, each.part):
         yield mesh.part(np.isin(mesh.materials, each.materials or ()))
 
 
 def _boxes(scene: Scene, field: StepField) -> Iterator[tuple[float, Boxes]]:
-    """Few boxes, or one a block, of each coefficient."""
-    cut = boxes if scene.recipe.collision == "boxes" else single_boxes
-    return ((friction, cut(part)) for friction, part in parted(scene, field))
+    """Merged boxes, or one per block, of each friction coefficient."""
+    cut = boxes if scene.recipe.collision == "boxes" else box_per_block
+    return ((friction, cut(part)) for friction, part in split_by_friction(scene, field))
 
 
-def _parts(scene: Scene, field: StepField, stem: str) -> Iterator[tuple[str, Window]]:
-    """The name of every mesh and what part of the field is in it: all of it, or a tile that has anything in it."""
+def _parts(scene: Scene, field: StepField, stem: str) -> Iterator[tuple[str, CellWindow]]:
+    """The name of every mesh and its window of the field: the whole field, or each tile that is not flat."""
     tile = scene.recipe.tile
-    for part in windows(field.whole, tile or max(field.shape)):
+    for part in split_window(field.whole, tile or max(field.shape)):
         if field.stands(part):
             number = f"_{part[0].start // tile}_{part[1].start // tile}" if tile else ""
             yield f"{stem}{number}", part
 
 
 def _called(word: str, shapes: int) -> list[str]:
-    """The names of so many shapes of one link."""
+    """The names of the shapes of one link."""
     return [word] if shapes == 1 else [f"{word}_{number}" for number in range(shapes)]

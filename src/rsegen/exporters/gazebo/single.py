@@ -1,4 +1,4 @@
-"""Mesh type `single`: the map is one model, as a package that any world can include."""
+"""Mesh type `single`: the map is one model, in a package that any world can include."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from rsegen.exporters.scene import Scene
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
-    """The model package, and a world with this model in it."""
+    """The model package, and a world that has this model."""
     name = scene.name
     return {
         "model.config": [_config(name).encode()],
-        "model.sdf": sdf.encoded(chain([sdf.HEAD], _model(scene, f"model://{name}/"), [sdf.TAIL])),
-        f"{name}.world": sdf.encoded(sdf.world(scene, _model(scene))),
+        "model.sdf": sdf.utf8(chain([sdf.HEADER], _model(scene, f"model://{name}/"), [sdf.FOOTER])),
+        f"{name}.world": sdf.utf8(sdf.world(scene, _model(scene))),
         **shapes.mesh_files(scene, scene.field, name),
     }
 
 
-def models(scene: Scene) -> int:
-    """One."""
+def model_count(scene: Scene) -> int:
+    """The number of models: one."""
     return 1
 
 
-def collisions(scene: Scene) -> int:
-    """Its mesh, or its tiles, or parts of one friction each, or its boxes."""
-    return shapes.collisions(scene, scene.field)
+def collision_count(scene: Scene) -> int:
+    """The number of its meshes (tiles, or parts of one friction) or boxes."""
+    return shapes.collision_count(scene, scene.field)
 
 
 def _model(scene: Scene, root: str = "") -> Iterator[str]:
-    """The map as a model; a recipe's URIs start with `root`."""
-    seen, touched = (shape(scene, scene.field, scene.name, root) for shape in (shapes.seen, shapes.touched))
-    model = sdf.body if scene.recipe.simulator == "classic" else sdf.model
-    return model(scene.name, seen, touched)
+    """The text of the map as a model; its mesh URIs start with `root`."""
+    visuals, collisions = (shape(scene, scene.field, scene.name, root) for shape in (shapes.visuals, shapes.collisions))
+    model = sdf.kinematic_model if scene.recipe.simulator == "classic" else sdf.model
+    return model(scene.name, visuals, collisions)
 
 
 def _config(name: str) -> str:

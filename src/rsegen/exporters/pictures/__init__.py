@@ -1,1 +1,1 @@
-"""Maps as pictures: previews, and the paths of a robot."""
+"""Pictures of maps: previews, and plots of a robot's paths."""

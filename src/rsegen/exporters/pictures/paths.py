@@ -1,4 +1,4 @@
-"""What a robot can do on a map, as a picture: its ways on the plan, and what it costs to get to each cell."""
+"""The traversability of a map as a picture: a robot's cheapest paths on the plan, and a map of path costs."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.pictures.preview import draw_plan, saved
+from rsegen.exporters.pictures.preview import draw_plan, figure_bytes
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics import Crossing, Reach, RobotLimits
+from rsegen.field.metrics import Crossing, RobotLimits, Traversability
 from rsegen.field.stepfield import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_WAYS = {"west to east": "#ff2d95", "south to north": "#ff8c00"}
+_DIRECTIONS = {"west to east": "#ff2d95", "south to north": "#ff8c00"}
 
 
-def chart(scene: Scene, reach: Reach, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """The picture as the bytes of a file, which carries the map's recipe."""
+def path_plot(scene: Scene, reach: Traversability, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+    """The plot of paths and costs as the bytes of an image file, which carries the map's recipe."""
     from matplotlib.figure import Figure
 
     along_x, along_y = scene.field.extent
@@ -27,23 +27,23 @@ def chart(scene: Scene, reach: Reach, format: str = "png") -> bytes:  # noqa: A0
     figure = Figure(figsize=(14, height), dpi=100, layout="constrained")
     plan, heat = figure.subplots(1, 2, sharex=True, sharey=True)
     draw_plan(plan, scene)
-    for (name, colour), crossing in zip(_WAYS.items(), (reach.west_east, reach.south_north), strict=True):
-        _draw_way(plan, scene, crossing, name, colour)
+    for (name, colour), crossing in zip(_DIRECTIONS.items(), (reach.west_east, reach.south_north), strict=True):
+        _draw_path(plan, scene, crossing, name, colour)
     figure.legend(loc="outside lower center", ncols=2, frameon=False)
     _draw_costs(heat, scene, reach)
-    figure.suptitle(f"{scene.name}: {described(reach.climber)}")
-    return saved(figure, scene, format)
+    figure.suptitle(f"{scene.name}: {describe_robot(reach.climber)}")
+    return figure_bytes(figure, scene, format)
 
 
-def described(climber: RobotLimits) -> str:
-    """A robot in words."""
+def describe_robot(climber: RobotLimits) -> str:
+    """The limits of a robot in words."""
     up, down = (decimal(limit / 1e7) for limit in climber.limits)
     wide = f", {decimal(climber.width_cm)} cm wide" if climber.width_cm else ""
     return f"a robot that climbs {up} cm and gets down {down} cm{wide}"
 
 
-def _draw_way(axes: Axes, scene: Scene, crossing: Crossing, name: str, colour: str) -> None:
-    """From a ring to a dot; where there is no way, the legend says so."""
+def _draw_path(axes: Axes, scene: Scene, crossing: Crossing, name: str, colour: str) -> None:
+    """Draw a path from a ring to a dot; if there is none, the legend says so."""
     if not crossing.crosses:
         axes.plot([], [], color=colour, label=f"no way from {name}")
         return
@@ -55,8 +55,8 @@ def _draw_way(axes: Axes, scene: Scene, crossing: Crossing, name: str, colour: s
     axes.plot(x[-1:], y[-1:], "o", color=colour, markersize=9, markeredgecolor="white")
 
 
-def _draw_costs(axes: Axes, scene: Scene, reach: Reach) -> None:
-    """The cost of the cheapest way from the west to each cell; outlined the largest region."""
+def _draw_costs(axes: Axes, scene: Scene, reach: Traversability) -> None:
+    """Draw the cost of the cheapest path from the west to each cell, and the outline of the largest area."""
     edges_x, edges_y = scene.field.edges()
     extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
     costs = np.ma.masked_invalid(reach.west_east.costs.T)
@@ -69,8 +69,8 @@ def _draw_costs(axes: Axes, scene: Scene, reach: Reach) -> None:
     _outline(axes, reach, edges_x, edges_y)
 
 
-def _outline(axes: Axes, reach: Reach, edges_x: Array, edges_y: Array) -> None:
-    """Along every cell's edge that the region ends at."""
+def _outline(axes: Axes, reach: Traversability, edges_x: Array, edges_y: Array) -> None:
+    """Draw the boundary of the largest traversable area."""
     from matplotlib.collections import LineCollection
 
     region = np.pad(reach.region, 1)

@@ -1,4 +1,4 @@
-"""The build sheet: by it a person with a saw and a box of blocks builds a map in wood.
+"""The build sheet: instructions for building a map in wood, as PDF or CSV.
 
 Scene --pages--> a page for the map, and one for each pallet --> PDF
 Scene --listing--> a row for each cell --> CSV, which `rsegen import` reads
@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rsegen.errors import FileError, ParameterError, UnknownName
-from rsegen.exporters.pictures.preview import saved_pages
+from rsegen.exporters.pictures.preview import pdf_bytes
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.cutting import CutSettings
 from rsegen.exporters.sheet.listing import listing
-from rsegen.exporters.sheet.order import in_order
+from rsegen.exporters.sheet.order import building_order
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 FORMATS = ("pdf", "csv")
 MOST_PALLETS = 400
 Saw = CutSettings
-"""Its name in rsegen 0.1."""
+"""The name of CutSettings in rsegen 0.1."""
 
 LARGEST_PALLET = 60
-"""Blocks a side: on A4 they are then as small as can be read."""
+"""Blocks per side: more of them are not legible on A4."""
 MOST_BLOCKS = 40_000
 
 
@@ -38,9 +38,9 @@ def sheet(
     *,
     progress: Callable[[Figure], None] | None = None,
 ) -> bytes:
-    """The build sheet as the bytes of a file, `pdf` or `csv`; a ParameterError where the map is too large for one.
+    """The build sheet as the bytes of a file, `pdf` or `csv`; a ParameterError if the map is too large for one.
 
-    `progress` is told of each page of a PDF.
+    saw: kerf and stock length. `progress` is called with each page of a PDF.
     """
     saw = saw or CutSettings()
     if format not in FORMATS:
@@ -48,16 +48,16 @@ def sheet(
     refuse_unbuildable(scene.recipe, saw)
     if format == "csv":
         return "".join(listing(scene, saw)).encode()
-    return saved_pages(_told(pages(scene, saw), progress), scene)
+    return pdf_bytes(_with_progress(pages(scene, saw), progress), scene)
 
 
 def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
-    """A page for the map, and one for each pallet in the order of building."""
+    """The pages: one for the map, and one per pallet in build order."""
     from rsegen.exporters.sheet.overview import draw_overview
     from rsegen.exporters.sheet.page import Page
     from rsegen.exporters.sheet.pallet_page import draw_pallet
 
-    pallets = in_order(scene)
+    pallets = building_order(scene)
     page = Page()
     draw_overview(page, scene, pallets, saw)
     yield page.figure
@@ -68,32 +68,32 @@ def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
 
 
 def page_count(recipe: Recipe) -> int:
-    """How many pages the sheet of each map of a recipe has."""
+    """The number of pages of the sheet of each map of a recipe."""
     m_x, m_y = recipe.chunks
     return 1 + m_x * m_y
 
 
 def sheet_format(path: Path) -> str:
-    """The format that a file's name asks for, or a FileError that lists the known ones."""
+    """The sheet format of a file name, or a FileError that lists the known ones."""
     name = path.suffix.lower().removeprefix(".")
     if name not in FORMATS:
-        raise FileError(f"{path}: not a build sheet's name; end it in .pdf or .csv")
+        raise FileError(f"{path}: not a name of a build sheet; end it in .pdf or .csv")
     return name
 
 
 def refuse_unbuildable(recipe: Recipe, saw: CutSettings) -> None:
-    """Raise a ParameterError for a map that nobody builds by hand, or whose highest level is longer than the stock."""
+    """Raise a ParameterError if a map is too large to build by hand, or a block is longer than the stock."""
     if recipe.chunk_size > LARGEST_PALLET:
-        amiss = f"{recipe.chunk_size} blocks a side do not fit on a page of a build sheet"
-        raise ParameterError("chunk_size", f"{amiss}; give up to {LARGEST_PALLET}")
+        problem = f"{recipe.chunk_size} blocks per side do not fit on a page of a build sheet"
+        raise ParameterError("chunk_size", f"{problem};  give up to {LARGEST_PALLET}")
     (m_x, m_y), (n_x, n_y) = recipe.chunks, recipe.grid.shape
     if m_x * m_y > MOST_PALLETS or n_x * n_y > MOST_BLOCKS:
-        amiss = f"{m_x * m_y:,} pallets with {n_x * n_y:,} blocks are too many for a build sheet"
-        raise ParameterError("chunks", f"{amiss}; give up to {MOST_PALLETS} with {MOST_BLOCKS:,}")
+        problem = f"{m_x * m_y:,} pallets with {n_x * n_y:,} blocks are too many for a build sheet"
+        raise ParameterError("chunks", f"{problem};  give up to {MOST_PALLETS} with {MOST_BLOCKS:,}")
     saw.check(recipe.highest_level * recipe.unit_cm, "blocks of the highest level")
 
 
-def _told(figures: Iterator[Figure], progress: Callable[[Figure], None] | None) -> Iterator[Figure]:
+def _with_progress(figures: Iterator[Figure], progress: Callable[[Figure], None] | None) -> Iterator[Figure]:
     for figure in figures:
         yield figure
         if progress:

@@ -1,4 +1,4 @@
-"""The blocks of a map or of a pallet as a list on a page: their lengths, numbers and timber."""
+"""The cut list on a page: the blocks of a map or pallet with their lengths, numbers and timber."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.cutting import centimetres
 from rsegen.exporters.sheet.order import length
 from rsegen.exporters.sheet.page import GREY, ROW, Page
-from rsegen.exporters.sheet.plan import EMPTY
+from rsegen.exporters.sheet.plan_view import EMPTY
 from rsegen.field.stepfield import StepField
 
 COLUMN = 82.0
-"""Its width, millimetres."""
+"""The width of the list in millimetres."""
 
 _HALF = 5_000_000
-"""Of a centimetre, nanometres."""
+"""Half a centimetre in nanometres."""
 
 _ABREAST = 3
-"""Lists that are too long for one column are set in so many narrow ones."""
+"""The number of narrow columns for lists that are too long for one column."""
 
 
 def draw_cut_list(page: Page, scene: Scene, field: StepField, place: tuple[float, float], bottom: float) -> float:
-    """Into a column that ends at `bottom`; gives where the next line is. What does not fit is counted."""
+    """Draw the cut list above `bottom`, counting what does not fit; returns the y of the next line."""
     x, y = place
     y = page.heading(x, y, "Blocks to cut", COLUMN)
     counts = {level: count for level, count in field.level_counts().items() if level}
@@ -41,7 +41,7 @@ def draw_cut_list(page: Page, scene: Scene, field: StepField, place: tuple[float
 
 
 def metres(length: int) -> str:
-    """A length in nanometres, to the centimetre, half of one rounded up."""
+    """A length in nanometres as metres, rounded to centimetres, halves up."""
     return f"{(length + _HALF) // (2 * _HALF) / 100:,.2f}"
 
 
@@ -50,7 +50,7 @@ def _columns(x: float) -> list[float]:
 
 
 def _draw_table(page: Page, scene: Scene, counts: Mapping[int, int], place: tuple[float, float], room: int) -> float:
-    """A line for each level."""
+    """Draw a line per level; returns the y of the next line."""
     x, y = place
     y = page.table(y, _columns(x), [("level", "length cm", "number", "timber")], size=8, color=GREY)
     for level, count in counts.items():
@@ -61,7 +61,7 @@ def _draw_table(page: Page, scene: Scene, counts: Mapping[int, int], place: tupl
 
 
 def _draw_narrow(page: Page, scene: Scene, counts: Mapping[int, int], place: tuple[float, float], room: int) -> float:
-    """Several levels a line, down one narrow column after the other."""
+    """Draw several levels per line, in narrow columns; returns the y of the next line."""
     (x, y), width = place, (COLUMN + 4) / _ABREAST
     page.text(x, y, "number x length in cm", 8, color=GREY)
     rows = max(1, min(room - 2, -(-len(counts) // _ABREAST)))

@@ -1,6 +1,6 @@
-"""From timber to blocks: how many pieces of stock they are sawn from, and how each piece is cut.
+"""The cutting plan: how many pieces of stock the blocks need, and how each piece is cut.
 
-Lengths are whole nanometres, so that twelve blocks of 20 cm are 240 cm and not a little more.
+Lengths are whole nanometres, so that twelve blocks of 20 cm are exactly 240 cm.
 """
 
 from __future__ import annotations
@@ -16,26 +16,28 @@ from rsegen.params.sorts import Float, validate
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CutSettings:
-    """What the blocks are sawn with and from."""
+    """The kerf of the saw and the length of the stock that blocks are cut from."""
 
-    kerf_mm: Annotated[float, Float(0, 100, unit="mm", help="width that the saw takes away at every cut")] = 3.0
-    stock_cm: Annotated[float, Float(0.001, 100_000, unit="cm", help="length of the timber that is bought")] = 240.0
+    kerf_mm: Annotated[
+        float, Float(0, 100, unit="mm", help="width of material that the saw removes with every cut")
+    ] = 3.0
+    stock_cm: Annotated[float, Float(0.001, 100_000, unit="cm", help="length of the pieces of timber to buy")] = 240.0
 
     def __post_init__(self) -> None:
         validate(self)
 
     @property
     def kerf(self) -> int:
-        """Nanometres."""
+        """The kerf in nanometres."""
         return round(self.kerf_mm * 1e6)
 
     @property
     def stock(self) -> int:
-        """Nanometres."""
+        """The stock length in nanometres."""
         return nanometres(self.stock_cm)
 
     def check(self, length_cm: float, what: str = "the longest block") -> None:
-        """Raise a ParameterError where the stock is too short for a length."""
+        """Raise a ParameterError if the stock is too short for a length."""
         if nanometres(length_cm) > self.stock:
             given, longest = decimal(self.stock_cm), decimal(length_cm)
             raise ParameterError("stock_cm", f"{given} is shorter than {what}, {longest} cm; give {longest} or more")
@@ -43,79 +45,79 @@ class CutSettings:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Pattern:
-    """So many pieces of stock that are cut alike: into `parts`, length and number; `room` is what else fits in.
+    """Pieces of stock that are cut alike, into `parts` (length, number); `room` is the length that is still free.
 
-    A part takes its length and a kerf, the stock has a kerf more than its length: after the last part that ends with
-    the stock nothing is sawn.
+    A part takes its length and a kerf, and the stock counts as a kerf longer: a last part that ends with the stock
+    needs no cut.
     """
 
     pieces: int
     parts: tuple[tuple[int, int], ...]
     room: int
 
-    def offcut(self, saw: CutSettings) -> int:
-        """What is left of a piece, nanometres."""
-        return max(0, self.room - saw.kerf)
+    def offcut(self, settings: CutSettings) -> int:
+        """The offcut of each piece in nanometres."""
+        return max(0, self.room - settings.kerf)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CuttingPlan:
-    """How the blocks are sawn; lengths in nanometres."""
+    """The patterns that all blocks are cut by; lengths in nanometres."""
 
-    saw: CutSettings
+    settings: CutSettings
     patterns: Sequence[Pattern]
 
     @property
     def pieces(self) -> int:
-        """Pieces of stock to buy."""
+        """The number of pieces of stock to buy."""
         return sum(pattern.pieces for pattern in self.patterns)
 
     @property
     def timber(self) -> int:
-        """In the blocks themselves."""
+        """The length of all blocks together."""
         return sum(pattern.pieces * length * count for pattern in self.patterns for length, count in pattern.parts)
 
     @property
     def offcuts(self) -> int:
-        """What is left over of all pieces."""
-        return sum(pattern.pieces * pattern.offcut(self.saw) for pattern in self.patterns)
+        """The length of all offcuts together."""
+        return sum(pattern.pieces * pattern.offcut(self.settings) for pattern in self.patterns)
 
     @property
-    def sawdust(self) -> int:
-        """What the saw takes away."""
-        return self.pieces * self.saw.stock - self.timber - self.offcuts
+    def kerf_loss(self) -> int:
+        """The length that the saw removes."""
+        return self.pieces * self.settings.stock - self.timber - self.offcuts
 
 
 def nanometres(length_cm: float) -> int:
-    """A length in centimetres."""
+    """A length in centimetres as whole nanometres."""
     return round(length_cm * 1e7)
 
 
 def centimetres(length: int) -> str:
-    """A length in nanometres, with as many digits as it needs."""
+    """A length in nanometres as text in centimetres, with as many digits as needed."""
     return decimal(length / 1e7)
 
 
-def plan_cuts(counts: Mapping[int, int], saw: CutSettings) -> CuttingPlan:
-    """So many parts of each length [nm], first fit decreasing: the longest first, each into the first with room."""
+def plan_cuts(counts: Mapping[int, int], settings: CutSettings) -> CuttingPlan:
+    """The cutting plan for a number of parts of each length [nm], by the first-fit-decreasing rule."""
     patterns: list[Pattern] = []
     for length in sorted(counts, reverse=True):
-        saw.check(length / 1e7)
-        fresh = Pattern(pieces=counts[length], parts=(), room=saw.stock + saw.kerf)
-        filled = _filled([*patterns, fresh], length, counts[length], saw.kerf)
+        settings.check(length / 1e7)
+        fresh = Pattern(pieces=counts[length], parts=(), room=settings.stock + settings.kerf)
+        filled = _filled([*patterns, fresh], length, counts[length], settings.kerf)
         patterns = [pattern for pattern in filled if pattern.parts]
-    return CuttingPlan(saw=saw, patterns=tuple(patterns))
+    return CuttingPlan(settings=settings, patterns=tuple(patterns))
 
 
 def _filled(patterns: Sequence[Pattern], length: int, count: int, kerf: int) -> Iterator[Pattern]:
-    """The same pieces in their order; each takes as many more parts as fit, until there are no more."""
+    """The patterns in order, each filled with as many parts of one length as fit, until `count` are placed."""
     for pattern in patterns:
         most = pattern.room // (length + kerf)
         full = min(pattern.pieces, count // most) if most else 0
         last = min(count - full * most, most) if full < pattern.pieces else 0
         count -= full * most + last
-        untouched = pattern.pieces - full - bool(last)
-        for pieces, parts in ((full, most), (int(bool(last)), last), (untouched, 0)):
+        unchanged = pattern.pieces - full - bool(last)
+        for pieces, parts in ((full, most), (int(bool(last)), last), (unchanged, 0)):
             if pieces:
                 yield _cut(replace(pattern, pieces=pieces), length, parts, kerf)
 

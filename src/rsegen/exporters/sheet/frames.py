@@ -1,4 +1,4 @@
-"""The boards that frames are nailed of: two as long as the frame, and two between them."""
+"""The boards of frames: two as long as the frame, and two between them."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from rsegen.recipe.recipe import Recipe
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Frames:
-    """So many frames alike, each of so many boards of each length [nm], the longest first."""
+    """Equal frames: their number, and the number of boards of each length [nm] per frame, the longest first."""
 
     number: int
     boards: Mapping[int, int]
 
     @property
     def all_boards(self) -> dict[int, int]:
-        """Of all frames together."""
+        """The number of boards of each length of all frames."""
         return {length: self.number * count for length, count in self.boards.items()}
 
     @property
     def timber(self) -> int:
-        """In all of them, nanometres."""
+        """The length of all boards in nanometres."""
         return sum(length * count for length, count in self.all_boards.items())
 
 
 def frames(recipe: Recipe) -> Frames | None:
-    """The frames of a map, if any stand above the ground."""
+    """The frames of a map, or None if it has none above the ground."""
     if recipe.boundary == "none" or not recipe.frame_height_cm:
         return None
     m_x, m_y = recipe.chunks

@@ -1,7 +1,7 @@
-"""What is built when: pallets and blocks are numbered as one reads, from the north-west, row by row to the south-east.
+"""The build order: pallets and blocks are numbered row by row from the north-west to the south-east.
 
-Who stands at the south side of a pallet fills the far row first, and never reaches over what stands already; every
-block leans on the frame or on the one before.
+A person at the south side of a pallet fills the far row first and never reaches over placed blocks; every block leans
+on the frame or on the previous one.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from rsegen.params.places import Cell
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Numbered:
-    """A pallet with its place in the order of building, from 1, its name and its first cell in cells of the map."""
+class NumberedPallet:
+    """A pallet with its number in build order, from 1, its name and its first block cell in the map."""
 
     number: int
     name: str
@@ -29,16 +29,16 @@ class Numbered:
 
     @property
     def levels(self) -> Levels:
-        """Of its blocks, shape (n_x, n_y)."""
+        """The levels of its blocks, shape (n_x, n_y)."""
         return self.pallet.field.blocks
 
 
-def in_order(scene: Scene) -> tuple[Numbered, ...]:
-    """The pallets of a map in the order of building."""
+def building_order(scene: Scene) -> tuple[NumberedPallet, ...]:
+    """The pallets of a map in build order."""
     side = scene.recipe.chunk_size
     pallets = sorted(scene.field.pallets(side), key=lambda pallet: (-pallet.chunk[1], pallet.chunk[0]))
     return tuple(
-        Numbered(
+        NumberedPallet(
             number=number,
             name=name(pallet.chunk),
             corner=(pallet.chunk[0] * side, pallet.chunk[1] * side),
@@ -49,7 +49,7 @@ def in_order(scene: Scene) -> tuple[Numbered, ...]:
 
 
 def name(chunk: Cell) -> str:
-    """Of a pallet, as of a field of a chess board: a letter along x, a number along y, A1 in the south-west."""
+    """The name of a pallet as on a chess board: a letter along x, a number along y, A1 in the south-west."""
     letters, column = "", chunk[0] + 1
     while column:
         column, letter = divmod(column - 1, 26)
@@ -57,19 +57,19 @@ def name(chunk: Cell) -> str:
     return f"{letters}{chunk[1] + 1}"
 
 
-def placing(levels: Levels) -> Ints:
-    """When each block is placed, from 1, shape (n_x, n_y); 0 where there is none."""
+def placing_order(levels: Levels) -> Ints:
+    """The placing order of each block, from 1, shape (n_x, n_y); 0 for no block."""
     as_read = levels.T[::-1]
     order = np.where(as_read > 0, np.cumsum(as_read > 0).reshape(as_read.shape), 0)
     return order[::-1].T
 
 
-def lengths(field: StepField) -> Mapping[int, int]:
-    """How many blocks there are of each length [nm], the shortest first."""
+def length_counts(field: StepField) -> Mapping[int, int]:
+    """The number of blocks of each length [nm], the shortest first."""
     counts = Counter({length(level, field): count for level, count in field.level_counts().items() if level})
     return dict(counts)
 
 
 def length(level: int, field: StepField) -> int:
-    """Of a block of a level, nanometres."""
+    """The length of a block of a level in nanometres."""
     return nanometres(round(level * field.unit * 100, 7))

@@ -1,4 +1,4 @@
-"""The first page: how the pallets stand beside each other, what to buy and how to saw it."""
+"""The first page of a build sheet: the arrangement of pallets, the timber to buy and the cutting plan."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list, metres
 from rsegen.exporters.sheet.cutting import CutSettings, CuttingPlan, Pattern, centimetres, plan_cuts
 from rsegen.exporters.sheet.frames import Frames, frames
-from rsegen.exporters.sheet.order import Numbered, length, lengths
+from rsegen.exporters.sheet.order import NumberedPallet, length, length_counts
 from rsegen.exporters.sheet.page import GREY, POINT, ROW, Page
-from rsegen.exporters.sheet.plan import Plan
+from rsegen.exporters.sheet.plan_view import PlanView
 
 _PLAN_HEIGHT = 112.0
 _SMALLEST = 4.0
-"""Points of a name that can still be read."""
+"""The smallest legible font size of names, in points."""
 
 _LONGEST = 160
-"""Letters of a description that are shown."""
+"""The maximum number of characters of a description."""
 
 _BROAD = 30
-"""Letters of a line that says how a piece is cut."""
+"""The maximum number of characters in a line of a cutting pattern."""
 
 _RIGHT = 113.0
-"""Where the right column begins."""
+"""The x of the right column in millimetres."""
 
 
-def draw_overview(page: Page, scene: Scene, pallets: Sequence[Numbered], saw: CutSettings) -> None:
-    """All of it."""
+def draw_overview(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], settings: CutSettings) -> None:
+    """Draw the whole page."""
     _draw_head(page, scene, len(pallets))
     y = _draw_map(page, scene, pallets) + 12
     below = draw_cut_list(page, scene, scene.field, (page.left, y), page.bottom)
-    below = max(below, _draw_sawing(page, scene, saw, y))
+    below = max(below, _draw_cutting_plan(page, scene, settings, y))
     _draw_boxes(page, scene, pallets, below + 6)
 
 
@@ -49,8 +49,8 @@ def _draw_head(page: Page, scene: Scene, pallets: int) -> None:
     page.compass(page.right - 4, 23)
 
 
-def _draw_map(page: Page, scene: Scene, pallets: Sequence[Numbered]) -> float:
-    """From above, each pallet with its name and its number in the order of building; gives where it ends."""
+def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> float:
+    """Draw the map from above with the name and number of each pallet; returns the y of its lower end."""
     n_x, n_y = scene.field.shape
     cell = min(page.across / n_x, _PLAN_HEIGHT / n_y)
     left, bottom = page.left + (page.across - n_x * cell) / 2, 42 + n_y * cell
@@ -58,7 +58,7 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[Numbered]) -> float:
     for each in pallets:
         field = each.pallet.field
         (cells_x, cells_y), (x, y) = field.shape, each.pallet.centre
-        plan = Plan(
+        plan = PlanView(
             page=page,
             scene=scene,
             field=field,
@@ -77,8 +77,8 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[Numbered]) -> float:
     return bottom
 
 
-def _draw_name(plan: Plan, each: Numbered) -> None:
-    """On a white card in the middle; the number goes first where there is no room for it."""
+def _draw_name(plan: PlanView, each: NumberedPallet) -> None:
+    """Draw the name of a pallet on a white card in its middle, with the number if there is room."""
     n_x, n_y = plan.field.shape
     x, y = plan.middle((n_x - 1) / 2, (n_y - 1) / 2)
     room = n_x * plan.cell / POINT
@@ -90,21 +90,21 @@ def _draw_name(plan: Plan, each: Numbered) -> None:
 
 
 def _size(text: str, room: float) -> float:
-    """Points in which a text and its card fit into so many points."""
+    """The font size with which a text and its card fit into `room` points."""
     return min(15.0, room / (0.72 * len(text) + 1))
 
 
-def _draw_sawing(page: Page, scene: Scene, saw: CutSettings, y: float) -> float:
-    """What to buy, and how every piece of it is cut; gives where the next line is."""
-    counts = lengths(scene.field)
-    sawing = plan_cuts(counts, saw)
+def _draw_cutting_plan(page: Page, scene: Scene, settings: CutSettings, y: float) -> float:
+    """Draw what to buy and how every piece is cut; returns the y of the next line."""
+    counts = length_counts(scene.field)
+    plan = plan_cuts(counts, settings)
     y = page.heading(_RIGHT, y, "Timber to buy", COLUMN)
-    for text, amount in _timber(scene, sawing):
+    for text, amount in _timber(scene, plan):
         page.text(_RIGHT, y, text)
         page.text(_RIGHT + COLUMN, y, amount, ha="right")
         y += ROW
-    y = page.heading(_RIGHT, y + 4, f"Cutting {decimal(saw.stock_cm)} cm of stock", COLUMN)
-    rows = [_cut(pattern, saw) for pattern in sawing.patterns]
+    y = page.heading(_RIGHT, y + 4, f"Cutting {decimal(settings.stock_cm)} cm of stock", COLUMN)
+    rows = [_pattern_row(pattern, settings) for pattern in plan.patterns]
     for number, (pieces, parts, offcut) in enumerate(rows):
         if y + len(parts) * ROW > page.bottom:
             page.text(_RIGHT, y, f"and {len(rows) - number} more ways, which the sheet as CSV has", 8, color=GREY)
@@ -117,44 +117,44 @@ def _draw_sawing(page: Page, scene: Scene, saw: CutSettings, y: float) -> float:
     return y
 
 
-def _timber(scene: Scene, sawing: CuttingPlan) -> Iterator[tuple[str, str]]:
-    """Lines of a text and an amount."""
-    side, saw = decimal(scene.recipe.block_width_cm), sawing.saw
-    yield f"blocks: {decimal(saw.stock_cm)} cm of {side} x {side} cm", _pieces(sawing.pieces)
-    yield "  blocks together", f"{metres(sawing.timber)} m"
-    yield f"  lost to the saw, {decimal(saw.kerf_mm)} mm a cut", f"{metres(sawing.sawdust)} m"
-    yield "  left over", f"{metres(sawing.offcuts)} m"
+def _timber(scene: Scene, plan: CuttingPlan) -> Iterator[tuple[str, str]]:
+    """The lines about timber, each a text and an amount."""
+    side, settings = decimal(scene.recipe.block_width_cm), plan.settings
+    yield f"blocks: {decimal(settings.stock_cm)} cm of {side} x {side} cm", _pieces(plan.pieces)
+    yield "  blocks together", f"{metres(plan.timber)} m"
+    yield f"  lost to the saw, {decimal(settings.kerf_mm)} mm a cut", f"{metres(plan.kerf_loss)} m"
+    yield "  left over", f"{metres(plan.offcuts)} m"
     known = frames(scene.recipe)
     if known:
-        yield "frame boards", _stock(known, saw)
+        yield "frame boards", _stock(known, settings)
         high = decimal(scene.recipe.frame_height_cm)
         yield f"  {side} cm wide, {high} cm high", f"{metres(known.timber)} m"
         for one, count in known.all_boards.items():
             yield f"  {count:,} of {centimetres(one)} cm", f"{metres(one * count)} m"
 
 
-def _stock(known: Frames, saw: CutSettings) -> str:
-    """Pieces of stock for the boards, where it is long enough for them."""
+def _stock(known: Frames, settings: CutSettings) -> str:
+    """The pieces of stock for the boards, if it is long enough for them."""
     return (
-        f"longer than {decimal(saw.stock_cm)} cm"
-        if max(known.boards) > saw.stock
-        else _pieces(plan_cuts(known.all_boards, saw).pieces)
+        f"longer than {decimal(settings.stock_cm)} cm"
+        if max(known.boards) > settings.stock
+        else _pieces(plan_cuts(known.all_boards, settings).pieces)
     )
 
 
 def _pieces(count: int) -> str:
-    """Of stock."""
+    """A number of pieces of stock as text."""
     return f"{count:,} piece{'s'[: count != 1]}"
 
 
-def _cut(pattern: Pattern, saw: CutSettings) -> tuple[str, list[str], str]:
-    """How often a piece is cut so, into what in a few lines, and what is left."""
+def _pattern_row(pattern: Pattern, settings: CutSettings) -> tuple[str, list[str], str]:
+    """A cutting pattern as texts: number of pieces, parts in a few lines, and offcut."""
     parts = " + ".join(f"{count}\xa0x\xa0{centimetres(one)}" for one, count in pattern.parts)
-    return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{centimetres(pattern.offcut(saw))} left"
+    return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{centimetres(pattern.offcut(settings))} left"
 
 
-def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[Numbered], y: float) -> None:
-    """Which blocks go to which pallet, where there is room for the table."""
+def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: float) -> None:
+    """Draw a table of the blocks of each pallet, if there is room for it."""
     levels = [level for level in scene.field.level_counts() if level]
     if not levels or len(levels) > 8 or len(pallets) < 2 or y + (len(pallets) + 3) * ROW > page.bottom:
         return

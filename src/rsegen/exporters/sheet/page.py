@@ -1,4 +1,4 @@
-"""A page of A4 on which everything has its place in millimetres, from the upper left corner."""
+"""An A4 page with positions in millimetres from the upper left corner."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT, MARGIN = 210.0, 297.0, 15.0
 INCH = 25.4
 POINT = INCH / 72
-"""Millimetres."""
+"""A typographic point in millimetres."""
 
 INK, GREY, PALE = "#1a1a1a", "#666666", "#bbbbbb"
 ROW = 5.2
-"""From one line of a table to the next."""
+"""The line height of tables in millimetres."""
 
 
 class Page:
-    """What is drawn on it is vectors; `across` is the width between its margins."""
+    """An A4 page of vector graphics; `across` is the width between its margins."""
 
     left, right, bottom = MARGIN, WIDTH - MARGIN, HEIGHT - MARGIN
     across = WIDTH - 2 * MARGIN
@@ -35,11 +35,11 @@ class Page:
         self.paper.set_axis_off()
 
     def text(self, x: float, y: float, text: str, size: float = 9, **style: Any) -> None:
-        """A text whose base line is at y, in points."""
+        """Draw a text with its base line at y; its size is in points."""
         self.paper.text(x, y, text, fontsize=size, parse_math=False, **{"color": INK, **style})
 
     def fitted(self, place: tuple[float, float], text: str, size: float, room: float, **style: Any) -> None:
-        """A person's text, made smaller where it does not fit into so many millimetres."""
+        """Draw a text in a smaller font if it does not fit into `room` millimetres."""
         from matplotlib.font_manager import FontProperties, findfont, get_font
         from matplotlib.textpath import TextPath
 
@@ -51,11 +51,11 @@ class Page:
         self.text(*place, known, size * min(1.0, room / POINT / max(width, 1)), **style)
 
     def line(self, xs: Sequence[float], ys: Sequence[float], width: float = 0.4, colour: str = PALE) -> None:
-        """From place to place, its width in points."""
+        """Draw a line through points; its width is in points."""
         self.paper.plot(xs, ys, color=colour, linewidth=width, solid_capstyle="butt")
 
     def rectangle(self, place: tuple[float, float], size: tuple[float, float], **style: Any) -> None:
-        """A rectangle from its upper left corner."""
+        """Draw a rectangle from its upper left corner."""
         from matplotlib.patches import Rectangle
 
         self.paper.add_patch(
@@ -63,13 +63,13 @@ class Page:
         )
 
     def heading(self, x: float, y: float, text: str, width: float) -> float:
-        """A heading over a line; gives where the first line below it is."""
+        """Draw a heading with a line under it; returns the y of the next line."""
         self.text(x, y, text, 10, fontweight="bold")
         self.line((x, x + width), (y + 1.8, y + 1.8), 0.6, INK)
         return y + 7
 
     def table(self, y: float, columns: Sequence[float], rows: Iterable[Sequence[str]], **style: Any) -> float:
-        """Rows of texts that end at the x of their columns; gives where the next line is."""
+        """Draw rows of texts that end at the x of their columns; returns the y of the next line."""
         for row in rows:
             for x, text in zip(columns, row, strict=True):
                 self.text(x, y, text, ha="right", **style)
@@ -77,11 +77,11 @@ class Page:
         return y
 
     def swatch(self, x: float, y: float, colour: Colour) -> None:
-        """A patch of colour before a line of a table."""
+        """Draw a patch of colour before a line of a table."""
         self.rectangle((x, y - 3), (6, 3.6), facecolor=colour)
 
     def compass(self, x: float, y: float) -> None:
-        """An arrow to the north, its middle at x, y."""
+        """Draw a north arrow with its centre at x, y."""
         from matplotlib.patches import Polygon
 
         for side, colour in ((-1, INK), (1, "white")):

@@ -1,4 +1,4 @@
-"""A page for one pallet: every cell with the height of its block, and what to cut for it."""
+"""The page of one pallet: every cell with the height of its block, and the cut list."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ import numpy as np
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list
 from rsegen.exporters.sheet.cutting import centimetres
-from rsegen.exporters.sheet.order import Numbered, length, placing
+from rsegen.exporters.sheet.order import NumberedPallet, length, placing_order
 from rsegen.exporters.sheet.page import GREY, INK, POINT, Page
-from rsegen.exporters.sheet.plan import Plan, block_colour, ink
+from rsegen.exporters.sheet.plan_view import PlanView, block_colour, ink
 
 ORDERED = 12
-"""Pallets of up to so many blocks a side have the order of placing in their cells."""
+"""Pallets of up to this many blocks per side have the placing order in their cells."""
 
 _TOP, _SIDE = 40.0, 172.0
 _SMALLEST = 4.0
-"""Points of a height that can still be read."""
+"""The smallest legible font size of heights, in points."""
 
 _LINED = 1.5
-"""Millimetres from which on the pallets beside this one are told apart."""
+"""The smallest cell size in millimetres at which the map of pallets has grid lines."""
 
 _NOTES = 113.0
-"""Where the right column begins, millimetres."""
+"""The x of the right column in millimetres."""
 
 _PLACING = (
     "Place row by row from the north-west corner, as one",
@@ -38,22 +38,22 @@ _RULE = (
 )
 
 
-def draw_pallet(page: Page, scene: Scene, numbered: Numbered, pallets: int) -> None:
-    """All of it."""
+def draw_pallet(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int) -> None:
+    """Draw the whole page."""
     _draw_head(page, scene, numbered, pallets)
     field = numbered.pallet.field
     cell = _SIDE / max(field.shape)
     left = page.left + (page.across - field.shape[0] * cell) / 2
-    plan = Plan(page=page, scene=scene, field=field, left=left, top=_TOP, cell=cell)
+    plan = PlanView(page=page, scene=scene, field=field, left=left, top=_TOP, cell=cell)
     plan.draw(0.5)
     _draw_rulers(plan, numbered)
-    told = _draw_blocks(plan, numbered)
+    notes = _draw_blocks(plan, numbered)
     y = _TOP + field.shape[1] * cell + 14
     draw_cut_list(page, scene, field, (page.left, y), page.bottom + 3)
-    _draw_notes(page, told, y)
+    _draw_notes(page, notes, y)
 
 
-def _draw_head(page: Page, scene: Scene, numbered: Numbered, pallets: int) -> None:
+def _draw_head(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int) -> None:
     (x, y), (n_x, n_y) = numbered.corner, numbered.levels.shape
     page.text(page.left, 22, f"Pallet {numbered.name}", 20, fontweight="bold")
     where = f"cells {x}..{x + n_x - 1} along x, {y}..{y + n_y - 1} along y"
@@ -61,11 +61,11 @@ def _draw_head(page: Page, scene: Scene, numbered: Numbered, pallets: int) -> No
     page.fitted((page.left, 29), order, 9, page.across - (52 if pallets > 1 else 12))
     page.compass(page.right - 4, 23)
     if pallets > 1:
-        _draw_whereabouts(page, scene, numbered)
+        _draw_position(page, scene, numbered)
 
 
-def _draw_whereabouts(page: Page, scene: Scene, numbered: Numbered) -> None:
-    """Where the pallet stands among the others, beside the compass."""
+def _draw_position(page: Page, scene: Scene, numbered: NumberedPallet) -> None:
+    """Draw the position of the pallet among the others, next to the compass."""
     m_x, m_y = scene.recipe.chunks
     i, j = numbered.pallet.chunk
     cell = min(36 / m_x, 18 / m_y, 6)
@@ -79,8 +79,8 @@ def _draw_whereabouts(page: Page, scene: Scene, numbered: Numbered) -> None:
     page.rectangle((left + i * cell, bottom - (j + 1) * cell), (cell, cell), facecolor=INK)
 
 
-def _draw_rulers(plan: Plan, numbered: Numbered) -> None:
-    """Cell numbers on all four sides: every one, or every fifth where they would touch."""
+def _draw_rulers(plan: PlanView, numbered: NumberedPallet) -> None:
+    """Draw cell numbers on all four sides: all of them, or every fifth if they would overlap."""
     cells_x, cells_y = (plan.field.inside(axis).nonzero()[0].tolist() for axis in (0, 1))
     far_x, far_y = (cells * plan.cell for cells in plan.field.shape)
     size, each = (8, 1) if plan.cell > 5 else (6, 5)
@@ -97,10 +97,10 @@ def _draw_rulers(plan: Plan, numbered: Numbered) -> None:
     plan.page.text(plan.left - 10, plan.top + far_y / 2, "y", 9, color=GREY, ha="center", va="center")
 
 
-def _draw_blocks(plan: Plan, numbered: Numbered) -> tuple[str, ...]:
-    """What stands in every cell, and when it is placed where there is room for it; gives how that is to be read."""
-    levels, order = numbered.levels, placing(numbered.levels)
-    texts, told = _spelled(plan)
+def _draw_blocks(plan: PlanView, numbered: NumberedPallet) -> tuple[str, ...]:
+    """Draw the height of every block, and its placing order if there is room; returns notes that explain them."""
+    levels, order = numbered.levels, placing_order(numbered.levels)
+    texts, notes = _labels(plan)
     size, ordered = _size(plan.cell, texts), max(levels.shape) <= ORDERED
     cells = product(*(plan.field.inside(axis).nonzero()[0].tolist() for axis in (0, 1)))
     for at, cell in zip(np.ndindex(levels.shape), cells, strict=True):
@@ -111,30 +111,30 @@ def _draw_blocks(plan: Plan, numbered: Numbered) -> tuple[str, ...]:
             corner = 0.44 * plan.cell
             plan.page.text(x - corner, y - corner, str(order[at]), min(7.0, size / 2), va="top", **style)
     last = "Small numbers are the order of placing." if ordered else "The sheet as CSV has the order of placing."
-    return (*told, last)
+    return (*notes, last)
 
 
-def _spelled(plan: Plan) -> tuple[dict[int, str], tuple[str, ...]]:
-    """What each level is called in the cells, and how that is to be read."""
+def _labels(plan: PlanView) -> tuple[dict[int, str], tuple[str, ...]]:
+    """The text of each level in the cells, and the notes that explain it."""
     field = plan.field
     heights = {level: centimetres(length(level, field)) for level in field.level_counts()}
     if _size(plan.cell, heights) >= _SMALLEST:
         return heights, ("Large numbers are heights in cm.",)
     unit = centimetres(length(1, field))
-    told = "Numbers are levels, for want of room: a block of", f"level n is n x {unit} cm long."
-    return {level: str(level) for level in heights}, told
+    notes = "Numbers are levels, for want of room: a block of", f"level n is n x {unit} cm long."
+    return {level: str(level) for level in heights}, notes
 
 
 def _size(cell: float, texts: dict[int, str]) -> float:
-    """Points in which the longest of the texts fits into a cell."""
+    """The font size with which the longest of the texts fits into a cell."""
     widest = max(map(len, texts.values()))
     return min(18.0, 0.85 * cell / POINT / (0.64 * max(widest, 2)))
 
 
-def _draw_notes(page: Page, told: tuple[str, ...], y: float) -> None:
-    """How the plan is read, and how the blocks are placed."""
+def _draw_notes(page: Page, notes: tuple[str, ...], y: float) -> None:
+    """Draw the notes on how to read the plan and how to place the blocks."""
     x = _NOTES
     y = page.heading(x, y, "How to build it", COLUMN)
-    for text in (*_PLACING, "", *told, "", *_RULE):
+    for text in (*_PLACING, "", *notes, "", *_RULE):
         page.text(x, y, text, 8.2)
         y += 4.4 if text else 2

@@ -1,4 +1,4 @@
-"""How rough a map is and what a robot can do on it, in many numbers: one file = one family; no single one is enough.
+"""The metrics of a map: roughness, and traversability for a robot; every module computes one family of them.
 
 StepField --metrics--> Metrics, in metres; docs/metrics.md has every formula with its source.
 """
@@ -8,43 +8,43 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rsegen.errors import ParameterError
-from rsegen.field.metrics.opening import Opening, opening
-from rsegen.field.metrics.reach import Crossing, Reach, reach
+from rsegen.field.metrics.percolation import Percolation, percolation
 from rsegen.field.metrics.robot_limits import RobotLimits
 from rsegen.field.metrics.ruggedness import Ruggedness, ruggedness
 from rsegen.field.metrics.scale import Scale, scale
 from rsegen.field.metrics.spread import Spread, spread
 from rsegen.field.metrics.steps import Steps, steps
+from rsegen.field.metrics.traversability import Crossing, Traversability, traversability
 from rsegen.field.stepfield import StepField
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Metrics:
-    """The metrics of one map; `reach` is there where a robot was given."""
+    """The metrics of one map; `reach`, its traversability, is None if no robot was given."""
 
     spread: Spread
     steps: Steps
     scale: Scale
     ruggedness: Ruggedness
-    opening: Opening
-    reach: Reach | None = None
+    opening: Percolation
+    reach: Traversability | None = None
 
 
 Climber = RobotLimits
-"""Its name in rsegen 0.1."""
+"""The name of RobotLimits in rsegen 0.1."""
 
 
 def metrics(field: StepField, climber: RobotLimits | None = None) -> Metrics:
-    """The metrics of a field: of its blocks alone; and, frames counted, of the ways over it, for a robot if given."""
+    """The metrics of a field: of its blocks without frames; and of the paths across it, frames counted."""
     if field.frame.all():
-        raise ParameterError("field", "is all frame; there is no block to measure")
+        raise ParameterError("field", "has only frame cells; there is no block to measure")
     return Metrics(
         spread=spread(field),
         steps=steps(field),
         scale=scale(field),
         ruggedness=ruggedness(field),
-        opening=opening(field, climber.width if climber else 0.0),
-        reach=reach(field, climber) if climber else None,
+        opening=percolation(field, climber.width if climber else 0.0),
+        reach=traversability(field, climber) if climber else None,
     )
 
 
@@ -52,12 +52,12 @@ __all__ = [
     "Climber",
     "Crossing",
     "Metrics",
-    "Opening",
-    "Reach",
+    "Percolation",
     "RobotLimits",
     "Ruggedness",
     "Scale",
     "Spread",
     "Steps",
+    "Traversability",
     "metrics",
 ]

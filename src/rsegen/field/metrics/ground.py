@@ -1,7 +1,7 @@
-"""What a robot drives on: heights in whole nanometres, frames counted, each the highest under the robot's width.
+"""The ground that a robot of some width drives on: each cell is as high as the highest cell under the robot.
 
-A frame is crossed, not driven along: it would lead round every field, as no robot is tested. So no move along x is in a
-row that is all frame, none along y in a column that is.
+Heights are whole nanometres; frames count. A robot crosses frames but does not drive along them, which would lead
+around every obstacle. So there are no moves along x in a row of only frame cells, and none along y in such a column.
 """
 
 from __future__ import annotations
@@ -11,21 +11,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.metrics.robot_limits import NANOMETRES, cells_aside
+from rsegen.field.metrics.robot_limits import NANOMETRES, cells_to_each_side
 from rsegen.field.stepfield import Ints, Mask, StepField
 
 Heights = NDArray[np.int64]
 
 
 class Ground(NamedTuple):
-    """Heights (n_x, n_y) in nanometres; the rows j in which moves along x are, the columns i in which those along y."""
+    """Heights (n_x, n_y) in nanometres; in which rows j moves along x are allowed, in which columns i those along y."""
 
     heights: Heights
     rows: Mask
     columns: Mask
 
     def moves(self) -> tuple[Ints, Ints]:
-        """Every move between two neighbours once: the cell of smaller x or y, the other one, as places in the array."""
+        """Every move between two neighbours once, as flat indices: the cell of smaller x or y, and the other one."""
         cells = np.arange(self.heights.size).reshape(self.heights.shape)
         along_x, along_y = cells[:, self.rows], cells[self.columns]
         low = np.concatenate([along_x[:-1].ravel(), along_y[:, :-1].ravel()])
@@ -34,14 +34,14 @@ class Ground(NamedTuple):
 
 
 def ground(field: StepField, width: float) -> Ground:
-    """Of every cell, frames too: what carries a robot of that width in metres whose middle is there."""
-    heights = _widened(_heights(field), cells_aside(field, width))
+    """The ground of a field, frames counted, for robots of a width in metres whose middle is on a cell."""
+    heights = _widened(_heights(field), cells_to_each_side(field, width))
     return Ground(heights, rows=field.inside(1), columns=field.inside(0))
 
 
 def lane(field: StepField, width: float, axis: int) -> Ground:
-    """The same with the level ground before and behind the field along an axis, which becomes the first."""
-    margin = cells_aside(field, width) + 1
+    """The ground with level ground before and behind the field along one axis, which becomes the first axis."""
+    margin = cells_to_each_side(field, width) + 1
     heights = _heights(field) if axis == 0 else _heights(field).T
     widened = _widened(np.pad(heights, ((margin, margin), (0, 0))), margin - 1)
     columns = np.pad(field.inside(axis), margin, constant_values=True)
@@ -53,17 +53,17 @@ def _heights(field: StepField) -> Heights:
 
 
 def _widened(heights: Heights, aside: int) -> Heights:
-    """The highest of the (2 aside + 1)^2 cells round each; beyond the field there is the ground, which is no higher."""
+    """The maximum over the (2 aside + 1)^2 cells around each cell; outside the field is ground of height 0."""
     for _axis in (0, 1):
         heights = _highest(np.pad(heights, ((aside, aside), (0, 0))), 2 * aside + 1).T
     return heights
 
 
 def _highest(heights: Heights, cells: int) -> Heights:
-    """Of so many rows from each row on the highest, for each column, by doubling what one row stands for."""
-    stands_for = 1
-    while stands_for < cells:
-        ahead = min(stands_for, cells - stands_for)
+    """The maximum over `cells` successive rows from each row on, by doubling the number of rows covered."""
+    covered = 1
+    while covered < cells:
+        ahead = min(covered, cells - covered)
         heights = np.maximum(heights[:-ahead], heights[ahead:])
-        stands_for += ahead
+        covered += ahead
     return heights

@@ -1,4 +1,4 @@
-"""Which nodes of a graph belong together: joined either way, or each to be reached from each."""
+"""Connected and strongly connected components of graphs, in numpy."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from rsegen.field.stepfield import Ints, Mask
 
 
 def neighbours(shape: tuple[int, ...]) -> tuple[Ints, Ints]:
-    """Every pair of cells of a grid that share a side, as places in its row: the one of smaller x or y, the other."""
+    """Every pair of grid cells that share a side, as flat indices: the one of smaller x or y, and the other."""
     cell = np.arange(shape[0] * shape[1]).reshape(shape)
     pairs = [(cell[:-1], cell[1:]), (cell[:, :-1], cell[:, 1:])]
     low, high = (np.concatenate([pair[end].ravel() for pair in pairs]) for end in (0, 1))
     return low, high
 
 
-def joined(nodes: int, a: Ints, b: Ints) -> Ints:
-    """For each node the smallest of those that edges a - b join it to.
+def connected(nodes: int, a: Ints, b: Ints) -> Ints:
+    """For each node the smallest node of its connected component, for undirected edges a - b.
 
-    Every root hooks on to the smallest one beside it, and all point to their roots again, until no edge is between two.
+    Every root is attached to the smallest adjacent root and pointers are shortened, until no edge joins two roots.
     """
     root = np.arange(nodes)
     while True:
@@ -35,24 +35,24 @@ def joined(nodes: int, a: Ints, b: Ints) -> Ints:
             root = above
 
 
-def mutual(nodes: int, a: Ints, b: Ints, onward: Mask, back: Mask) -> Ints:
-    """For each node a number that it shares with those that it can reach and that can reach it.
+def strongly_connected(nodes: int, a: Ints, b: Ints, onward: Mask, back: Mask) -> Ints:
+    """For each node the number of its strongly connected component.
 
-    Edges lead from a to b where `onward`, from b to a where `back`. Those that lead both ways join nodes at once; among
-    what they join, one-way edges may close a ring.
+    Edges lead from a to b if `onward`, from b to a if `back`. Edges in both directions connect nodes at once; between
+    the components that they form, one-way edges may close cycles.
     """
     both, either = onward & back, onward != back
-    labels, place = np.unique(joined(nodes, a[both], b[both]), return_inverse=True)
+    labels, place = np.unique(connected(nodes, a[both], b[both]), return_inverse=True)
     tails, heads = (place[np.where(onward, first, second)[either]] for first, second in ((a, b), (b, a)))
-    tails, heads = _in_rings(len(labels), tails, heads)
+    tails, heads = _on_cycles(len(labels), tails, heads)
     used, ends = np.unique(np.concatenate([tails, heads]), return_inverse=True)
     group = np.arange(len(labels))
     group[used] = used[_strong(len(used), ends[: len(tails)], ends[len(tails) :])]
     return np.asarray(group[place])
 
 
-def _in_rings(nodes: int, tails: Ints, heads: Ints) -> tuple[Ints, Ints]:
-    """The edges without most of those that no ring can have: nothing leads to their tail, or on from their head."""
+def _on_cycles(nodes: int, tails: Ints, heads: Ints) -> tuple[Ints, Ints]:
+    """The edges without most of those that are on no cycle: nothing leads to their tail, or on from their head."""
     inside = tails != heads
     while not inside.all():
         tails, heads = tails[inside], heads[inside]
@@ -62,8 +62,8 @@ def _in_rings(nodes: int, tails: Ints, heads: Ints) -> tuple[Ints, Ints]:
 
 
 def _strong(nodes: int, tails: Ints, heads: Ints) -> list[int]:
-    """For each node one node of its strongly connected component (Tarjan 1972, without recursion)."""
-    onward = _followed(nodes, tails, heads)
+    """For each node one node of its strongly connected component, by Tarjan's algorithm (1972) without recursion."""
+    onward = _successors(nodes, tails, heads)
     number, low, group = [0] * nodes, [0] * nodes, [0] * nodes
     seen, open_, way = 0, list[int](), list[int]()
     for root in range(nodes):
@@ -81,22 +81,22 @@ def _strong(nodes: int, tails: Ints, heads: Ints) -> list[int]:
             else:
                 way.pop()
                 if low[node] == number[node]:
-                    _close(node, open_, group, low)
+                    _pop_component(node, open_, group, low)
                 elif way:
                     low[way[-1]] = min(low[way[-1]], low[node])
     return group
 
 
-def _followed(nodes: int, tails: Ints, heads: Ints) -> list[Iterator[int]]:
-    """For each node those that its edges lead to."""
+def _successors(nodes: int, tails: Ints, heads: Ints) -> list[Iterator[int]]:
+    """For each node an iterator over the nodes that its edges lead to."""
     order = np.argsort(tails, kind="stable")
     starts = np.searchsorted(tails[order], np.arange(nodes + 1)).tolist()
     ahead = heads[order].tolist()
     return [iter(ahead[start:stop]) for start, stop in pairwise(starts)]
 
 
-def _close(node: int, open_: list[int], group: list[int], low: list[int]) -> None:
-    """A component is whole: all that was opened since its first node; nothing else looks low through it any more."""
+def _pop_component(node: int, open_: list[int], group: list[int], low: list[int]) -> None:
+    """Remove a complete component from the stack and number its nodes, so that no other node's low link uses it."""
     while True:
         last = open_.pop()
         group[last], low[last] = node, len(group) + 1

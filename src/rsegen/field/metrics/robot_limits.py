@@ -1,4 +1,4 @@
-"""A robot as the metrics see it: how far up and down it gets in one step, and how wide it is."""
+"""The limits of a robot that metrics depend on: the largest step up, the largest step down and its width."""
 
 from __future__ import annotations
 
@@ -11,20 +11,26 @@ from rsegen.field.stepfield import StepField
 from rsegen.params.sorts import Float, validate
 
 NANOMETRES = 10**9
-"""In a metre: heights that are compared with limits are whole numbers of them."""
+"""Nanometres per metre: heights are compared with limits as whole nanometres."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RobotLimits:
-    """It gets up a step of up to `climb_cm` and down one of up to `drop_cm`."""
+    """A robot that climbs steps of up to `climb_cm` and descends steps of up to `drop_cm`, `width_cm` wide."""
 
-    climb_cm: Annotated[float, Float(0, 100_000, unit="cm", help="highest step that the robot gets up")]
+    climb_cm: Annotated[float, Float(0, 100_000, unit="cm", help="highest step that the robot can climb")]
     drop_cm: Annotated[
         float | None,
-        Float(0, 100_000, unit="cm", help="highest step that it gets down unharmed; by default what it climbs"),
+        Float(0, 100_000, unit="cm", help="highest step that the robot can descend without damage; default: as climb"),
     ] = None
     width_cm: Annotated[
-        float, Float(0, 100_000, unit="cm", help="its width: it stands on the highest of the cells below; 0: one cell")
+        float,
+        Float(
+            0,
+            100_000,
+            unit="cm",
+            help="width of the robot, which rests on the highest of the cells below it; 0: one cell",
+        ),
     ] = 0.0
 
     def __post_init__(self) -> None:
@@ -32,7 +38,7 @@ class RobotLimits:
 
     @classmethod
     def of(cls, climb: float, width: float) -> RobotLimits:
-        """The same from metres."""
+        """The limits of a robot whose climb and width are given in metres."""
         return cls(climb_cm=round(climb * 100, 7), width_cm=round(width * 100, 7))
 
     @property
@@ -43,16 +49,16 @@ class RobotLimits:
 
     @property
     def figures(self) -> tuple[float, float, float]:
-        """Climb, drop and width, centimetres."""
+        """Climb, drop and width in centimetres."""
         return self.climb_cm, self.climb_cm if self.drop_cm is None else self.drop_cm, self.width_cm
 
     @property
     def width(self) -> float:
-        """Metres."""
+        """The width in metres."""
         return self.width_cm / 100
 
 
-def cells_aside(field: StepField, width: float) -> int:
-    """How many cells lie under a robot of that width to each side of its middle, which is on a cell's middle."""
+def cells_to_each_side(field: StepField, width: float) -> int:
+    """The number of cells under a robot of that width to each side of the cell that it is centred on."""
     aside = np.ceil(round((width / field.block_width - 1) / 2, 6))
     return int(np.clip(aside, 0, max(field.shape)))

@@ -1,4 +1,4 @@
-"""How rugged it is round each block."""
+"""Terrain ruggedness: height differences between each block and its 8 neighbours."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from rsegen.field.stepfield import StepField
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Ruggedness:
-    """Of the `cells` blocks with 8 blocks around them, in metres; None where there is none.
+    """The ruggedness over the `cells` blocks with 8 neighbouring blocks, in metres; None if there are none.
 
     tri: mean of sqrt(sum (h_k - h_0)^2 / 8), the root-mean form   riley: mean of sqrt(sum (h_k - h_0)^2), Riley's own
-    surface_ratio: tops and risers over the plan, 1 + sum |dh| / (N w); the rim of the field is left out
+    surface_ratio: area of tops and risers over that of the plan, 1 + sum |dh| / (N w), without the field's border
     """
 
     cells: int
@@ -27,7 +27,7 @@ class Ruggedness:
 
 
 def ruggedness(field: StepField) -> Ruggedness:
-    """The ruggedness of a field, and its surface."""
+    """The ruggedness and the surface ratio of a field."""
     riley = _riley(field)
     risers = int(differences(field).sum()) * field.unit
     return Ruggedness(
@@ -39,7 +39,7 @@ def ruggedness(field: StepField) -> Ruggedness:
 
 
 def _riley(field: StepField) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """sqrt(sum (h_k - h_0)^2) of every block with 8 blocks around it, metres, as one row."""
+    """sqrt(sum (h_k - h_0)^2) of every block with 8 neighbouring blocks, metres, shape (n,)."""
     n_x, n_y = field.shape
     if min(n_x, n_y) < 3:
         return np.empty(0)

@@ -1,4 +1,4 @@
-"""How differences grow with distance."""
+"""Roughness by scale: how height differences grow with distance."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from rsegen.field.metrics.pairs import differences
 from rsegen.field.stepfield import Array, Ints, StepField
 
 LAGS = 24
-"""At most so many lags, evenly spaced in their logarithms."""
+"""The maximum number of lags, which are logarithmically spaced."""
 FEW = 10
-"""An exponent fitted to fewer lags is weak."""
+"""An exponent that is fitted to fewer lags is marked as weak."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Scale:
     """The rms difference v(L) = sqrt(mean (h(x + L) - h(x))^2) of blocks L apart along x or y, in metres.
 
-    lags, rms: L and v(L)   hurst: H of v ~ L^H, by least squares on the logarithms; None on fewer than two lags
+    lags, rms: L and v(L)   hurst: H of v ~ L^H, by least squares on the logarithms; None for fewer than two lags
     """
 
     lags: tuple[float, ...]

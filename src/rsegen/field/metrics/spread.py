@@ -1,4 +1,4 @@
-"""How heights are spread, wherever they stand."""
+"""The distribution of heights, regardless of their positions."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from rsegen.field.stepfield import StepField
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Spread:
-    """Of the N heights h of the blocks, in metres; p is the share of a level.
+    """The distribution of the N heights h of the blocks, in metres; p is the share of a level.
 
-    deviation: sqrt(sum (h - mean)^2 / N)   variation: deviation / mean, None on ground   entropy: -sum p log2 p, bits
+    deviation: sqrt(sum (h - mean)^2 / N)   variation: deviation / mean, None if flat   entropy: -sum p log2 p, bits
     """
 
     level_counts: dict[int, int]
@@ -26,7 +26,7 @@ class Spread:
 
 
 def spread(field: StepField) -> Spread:
-    """The spread of a field's blocks."""
+    """The height distribution of a field's blocks."""
     level_counts = field.level_counts()
     levels, counts = (np.array(list(part), dtype=float) for part in (level_counts, level_counts.values()))
     share = counts / counts.sum()

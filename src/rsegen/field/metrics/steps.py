@@ -13,9 +13,9 @@ from rsegen.field.stepfield import StepField
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Steps:
-    """Of the steps |dh| between 4-neighbours, in metres; None where no block has a neighbour.
+    """The steps |dh| between 4-neighbours, in metres; None if no block has a neighbour.
 
-    counts: how many there are of so many units   mean: sum |dh| / n   rms: sqrt(sum dh^2 / n)
+    counts: number of steps by size in units   mean: sum |dh| / n   rms: sqrt(sum dh^2 / n)
     """
 
     unit: float
@@ -25,7 +25,7 @@ class Steps:
     highest: float | None
 
     def share_above(self, limit: float) -> float | None:
-        """P(|dh| > limit), for a limit in metres."""
+        """The share of the steps above a limit in metres, P(|dh| > limit)."""
         if not self.counts:
             return None
         above = sum(count for step, count in self.counts.items() if round((step * self.unit - limit) * NANOMETRES) > 0)
@@ -33,7 +33,7 @@ class Steps:
 
 
 def steps(field: StepField) -> Steps:
-    """The steps of a field: two blocks with a frame between them are no neighbours."""
+    """The steps of a field; two blocks with a frame between them are not neighbours."""
     found = np.bincount(differences(field))
     if not len(found):
         return Steps(unit=field.unit, counts={}, mean=None, rms=None, highest=None)

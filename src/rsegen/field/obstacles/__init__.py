@@ -1,4 +1,4 @@
-"""The obstacle kinds: every file of this folder is one, and is found by being there."""
+"""The obstacle kinds: every module in this package defines one and registers it when it is imported."""
 
 from __future__ import annotations
 

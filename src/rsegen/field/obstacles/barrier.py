@@ -1,4 +1,4 @@
-"""What both barriers share: a ridge along a segment, falling off on all its sides."""
+"""The profile of both barriers: a ridge along a segment that slopes down on all sides."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ class Barrier(Shaped):
     __slots__ = ()
 
     def run_out(self, grid: Grid) -> float:
-        """w, in cells: relative to the chunk."""
+        """Width w of the slopes in cells; softness is relative to the chunk size."""
         return self.softness / 100 * grid.chunk_size
 
     def reach(self, grid: Grid) -> float:
-        """Beyond w + 1/2 cells the profile is 0."""
+        """The profile is 0 beyond w + 1/2 cells."""
         return self.run_out(grid) + 0.5
 
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
-        """1 - (d - 1/2) / w between the axis and the run-out; 0 there where w = 0."""
+        """1 - (d - 1/2) / w on the slopes, d the distance from the axis; vertical walls if w = 0."""
         beyond = _distance_to_segment(x, y, first, last) - 0.5
         w = self.run_out(grid)
         slope = np.maximum(0.0, 1 - beyond / w) if w else 0.0

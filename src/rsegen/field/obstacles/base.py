@@ -1,7 +1,6 @@
-"""What an obstacle kind is: parameters with their bounds, and how they become levels.
+"""The base classes of obstacle kinds: parameters with their bounds, and the method that makes levels of them.
 
-A kind is one file of this folder with one class: a frozen dataclass whose annotated fields are its parameters, under
-`@register`. Nothing else needs to know of it.
+A kind is a frozen dataclass under `@register` whose annotated fields are its parameters. No other module mentions it.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from rsegen.params.streams import randint
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """The block cells of a map, frames left out."""
+    """The size of a map in block cells, frames left out."""
 
     n_x: int
     n_y: int
@@ -36,7 +35,7 @@ class Grid:
 
 
 class Patch(NamedTuple):
-    """The levels that an obstacle proposes in a window of the map, and where in it they count."""
+    """The levels of an obstacle in a window of the map, and the mask of the cells that it covers."""
 
     window: tuple[slice, slice]
     levels: Levels
@@ -45,11 +44,11 @@ class Patch(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Obstacle(ABC):
-    """One entry of a recipe's list, without its place."""
+    """An obstacle of a recipe without its position."""
 
     kind: ClassVar[str]
-    unplaced: ClassVar[str] = "place left to chance"
-    """What it means that a recipe gives no place."""
+    default_place: ClassVar[str] = "at a random position"
+    """Where the obstacle lies if the recipe gives no position."""
 
     max_height: Annotated[
         int,
@@ -71,17 +70,17 @@ class Obstacle(ABC):
         validate(self)
 
     def check(self, first: Place, last: Place) -> None:  # noqa: B027  # most kinds lie anywhere
-        """Raise a ParameterError where this kind cannot lie between these two places."""
+        """Raise a ParameterError if this kind cannot lie between these two ends."""
 
-    def check_room(self, grid: Grid, first: Place | None, last: Place | None) -> None:  # noqa: B027  # most kinds fit
-        """Raise a ParameterError where this kind is too large for its place in a map."""
+    def check_size(self, grid: Grid, first: Place | None, last: Place | None) -> None:  # noqa: B027  # most kinds fit
+        """Raise a ParameterError if this kind does not fit into its position in a map."""
 
     def default_ends(self, grid: Grid) -> tuple[Place, Place]:
-        """The places that stand in where a recipe gives none: left to chance."""
+        """The ends if a recipe gives none: random."""
         return ANYWHERE, ANYWHERE
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-        """The two cells; what is left to chance is uniform over the map."""
+        """The cells of the two ends; random coordinates are uniform over the map."""
         (x1, y1), (x2, y2), n_x, n_y = first, last, grid.n_x, grid.n_y
         x1 = randint(rng, 0, n_x - 1) if x1 == "random" else x1
         y1 = randint(rng, 0, n_y - 1) if y1 == "random" else y1
@@ -91,29 +90,29 @@ class Obstacle(ABC):
 
     @abstractmethod
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """Its levels between the two cells."""
+        """The levels of the obstacle between its two ends."""
 
 
 class Shaped(Obstacle):
-    """A barrier or peak: a profile in [0, 1] that stands only where its level is 1 or more."""
+    """An obstacle with a profile in [0, 1], such as a barrier or peak; it covers the cells of level 1 or more."""
 
     __slots__ = ()
 
     @abstractmethod
     def reach(self, grid: Grid) -> float:
-        """How far it may stand beyond the rectangle of its ends, in cells."""
+        """How far the obstacle may extend beyond the rectangle of its ends, in cells."""
 
     @abstractmethod
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
-        """f in [0, 1] at the cell centres x of shape (n, 1) and y of shape (1, m)."""
+        """The profile f in [0, 1] at the cell centres x of shape (n, 1) and y of shape (1, m)."""
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """The level on the axis or apex alone is the top one; the sides go down in steps (method: floor((n-1) f))."""
+        """The levels floor((n - 1) f): the highest on the axis or apex alone, descending in steps on the sides."""
         window = _window(grid, first, last, int(np.ceil(self.reach(grid))))
 
         def part(rows: slice) -> Levels:
             x, y = np.ogrid[rows, window[1]]
-            with np.errstate(over="ignore"):  # a run-out of next to nothing
+            with np.errstate(over="ignore"):  # a slope of almost no width
                 f = self.profile(x.astype(float), y.astype(float), first, last, grid)
             return np.floor((self.max_height - 1) * f + 1e-9).astype(np.int16)
 
@@ -122,21 +121,21 @@ class Shaped(Obstacle):
 
 
 class Region(Obstacle):
-    """A random kind: every cell of the rectangle first..last, by default of the whole map."""
+    """A random kind: it samples every cell of the rectangle first..last, by default of the whole map."""
 
     __slots__ = ()
-    unplaced: ClassVar[str] = "on the whole map"
+    default_place: ClassVar[str] = "on the whole map"
 
     def default_ends(self, grid: Grid) -> tuple[Place, Place]:
-        """Two opposite corners of the map."""
+        """The ends if a recipe gives none: two opposite corners of the map."""
         return (0, 0), (grid.n_x - 1, grid.n_y - 1)
 
     @abstractmethod
     def drawn(self, uniform: Array) -> Levels:
-        """Levels from numbers in [0, 1), one each."""
+        """Levels from random numbers in [0, 1), one level per number."""
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """Each cell by a number of its own."""
+        """The level of each cell from a random number of its own."""
         window = _window(grid, first, last, 0)
         width = window[1].stop - window[1].start
         levels = _by_rows(window, lambda rows: self.drawn(rng.random((rows.stop - rows.start, width))))
@@ -144,7 +143,7 @@ class Region(Obstacle):
 
 
 def _window(grid: Grid, first: Cell, last: Cell, margin: int) -> tuple[slice, slice]:
-    """The rectangle of both cells, wider by `margin` on every side, as far as the map goes."""
+    """The rectangle of both cells, wider by `margin` on every side, clipped to the map."""
     parts = [
         slice(max(0, min(a, b) - margin), min(n, max(a, b) + margin + 1))
         for a, b, n in zip(first, last, grid.shape, strict=True)
@@ -153,7 +152,7 @@ def _window(grid: Grid, first: Cell, last: Cell, margin: int) -> tuple[slice, sl
 
 
 def _by_rows(window: tuple[slice, slice], part: Callable[[slice], Levels]) -> Levels:
-    """The levels of a window, made of so many rows at once that the numbers behind them need no memory to speak of."""
+    """The levels of a window, computed in batches of rows, so that the random numbers need little memory."""
     rows, columns = window
     step = max(_CELLS_AT_ONCE // (columns.stop - columns.start), 1)
     if rows.stop - rows.start <= step:
@@ -179,6 +178,6 @@ _Kind = TypeVar("_Kind", bound=type[Obstacle])
 
 
 def register(cls: _Kind) -> _Kind:
-    """Make a kind known by its name."""
+    """Register an obstacle class under the name of its kind."""
     KINDS.add(cls.kind, cls)
     return cls

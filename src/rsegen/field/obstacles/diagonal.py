@@ -16,12 +16,12 @@ from rsegen.params.streams import randint
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DiagonalBarrier(Barrier):
-    """A ridge along any straight segment; left to chance, between two opposite boundaries of the map."""
+    """A straight ridge in any direction. Without `first` and `last`, its ends are drawn on two opposite map edges."""
 
     kind: ClassVar[str] = "diagonal_barrier"
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-        """Wholly left to chance: a random cell on each of two opposite boundaries; else what is left is uniform."""
+        """Without given ends, a random cell on each of two opposite map edges; else random coordinates are uniform."""
         if first == last == ANYWHERE:
             across = randint(rng, 0, 1)
             opposite: tuple[Place, Place] = ((0, "random"), (grid.n_x - 1, "random"))

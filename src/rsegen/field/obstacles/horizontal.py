@@ -17,18 +17,18 @@ from rsegen.params.streams import randint
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class HorizontalBarrier(Barrier):
-    """A straight ridge along x or y; left to chance, from one boundary of the map to the opposite one."""
+    """A straight ridge along x or y. Without `first` and `last`, it runs from one map edge to the opposite one."""
 
     kind: ClassVar[str] = "horizontal_barrier"
 
     def check(self, first: Place, last: Place) -> None:
-        """Both ends must share their x or their y."""
+        """Raise a ParameterError if the ends share neither x nor y."""
         if not _shareable(first, last):
             ends = f"first {list(first)} and last {list(last)}"
-            raise ParameterError("last", f"{ends} share neither x nor y, as the ends of a horizontal barrier do")
+            raise ParameterError("last", f"{ends} share neither x nor y; a horizontal barrier needs the same x or y")
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-        """On an axis that both can share, at a line that is drawn if need be; across the map where no end is given."""
+        """Ends with one common coordinate, which is random if not given; across the map if no end is given."""
         axes = _shareable(first, last)
         shared = axes[randint(rng, 0, len(axes) - 1)]
         line = _given(first[shared], last[shared])
@@ -43,7 +43,7 @@ class HorizontalBarrier(Barrier):
 
 
 def _shareable(first: Place, last: Place) -> list[int]:
-    """The axes (0: x, 1: y) on which both ends can lie at one coordinate; the ones where they are given so, if any."""
+    """The axes (0: x, 1: y) on which both ends can have one coordinate; those on which they are given so, if any."""
     given = [axis for axis in (0, 1) if first[axis] == last[axis] != "random"]
     return given or [axis for axis in (0, 1) if "random" in (first[axis], last[axis])]
 

@@ -1,4 +1,4 @@
-"""Given levels: a real pallet measured cell by cell, a picture, cells painted by hand."""
+"""The matrix: given levels, from a measured pallet, an image or cells painted by hand."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError, shown
 from rsegen.field.obstacles.base import Grid, Obstacle, Patch, register
-from rsegen.field.obstacles.span import side
+from rsegen.field.obstacles.random_ends import random_ends
 from rsegen.field.stepfield import Ints
 from rsegen.params.places import ANYWHERE, Cell, Place
 from rsegen.params.sorts import Json, as_int
@@ -57,7 +57,7 @@ class Rows:
 
 
 def _joined(row: object) -> str:
-    """A list of whole numbers, in which None is a dot, as a text; an empty one for anything else."""
+    """A list of integers as text, in which None becomes a dot; the empty string for anything else."""
     cells = row if isinstance(row, (list, tuple)) else ()
     return " ".join("." if cell is None else str(as_int(cell)) for cell in cells)
 
@@ -65,13 +65,14 @@ def _joined(row: object) -> str:
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Matrix(Obstacle):
-    """Given levels, a cell each, or stretched over the rectangle first..last; softness scales it down."""
+    """Given levels, one per cell, or stretched over the rectangle first..last; softness scales them down."""
 
     kind: ClassVar[str] = "matrix"
-    unplaced: ClassVar[str] = "in its own size, from the corner 0, 0"
+    default_place: ClassVar[str] = "in its own size, from cell (0, 0)"
 
     rows: Annotated[
-        tuple[str, ...], Rows(help="levels of its cells, the top row the largest y; a dot leaves a cell as it is")
+        tuple[str, ...],
+        Rows(help="levels of its cells, north up (the top row has the largest y); a dot leaves a cell unchanged"),
     ] = ("1",)
 
     def __post_init__(self) -> None:
@@ -84,23 +85,23 @@ class Matrix(Obstacle):
 
     @classmethod
     def of(cls, levels: Ints) -> Matrix:
-        """The matrix of levels of shape (n_x, n_y); a negative one leaves its cell as it is."""
+        """The matrix with levels of shape (n_x, n_y); a negative level leaves its cell unchanged."""
         rows = (" ".join("." if level < 0 else str(level) for level in row) for row in levels.T[::-1].tolist())
         return cls(max_height=max(int(levels.max()) + 1, 2), rows=tuple(rows))
 
     @property
     def size(self) -> Cell:
-        """Its own cells along x and y."""
+        """The number of cells along x and y."""
         return self.rows[0].count(" ") + 1, len(self.rows)
 
     def levels(self) -> Ints:
-        """Its own levels, shape (n_x, n_y); -1 where a cell is left as it is."""
+        """The given levels, shape (n_x, n_y); -1 for a cell that is left unchanged."""
         text = " ".join(self.rows).replace(".", "-1")
         n_x, n_y = self.size
         return np.fromstring(text, dtype=np.int32, sep=" ").reshape(n_y, n_x)[::-1].T
 
-    def check_room(self, grid: Grid, first: Place | None, last: Place | None) -> None:
-        """In its own size it must end on the map."""
+    def check_size(self, grid: Grid, first: Place | None, last: Place | None) -> None:
+        """Raise a ParameterError if the matrix in its own size ends outside the map."""
         for axis, (own, cells) in enumerate(zip(self.size, grid.shape, strict=True)):
             start = (first or (0, 0))[axis]
             low = 0 if start == "random" else start
@@ -110,18 +111,19 @@ class Matrix(Obstacle):
                 )
 
     def default_ends(self, grid: Grid) -> tuple[Place, Place]:
-        """From the corner of smallest x and y on, in its own size."""
+        """The ends if a recipe gives none: its own size, from cell (0, 0)."""
         return (0, 0), ANYWHERE
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-        """What is left to chance makes a rectangle of its own size inside the map."""
+        """Random ends make a rectangle of its own size inside the map."""
         (x1, x2), (y1, y2) = (
-            side(a, b, own - 1, cells, rng) for a, b, own, cells in zip(first, last, self.size, grid.shape, strict=True)
+            random_ends(a, b, own - 1, cells, rng)
+            for a, b, own, cells in zip(first, last, self.size, grid.shape, strict=True)
         )
         return (x1, y1), (x2, y2)
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """Each cell of the rectangle takes the level that lies under its centre; from last to first it is mirrored."""
+        """The level of each cell of the rectangle is the one under its centre; mirrored if last is below first."""
         own = self.levels()[np.ix_(*(_under(*along) for along in zip(first, last, self.size, strict=True)))]
         levels = np.floor(own * (1 - self.softness / 100) + 1e-9).astype(np.int16)
         window = tuple(slice(min(ends), max(ends) + 1) for ends in zip(first, last, strict=True))
@@ -129,7 +131,7 @@ class Matrix(Obstacle):
 
 
 def _under(first: int, last: int, own: int) -> Ints:
-    """Which of `own` cells lies under the centre of each cell from the lower to the higher end."""
+    """Which of `own` matrix cells lies under the centre of each map cell, from the lower to the higher end."""
     cells = abs(last - first) + 1
     under = (2 * np.arange(cells) + 1) * own // (2 * cells)
     return under if first <= last else under[::-1]

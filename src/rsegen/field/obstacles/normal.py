@@ -1,4 +1,4 @@
-"""The normal random profile: slightly smoother than random."""
+"""The normal random kind: slightly smoother than the random kind."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rsegen.params.sorts import Float
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class NormalRandom(Region):
-    """Every cell drawn by itself, levels normally distributed about the middle; softness scales it down."""
+    """Random blocks with normally distributed heights, each cell independent; softness scales them down."""
 
     kind: ClassVar[str] = "normal_random"
 
@@ -25,7 +25,7 @@ class NormalRandom(Region):
     def drawn(self, uniform: Array) -> Levels:
         """floor(n f) with f = clip(0.5 + z spread, 0, 1 - eps) (1 - s/100) and z = the normal quantile of `uniform`.
 
-        Said the other way round, which needs no quantile of every cell: f reaches level k where u >= P(z < z_k).
+        Computed by the inverse, which needs no quantile per cell: f reaches level k if u >= P(z < z_k).
         """
         scale = self.max_height * (1 - self.softness / 100)
         levels = range(1, math.ceil(scale))
@@ -34,5 +34,5 @@ class NormalRandom(Region):
 
 
 def _normal_cdf(z: float) -> float:
-    """P(Z < z), rounded so that mathematics libraries that differ in the last bit give the same levels."""
+    """P(Z < z), rounded, so that math libraries that differ in the last bit give the same levels."""
     return round(0.5 * math.erfc(-z / math.sqrt(2)), 12)

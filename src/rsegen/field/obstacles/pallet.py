@@ -1,4 +1,4 @@
-"""Pallets after NIST's patterns, with the statistics of the one real pallet that could be measured."""
+"""NIST's pallet patterns, with the block statistics of the one real pallet that could be measured."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles.arranged import arranged
 from rsegen.field.obstacles.base import Grid, Obstacle, Patch, register
+from rsegen.field.obstacles.rearranged import rearranged
 from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.params.places import Cell, Place
 from rsegen.params.sorts import Choice, Integer, ListOf
 
 _BEYOND = (9, 27, 24, 12)
-"""How many posts of each length the measured pallet has beyond its ridge of 4 units and the shoulders beside it."""
+"""Number of posts of each length in the measured pallet, outside its ridge of 4 units and the adjacent lines."""
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Pallet(Obstacle):
-    """Pallets of posts in one of NIST's patterns, flat, hill or diagonal, one for each chunk."""
+    """Pallets of posts in one of NIST's patterns (flat, hill or diagonal), one per chunk."""
 
     kind: ClassVar[str] = "pallet"
-    unplaced: ClassVar[str] = "on every chunk"
+    default_place: ClassVar[str] = "on every chunk"
 
     pattern: Annotated[
         tuple[str, ...],
@@ -36,7 +36,11 @@ class Pallet(Obstacle):
         ),
     ] = ("diagonal",)
     symmetry: Annotated[
-        str, Choice(("random", "symmetric"), help="whether both sides of the ridge are drawn, or one mirrors the other")
+        str,
+        Choice(
+            ("random", "symmetric"),
+            help="random: both sides of the ridge are drawn; symmetric: one side mirrors the other",
+        ),
     ] = "random"
     turns: Annotated[
         tuple[int, ...], ListOf(Integer(0, 3), help="quarter turns counterclockwise; several are taken in turn")
@@ -47,8 +51,8 @@ class Pallet(Obstacle):
             1,
             32767,
             unit="units",
-            help="from one length of posts to the next: 2 for full-cubic pallets where "
-            "the unit is half a post's width, as beside half-cubic ones",
+            help="difference between one post length and the next: 2 for full-cubic pallets if "
+            "the unit is half a post's width, as in maps that also have half-cubic ones",
         ),
     ] = 1
 
@@ -62,7 +66,7 @@ class Pallet(Obstacle):
         return (0, 0), (grid.n_x - 1, grid.n_y - 1)
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """A pallet for each square of a chunk's size of the rectangle, and for what is left of one at its end."""
+        """The levels of one pallet per square of chunk size, and of a smaller one for a rest at the end."""
         (x1, x2), (y1, y2) = (sorted(ends) for ends in zip(first, last, strict=True))
         levels = np.zeros((x2 - x1 + 1, y2 - y1 + 1), dtype=np.int16)
         for number, tile in enumerate(_tiles(levels.shape, grid.chunk_size)):
@@ -73,7 +77,7 @@ class Pallet(Obstacle):
         return Patch((slice(x1, x2 + 1), slice(y1, y2 + 1)), levels, np.ones(levels.shape, dtype=bool))
 
     def _pallet(self, pattern: str, shape: Cell, rng: np.random.Generator) -> Levels:
-        """Levels in steps, with a ridge that is not turned: always the same blocks, in another order."""
+        """The levels of one pallet, unrotated, in multiples of `step`: always the same blocks in a random order."""
         top = (self.max_height - 1) // self.step
         limit = max(-(-top // 2), 1)
         zones = np.minimum(_off_the_ridge(pattern, shape), 2)
@@ -84,20 +88,20 @@ class Pallet(Obstacle):
             cells = np.flatnonzero(drawn & (zones == zone))
             levels.flat[cells[np.argsort(rng.random(len(cells)), kind="stable")]] = _shared(len(cells), wanted)
         zones = np.where(drawn & (zones > 0), zones, -1)
-        orders = (arranged(levels, most, rng, zones) for most in range(limit, top + 1))
+        orders = (rearranged(levels, most, rng, zones) for most in range(limit, top + 1))
         found = next(order for order in orders if order is not None)  # small pallets of many levels have higher steps
         return np.asarray(np.where(drawn, found, _mirrored(pattern, found)))
 
 
 def _tiles(shape: Cell, side: int) -> Iterator[tuple[slice, slice]]:
-    """Squares of so many cells, along x first."""
+    """Squares of `side` cells, along x first."""
     for y in range(0, shape[1], side):
         for x in range(0, shape[0], side):
             yield slice(x, x + side), slice(y, y + side)
 
 
 def _off_the_ridge(pattern: str, shape: Cell) -> Ints:
-    """How many lines of posts each is away from the ridge; on flat pallets as if it were far away."""
+    """Distance of each post from the ridge, in lines of posts; flat pallets have a distance beyond all of them."""
     n_x, n_y = shape
     i, j = np.ogrid[:n_x, :n_y]
     if pattern == "diagonal":
@@ -107,7 +111,7 @@ def _off_the_ridge(pattern: str, shape: Cell) -> Ints:
 
 
 def _half(pattern: str, shape: Cell) -> Mask:
-    """The ridge and one side of it."""
+    """The mask of the ridge and one side of it."""
     n_x, n_y = shape
     i, j = np.ogrid[:n_x, :n_y]
     if pattern == "diagonal":
@@ -116,20 +120,20 @@ def _half(pattern: str, shape: Cell) -> Mask:
 
 
 def _mirrored(pattern: str, levels: Levels) -> Levels:
-    """The other side at each cell: across the ridge; of a diagonal that is no square's, half a turn on."""
+    """The levels mirrored across the ridge; for a diagonal that is not square, rotated by half a turn."""
     if pattern != "diagonal":
         return levels[::-1]
     return levels.T if levels.shape[0] == levels.shape[1] else levels[::-1, ::-1]
 
 
 def _beyond(top: int) -> dict[int, float]:
-    """How often each level comes beyond the shoulders, for posts of up to `top` steps."""
+    """The frequency of each level outside the ridge and its shoulders, for posts of up to `top` steps."""
     at = np.linspace(0, len(_BEYOND) - 1, top) if top > 1 else np.zeros(top)
     return dict(enumerate(np.interp(at, range(len(_BEYOND)), _BEYOND).tolist()))
 
 
 def _shared(blocks: int, wanted: dict[int, float]) -> Ints:
-    """So many blocks, of each level as often as wanted; what is left over goes to the largest remainders."""
+    """The levels of `blocks` blocks in the wanted proportions, by the method of largest remainders."""
     exact = np.array(list(wanted.values())) / sum(wanted.values()) * blocks
     counts = np.floor(exact + 1e-9).astype(np.int64)
     counts[np.argsort(counts - exact, kind="stable")[: blocks - counts.sum()]] += 1

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from rsegen.field.obstacles.base import Grid, Shaped, register
-from rsegen.field.obstacles.span import side
+from rsegen.field.obstacles.random_ends import random_ends
 from rsegen.field.stepfield import Array
 from rsegen.params.places import Cell, Place
 from rsegen.params.streams import randint
@@ -17,16 +17,16 @@ from rsegen.params.streams import randint
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Peak(Shaped):
-    """A round hill inside the rectangle first..last: a table with vertical sides at softness 0, a cone at 100."""
+    """A round hill inside the rectangle first..last: with softness 0 a table with vertical sides, with 100 a cone."""
 
     kind: ClassVar[str] = "peak"
 
     def reach(self, grid: Grid) -> float:
-        """It stays inside its rectangle."""
+        """0: the peak stays inside its rectangle."""
         return 0.0
 
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
-        """clip((R - d) / w, 0, 1) with w = (softness / 100) * (R - d0); 1 inside R where w = 0.
+        """clip((R - d) / w, 0, 1) with w = (softness / 100) * (R - d0); 1 inside R if w = 0.
 
         d: distance from the centre, scaled so that a rectangle's ellipse is a circle of R, half the shorter side;
         d0: the least d of any cell.
@@ -44,10 +44,11 @@ class Peak(Shaped):
         return np.clip((radius - d) / w, 0, 1) if w else np.where(d < radius, 1.0, 0.0)
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-        """What is left to chance makes a square inside the map, of side L/2..L where no side is given."""
+        """Random ends make a square inside the map, with a random side of L/2..L if no side is given."""
         given = [abs(a - b) for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
         span = given[0] if given else randint(rng, (grid.chunk_size + 1) // 2, grid.chunk_size) - 1
         (x1, x2), (y1, y2) = (
-            side(a, b, min(span, cells - 1), cells, rng) for a, b, cells in zip(first, last, grid.shape, strict=True)
+            random_ends(a, b, min(span, cells - 1), cells, rng)
+            for a, b, cells in zip(first, last, grid.shape, strict=True)
         )
         return (x1, y1), (x2, y2)

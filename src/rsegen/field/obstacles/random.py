@@ -1,4 +1,4 @@
-"""The random profile of the paper's figure 4; or just the blocks that there are, in an order that chance gives."""
+"""The random kind of the paper's figure 4; or given numbers of blocks in a random order."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.obstacles.arranged import arranged
 from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Region, register
+from rsegen.field.obstacles.rearranged import rearranged
 from rsegen.field.stepfield import Array, Levels
 from rsegen.params.places import Cell, Place
 from rsegen.params.sorts import Float, Integer, Json, parse_int
@@ -69,20 +69,22 @@ class Counts(Weights):
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Random(Region):
-    """Every cell drawn by itself, all levels equally likely or as `weights` says; softness scales it down."""
+    """Random blocks, each cell independent, with equally likely levels or by `weights`; softness scales them down."""
 
     kind: ClassVar[str] = "random"
 
     weights: Annotated[
-        tuple[float, ...] | None, Weights(help="how often each level should come, in any scale; default: all alike")
+        tuple[float, ...] | None, Weights(help="relative frequency of each level, lowest first; default: all equal")
     ] = None
     counts: Annotated[
         tuple[int, ...] | None,
-        Counts(help="exactly so many blocks of each level, lowest first, as many in all as the region has cells"),
+        Counts(help="exact number of blocks of each level, lowest first; they add up to the number of cells"),
     ] = None
     max_step: Annotated[
         int | None,
-        Integer(1, 32767, unit="units", help="largest step between neighbours in it: the same blocks in another order"),
+        Integer(
+            1, 32767, unit="units", help="largest step between neighbours in the region; the same blocks are reordered"
+        ),
     ] = None
 
     def __post_init__(self) -> None:
@@ -92,15 +94,17 @@ class Random(Region):
             if given is not None and len(given) != self.max_height:
                 raise ParameterError(name, f"{len(given)} {name} for {self.max_height} levels; give one for each level")
         if self.counts is not None and (self.weights is not None or self.softness):
-            raise ParameterError("counts", "say how many blocks there are of each level; give no weights or softness")
+            raise ParameterError(
+                "counts", "give the number of blocks of each level; give no weights or softness with it"
+            )
 
-    def check_room(self, grid: Grid, first: Place | None, last: Place | None) -> None:
-        """Blocks that are counted need a region of just so many cells."""
+    def check_size(self, grid: Grid, first: Place | None, last: Place | None) -> None:
+        """Raise a ParameterError if `counts` do not add up to the cells of the region."""
         if self.counts is None:
             return
-        low, high = (given or usual for given, usual in zip((first, last), self.default_ends(grid), strict=True))
+        low, high = (given or default for given, default in zip((first, last), self.default_ends(grid), strict=True))
         if "random" in (*low, *high):
-            raise ParameterError("counts", "need a region of a known size; give first and last")
+            raise ParameterError("counts", "needs a region of fixed size; give first and last")
         cells = math.prod(abs(a - b) + 1 for a, b in zip(low, high, strict=True))  # type: ignore[operator]  # no "random"
         if cells != sum(self.counts):
             raise ParameterError(
@@ -108,16 +112,17 @@ class Random(Region):
             )
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """Drawn cell by cell, or counted blocks shuffled; then swapped until no step is too high."""
+        """The levels, sampled per cell or shuffled from `counts`, then reordered until no step exceeds `max_step`."""
         patch = Region.patch(self, grid, first, last, rng)
         if self.counts is None and self.max_step is None:
             return patch
         levels = patch.levels if self.counts is None else self._shuffled(patch.levels.shape, rng)
         if self.max_step is not None:
-            order = arranged(levels, self.max_step, rng)
+            order = rearranged(levels, self.max_step, rng)
             if order is None:
                 raise ParameterError(
-                    "max_step", f"{self.max_step}: no order of these blocks was found; give more, or more middle levels"
+                    "max_step",
+                    f"{self.max_step}: no order of these blocks was found; give more, or more blocks of middle levels",
                 )
             levels = order
         return patch._replace(levels=levels)
@@ -127,7 +132,7 @@ class Random(Region):
         return blocks[np.argsort(rng.random(len(blocks)), kind="stable")].reshape(shape)
 
     def drawn(self, uniform: Array) -> Levels:
-        """floor(n f) with f = u (1 - s/100); with weights, the level whose share of [0, 1) holds f."""
+        """floor(n f) with f = u (1 - s/100); with weights, the level whose part of [0, 1) contains f."""
         f = uniform * (1 - self.softness / 100)
         if self.weights is None:
             return (self.max_height * f).astype(np.int16)  # f is never below 0, so this is the floor

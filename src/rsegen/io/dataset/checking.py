@@ -1,4 +1,4 @@
-"""Whether the files of a data set are what its manifest says."""
+"""Checks that the files of a data set are those that its manifest lists."""
 
 from __future__ import annotations
 
@@ -8,49 +8,49 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from rsegen.errors import DatasetDamaged
-from rsegen.io.dataset.layout import Layout
-from rsegen.io.dataset.manifest import Part, Shard
+from rsegen.io.dataset.layout import ShardLayout
+from rsegen.io.dataset.manifest import Shard, ShardFile
 
 _AT_ONCE = 2**20
 
 
-def refuse_other_sizes(folder: Path, layout: Layout, shards: Iterable[Shard]) -> None:
-    """Raise DatasetDamaged for the first file that is not there, or has another size than the manifest says."""
+def refuse_other_sizes(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
+    """Raise DatasetDamaged for the first file that is missing, or has another size than the manifest says."""
     for path, part in _files(folder, layout, shards):
         found = path.stat().st_size if path.is_file() else None
         if found != part.bytes:
             there = "is missing" if found is None else f"has {found} bytes, and the manifest says {part.bytes}"
-            raise DatasetDamaged(f"{path}: {there}; the command that made the data set mends it with --resume")
+            raise DatasetDamaged(f"{path}: {there}; the command that made the data set repairs it with --resume")
 
 
-def refuse_other_checksums(folder: Path, layout: Layout, shards: Iterable[Shard]) -> None:
-    """Raise DatasetDamaged for the first file whose content is another."""
+def refuse_other_checksums(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
+    """Raise DatasetDamaged for the first file with a wrong checksum."""
     for path, part in _files(folder, layout, shards):
-        if measured(path) != part:
+        if shard_file(path) != part:
             raise DatasetDamaged(
-                f"{path}: is not as it was made, its checksum is another; "
-                "the command that made the data set mends it with --resume"
+                f"{path}: has changed, its checksum is wrong; "
+                "the command that made the data set repairs it with --resume"
             )
 
 
-def drawn(maps: int, wanted: int) -> list[int]:
-    """So many places of maps, by chance; all of them where there are no more."""
+def random_places(maps: int, wanted: int) -> list[int]:
+    """`wanted` places of maps, chosen at random; all of them if there are fewer."""
     return sorted(random.SystemRandom().sample(range(maps), min(wanted, maps)))
 
 
-def measured(path: Path) -> Part | None:
-    """The size and checksum of a file; None where there is none."""
+def shard_file(path: Path) -> ShardFile | None:
+    """The size and checksum of a file; None if it does not exist."""
     try:
         with open(path, "rb") as file:
             checksum = hashlib.sha256()
             while piece := file.read(_AT_ONCE):
                 checksum.update(piece)
-            return Part(bytes=file.tell(), sha256=checksum.hexdigest())
+            return ShardFile(bytes=file.tell(), sha256=checksum.hexdigest())
     except FileNotFoundError:
         return None
 
 
-def _files(folder: Path, layout: Layout, shards: Iterable[Shard]) -> Iterator[tuple[Path, Part]]:
+def _files(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> Iterator[tuple[Path, ShardFile]]:
     for shard in shards:
         names = layout.names(shard.number)
-        yield from ((folder / names[what], part) for what, part in shard.parts.items())
+        yield from ((folder / names[what], part) for what, part in shard.files.items())

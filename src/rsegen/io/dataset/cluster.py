@@ -1,6 +1,6 @@
-"""The shards of a data set made by a Dask cluster: one that runs, or one of this machine's own processes.
+"""Makes the shards of a data set on a Dask cluster: one that is running, or a local one on this machine.
 
-A shard that a lost worker had begun goes to another one. Files appear by renaming, so it does no harm if two make it.
+If a worker is lost, another one makes its shard again. Files appear by renaming, so it does no harm if two make it.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ Made = TypeVar("Made")
 
 LOCAL = "local"
 PATIENCE = "10s"
-"""How long a scheduler is waited for."""
+"""How long to wait for a scheduler."""
 
 
 def on_cluster(
     work: Callable[[int], Made], numbers: Sequence[int], *, scheduler: str, workers: int
 ) -> Generator[Made, None, None]:
-    """What `work` makes of each number, as each is done, on the cluster of a scheduler: its address, or `local`."""
+    """The result of `work` for each number, in the order in which they are done; scheduler: an address, or `local`."""
     distributed = dask()
     with ExitStack() as opened:
         address: Any = scheduler
@@ -40,13 +40,13 @@ def on_cluster(
         try:
             for future, made in distributed.as_completed(futures, with_results=True):
                 yield made
-                future.release()  # or it would be made again where the worker that has it is lost
+                future.release()  # or it would be made again if the worker that has it is lost
         except distributed.KilledWorker as error:
             raise WorkerLost(f"workers of the cluster were lost, one after the other: {error}") from None
 
 
 def dask() -> Any:
-    """Dask's distributed; a ParameterError that says how to get it where it is not installed."""
+    """Dask's distributed; a ParameterError that says how to install it, if it is missing."""
     try:
         import distributed
     except ImportError:

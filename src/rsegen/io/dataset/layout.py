@@ -1,4 +1,4 @@
-"""How a data set lies on disk: which maps are in which file, under which name, of which size.
+"""The files of a data set: which maps are in which file, its name and its size.
 
     DIR/manifest.json       the recipe, and the size and checksum of every file
     DIR/levels-00000.npy    block levels of the first maps, (maps, n_x, n_y), frames left out
@@ -17,23 +17,23 @@ from typing import Annotated
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.metrics.many import COLUMNS
+from rsegen.field.metrics.batch import COLUMNS
 from rsegen.field.stepfield import Ints, StepField, framed
 from rsegen.params.sorts import Choice, Integer, validate
 from rsegen.recipe.recipe import Recipe
 
 CELLS = 1_000_000
-"""A shard has about so many cells: a second's work or less, a megabyte."""
+"""Cells in a shard, about: a second of work or less, a megabyte."""
 
 MOST = 100_000
-"""Shards that a data set has at the most: the manifest is read as a whole."""
+"""Shards in a data set at most: the manifest is read as a whole."""
 
 ROW = np.dtype([("map", "<i8"), *((name, "<f4") for name in COLUMNS)])
-"""A row of a table of metrics: the index of the map in its recipe, and its figures."""
+"""A row of a table of metrics: the index of the map in its recipe, and its metrics."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Layout:
+class ShardLayout:
     """A recipe of many maps, how many of them a shard has (0: about a million cells), and the form of the metrics."""
 
     recipe: Recipe
@@ -63,8 +63,8 @@ class Layout:
         return np.dtype("u1" if self.recipe.highest_level < 2**8 else "<i2")
 
     @cached_property
-    def like(self) -> StepField:
-        """Level ground with the frames of the maps: all but the levels is alike in all of them."""
+    def flat_field(self) -> StepField:
+        """A flat field with the frames of the maps: they differ from it in nothing but their levels."""
         return self.field(np.zeros(self.recipe.grid.shape, dtype=np.int16))
 
     def field(self, blocks: Ints) -> StepField:
@@ -90,17 +90,17 @@ class Layout:
         return self.recipe.indices[places.start : places.stop]
 
     def shape(self, number: int) -> tuple[int, int, int]:
-        """Of the levels of a shard: (maps, n_x, n_y)."""
+        """Shape of the levels of a shard: (maps, n_x, n_y)."""
         return (len(self.places(number)), *self.recipe.grid.shape)
 
     def bytes(self, number: int) -> int:
-        """What the levels of a shard take, without the file's head."""
+        """Bytes of the levels of a shard, without the file's header."""
         maps, n_x, n_y = self.shape(number)
         return maps * n_x * n_y * self.dtype.itemsize
 
     @property
-    def bytes_a_map(self) -> int:
-        """What a map takes on the disk."""
+    def bytes_per_map(self) -> int:
+        """Bytes of disk that a map needs."""
         n_x, n_y = self.recipe.grid.shape
         return n_x * n_y * self.dtype.itemsize + (0 if self.metrics == "none" else ROW.itemsize)
 

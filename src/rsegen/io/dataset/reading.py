@@ -1,4 +1,4 @@
-"""A data set as learning reads it: levels mapped into memory, any map by its place, metrics as columns."""
+"""Reads a data set: levels mapped into memory, any map by its place, metrics as columns."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.errors import DatasetDamaged
+from rsegen.field.metrics.batch import batch_metrics
 from rsegen.field.metrics.custom import Measure
-from rsegen.field.metrics.many import many
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.io.dataset.checking import drawn, refuse_other_checksums, refuse_other_sizes
-from rsegen.io.dataset.layout import ROW, Layout
+from rsegen.io.dataset.checking import random_places, refuse_other_checksums, refuse_other_sizes
+from rsegen.io.dataset.layout import ROW, ShardLayout
 from rsegen.io.dataset.manifest import read_manifest
 from rsegen.io.dataset.tables import mapped, read_parquet
 from rsegen.io.dataset.tiles import Tiles, tiles
@@ -23,13 +23,13 @@ from rsegen.recipe.building import blocks
 from rsegen.recipe.recipe import Recipe
 
 OPEN = 256
-"""Shards that are mapped at once, at the most."""
+"""Shards that are mapped at the same time, at most."""
 
 
 class LevelsOfMaps:
-    """The block levels of all maps as one array (maps, n_x, n_y) that is read only where it is looked at."""
+    """The block levels of all maps as one array (maps, n_x, n_y) that reads only what is indexed."""
 
-    def __init__(self, layout: Layout, folder: Path) -> None:
+    def __init__(self, layout: ShardLayout, folder: Path) -> None:
         self._layout = layout
         self._folder = folder
         self._shard = lru_cache(OPEN)(self._mapped)
@@ -40,7 +40,7 @@ class LevelsOfMaps:
         path = self._folder / self._layout.names(number)["levels"]
         return mapped(path, self._layout.shape(number), self._layout.dtype)
 
-    def __reduce__(self) -> tuple[type[LevelsOfMaps], tuple[Layout, Path]]:
+    def __reduce__(self) -> tuple[type[LevelsOfMaps], tuple[ShardLayout, Path]]:
         return LevelsOfMaps, (self._layout, self._folder)
 
     def __len__(self) -> int:
@@ -51,7 +51,7 @@ class LevelsOfMaps:
             yield from self._shard(number)
 
     def __getitem__(self, maps: int | slice | Ints | Mask | list[int]) -> Ints:
-        """One map (n_x, n_y); or those of a slice, or of a list of places, (maps, n_x, n_y)."""
+        """One map (n_x, n_y); or several, (maps, n_x, n_y): a slice, a list of places, or a mask."""
         if isinstance(maps, slice):
             return self._several(np.arange(*maps.indices(len(self))))
         if isinstance(maps, (list, np.ndarray)):
@@ -64,11 +64,11 @@ class LevelsOfMaps:
         return found
 
     def _places(self, maps: Ints | Mask) -> Ints:
-        """Places from 0 on of maps that are counted from either end, or marked true."""
+        """Places from 0 on, of negative places or a mask."""
         if maps.dtype == bool and maps.shape == (len(self),):
             return np.flatnonzero(maps)
         if maps.ndim != 1 or (maps.size and not np.issubdtype(maps.dtype, np.integer)):
-            raise IndexError("give whole numbers in a row, or true or false for every map")
+            raise IndexError("expected a list of integers, or a boolean for every map")
         beyond = maps[(maps < -len(self)) | (maps >= len(self))]
         if beyond.size:
             raise IndexError(f"there is no map {beyond[0]}; the data set has {len(self)}")
@@ -78,7 +78,7 @@ class LevelsOfMaps:
         return np.asarray(self[:], dtype=dtype)
 
     def _several(self, places: Ints) -> Ints:
-        """Shard by shard, whatever their order."""
+        """The maps at some places, read shard by shard."""
         found = np.empty((len(places), *self.shape[1:]), dtype=self.dtype)
         numbers, rows = np.divmod(places, self._layout.shard_maps)
         for number in np.unique(numbers):
@@ -90,9 +90,9 @@ class LevelsOfMaps:
 class Dataset:
     """The maps of a recipe in a folder, as `rsegen dataset` makes it; maps are counted from 0.
 
-    `recipe.indices[place]` is what the recipe calls the map at a place: the same, unless it has a `first_map`. It may
-    come from a stranger: no name is taken from its manifest. Raises DatasetDamaged where a file has another size than
-    it says, FileError where there is no data set.
+    `recipe.indices[place]` is the index in the recipe of the map at a place: the same number, unless it has a
+    `first_map`. Its files are not trusted: no name is taken from its manifest. Raises DatasetDamaged if a file has
+    another size than the manifest says, FileError if there is no data set.
     """
 
     def __init__(self, folder: str | Path) -> None:
@@ -110,13 +110,13 @@ class Dataset:
 
     @property
     def recipe(self) -> Recipe:
-        """What all of it is made of."""
+        """The recipe of all maps."""
         return self.layout.recipe
 
     @property
     def bytes(self) -> int:
-        """What its shards take on the disk."""
-        return sum(part.bytes for shard in self.shards for part in shard.parts.values())
+        """The size of its shards on disk."""
+        return sum(part.bytes for shard in self.shards for part in shard.files.values())
 
     @cached_property
     def levels(self) -> LevelsOfMaps:
@@ -142,7 +142,7 @@ class Dataset:
 
     @cached_property
     def metrics(self) -> dict[str, NDArray[Any]]:
-        """A column for each metric, a row a map: read, or measured where the data set has no table.
+        """A column for each metric, one row per map: read, or measured if the data set has no table.
 
         `map` is its index in the recipe; all else is named as in `rsegen metrics --csv`, in metres, NaN for none.
         """
@@ -153,7 +153,10 @@ class Dataset:
         maps, name = self.layout.indices(number), self.layout.names(number).get("metrics")
         if name is None:
             places = self.layout.places(number)
-            return {"map": np.array(maps, dtype=np.int64), **many(self[places.start : places.stop], self.layout.like)}
+            return {
+                "map": np.array(maps, dtype=np.int64),
+                **batch_metrics(self[places.start : places.stop], self.layout.flat_field),
+            }
         if self.layout.metrics == "parquet":
             return read_parquet(self.folder / name, len(maps))
         rows = mapped(self.folder / name, (len(maps),), ROW)
@@ -167,12 +170,12 @@ class Dataset:
         return tiles(self, rows, columns, by)
 
     def verify(self, rebuild: int = 8) -> None:
-        """Raise DatasetDamaged for the first file whose checksum is another, or of so many maps that build otherwise.
+        """Raise DatasetDamaged for the first file with a wrong checksum, or map that is built again and differs.
 
-        Those maps are drawn anew each time.
+        `rebuild` maps are built again, chosen at random.
         """
         refuse_other_checksums(self.folder, self.layout, self.shards)
-        for place in drawn(len(self), rebuild):
+        for place in random_places(len(self), rebuild):
             if not np.array_equal(self[place], blocks(self.recipe, self.recipe.indices[place])):
                 raise DatasetDamaged(
                     f"{self.folder}#{place}: is not the map that this version of rsegen makes of the recipe"

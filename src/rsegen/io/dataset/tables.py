@@ -1,4 +1,4 @@
-"""Arrays and tables of metrics as files: the same bytes for the same values."""
+"""Converts arrays and tables of metrics to files and back: the same values give the same bytes."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.field.metrics.many import COLUMNS, Table
+from rsegen.field.metrics.batch import COLUMNS, Table
 from rsegen.io.dataset.layout import ROW
 
 
 def npy(array: NDArray[Any]) -> bytes:
-    """An array as a file."""
+    """An array as the content of a .npy file."""
     file = io.BytesIO()
     np.save(file, array, allow_pickle=False)
     return file.getvalue()
@@ -41,7 +41,7 @@ def _parquet(maps: range, figures: Table) -> bytes:
 
 
 def mapped(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
-    """The array in a file, not read but mapped into memory; FileError where it is another, or there is none."""
+    """The array in a file, mapped into memory; FileError if it has another shape or type, or does not exist."""
     try:
         found = np.lib.format.open_memmap(path, mode="r")
     except OSError as error:
@@ -49,12 +49,12 @@ def mapped(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[
     except Exception as error:  # numpy fails in many ways at files that are none of its own
         raise FileError(f"{path}: not an array of numpy: {error}") from None
     if found.shape != shape or found.dtype != dtype:
-        raise FileError(f"{path}: has shape {found.shape} of {found.dtype}; {shape} of {dtype} should be there")
+        raise FileError(f"{path}: has shape {found.shape} of {found.dtype}; expected {shape} of {dtype}")
     return np.asarray(found)
 
 
 def read_parquet(path: Path, maps: int) -> dict[str, NDArray[Any]]:
-    """The columns of a table in Parquet; FileError where it is another, or there is none."""
+    """The columns of a Parquet table; FileError if it is another table, or does not exist."""
     pyarrow, parquet = arrow()
     try:
         file = parquet.ParquetFile(path)
@@ -67,7 +67,7 @@ def read_parquet(path: Path, maps: int) -> dict[str, NDArray[Any]]:
 
 
 def arrow() -> tuple[Any, Any]:
-    """pyarrow and its Parquet; a ParameterError that says how to get it where it is not installed."""
+    """pyarrow and its Parquet; a ParameterError that says how to install it, if it is missing."""
     try:
         import pyarrow
         from pyarrow import parquet

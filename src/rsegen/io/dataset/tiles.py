@@ -1,4 +1,4 @@
-"""A terrain of many maps side by side, row by row harder: what curricula of learning robots walk on.
+"""A terrain of many maps, harder from row to row, for curriculum learning.
 
 rows (+x): from the easiest map to the hardest       columns (+y): maps of about the same difficulty
 """
@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.errors import ParameterError, UnknownName
+from rsegen.field.metrics.batch import COLUMNS
 from rsegen.field.metrics.custom import METRICS, Measure, Metric
-from rsegen.field.metrics.many import COLUMNS
 from rsegen.field.stepfield import Array, Ints
 from rsegen.params.sorts import Integer
 
@@ -25,8 +25,8 @@ class Tiles(NamedTuple):
 
     levels: (rows, columns, n_x, n_y), block levels, frames left out
     heights: (rows, columns, cells_x, cells_y), metres, frames counted
-    origins: (rows, columns, 3), metres: the middle of each tile, all together centred on x = y = 0; z is the highest of
-    the cells that meet in the middle, so that nothing is put into a block
+    origins: (rows, columns, 3), metres: the middle of each tile, all together centred on x = y = 0; z is the height
+    of the highest cell that meets there, so that a robot does not start inside a block
     places: (rows, columns), which map of the data set it is; difficulty: (rows, columns), its metric
     size: metres of one tile along x and y, frames counted
     """
@@ -40,7 +40,7 @@ class Tiles(NamedTuple):
 
 
 def tiles(dataset: Dataset, rows: int, columns: int, by: str | Measure) -> Tiles:
-    """The maps at evenly spaced ranks of a metric, from least to greatest; those without a figure are left out."""
+    """The maps at evenly spaced ranks of a metric, from least to greatest; maps without a value are left out."""
     rows, columns = (Integer(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
     figures, named = _figures(dataset, by)
     ranked = np.argsort(figures, kind="stable")[: np.count_nonzero(~np.isnan(figures))]
@@ -50,7 +50,7 @@ def tiles(dataset: Dataset, rows: int, columns: int, by: str | Measure) -> Tiles
     places = ranked[spaced].reshape(rows, columns)
     levels = dataset[places.ravel()]
     heights = np.array([dataset.layout.field(one).heights for one in levels])
-    size = dataset.layout.like.extent
+    size = dataset.layout.flat_field.extent
     return Tiles(
         levels=levels.reshape(rows, columns, *levels.shape[1:]),
         heights=heights.reshape(rows, columns, *heights.shape[1:]),

@@ -1,4 +1,4 @@
-"""Heights from elsewhere: every file of this folder is a format, and is found by being there.
+"""Imports heights from files; every module of this folder is an importer for some file names.
 
 file --Format.read--> Heights --imported--> Recipe of one matrix
 """
@@ -11,45 +11,46 @@ from pathlib import Path
 
 from rsegen.errors import FileError, ParameterError
 from rsegen.field.obstacles.matrix import Matrix
-from rsegen.io.importers.base import FORMATS, Format, Heights
+from rsegen.io.importers.base import IMPORTERS, Heights, Importer
 from rsegen.recipe.recipe import Placement, Recipe
 
 
-def format_of(path: Path) -> type[Format]:
-    """The format of a file by its suffix, or a FileError that lists the known ones."""
-    found = FORMATS.get(path.suffix.lower())
+def importer_for(path: Path) -> type[Importer]:
+    """The importer for a file by its suffix, or a FileError that lists the known ones."""
+    found = IMPORTERS.get(path.suffix.lower())
     if not found:
-        raise FileError(f"{path}: heights are read from files named {', '.join('*' + suffix for suffix in FORMATS)}")
+        raise FileError(f"{path}: heights are read from files named {', '.join('*' + suffix for suffix in IMPORTERS)}")
     return found
 
 
-def imported(path: Path, reading: Format, unit_cm: float | None = None, chunk_size: int | None = None) -> Recipe:
-    """The recipe of one map: the heights in a file as a matrix, without frames where the file says of none.
+def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_size: int | None = None) -> Recipe:
+    """The recipe of one map: the heights in a file as a matrix, without frames unless the file names them.
 
-    unit_cm is the step that heights are counted in, by default what the file says, and so is chunk_size. That must
-    divide both sides; where nothing is said it is 10 if that does, else the largest number up to 1000 that does.
+    unit_cm: the height of one level, by default that of the file
+    chunk_size: must divide both sides; by default that of the file, or 10 if it divides both sides, else the largest
+    number up to 1000 that does
     """
     heights = reading.read(path, unit_cm)
     matrix = Matrix.of(heights.levels)
     n_x, n_y = matrix.size
-    side = _side(n_x, n_y, chunk_size or heights.said.get("chunk_size"))
-    said = {"boundary": "none", **heights.said, "unit_cm": heights.unit_cm, "chunk_size": side}
+    side = _side(n_x, n_y, chunk_size or heights.recipe_values.get("chunk_size"))
+    recipe_values = {"boundary": "none", **heights.recipe_values, "unit_cm": heights.unit_cm, "chunk_size": side}
     return Recipe(
         name=re.sub(r"[^A-Za-z0-9_.\-]", "_", path.stem).lstrip(".-")[:64] or "heights",
         description=re.sub(r"[\x00-\x1f]", " ", f"heights of {path.name}")[:500],
         chunks=(n_x // side, n_y // side),
         seed=0,
         obstacles=(Placement(obstacle=matrix, key="heights"),),
-        **said,
+        **recipe_values,
     )
 
 
 def _side(n_x: int, n_y: int, wished: int | None) -> int:
-    """The side of a chunk, which divides both sides of the map."""
+    """The side of a chunk, a divisor of both sides of the map."""
     common = math.gcd(n_x, n_y)
     if wished and common % wished:
         raise ParameterError("chunk_size", f"{wished} does not divide {n_x} x {n_y} cells; {common} does")
     return wished or next(side for side in (10, *range(min(common, 1000), 0, -1)) if common % side == 0)
 
 
-__all__ = ["FORMATS", "Format", "Heights", "format_of", "imported"]
+__all__ = ["IMPORTERS", "Heights", "Importer", "imported", "importer_for"]

@@ -1,4 +1,4 @@
-"""Heights in an array that numpy saved."""
+"""Imports arrays that numpy saved (.npy)."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import FileError
-from rsegen.io.importers.base import USUAL_UNIT_CM, Format, Heights, refuse_too_many_cells, register, whole_units
+from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register, whole_units
 from rsegen.io.importers.table import centimetres
 from rsegen.params.sorts import Choice, Flag
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Saved(Format):
+class Saved(Importer):
     """An array of shape (n_x, n_y), as StepField.levels is: axis 0 along x, axis 1 along y, no pickles."""
 
     name: ClassVar[str] = "array"

@@ -1,4 +1,4 @@
-"""What a format of heights is: options with their bounds, and how a file becomes levels.
+"""What an importer is: options with their bounds, and how a file becomes levels.
 
 A format is one file of this folder with one class: a frozen dataclass whose annotated fields are its options, under
 `@register`. Nothing else needs to know of it. Files come from strangers: nothing in them is trusted.
@@ -23,26 +23,26 @@ from rsegen.params.registry import Registry
 from rsegen.params.sorts import parameters, validate
 
 MOST_CELLS = 2**24
-"""Of a file that is read: 4096 x 4096."""
+"""Cells of a file at most: 4096 x 4096."""
 
 USUAL_UNIT_CM = 10.0
-"""Of heights where neither the file nor a person says another."""
+"""The unit of heights if neither the file nor the user gives one."""
 
 _HIGHEST = 32766
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Heights:
-    """What a file says: levels of shape (n_x, n_y), their unit [cm], and what it says of a recipe."""
+    """The content of a file: levels of shape (n_x, n_y), their unit [cm], and values of the recipe that it has."""
 
     levels: Ints
     unit_cm: float
-    said: Mapping[str, Any] = field(default_factory=dict)
+    recipe_values: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Format(ABC):
-    """A way to read heights, with its options."""
+class Importer(ABC):
+    """Reads heights from one sort of file, with its options."""
 
     name: ClassVar[str]
     suffixes: ClassVar[tuple[str, ...]]
@@ -52,17 +52,17 @@ class Format(ABC):
 
     @abstractmethod
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """The heights in a file, in units of so many centimetres where that is said; a FileError where it has none."""
+        """The heights in a file, in units of `unit_cm` if that is given; a FileError if it has none."""
 
 
 def refuse_too_many_cells(path: Path, n_x: int, n_y: int) -> None:
-    """Raise a FileError where a file has too many cells to be read, or none: asked before they are."""
+    """Raise a FileError if a file has too many cells, or none; called before they are read."""
     if not 0 < n_x * n_y <= MOST_CELLS:
         raise FileError(f"{path}: {n_x} x {n_y} cells; from 1 up to {MOST_CELLS:,} can be read")
 
 
 def whole_units(path: Path, heights_cm: Array, unit_cm: float, *, rounded: bool) -> Ints:
-    """Heights [cm], shape (n_x, n_y), as levels; a FileError for the first that is none, if it is not to be rounded."""
+    """Heights [cm], shape (n_x, n_y), as levels; a FileError for the first that is no whole unit, unless `rounded`."""
     units = heights_cm / unit_cm
     levels = np.floor(units + 0.5)
     bad = ~np.isfinite(units) | (levels < 0) | (levels > _HIGHEST)
@@ -83,8 +83,8 @@ def _others(count: int) -> str:
     return f" ({count} more such cell{'s'[: count > 1]})" if count else ""
 
 
-def _problem(cls: type[Format]) -> str:
-    """What is wrong with the suffixes and the options of a plug-in's format."""
+def _problem(cls: type[Importer]) -> str:
+    """What is wrong with the suffixes and the options of a plug-in's importer."""
     for suffix in cls.suffixes:
         if not (suffix.startswith(".") and suffix.islower()):
             return f"reads files named *{suffix}; give a suffix such as .asc, in small letters"
@@ -92,19 +92,19 @@ def _problem(cls: type[Format]) -> str:
     return clash(cls, reserved) or ("" if cls() else "cannot be made without options")
 
 
-FORMATS: Registry[type[Format]] = Registry(
+IMPORTERS: Registry[type[Importer]] = Registry(
     "format of heights",
     package="rsegen.io.importers",
     group="rsegen.importers",
-    contract=Contract(base=Format, names=lambda cls: tuple(cls.suffixes), check=_problem),
+    contract=Contract(base=Importer, names=lambda cls: tuple(cls.suffixes), check=_problem),
 )
-"""Every format by the suffixes of its files."""
+"""Every importer by the suffixes of its files."""
 
-_Format = TypeVar("_Format", bound=type[Format])
+_Importer = TypeVar("_Importer", bound=type[Importer])
 
 
-def register(cls: _Format) -> _Format:
-    """Make a format known by the suffixes of its files."""
+def register(cls: _Importer) -> _Importer:
+    """Register an importer under the suffixes of its files."""
     for suffix in cls.suffixes:
-        FORMATS.add(suffix, cls)
+        IMPORTERS.add(suffix, cls)
     return cls

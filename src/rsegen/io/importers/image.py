@@ -1,4 +1,4 @@
-"""Grey images: a pixel a cell, with vertical risers between them."""
+"""Imports grey images: one pixel per cell, with vertical walls between heights."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array, Ints
-from rsegen.io.importers.base import USUAL_UNIT_CM, Format, Heights, refuse_too_many_cells, register
+from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
 from rsegen.params.places import Cell, Size2D
 from rsegen.params.sorts import Flag, Float, Integer
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Picture(Format):
+class Picture(Importer):
     """A grey image of 8 or 16 bits, white the highest; colours count by brightness, transparent parts as black."""
 
     name: ClassVar[str] = "image"
@@ -62,12 +62,12 @@ def brightness(path: Path, size: Cell | None = None) -> Array:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Image]:
-    """An image of which only the head is read yet; what goes wrong with it, then or later, is a FileError."""
+    """An image of which only the header is read yet; any error in it, now or later, is a FileError."""
     from PIL import Image, UnidentifiedImageError
 
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # its size is judged by us
+            warnings.simplefilter("ignore")  # its size is checked here
             with Image.open(path) as image:
                 yield image
     except UnidentifiedImageError:
@@ -79,7 +79,7 @@ def _opened(path: Path) -> Iterator[Image]:
 
 
 def _grey(image: Image) -> tuple[Image, float]:
-    """The image in numbers, and the one that is white. Resampling needs whole 32-bit numbers or floats."""
+    """The image as numbers, and the value of white. Resampling needs 32-bit integers or floats."""
     if image.mode.startswith("I"):
         return image.convert("I").convert("F"), 65535.0
     if "A" in image.getbands() or "transparency" in image.info:
@@ -91,7 +91,7 @@ def _grey(image: Image) -> tuple[Image, float]:
 
 
 def _box() -> int:
-    """The mean of the pixels in a cell."""
+    """Resampling to the mean of the pixels in a cell."""
     from PIL import Image
 
     return Image.Resampling.BOX

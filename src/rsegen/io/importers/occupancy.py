@@ -1,4 +1,4 @@
-"""Occupancy maps of ROS: map.yaml beside its image."""
+"""Imports occupancy maps of ROS: map.yaml with its image."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.io.importers.base import Format, Heights, register
+from rsegen.io.importers.base import Heights, Importer, register
 from rsegen.io.importers.image import brightness
 from rsegen.io.recipe_file import content
 from rsegen.params.sorts import Flag, Float, Integer, Json, Parameter, Text
@@ -29,7 +29,7 @@ _USUAL = {"negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.25}
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Occupancy(Format):
+class Occupancy(Importer):
     """A map of ROS (map_server, Nav2): occupied cells become walls of one unit, 100 cm if none is said."""
 
     name: ClassVar[str] = "occupancy map"
@@ -39,18 +39,18 @@ class Occupancy(Format):
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """A cell is occupied where its probability, dark being likely, is above `occupied_thresh`."""
-        said = _said(path)
-        bright = brightness(path.parent / said["image"])
-        probability = bright if said["negate"] else 1 - bright
-        walls = probability >= said["free_thresh"] if self.unknown else probability > said["occupied_thresh"]
+        metadata = _metadata(path)
+        bright = brightness(path.parent / metadata["image"])
+        probability = bright if metadata["negate"] else 1 - bright
+        walls = probability >= metadata["free_thresh"] if self.unknown else probability > metadata["occupied_thresh"]
         return Heights(
             levels=walls.astype(np.int32),
             unit_cm=unit_cm or _WALL_CM,
-            said={"block_width_cm": round(said["resolution"] * 100, 6)},
+            recipe_values={"block_width_cm": round(metadata["resolution"] * 100, 6)},
         )
 
 
-def _said(path: Path) -> dict[str, Json]:
+def _metadata(path: Path) -> dict[str, Json]:
     found = content(path)
     if not isinstance(found, Mapping):
         raise FileError(f"{path}: not a map of ROS; it has keys such as image: and resolution:")

@@ -1,4 +1,4 @@
-"""Heights in a table of text: what a person types in, a spreadsheet exports, or rsegen wrote."""
+"""Imports tables of heights: typed by hand, exported by a spreadsheet, or written by rsegen."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.stepfield import Array
-from rsegen.io.importers import listed
-from rsegen.io.importers.base import USUAL_UNIT_CM, Format, Heights, refuse_too_many_cells, register, whole_units
+from rsegen.io.importers import build_sheet
+from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register, whole_units
 from rsegen.io.text_files import text_of
 from rsegen.params.sorts import Choice, Flag
 
@@ -22,7 +22,7 @@ _OURS = re.compile(r"# block levels in units of ([0-9.]{1,12}) cm")
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Table(Format):
+class Table(Importer):
     """A row of numbers a line, the top row the largest y, apart by commas, semicolons, tabs or blanks; # comments."""
 
     name: ClassVar[str] = "table"
@@ -34,9 +34,9 @@ class Table(Format):
     rounded: Annotated[bool, Flag(help="round heights that are no whole units, which are refused otherwise")] = False
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """Blank and bad cells are refused with their place. A build sheet says all its parameters itself."""
+        """Blank and invalid cells are refused with their place. A build sheet has all its parameters in itself."""
         text = text_of(path, _MOST_MIB, "a table of heights")
-        if listed.is_list(text):
+        if build_sheet.is_build_sheet(text):
             return self._read_list(path, text, unit_cm)
         ours = _OURS.match(text)
         values = ("levels" if ours else "cm") if self.values == "auto" else self.values
@@ -47,14 +47,14 @@ class Table(Format):
     def _read_list(self, path: Path, text: str, unit_cm: float | None) -> Heights:
         if self.values not in ("auto", "cm"):
             raise ParameterError("values", f"{path} is a build sheet, whose heights are in cm; give no {self.values}")
-        said = listed.said(path, text)
-        unit = unit_cm or said.get("unit_cm", USUAL_UNIT_CM)
-        levels = whole_units(path, listed.heights_cm(path, text), unit, rounded=self.rounded)
-        return Heights(levels=levels, unit_cm=unit, said=said)
+        recipe_values = build_sheet.recipe_values(path, text)
+        unit = unit_cm or recipe_values.get("unit_cm", USUAL_UNIT_CM)
+        levels = whole_units(path, build_sheet.heights_cm(path, text), unit, rounded=self.rounded)
+        return Heights(levels=levels, unit_cm=unit, recipe_values=recipe_values)
 
 
 def centimetres(values: str, unit_cm: float) -> float:
-    """How many are in one of what a file's numbers are."""
+    """Centimetres of one unit of a file's numbers."""
     return {"cm": 1.0, "m": 100.0, "levels": unit_cm}[values]
 
 
@@ -75,11 +75,11 @@ def _numbers(path: Path, text: str) -> Array:
 
 
 def _cells(line: str) -> list[str]:
-    """A line's cells; where semicolons part them, a comma is a decimal point."""
+    """A line's cells; if semicolons separate them, a comma is a decimal point."""
     if ";" in line:
         return [cell.strip().replace(",", ".") for cell in line.split(";")]
-    joint = next((joint for joint in ",\t" if joint in line), None)
-    return [cell.strip() for cell in line.split(joint)]
+    delimiter = next((delimiter for delimiter in ",\t" if delimiter in line), None)
+    return [cell.strip() for cell in line.split(delimiter)]
 
 
 def _first_bad(rows: list[tuple[int, list[str]]]) -> str:

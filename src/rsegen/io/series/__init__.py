@@ -1,7 +1,7 @@
-"""Maps of difficulty that rises evenly, in one folder: for learning step by step, and for trials in steps."""
+"""Maps of evenly rising difficulty in one folder: for curriculum learning, and for trials of rising difficulty."""
 
-from rsegen.io.series.plan import Plan
-from rsegen.io.series.row import Row
+from rsegen.io.series.plan import SeriesPlan
 from rsegen.io.series.run import Series, series
+from rsegen.io.series.table import SeriesRow
 
-__all__ = ["Plan", "Row", "Series", "series"]
+__all__ = ["Series", "SeriesPlan", "SeriesRow", "series"]

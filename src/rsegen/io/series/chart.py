@@ -1,4 +1,4 @@
-"""How a series rises, as a picture: the rms step of every map, and plans of some of them."""
+"""The chart of a series: the rms step of every map, and plans of some of them."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy as np
 from rsegen.exporters.pictures.preview import draw_cells
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import Array
-from rsegen.io.series.plan import Plan
-from rsegen.io.series.row import Row
+from rsegen.io.series.plan import SeriesPlan
+from rsegen.io.series.table import SeriesRow
 from rsegen.recipe.codec import to_json
 
 if TYPE_CHECKING:
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PLANS = 8
-"""At most so many plans, evenly spaced."""
+"""Plans that are drawn at most, evenly spaced."""
 _INK, _LINE, _PALE = "#2b2b33", "#d6336c", "#a9a9b5"
 
 
-def chart(plan: Plan, rows: Sequence[Row]) -> bytes:
+def chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
     """A PNG, which carries the recipe at difficulty 1."""
     from matplotlib.figure import Figure
 
@@ -49,12 +49,12 @@ def _shown(maps: int) -> list[int]:
     return [int(number) for number in np.unique(np.rint(np.linspace(0, maps - 1, PLANS)))]
 
 
-def _scene(plan: Plan, row: Row) -> Scene:
+def _scene(plan: SeriesPlan, row: SeriesRow) -> Scene:
     recipe = replace(plan.whole(row.number), difficulty=row.recipe_difficulty)
     return compose(recipe, recipe.first_map)
 
 
-def _draw_rise(axes: Axes, plan: Plan, rows: Sequence[Row], shown: Sequence[int]) -> None:
+def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: Sequence[int]) -> None:
     from matplotlib.ticker import MaxNLocator
 
     numbers = np.array([row.number for row in rows])
@@ -78,13 +78,13 @@ def _draw_rise(axes: Axes, plan: Plan, rows: Sequence[Row], shown: Sequence[int]
     axes.legend(frameon=False, loc="lower right")
 
 
-def _centimetres(rows: Sequence[Row], name: str) -> Array:
-    """A column of the table; not a number where it has no value."""
+def _centimetres(rows: Sequence[SeriesRow], name: str) -> Array:
+    """A column of the table; NaN for values that do not exist."""
     found = (getattr(row, name) for row in rows)
     return np.array([np.nan if value is None else value * 100 for value in found], dtype=float)
 
 
-def _draw_plan(axes: Axes, scene: Scene, row: Row) -> None:
+def _draw_plan(axes: Axes, scene: Scene, row: SeriesRow) -> None:
     draw_cells(axes, scene)
     reached = "" if row.rms is None else f"\n{row.rms * 100:.3g} cm"
     axes.set_title(f"{row.number}: difficulty {row.difficulty:.3g}{reached}", fontsize=9, color=_INK)

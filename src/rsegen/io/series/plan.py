@@ -1,4 +1,4 @@
-"""Which maps a series has: one recipe for each, with a difficulty of its own."""
+"""The maps of a series: one recipe for each, with its own difficulty."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from rsegen.params.sorts import Flag, Float, validate
 from rsegen.recipe.recipe import Recipe
 
 DIGITS = 6
-"""Of a difficulty, so that recipes stay short."""
+"""Decimals of a difficulty, so that recipes stay short."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Plan:
+class SeriesPlan:
     """As many maps as the recipe has, of difficulty `from_` to `to` in equal steps.
 
-    What they are asked to measure lies on a straight line: difficulty * the mean rms step of all their fields as they
-    are. So a field that is rougher than others is eased more, and one that is less rough less.
+    Their target rms steps lie on a straight line: difficulty * the mean rms step of all their fields as designed. So a
+    field that is rougher than others is flattened more, and one that is less rough less.
     """
 
     recipe: Recipe
@@ -31,15 +31,15 @@ class Plan:
         if self.from_ > self.to:
             raise ParameterError("from", f"{shown(self.from_)} is above to, {shown(self.to)}; a series rises")
         if self.recipe.maps < 2:
-            raise ParameterError("maps", f"{self.recipe.maps} is no series; give 2 or more")
+            raise ParameterError("maps", f"{self.recipe.maps} maps are no series; give 2 or more")
         if self.recipe.difficulty != 1:
             given = shown(self.recipe.difficulty)
-            raise ParameterError("difficulty", f"{given} is for maps of one difficulty; give a series from and to")
+            raise ParameterError("difficulty", f"{given} is for maps of one difficulty; give from and to instead")
         self.whole(self.recipe.maps - 1)
 
     @property
     def fields(self) -> range:
-        """A number of a map for each of its fields."""
+        """The number of one map for each different field."""
         return range(1 if self.same_field else self.recipe.maps)
 
     def difficulty(self, number: int) -> float:
@@ -49,7 +49,7 @@ class Plan:
     def whole(self, number: int) -> Recipe:
         """The recipe of map `number` and no other, at difficulty 1.
 
-        Maps of one field have one index, for what is drawn goes by it; so each has its number in the recipe's name.
+        Maps of one field have the same index, which seeds their random draws; so the recipe's name has their number.
         """
         if self.same_field:
             return replace(self.recipe, name=f"{self.recipe.name}-{number:04d}", maps=1)

@@ -1,45 +1,42 @@
-"""A series on disk: its maps, a table of what they measure, and a picture of how they rise."""
+"""Writes a series: its maps, a table of what they measure, and a chart of how they rise.
+
+recipe --plan_series--> SeriesRun --run--> rows and maps --> Series
+"""
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import prod
 from pathlib import Path
 
-from rsegen.errors import ParameterError
 from rsegen.exporters.formats import Format
 from rsegen.exporters.scene import compose
-from rsegen.io.existing import is_complete
-from rsegen.io.resources import (
-    BYTES_A_CELL_OF_DIFFICULTY,
-    BYTES_A_CELL_OF_METRICS,
-    maps_at_once,
-    refuse_too_large,
-    refuse_too_many,
-)
-from rsegen.io.series.line import asked, mean, rms_full
-from rsegen.io.series.plan import Plan
-from rsegen.io.series.row import Row, measured, table
+from rsegen.io.existing import OnExisting, refuse_other_map
+from rsegen.io.resources import BYTES_PER_CELL_OF_DIFFICULTY, BYTES_PER_CELL_OF_METRICS, check_needs
+from rsegen.io.series.plan import SeriesPlan
+from rsegen.io.series.table import SeriesRow, rows_as_csv, series_row
+from rsegen.io.series.target import map_target, mean, rms_full
 from rsegen.io.sidecars import Sidecars
-from rsegen.io.work import WORKERS, carried_out, each
-from rsegen.io.worlds import GeneratedMap, made, seconds
-from rsegen.io.writer import clear_away, refuse_not_a_folder, refuse_taken, refuse_taken_file, write_file
+from rsegen.io.work import WORKERS, RunPlan, run, run_each
+from rsegen.io.worlds import GeneratedMap, seconds_per_world, write_world
+from rsegen.io.writer import refuse_not_a_folder, refuse_taken, refuse_taken_file, write_file
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.recipe import Recipe
 
 TABLE, PICTURE = "series.csv", "series.png"
-_BYTES_A_CELL = BYTES_A_CELL_OF_METRICS + BYTES_A_CELL_OF_DIFFICULTY
+_BYTES_PER_CELL = BYTES_PER_CELL_OF_METRICS + BYTES_PER_CELL_OF_DIFFICULTY
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Series:
-    """A series on disk: a row for each map; `maps` are those that were made, the others were there already."""
+    """A series on disk: a row for each map; `maps` are those that were made, the others existed already."""
 
-    plan: Plan
+    plan: SeriesPlan
     folder: Path
-    rows: tuple[Row, ...]
+    rows: tuple[SeriesRow, ...]
     maps: tuple[GeneratedMap, ...]
 
     @property
@@ -49,7 +46,7 @@ class Series:
 
     @property
     def picture(self) -> Path:
-        """The measure over the maps, and plans of some of them."""
+        """The chart: rms steps over the maps, and plans of some of them."""
         return self.folder / PICTURE
 
 
@@ -67,123 +64,117 @@ def series(  # noqa: PLR0913  # each is a flag of the command
     sheet: bool = False,
     formats: Sequence[Format] = (),
     workers: int = 1,
-    progress: Callable[[Row], None] | None = None,
+    progress: Callable[[SeriesRow], None] | None = None,
 ) -> Series:
     """Write maps of evenly rising difficulty, series.csv and series.png into a folder; as many as the recipe has.
 
-    With `same_field` all are one field, else each is a new one. The rest is as in `generate`; `progress` is told of
-    each map that is done. Table and picture come last, whole or not at all.
+    With `same_field` all are one field, else each is a new one. The rest is as in `generate`; `progress` is called
+    with the row of each map that is done. Table and picture come last, whole or not at all.
     """
-    folder, workers = Path(folder), WORKERS.check("workers", workers)
-    if force and resume:
-        raise ParameterError("resume", "--resume and --force exclude each other")
-    plan = Plan(
-        recipe=recipe if maps is None else replace(recipe, maps=maps), from_=from_, to=to, same_field=same_field
-    )
-    extras = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
-    extras.refuse(plan.recipe)
-    refuse_too_large(plan.recipe, _BYTES_A_CELL + extras.bytes_a_cell)
+    recipe = recipe if maps is None else dataclasses.replace(recipe, maps=maps)
+    series_plan = SeriesPlan(recipe=recipe, from_=from_, to=to, same_field=same_field)
+    sidecars = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
+    on_existing = OnExisting.of(force=force, resume=resume)
+    plan = plan_series(series_plan, Path(folder), sidecars, on_existing, workers)
+    results = run(plan, progress and (lambda result: progress(result[0])))
+    rows, made = tuple(row for row, _ in results), tuple(made for _, made in results if made)
+    _write_both(series_plan, rows, plan.folder, replace=force or resume)
+    return Series(plan=series_plan, folder=plan.folder, rows=rows, maps=made)
+
+
+RowAndMap = tuple[SeriesRow, GeneratedMap | None]
+"""The row of a map, and the map itself if it was made."""
+
+SeriesRun = RunPlan[int, RowAndMap]
+"""The plan of a run that makes a series; its items are the numbers of maps, which are all measured for their rows."""
+
+
+def plan_series(
+    plan: SeriesPlan, folder: Path, sidecars: Sidecars, on_existing: OnExisting, workers: int = 1
+) -> SeriesRun:
+    """Check that a series can be made in a folder, measure its fields, and plan it; nothing is written."""
+    workers, numbers = WORKERS.check("workers", workers), range(plan.recipe.maps)
+    sidecars.refuse(plan.recipe)
     refuse_not_a_folder(folder)
-    refuse_too_many(plan.recipe.maps, folder)
-    work = _Work(plan=plan, folder=folder, replace=force or resume, extras=extras, resume=resume)
-    work = _ready(work, workers)
-    found = carried_out(work, work.numbers, workers, progress and (lambda done: progress(done[0])))
-    rows, made_ones = tuple(row for row, _ in found), tuple(one for _, one in found if one)
-    _write_both(plan, rows, folder, force=force or resume)
-    return Series(plan=plan, folder=folder, rows=rows, maps=made_ones)
+    needs = check_needs([plan.recipe], len(numbers), folder, _BYTES_PER_CELL + sidecars.bytes_per_cell)
+    workers = min(workers, needs.maps_at_once)
+    replaces, keeps = on_existing is not OnExisting.REFUSE, on_existing is OnExisting.KEEP
+    for name in (TABLE, PICTURE):
+        refuse_taken_file(folder / name, force=replaces)
+    if not keeps:
+        refuse_taken((folder / plan.map_name(number) for number in numbers), force=replaces)
+    rms = mean(tuple(run_each(_FieldTask(plan=plan), plan.fields, workers)))
+    existing = _existing(plan, rms, folder, sidecars) if keeps else []
+    return RunPlan(
+        folder=folder,
+        task=_SeriesTask(
+            plan=plan, folder=folder, sidecars=sidecars, mean=rms, existing=frozenset(existing), replaces=replaces
+        ),
+        to_make=numbers,
+        existing=existing,
+        makes=lambda name: name in map(plan.map_name, numbers),
+        needs=needs,
+        workers=workers,
+        resumes=keeps,
+    )
+
+
+def _existing(plan: SeriesPlan, rms: float, folder: Path, sidecars: Sidecars) -> list[int]:
+    """The numbers of the maps that are complete; an OutputError if something else has the name of a map."""
+    complete = []
+    for number in range(plan.recipe.maps):
+        home = str(folder / plan.map_name(number))
+        if os.path.lexists(home):
+            refuse_other_map(home, to_json(map_target(plan, number, rms).recipe).encode())
+            if sidecars.complete_in(home):
+                complete.append(number)
+    return complete
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class _Fields:
-    """What the fields of a series measure as they are."""
+class _FieldTask:
+    """Measures the fields of a series as designed."""
 
-    plan: Plan
+    plan: SeriesPlan
 
     @property
     def seconds(self) -> float:
         return 1.5e-4 + prod(self.plan.recipe.grid.shape) * 3e-8
 
-    @property
-    def at_once(self) -> int:
-        return maps_at_once(self.plan.recipe, _BYTES_A_CELL)
-
     def __call__(self, numbers: Iterable[int], /) -> tuple[float | None, ...]:
         return tuple(rms_full(self.plan, number) for number in numbers)
 
 
-Done = tuple[Row, GeneratedMap | None]
-"""A map's row, and the map itself where it was made."""
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
-class _Work:
-    """What a worker is told; `mean` is the rms step of difficulty 1, metres."""
+class _SeriesTask:
+    """Makes and measures maps by their numbers; `mean` is the rms step of difficulty 1, metres."""
 
-    plan: Plan
+    plan: SeriesPlan
     folder: Path
-    replace: bool
-    extras: Sidecars
-    resume: bool
-    mean: float = 0.0
-
-    @property
-    def numbers(self) -> range:
-        return range(self.plan.recipe.maps)
+    sidecars: Sidecars
+    mean: float
+    existing: frozenset[int]
+    replaces: bool
 
     @property
     def seconds(self) -> float:
         n_x, n_y = self.plan.recipe.grid.shape
-        return seconds(self.plan.recipe, self.extras) + 3e-3 + n_x * n_y * 1e-6
+        return seconds_per_world(self.plan.recipe, self.sidecars) + 3e-3 + n_x * n_y * 1e-6
 
-    @property
-    def at_once(self) -> int:
-        return maps_at_once(self.plan.recipe, _BYTES_A_CELL + self.extras.bytes_a_cell)
+    def __call__(self, numbers: Iterable[int], /) -> tuple[RowAndMap, ...]:
+        return tuple(map(self._row_and_map, numbers))
 
-    def home(self, number: int) -> Path:
-        return self.folder / self.map_name(number)
-
-    def map_name(self, number: int) -> str:
-        return self.plan.map_name(number)
-
-    def __call__(self, numbers: Iterable[int], /) -> tuple[Done, ...]:
-        return tuple(map(self.done, numbers))
-
-    def done(self, number: int) -> Done:
-        on_line = asked(self.plan, number, self.mean)
-        scene = compose(on_line.recipe, on_line.recipe.first_map)
-        there = self.stands(number, on_line.recipe)
-        one = None if there else made(scene, self.folder, self.extras, replace=self.replace)
-        return measured(number, self.plan.difficulty(number), scene, on_line.rms, on_line.full), one
-
-    def refuse_others(self) -> None:
-        """Raise an OutputError where something else than its map has a map's name."""
-        for number in (number for number in self.numbers if os.path.lexists(self.home(number))):
-            self.stands(number, asked(self.plan, number, self.mean).recipe)
-
-    def stands(self, number: int, recipe: Recipe) -> bool:
-        """Whether the map of that recipe is there already, where that is asked; an OutputError where it is another."""
-        home = self.home(number)
-        if not (self.resume and os.path.lexists(home)):
-            return False
-        return is_complete(str(home), to_json(recipe).encode(), self.extras.stand)
+    def _row_and_map(self, number: int) -> RowAndMap:
+        target = map_target(self.plan, number, self.mean)
+        scene, made = compose(target.recipe, target.recipe.first_map), None
+        if number not in self.existing:
+            made = write_world(scene, self.folder, self.sidecars, replace=self.replaces)
+        return series_row(number, self.plan.difficulty(number), scene, target.rms, target.rms_full), made
 
 
-def _ready(work: _Work, workers: int) -> _Work:
-    """The same with its mean, and nothing in its way."""
-    for name in (TABLE, PICTURE):
-        refuse_taken_file(work.folder / name, force=work.replace)
-    if not work.resume:
-        refuse_taken(map(work.home, work.numbers), force=work.replace)
-    work = replace(work, mean=mean(tuple(each(_Fields(plan=work.plan), work.plan.fields, workers))))
-    if work.resume:
-        work.refuse_others()
-        clear_away(work.folder, lambda name: name in map(work.map_name, work.numbers))
-    return work
-
-
-def _write_both(plan: Plan, rows: tuple[Row, ...], folder: Path, *, force: bool) -> None:
+def _write_both(plan: SeriesPlan, rows: tuple[SeriesRow, ...], folder: Path, *, replace: bool) -> None:
     from rsegen.io.series.chart import chart
 
-    content = {TABLE: table(rows), PICTURE: chart(plan, rows)}
+    content = {TABLE: rows_as_csv(rows), PICTURE: chart(plan, rows)}
     for name, whole in content.items():
-        write_file([whole], folder / name, force=force)
+        write_file([whole], folder / name, force=replace)

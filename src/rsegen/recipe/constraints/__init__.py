@@ -1,8 +1,8 @@
-r"""What a map keeps to, whatever its obstacles: a largest step, a robot that gets across, the blocks that there are.
+"""Changes a map until it meets its constraints: a largest step, a robot that can cross, the blocks in stock.
 
-    StepField --evened, fitted--> StepField --lowered, again and again--> StepField that keeps to all of it
+    StepField --step_limited, fitted_to_inventory--> StepField --lowered_to, repeated--> StepField
 
-Blocks are only lowered in the end, and a field of nothing keeps to everything, so it ends.
+The repeated part only lowers blocks, and a flat field meets every constraint, so it ends.
 """
 
 from __future__ import annotations
@@ -14,32 +14,32 @@ import numpy as np
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.params.streams import generator
 from rsegen.recipe.constraints import crossing, steps
-from rsegen.recipe.constraints.inventory import Blocks, fitted, lowered
-from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.constraints.inventory import Blocks, fitted_to_inventory, lowered_to
+from rsegen.recipe.map_design import MapDesign
 
 
-def constrained(field: StepField, recipe: Recipe, index: int) -> StepField:
-    """Map `index` of a recipe as its constraints have it; the same field where there are none."""
-    if not recipe.is_constrained:
+def constrained(field: StepField, design: MapDesign, index: int) -> StepField:
+    """The field of map `index`, changed so that it meets the constraints of its design; unchanged if there are none."""
+    if not design.is_constrained:
         return field
-    if recipe.max_step is not None:
-        field = _with(field, steps.evened(field, recipe.max_step))
+    if design.max_step is not None:
+        field = _with(field, steps.step_limited(field, design.max_step))
     left: Blocks | None = None
-    if recipe.inventory is not None:
-        levels, left = fitted(field, recipe.inventory, generator(recipe.seed, index, "inventory"))
+    if design.inventory is not None:
+        levels, left = fitted_to_inventory(field, design.inventory, generator(design.seed, index, "inventory"))
         field = _with(field, levels)
-    while (caps := _caps(field, recipe)) is not None:
-        field = _with(field, lowered(field.levels, caps, left))
+    while (caps := _caps(field, design)) is not None:
+        field = _with(field, lowered_to(field.levels, caps, left))
     return field
 
 
-def _caps(field: StepField, recipe: Recipe) -> Ints | None:
-    """The highest levels that its blocks may have; None where they are no higher."""
-    if recipe.max_step is not None:
-        caps = steps.caps(field, recipe.max_step)
+def _caps(field: StepField, design: MapDesign) -> Ints | None:
+    """The highest level that each block may have, for a constraint that is not met yet; None if all are met."""
+    if design.max_step is not None:
+        caps = steps.caps(field, design.max_step)
         if (field.levels > caps).any():
             return caps
-    return crossing.caps(field, recipe.climber) if recipe.climber else None
+    return crossing.caps(field, design.climber) if design.climber else None
 
 
 def _with(field: StepField, levels: Ints) -> StepField:

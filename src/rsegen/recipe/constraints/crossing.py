@@ -1,20 +1,20 @@
-"""A robot gets across, from west to east and from south to north: what is in its way is lowered."""
+"""Lowers blocks so that a robot can cross a map from west to east and from south to north."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from rsegen.field.metrics.ground import lane
-from rsegen.field.metrics.opening import opening
-from rsegen.field.metrics.reach import crossing
-from rsegen.field.metrics.robot_limits import NANOMETRES, RobotLimits, cells_aside
+from rsegen.field.metrics.percolation import percolation
+from rsegen.field.metrics.robot_limits import NANOMETRES, RobotLimits, cells_to_each_side
+from rsegen.field.metrics.traversability import crossing
 from rsegen.field.stepfield import Ints, StepField
 
 _ANYTHING = 2**30
 
 
 def caps(field: StepField, climber: RobotLimits) -> Ints | None:
-    """The highest levels that a way has which the robot gets along; None where it gets across both ways already."""
+    """The highest levels along a path on which the robot can cross; None if it can cross both ways already."""
     for axis in (0, 1):
         if not crossing(field, climber, axis).crosses:
             return _along(field, climber, axis)
@@ -22,11 +22,11 @@ def caps(field: StepField, climber: RobotLimits) -> Ints | None:
 
 
 def _along(field: StepField, climber: RobotLimits, axis: int) -> Ints:
-    """Of the cheapest way of those whose highest step is least."""
-    opens = opening(field, climber.width)
+    """The highest levels along the cheapest of the paths whose highest step is least."""
+    opens = percolation(field, climber.width)
     step = (opens.west_east, opens.south_north)[axis]
     path = crossing(field, RobotLimits.of(step, climber.width), axis).path
-    aside = cells_aside(field, climber.width)
+    aside = cells_to_each_side(field, climber.width)
     found = np.full(field.shape, _ANYTHING)
     for (i, j), top in zip(path, _tops(field, climber, axis, path), strict=True):
         under = slice(max(i - aside, 0), max(i + aside + 1, 0)), slice(max(j - aside, 0), max(j + aside + 1, 0))
@@ -35,8 +35,8 @@ def _along(field: StepField, climber: RobotLimits, axis: int) -> Ints:
 
 
 def _tops(field: StepField, climber: RobotLimits, axis: int, path: Ints) -> Ints:
-    """The highest level for all that is under the robot at each cell of its path, so that it gets on from each."""
-    margin = cells_aside(field, climber.width) + 1
+    """The highest level below the robot at each cell of its path, such that it can go on from there."""
+    margin = cells_to_each_side(field, climber.width) + 1
     along = (path if axis == 0 else path[:, ::-1]) + (margin, 0)
     tops = lane(field, climber.width, axis).heights[along[:, 0], along[:, 1]]
     climb, drop = climber.limits

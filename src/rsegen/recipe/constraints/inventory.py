@@ -1,4 +1,4 @@
-"""The blocks that a lab owns, and a map that is built of them alone."""
+"""Fits the levels of a map to the blocks that a lab has in stock."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ from numpy.typing import NDArray
 from rsegen.field.stepfield import Ints, StepField
 
 Blocks = NDArray[np.int64]
-"""How many blocks there are of each level; of level 0, which is none, always more than enough."""
+"""Number of blocks in stock of each level; of level 0, which needs no block, more than enough."""
 
 _ENOUGH = 2**40
 
 
-def fitted(field: StepField, owned: Sequence[int], rng: np.random.Generator) -> tuple[Ints, Blocks]:
-    """Levels for which there are blocks, and those that are left: too many of one length are replaced by the nearest.
+def fitted_to_inventory(field: StepField, owned: Sequence[int], rng: np.random.Generator) -> tuple[Ints, Blocks]:
+    """Levels for which there are blocks, and the blocks that are left over.
 
-    owned: how many blocks of level 1, 2, ...; which of too many keep theirs is drawn.
+    owned: number of blocks of level 1, 2, ... Where a level needs more than that, cells drawn at random get the
+    nearest other level.
     """
     levels = field.levels.astype(np.int64)
     needed = np.bincount(levels[~field.frame], minlength=len(owned) + 1)
@@ -36,12 +37,12 @@ def fitted(field: StepField, owned: Sequence[int], rng: np.random.Generator) -> 
 
 
 def blocks(owned: Sequence[int], levels: int) -> Blocks:
-    """An inventory as a row of so many levels."""
+    """An inventory as an array over `levels` levels."""
     return np.array([_ENOUGH, *owned, *[0] * (levels - 1 - len(owned))], dtype=np.int64)
 
 
-def lowered(levels: Ints, caps: Ints, left: Blocks | None) -> Ints:
-    """Levels no higher than `caps`, made of the blocks that are left, which change; None: there are always more."""
+def lowered_to(levels: Ints, caps: Ints, left: Blocks | None) -> Ints:
+    """Levels no higher than `caps`, from the blocks that are left (changed in place); None: any number of blocks."""
     found = levels.astype(np.int64)
     if left is None:
         return np.minimum(found, caps)
@@ -54,6 +55,6 @@ def lowered(levels: Ints, caps: Ints, left: Blocks | None) -> Ints:
 
 
 def _nearest(level: int, levels: int) -> list[int]:
-    """The other levels, the nearest first, of two as near the lower."""
+    """All other levels, nearest first; of two that are equally near, the lower first."""
     pairs = ((level - apart, level + apart) for apart in range(1, levels))
     return [other for other in chain.from_iterable(pairs) if 0 <= other < levels]

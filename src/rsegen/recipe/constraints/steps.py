@@ -1,4 +1,4 @@
-"""No two neighbouring blocks differ by more than so many levels; where a frame is between, they are no neighbours."""
+"""Limits the height difference between neighbouring blocks; blocks on two sides of a frame are not neighbours."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from rsegen.field.stepfield import Ints, StepField
 _ANYTHING = 2**30
 
 
-def evened(field: StepField, limit: int) -> Ints:
-    """Levels half-way between the highest below the field and the lowest above it that keep to the limit.
+def step_limited(field: StepField, limit: int) -> Ints:
+    """Levels whose neighbours differ by `limit` at most: steeper slopes are flattened on both sides, the rest stays.
 
-    So flanks that are too steep give way on both sides, and all that is not stays.
+    Half-way between the highest such levels below the field and the lowest above it.
     """
     low, high = _envelope(field.levels, field, limit), -_envelope(-field.levels, field, limit)
     return np.asarray(np.where(field.frame, 0, (low + high) // 2))
 
 
 def caps(field: StepField, limit: int) -> Ints:
-    """The highest level that each block may have where none is raised."""
+    """The highest level that each block may have to meet the limit, if no block is raised."""
     return _envelope(field.levels, field, limit)
 
 
 def _envelope(levels: Ints, field: StepField, limit: int) -> Ints:
-    """min over all blocks of level + limit * way to them, from block to block; beyond all levels in frame cells."""
+    """min over all blocks of level + limit * distance from block to block; above all levels in frame cells."""
     found = np.where(field.frame, _ANYTHING, levels.astype(np.int64))
     while True:
         p = np.pad(found, 1, constant_values=_ANYTHING)

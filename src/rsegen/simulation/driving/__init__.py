@@ -1,4 +1,5 @@
-"""Robots driven over maps in a simulator: where they start, how they go, and what comes of it.
+"""Robots driven over maps in a simulator: start poses, routes, trajectories and metrics.
 
-crew(scene, ...) -> drivers; driven(installation, world, drivers) -> tracks; measured(track) -> Trip.
+robot_runs(field, ...) -> runs; record_drive(installation, world, runs) -> recording;
+drive_metrics(trajectory) -> metrics.
 """

@@ -1,4 +1,4 @@
-"""A camera of Gazebo's own that looks at a map, and what it saw."""
+"""A camera sensor of Gazebo that looks at a map, and its last picture."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _AZIMUTH = pi / 4
 
 
 def camera(extent: tuple[float, float], frames: Path) -> str:
-    """A model that looks at a map of so many metres along x and y from the south-west, and saves a picture a second.
+    """The model of a camera that looks at a map of this extent from the south-west and saves a picture per second.
 
     Its server needs a screen, if only a virtual one.
     """
@@ -43,5 +43,7 @@ def last_frame(frames: Path) -> bytes:
     """The last picture that was saved, a JPEG."""
     found = sorted(frames.glob("*.jpg"), key=lambda path: (len(path.name), path.name))
     if not found:
-        raise SimulatorFailed("the camera saw nothing: the simulator could not draw (is there a screen with OpenGL?)")
+        raise SimulatorFailed(
+            "the camera saved no picture: the simulator could not render (is there a screen with OpenGL?)"
+        )
     return found[-1].read_bytes()

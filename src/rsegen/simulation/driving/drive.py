@@ -1,139 +1,110 @@
-"""Robots driven over a world in a simulator, and where they were meanwhile."""
+"""`rsegen.drive`: robots driven over a map in a Gazebo server, and how far each got."""
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import astuple, dataclass, replace
-from math import ceil
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
+from rsegen.errors import ParameterError, shown
+from rsegen.exporters.scene import Scene
+from rsegen.params.sorts import Choice, Float, Integer, ListOf, Parameter
+from rsegen.params.streams import SEEDS, fresh_seed
+from rsegen.simulation.driving.contacts import contact_shares
+from rsegen.simulation.driving.drive_metrics import drive_metrics
+from rsegen.simulation.driving.drive_result import DrivenRobot, DriveResult
+from rsegen.simulation.driving.recording import DriveRecording, RobotRun, record_drive
+from rsegen.simulation.driving.robot_runs import ROUTES, driving_speed, finish_x, robot_runs
+from rsegen.simulation.driving.routes import Straight
+from rsegen.simulation.robots import robot as robot_named
+from rsegen.simulation.robots.base import DrivableRobot
+from rsegen.simulation.robots.sdf_file import from_file
+from rsegen.simulation.robots.solids import Vector
+from rsegen.simulation.simulators.launching import choose_installation, has_screen
+from rsegen.simulation.worlds import Target, world_of
 
-from rsegen.errors import SimulatorFailed
-from rsegen.simulation.driving.camera import camera, last_frame
-from rsegen.simulation.driving.contacts import Looks
-from rsegen.simulation.driving.drive_metrics import Track
-from rsegen.simulation.driving.routes import Route
-from rsegen.simulation.driving.world_with_robots import arena, step_of
-from rsegen.simulation.robots.base import Driven
-from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.live import Contact, LiveWorld, Pose, Record
-from rsegen.simulation.simulators.server import attempted, serving
-
-PERIOD = 0.05
-"""Seconds between two rows of a track."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Driver:
-    """A robot under a name, where it starts, and how it drives. Its route is made anew for every attempt."""
-
-    name: str
-    robot: Driven
-    start: Pose
-    route: Callable[[], Route]
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Drive:
-    """The track of every robot by its name, what touched what, the simulator's error lines, what its camera saw."""
-
-    tracks: Mapping[str, Track]
-    looks: Looks
-    errors: Sequence[str]
-    seen: bytes = b""
+ROBOTS, DURATION, SEED, ROUTE = Integer(1, 100), Float(0.1, 1e5, unit="s"), Integer(0, SEEDS - 1), Choice(ROUTES)
+OF_A_FILE: Mapping[str, Parameter] = {
+    "size": ListOf(Float(0.01, 100, unit="m"), 3),
+    "speed": Float(0.001, 100, unit="m/s"),
+    "turn": Float(0.001, 100, unit="rad/s"),
+}
+"""What only the user knows of a robot in an SDF file."""
 
 
-def driven(
-    here: Installation,
-    world: Path,
-    drivers: Sequence[Driver],
-    seconds: float,
-    progress: Callable[[float], None] = lambda _: None,
+def drive(  # noqa: PLR0913  # each is a flag of the command
+    target: Target,
     *,
-    watched: tuple[float, float] | None = None,
-) -> Drive:
-    """Drive all of them for so many simulated seconds; a server that is lost is tried again.
-
-    The same drivers, world and simulator give the same tracks; `progress` is told the seconds that are done. `watched`
-    is the extent of what a camera looks at, metres; it needs a screen.
-    """
-    with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
-        frames = Path(folder, "frames")
-        models = [driver.robot.model(driver.name, here.dialect, astuple(driver.start)) for driver in drivers]
-        text = arena(world, [*models, camera(watched, frames)] if watched else models, unthrottled=True)
-        file = Path(folder, world.name)
-        file.write_text(text, "utf-8")
-        trial = _Trial(file=file, models=world.absolute().parent.parent, drivers=drivers, step=step_of(text))
-        drive = attempted(lambda: trial.run(here, seconds, progress, screen=watched is not None))
-        return replace(drive, seen=last_frame(frames)) if watched else drive
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Trial:
-    """One attempt: a world with its robots in a file, where its models are, and the seconds that a step is."""
-
-    file: Path
-    models: Path
-    drivers: Sequence[Driver]
-    step: float
-
-    def run(self, here: Installation, seconds: float, progress: Callable[[float], None], *, screen: bool) -> Drive:
-        """In a server of its own."""
-        simulator, seen = here.simulator, Record()
-        options = simulator.recording(PERIOD)
-        with serving(here, self.file, models=self.models, options=options, screen=screen) as server:
-            with server.live() as live:
-                looks = drive_in_steps(live, self.drivers, seconds, self.step, progress, seen)
-                end = live.clock().simulated
-            errors = server.errors
-            server.stop()
-            states = simulator.record(server.home) or seen
-        tracks = {driver.name: _track(driver.name, states, end) for driver in self.drivers}
-        return Drive(tracks=tracks, looks=looks, errors=errors)
-
-
-def drive_in_steps(
-    live: LiveWorld,
-    drivers: Sequence[Driver],
-    seconds: float,
-    step: float,
+    map: int | str | None = None,  # noqa: A002  # the flag's name
+    robot: str | os.PathLike[str] | DrivableRobot = "burger",
+    size: Vector | None = None,
+    speed: float | None = None,
+    turn: float | None = None,
+    robots: int = 1,
+    route: str = "straight",
+    duration: float = 30.0,
+    seed: int | None = None,
+    output: str | Path | None = None,
+    picture: bool = False,
+    force: bool = False,
     progress: Callable[[float], None] = lambda _: None,
-    seen: Record | None = None,
-) -> Looks:
-    """Ask for each robot's motion, tell it, go on for a period, and so on for so many simulated seconds, or until all
-    are done.
+) -> DriveResult:
+    """Drive robots over a map in a Gazebo server without a window, and give the metrics and trajectory of each.
 
-    step: the seconds of a step of the world's physics; `seen` is given where they were at each period's beginning; what
-    touched what then is what comes back.
+    robot: a kind, the SDF file of a model, or a robot; size [m], speed [m/s] and turn [rad/s] are for an SDF file;
+    duration: seconds of simulation time, with which `progress` is called; output: a folder for the files of the result.
+    The same seed and simulator give the same trajectories. UserError if a value is wrong or no Gazebo is installed.
     """
-    routes = {driver.name: driver.route() for driver in drivers}
-    period = min(route.period for route in routes.values())
-    looks: list[tuple[float, Sequence[Contact]]] = []
-    for turn in range(ceil(round(seconds / step) / round(period / step))):
-        poses = live.poses()
-        if seen is not None:
-            seen.append((turn * period, {driver.name: list(astuple(poses[driver.name])) for driver in drivers}))
-        if all(route.is_done(poses[name]) for name, route in routes.items()):
-            break
-        steer(live, drivers, routes, poses)
-        done = min((turn + 1) * period, seconds)
-        looks.append((turn * period, live.advance_feeling(round((done - turn * period) / step))))
-        progress(done)
-    return looks
+    model = _robot(robot, {"size": size, "speed": speed, "turn": turn})
+    seed = fresh_seed() if seed is None else SEED.check("seed", seed)
+    count, seconds = ROBOTS.check("robots", robots), DURATION.check("duration", duration)
+    route = ROUTE.check("route", route)
+    _check_picture(output, picture=picture)
+    world = world_of(target, map)
+    here, scene = choose_installation(world.made_for, "classic"), world.scene()
+    runs = robot_runs(scene.field, model, route, count=count, seed=seed)
+    with world.on_disk() as file:
+        extent = scene.field.extent if picture else None
+        recording = record_drive(here, file, runs, seconds, progress, camera_extent=extent)
+    result = DriveResult(
+        scene=scene,
+        simulator=str(here),
+        route=route,
+        seed=seed,
+        robots=tuple(_driven(run, scene, recording, route) for run in runs),
+        errors=tuple(recording.errors),
+        contact_samples=recording.samples,
+        image=recording.image,
+    )
+    if output is not None:
+        result.write(output, force=force)
+    return result
 
 
-def steer(live: LiveWorld, drivers: Sequence[Driver], routes: Mapping[str, Route], poses: Mapping[str, Pose]) -> None:
-    """Tell every robot what its route asks for where it is."""
-    for driver in drivers:
-        v, w = routes[driver.name].motion(poses[driver.name])
-        live.tell(driver.robot.command(driver.name, v, w, live.dialect))
+def _robot(robot: str | os.PathLike[str] | DrivableRobot, given: Mapping[str, object]) -> DrivableRobot:
+    """A robot of a kind or of an SDF file; only for a file may the user give size, speed and turn rate."""
+    given = {name: value for name, value in given.items() if value is not None}
+    if isinstance(robot, os.PathLike) or (isinstance(robot, str) and robot.endswith(".sdf")):
+        values = {name: OF_A_FILE[name].check(name, value) for name, value in given.items()}
+        return replace(from_file(os.fspath(robot)), **values)
+    for name in given:
+        kind = robot if isinstance(robot, str) else robot.kind
+        raise ParameterError(name, f"is for the robot of a file; {shown(kind)} has its own")
+    return robot_named(robot, "robot") if isinstance(robot, str) else robot
 
 
-def _track(name: str, states: Record, end: float) -> Track:
-    """The rows of a robot; a record says nothing of a time in which nothing moved."""
-    rows = [[second, *poses[name]] for second, poses in states if name in poses]
-    if not rows:
-        raise SimulatorFailed(f"the simulator kept no record of {name}")
-    return Track(rows=np.array([*rows, [max(end, rows[-1][0]), *rows[-1][1:]]]))
+def _check_picture(output: str | Path | None, *, picture: bool) -> None:
+    if picture and output is None:
+        raise ParameterError("picture", "needs a folder to write into; give an output folder, as in -o DIR")
+    if picture and not has_screen():
+        raise ParameterError("picture", "Gazebo's camera needs a screen, and there is none; run under xvfb-run -a")
+
+
+def _driven(run: RobotRun, scene: Scene, recording: DriveRecording, route: str) -> DrivenRobot:
+    """The result of one robot."""
+    trajectory = recording.trajectories[run.name]
+    goal = finish_x(scene.field, run.robot) if route == Straight.name else None
+    shares = contact_shares(recording.samples, run.name)
+    metrics = drive_metrics(trajectory, driving_speed(run.robot), goal, shares)
+    return DrivenRobot(name=run.name, kind=run.robot.kind, start=run.start, metrics=metrics, trajectory=trajectory)

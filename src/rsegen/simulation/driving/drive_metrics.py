@@ -1,4 +1,4 @@
-"""What came of a drive: the track of a robot, and what is measured on it."""
+"""The trajectory of a robot, and the metrics of it."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ TIPPED = radians(75)
 """Radians between a robot's upright and the vertical, beyond which it has tipped over."""
 
 SLOW = 0.1
-"""A robot is stuck while it comes on less than this share of its speed, taken over a second."""
+"""A robot is stuck during a second in which it moves by less than this share of its speed."""
 
 COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Track:
-    """Where a robot was: rows of COLUMNS, seconds, metres and radians, shape (n, 7)."""
+class Trajectory:
+    """The poses of a robot over time: rows of COLUMNS in seconds, metres and radians, shape (n, 7)."""
 
     rows: Array
 
@@ -32,23 +32,23 @@ class Track:
 
     @property
     def has_tipped(self) -> bool:
-        """Whether it lies at the end."""
+        """Whether the robot has tipped over at the end."""
         return bool(self.tilt[-1] > TIPPED)
 
     def csv(self) -> Iterator[str]:
-        """Its rows as text."""
+        """The lines of a CSV file."""
         yield ",".join(COLUMNS) + "\n"
         for row in self.rows.tolist():
             yield ",".join(f"{number:.4f}".rstrip("0").rstrip(".") for number in row) + "\n"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Trip:
-    """What is measured on a track.
+class DriveMetrics:
+    """The metrics of a drive of one robot.
 
-    distance: metres along the way; crossed: seconds until the whole robot was beyond the map, None where it never was
-    stuck: seconds; tipped: how often it tipped over; tilt: the most, radians; climbed: the most above its start, metres
-    touched: the share of the looks at which each part, LINK::COLLISION, touched anything; none where nobody tells
+    distance: length of the trajectory, metres; crossed: seconds until the whole robot was beyond the map, None if never
+    stuck: seconds; tipped: how often it tipped over; tilt: maximum, radians; climbed: maximum above the start, metres
+    touched: for each part, LINK::COLLISION, the share of samples with contacts; empty if the simulator reports none
     """
 
     seconds: float
@@ -61,27 +61,27 @@ class Trip:
     touched: Mapping[str, float]
 
 
-def measured(
-    track: Track, speed: float, beyond: float | None = None, touched: Mapping[str, float] | None = None
-) -> Trip:
-    """What a track comes to, of a robot that was told to go at a speed, m/s; `beyond` is the x that ends a crossing."""
-    t, x, y, z = track.rows[:, :4].T
-    over = np.flatnonzero(x > beyond) if beyond is not None else np.array([], dtype=int)
-    fallen = track.tilt > TIPPED
-    return Trip(
+def drive_metrics(
+    trajectory: Trajectory, speed: float, finish_x: float | None = None, touched: Mapping[str, float] | None = None
+) -> DriveMetrics:
+    """The metrics of a trajectory at a commanded speed, m/s; beyond x = `finish_x` the map is crossed."""
+    t, x, y, z = trajectory.rows[:, :4].T
+    over = np.flatnonzero(x > finish_x) if finish_x is not None else np.array([], dtype=int)
+    fallen = trajectory.tilt > TIPPED
+    return DriveMetrics(
         seconds=round(float(t[-1] - t[0]), 3),
         distance=round(float(np.hypot(np.diff(x), np.diff(y)).sum()), 3),
         crossed=round(float(t[over[0]] - t[0]), 3) if len(over) else None,
         stuck=round(_stuck(t, x, y, speed), 3),
         tipped=int(fallen[0]) + int((np.diff(fallen.astype(int)) == 1).sum()),
-        tilt=round(float(track.tilt.max()), 3),
+        tilt=round(float(trajectory.tilt.max()), 3),
         climbed=round(float((z - z[0]).max()), 3),
         touched=touched or {},
     )
 
 
 def _stuck(t: Array, x: Array, y: Array, speed: float) -> float:
-    """Seconds, in steps of one, in which it came on by less than SLOW of what it should have."""
+    """The number of seconds in which it moved by less than SLOW of the commanded distance."""
     marks = np.arange(t[0], t[-1] + 1e-6, 1.0)
     on_x, on_y = (np.diff(np.interp(marks, t, along)) for along in (x, y))
     return float((np.hypot(on_x, on_y) < SLOW * speed).sum())

@@ -1,4 +1,4 @@
-"""Where a robot drives: asked at every turn for a speed and a turn rate, from where it is."""
+"""Routes: they give a speed and turn rate for a robot's pose, again and again."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.simulators.live_world import Pose
 
 
 class Motion(NamedTuple):
-    """Metres a second forward, radians a second counterclockwise."""
+    """Speed forward, m/s, and turn rate counterclockwise, rad/s."""
 
     v: float
     w: float
 
 
-STANDING = Motion(0.0, 0.0)
+STOP = Motion(0.0, 0.0)
 
 _AHEAD = 0.5
 """Metres."""
@@ -29,17 +29,17 @@ _HARDLY = 0.2
 
 
 class Route(ABC):
-    """A way to drive; `period`: seconds from one decision to the next."""
+    """A way to drive; `period`: seconds between decisions."""
 
     name: ClassVar[str]
     period: ClassVar[float]
 
     @abstractmethod
     def motion(self, at: Pose) -> Motion:
-        """What to do for the next period."""
+        """The motion for the next period."""
 
     def is_done(self, at: Pose) -> bool:
-        """Whether there is nothing more to drive."""
+        """Whether the route has ended."""
         return False
 
 
@@ -58,13 +58,13 @@ class Straight(Route):
     def motion(self, at: Pose) -> Motion:
         """Along an arc to a point of the line ahead (pure pursuit, Coulter 1992)."""
         if at.x >= self.goal:
-            return STANDING
+            return STOP
         ahead = max(_AHEAD, 3 * self.speed * self.period)
         aside = atan2(self.line - at.y, ahead) - at.yaw
         return Motion(self.speed, _clipped(2 * self.speed * sin(aside) / ahead, self.turn))
 
     def is_done(self, at: Pose) -> bool:
-        """Once it is there."""
+        """At the goal."""
         return at.x >= self.goal
 
 

@@ -1,4 +1,4 @@
-"""The ways of robots on the plan of a map, as a picture."""
+"""A picture of the trajectories of robots on the plan of a map."""
 
 from __future__ import annotations
 
@@ -7,37 +7,39 @@ from collections.abc import Mapping
 
 from rsegen.exporters.pictures.preview import draw_plan
 from rsegen.exporters.scene import Scene
-from rsegen.simulation.driving.drive_metrics import Track
+from rsegen.simulation.driving.drive_metrics import Trajectory
 
 _RIM, _MARGIN = 0.1, 1.5
-"""Metres about the map that are drawn at least, and at most."""
+"""Metres around the map that are drawn at least, and at most."""
 
 
-def sketch(scene: Scene, tracks: Mapping[str, Track]) -> bytes:
-    """A PNG: each way begins at a ring and ends at a dot, or at a cross where the robot has tipped over."""
+def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory]) -> bytes:
+    """A PNG: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8, 8), dpi=100, layout="constrained")
     axes = figure.subplots()
     draw_plan(axes, scene)
-    for number, (name, track) in enumerate(tracks.items()):
-        x, y = track.rows[:, 1], track.rows[:, 2]
+    for number, (name, trajectory) in enumerate(trajectories.items()):
+        x, y = trajectory.rows[:, 1], trajectory.rows[:, 2]
         colour = f"C{number % 10}"
         axes.plot(x, y, color="white", linewidth=4)
         axes.plot(x, y, color=colour, linewidth=2, label=name)
         axes.plot(x[:1], y[:1], "o", color=colour, markersize=10, markerfacecolor="white", markeredgewidth=2)
-        axes.plot(x[-1:], y[-1:], "X" if track.has_tipped else "o", color=colour, markersize=9, markeredgecolor="white")
-    axes.set(xlim=_limits(scene.field.extent[0], tracks, 1), ylim=_limits(scene.field.extent[1], tracks, 2))
+        axes.plot(
+            x[-1:], y[-1:], "X" if trajectory.has_tipped else "o", color=colour, markersize=9, markeredgecolor="white"
+        )
+    axes.set(xlim=_limits(scene.field.extent[0], trajectories, 1), ylim=_limits(scene.field.extent[1], trajectories, 2))
     axes.legend(loc="upper right")
-    axes.set_title(f"{scene.name}: where they drove")
+    axes.set_title(f"{scene.name}: trajectories")
     stream = io.BytesIO()
     figure.savefig(stream, format="png")
     return stream.getvalue()
 
 
-def _limits(extent: float, tracks: Mapping[str, Track], column: int) -> tuple[float, float]:
-    """From where to where is drawn along an axis: the map, and the ways about it as far as they matter."""
-    along = [track.rows[:, column] for track in tracks.values()]
+def _limits(extent: float, trajectories: Mapping[str, Trajectory], column: int) -> tuple[float, float]:
+    """The limits of an axis: the map, and the trajectories near it."""
+    along = [trajectory.rows[:, column] for trajectory in trajectories.values()]
     half, far = extent / 2 + _RIM, extent / 2 + _MARGIN
     low, high = min(each.min() for each in along) - _RIM, max(each.max() for each in along) + _RIM
     return max(min(low, -half), -far), min(max(high, half), far)

@@ -1,4 +1,4 @@
-"""A world with robots in it: any world file, to which models are added, as a text that stands alone."""
+"""A world file with robots added, as text that can be saved in any folder."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _MOST_MIB = 512
 _SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:")
 
 
-def arena(world: Path, models: Iterable[str] = (), *, unthrottled: bool = False) -> str:
-    """A world file with models, each the text of a <model>, added; its meshes are named by absolute paths.
+def world_with_robots(world: Path, models: Iterable[str] = (), *, unthrottled: bool = False) -> str:
+    """The text of a world file with models added, each the text of a <model>; meshes have absolute paths.
 
-    unthrottled: simulated as fast as the machine can, else in real time. FileError where the file is no world.
+    unthrottled: simulated as fast as the machine can, else in real time. FileError if the file is not a world.
     """
     root = elements(text_of(world, _MOST_MIB, "a world"), str(world))
     element = root.find("world")
@@ -32,8 +32,8 @@ def arena(world: Path, models: Iterable[str] = (), *, unthrottled: bool = False)
     return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def step_of(world: str) -> float:
-    """The seconds that a step of a world's physics is, from its text."""
+def time_step(world: str) -> float:
+    """The physics step of a world in seconds, from its text."""
     found = ET.fromstring(world).find("world/physics/max_step_size")  # noqa: S314  # ours
     return float(found.text or 0) if found is not None else 0.001
 
@@ -43,7 +43,7 @@ def _absolute(uri: str, folder: Path) -> str:
 
 
 def _unthrottle(world: ET.Element) -> None:
-    """Gazebo Classic looks at the update rate, Gazebo Sim at the factor."""
+    """Gazebo Classic reads the update rate, Gazebo Sim the factor."""
     physics = world.find("physics")
     if physics is None:
         physics = ET.SubElement(world, "physics", {"type": "ode"})

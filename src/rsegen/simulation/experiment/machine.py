@@ -1,4 +1,4 @@
-"""What a computer is, and what a process of it uses."""
+"""The description of this computer, and the CPU time and memory of a process."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from rsegen.errors import SimulatorFailed
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Usage:
-    """Seconds of CPU so far, and MB of memory."""
+    """CPU time in seconds so far, and memory in MB."""
 
     cpu: float
     memory: float
 
 
 def usage(pid: int) -> Usage:
-    """What a process has used; SimulatorFailed where it is gone."""
+    """The usage of a process; SimulatorFailed if it has ended."""
     import psutil
 
     try:
@@ -32,7 +32,7 @@ def usage(pid: int) -> Usage:
 
 
 def description() -> dict[str, str]:
-    """What computer it is, in words."""
+    """Processor, cores, memory, system and load of this computer."""
     import psutil
 
     return {

@@ -1,4 +1,4 @@
-"""What is tried: rows of robots and maps, each in several sizes, at some paces, so many times."""
+"""Plans of experiments: rows of robots and maps, each in several sizes, paces and repeats."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An experiment's outcomes as a page, as CSV, and as a picture."""
+"""The outcomes of an experiment as a Markdown page, CSV and a plot."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _PACES = {
 }
 
 
-def page(plan: Plan, results: Results, machine: Mapping[str, str]) -> str:
-    """Markdown: the machine, and a table for every row of the plan, the paper's figures beside ours."""
+def report_page(plan: Plan, results: Results, machine: Mapping[str, str]) -> str:
+    """The Markdown page: the machine, and a table per row of the plan with the paper's figures."""
     return (
         "\n".join(
             [*_head(plan, machine), *(line for number in range(len(plan.rows)) for line in _row(plan, number, results))]
@@ -30,8 +30,8 @@ def page(plan: Plan, results: Results, machine: Mapping[str, str]) -> str:
     )
 
 
-def csv(plan: Plan, results: Results) -> str:
-    """A line for every trial."""
+def trials_csv(plan: Plan, results: Results) -> str:
+    """The text of trials.csv, a line per trial."""
     names = [field.name for field in fields(Outcome)]
     lines = [",".join(["robot", "robots", "size", "pace", *names])]
     for cell, outcomes in results.items():
@@ -42,7 +42,7 @@ def csv(plan: Plan, results: Results) -> str:
 
 
 def plot(plan: Plan, results: Results) -> bytes:
-    """A PNG: speed and memory over the side of the map, a line for every row."""
+    """A PNG of speed and memory over the side of the map, a curve per row."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11, 4.5), dpi=100, layout="constrained")
@@ -52,7 +52,7 @@ def plot(plan: Plan, results: Results) -> bytes:
         strict=True,
     ):
         for number, row in enumerate(plan.rows):
-            points = [(size, middle(_of(results, number, size, _pace(plan)), name)) for size in row.sizes]
+            points = [(size, median_of(_of(results, number, size, _pace(plan)), name)) for size in row.sizes]
             known = [(size, value) for size, value in points if value is not None]
             axes.plot(*zip(*known, strict=True), "o-", label=row.label) if known else None
         axes.set(xlabel="side of the map [blocks], 0: empty", title=title)
@@ -64,8 +64,8 @@ def plot(plan: Plan, results: Results) -> bytes:
     return stream.getvalue()
 
 
-def middle(outcomes: Sequence[Outcome], name: str) -> float | None:
-    """The median of a figure, where there is any."""
+def median_of(outcomes: Sequence[Outcome], name: str) -> float | None:
+    """The median of a figure of outcomes; None if none has it."""
     found = [value for value in (getattr(one, name) for one in outcomes) if value is not None]
     return median(found) if found else None
 
@@ -107,15 +107,15 @@ def _row(plan: Plan, number: int, results: Results) -> Iterator[str]:
 
 def _cells(size: int, found: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -> list[str]:
     real, free = found["real"], [*found["free"], *found["beside"]]
-    cpu = middle(real, "cpu")
+    cpu = median_of(real, "cpu")
     return [
         f"{size} x {size}" if size else "empty",
-        ", ".join(_plain(middle(real, name), 2) for name in ("rtf_min", "rtf", "rtf_max")) if real else "-",
+        ", ".join(_plain(median_of(real, name), 2) for name in ("rtf_min", "rtf", "rtf_max")) if real else "-",
         f"{cpu * 100:.0f} % of a core" if cpu is not None else "-",
-        f"{_plain(middle([*real, *free], 'memory'), 0)} MB",
-        f"{_plain(middle([*real, *free], 'load'), 1)} s",
-        _plain(middle(free, "speed"), 1),
-        _share(found["beside"]) or _quotient(middle(found["free"], "speed"), middle(empty, "speed")),
+        f"{_plain(median_of([*real, *free], 'memory'), 0)} MB",
+        f"{_plain(median_of([*real, *free], 'load'), 1)} s",
+        _plain(median_of(free, "speed"), 1),
+        _share(found["beside"]) or _quotient(median_of(found["free"], "speed"), median_of(empty, "speed")),
     ]
 
 

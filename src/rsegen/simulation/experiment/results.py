@@ -1,4 +1,4 @@
-"""Outcomes on disk, a line each, so that an experiment that was stopped goes on where it was."""
+"""Outcomes on disk, one JSON line each, so that a stopped experiment can be resumed."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ Results = Mapping[Cell, list[Outcome]]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Notebook:
-    """A file to which each outcome is added as it comes, under a plan that is written on its first line."""
+class ResultsLog:
+    """A file with the plan on its first line, to which every outcome is appended."""
 
     path: Path
 
     def begin(self, plan: Mapping[str, object]) -> None:
-        """A new one; or go on with one of the same plan. FileError where it is of another."""
+        """Create it, or resume one of the same plan; FileError if it is of another plan."""
         if not self.path.exists():
             self._add({"plan": plan})
             return
@@ -33,23 +33,23 @@ class Notebook:
             raise FileError(f"{self.path}: has the outcomes of another plan; give another folder, or --force")
 
     def add(self, cell: Cell, repeat: int, outcome: Outcome) -> None:
-        """One more."""
+        """Append an outcome."""
         self._add({"cell": asdict(cell), "repeat": repeat, "outcome": asdict(outcome)})
 
     def entries(self) -> Iterator[tuple[Cell, int, Outcome]]:
-        """All that are whole: a line that broke off is none."""
+        """All complete lines: cell, repeat and outcome."""
         for line in self._lines()[1:]:
             yield Cell(**line["cell"]), line["repeat"], Outcome(**line["outcome"])
 
     def results(self) -> Results:
-        """By cell."""
+        """The outcomes of every cell."""
         found: dict[Cell, list[Outcome]] = {}
         for cell, _, outcome in self.entries():
             found.setdefault(cell, []).append(outcome)
         return found
 
     def _mend(self) -> None:
-        """Take away the line that broke off when a run was stopped."""
+        """Delete an incomplete last line, left by a run that was stopped."""
         whole, _, broken = self.path.read_bytes().rpartition(b"\n")
         if broken:
             with self.path.open("r+b") as file:
@@ -64,7 +64,7 @@ class Notebook:
             text = self.path.read_text("utf-8")
             return [json.loads(line) for line in text.splitlines(keepends=True) if line.endswith("\n")]
         except (OSError, ValueError):
-            raise FileError(f"{self.path}: not a notebook of an experiment") from None
+            raise FileError(f"{self.path}: not the results log of an experiment") from None
 
     def _add(self, entry: Mapping[str, object]) -> None:
         self.path.parent.mkdir(parents=True, exist_ok=True)

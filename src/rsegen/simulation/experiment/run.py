@@ -1,63 +1,91 @@
-"""The whole of an experiment: trial by trial, kept as they come, told at the end."""
+"""`rsegen.experiment`: the trials of a plan run one by one, logged as they end, and reported in tables and a plot."""
 
 from __future__ import annotations
 
 import json
+import os
+import shutil
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from rsegen.io.writer import write_file
 from rsegen.simulation.experiment.machine import description
-from rsegen.simulation.experiment.plan import Cell, Plan, Row
-from rsegen.simulation.experiment.report import csv, page, plot
-from rsegen.simulation.experiment.results import Notebook, Results
-from rsegen.simulation.experiment.trial import Outcome, tried
-from rsegen.simulation.simulators import Installation
+from rsegen.simulation.experiment.plan import Cell, Plan, Row, load_plan
+from rsegen.simulation.experiment.report import plot, report_page, trials_csv
+from rsegen.simulation.experiment.results import Results, ResultsLog
+from rsegen.simulation.experiment.trial import Outcome, run_trial
+from rsegen.simulation.simulators.launching import choose_installation
 
-NOTEBOOK = "results.jsonl"
+RESULTS_FILE = "results.jsonl"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ExperimentResult:
+    """What `rsegen.experiment` gives: the plan, every cell's outcomes, the machine, and the folder of the files."""
+
+    plan: Plan
+    results: Results
+    machine: dict[str, str]
+    folder: Path
+
+    @property
+    def table(self) -> str:
+        """The content of table.md."""
+        return report_page(self.plan, self.results, self.machine)
 
 
 def experiment(
-    plan: Plan, here: Installation, folder: Path, progress: Callable[[int, Cell], None] = lambda *_: None
-) -> Results:
-    """Try what has not been tried yet, and write table.md, trials.csv, plot.png and summary.json into the folder.
+    plan: str | os.PathLike[str] | Plan,
+    output: str | Path,
+    *,
+    force: bool = False,
+    progress: Callable[[int, Cell], None] = lambda *_: None,
+) -> ExperimentResult:
+    """Measure what maps cost Gazebo Classic while robots drive on them, and write tables and a plot into a folder.
 
-    `progress` is told how many trials are done, and the cell that is next.
+    plan: the name of an included plan, a YAML file like these, or a Plan; output: the folder; if it has outcomes of
+    this plan, only the missing trials are run; `force` deletes them first. `progress` is called with the number of
+    trials that are done and the next cell. UserError if the plan is wrong or there is no Gazebo Classic.
     """
-    notebook = Notebook(path=folder / NOTEBOOK)
-    notebook.begin(asdict(plan))
-    done = {(cell, repeat) for cell, repeat, _ in notebook.entries()}
+    plan, folder = plan if isinstance(plan, Plan) else load_plan(os.fspath(plan)), Path(output)
+    here = choose_installation("both", "classic")
+    if force and (folder / RESULTS_FILE).is_file():
+        shutil.rmtree(folder)
+    log = ResultsLog(path=folder / RESULTS_FILE)
+    log.begin(asdict(plan))
+    done = {(cell, repeat) for cell, repeat, _ in log.entries()}
     machine = {"simulator": str(here), **description()}
     for number, (cell, repeat) in enumerate(plan.order()):
         progress(number, cell)
         if (cell, repeat) not in done:
-            notebook.add(cell, repeat, tried(plan, cell, repeat, here))
-    results = notebook.results()
-    for name, content in _files(plan, results, machine).items():
+            log.add(cell, repeat, run_trial(plan, cell, repeat, here))
+    found = ExperimentResult(plan=plan, results=log.results(), machine=machine, folder=folder)
+    for name, content in _files(found).items():
         write_file([content], folder / name, force=True)
-    return results
+    return found
 
 
-def told(summary: Path) -> tuple[Plan, Results, dict[str, str]]:
+def load_summary(file: Path) -> tuple[Plan, Results, dict[str, str]]:
     """The plan, the outcomes and the machine of a summary.json that `experiment` wrote."""
-    said = json.loads(summary.read_text("utf-8"))
-    plan = Plan(**{**said["plan"], "rows": tuple(Row(**row) for row in said["plan"]["rows"])})
+    content = json.loads(file.read_text("utf-8"))
+    plan = Plan(**{**content["plan"], "rows": tuple(Row(**row) for row in content["plan"]["rows"])})
     results = {
         Cell(row=cell["row"], size=cell["size"], pace=cell["pace"]): [Outcome(**one) for one in cell["outcomes"]]
-        for cell in said["cells"]
+        for cell in content["cells"]
     }
-    return plan, results, said["machine"]
+    return plan, results, content["machine"]
 
 
-def _files(plan: Plan, results: Results, machine: dict[str, str]) -> dict[str, bytes]:
+def _files(found: ExperimentResult) -> dict[str, bytes]:
+    plan, results = found.plan, found.results
     cells = [
         {**asdict(cell), "outcomes": [asdict(one) for one in results[cell]]} for cell in plan.cells if cell in results
     ]
-    summary = {"machine": machine, "plan": asdict(plan), "cells": cells}
+    summary = {"machine": found.machine, "plan": asdict(plan), "cells": cells}
     return {
-        "table.md": page(plan, results, machine).encode(),
-        "trials.csv": csv(plan, results).encode(),
+        "table.md": found.table.encode(),
+        "trials.csv": trials_csv(plan, results).encode(),
         "summary.json": json.dumps(summary, indent=2).encode() + b"\n",
         "plot.png": plot(plan, results),
     }

@@ -1,4 +1,4 @@
-"""A server with robots in it that wander, and what that costs."""
+"""A server of a trial, in which robots drive randomly, and what that costs."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from pathlib import Path
 from typing import Literal
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.driving.drive import Driver, steer
+from rsegen.simulation.driving.recording import RobotRun, send_commands
 from rsegen.simulation.driving.routes import Route
 from rsegen.simulation.experiment.machine import usage
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.live import LiveWorld
-from rsegen.simulation.simulators.server import serving
+from rsegen.simulation.simulators.live_world import LiveWorld
+from rsegen.simulation.simulators.server import running_server
 
-PATIENCE = 600.0
-"""Seconds for the largest world to load."""
+TIMEOUT = 600.0
+"""Seconds within which the largest world must load."""
 
 SETTLED = 2.0
-"""Simulated seconds before measuring begins: robots fall to the ground, and go."""
+"""Simulated seconds before measuring begins, in which robots fall to the ground and start to drive."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Setup:
-    """A world file with robots in it; rest: seconds between what they are told, about a simulated one."""
+    """A world file with robots, their runs, and the seconds between commands, about a simulated second."""
 
     file: Path
-    drivers: Sequence[Driver]
+    runs: Sequence[RobotRun]
     rest: float
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Span:
-    """Seconds by three clocks, and the real-time factors from each look to the next."""
+    """Seconds of simulation, wall and CPU time, and the real-time factors between samples."""
 
     simulated: float
     real: float
@@ -44,12 +44,12 @@ class Span:
 
     @property
     def speed(self) -> float:
-        """Simulated seconds for each second of CPU."""
+        """Simulated seconds per second of CPU."""
         return self.simulated / max(self.cpu, 0.01)
 
 
 def total(spans: Sequence[Span]) -> Span:
-    """One of all of these."""
+    """The sum of spans."""
     return Span(
         simulated=sum(span.simulated for span in spans),
         real=sum(span.real for span in spans),
@@ -59,8 +59,8 @@ def total(spans: Sequence[Span]) -> Span:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Stage:
-    """A server that took `load` seconds for a setup, and robots that know where they are going."""
+class TrialServer:
+    """A running server that took `load` seconds to load its setup, and the routes of its robots."""
 
     live: LiveWorld
     pid: int
@@ -70,42 +70,42 @@ class Stage:
 
     @property
     def memory(self) -> float:
-        """MB of it, now."""
+        """Memory of the server in MB."""
         return usage(self.pid).memory
 
-    def measured(self, seconds: float) -> Span:
-        """What so many real seconds came to: without a pause but before and after, so all clocks are known exactly."""
+    def measure(self, seconds: float) -> Span:
+        """The span of so many wall seconds, paused only before and after, so that all clocks are exact."""
         start, before = self.live.clock(), usage(self.pid).cpu
-        factors = self.go("real", seconds)
+        factors = self.run_robots("real", seconds)
         end, after = self.live.clock(), usage(self.pid).cpu
         return Span(
             simulated=end.simulated - start.simulated, real=end.real - start.real, cpu=after - before, factors=factors
         )
 
-    def go(self, hand: Literal["simulated", "real"], seconds: float) -> list[float]:
-        """Have robots decide again and again for so many seconds of one hand of the clock; gives real-time factors."""
+    def run_robots(self, clock: Literal["simulated", "real"], seconds: float) -> list[float]:
+        """Let robots drive for so many simulated or real seconds; gives the real-time factors between commands."""
         start = last = self.live.clock()
         factors, end = [], time.monotonic() + 20 * seconds
-        self.live.go()
-        while getattr(last, hand) < getattr(start, hand) + seconds:
-            steer(self.live, self.setup.drivers, self.routes, self.live.poses())
+        self.live.unpause()
+        while getattr(last, clock) < getattr(start, clock) + seconds:
+            send_commands(self.live, self.setup.runs, self.routes, self.live.poses())
             time.sleep(self.setup.rest)
             now = self.live.clock()
             if time.monotonic() > end:
                 raise SimulatorFailed(f"{now.simulated - start.simulated:g} s simulated in {20 * seconds:g} s")
             factors.append((now.simulated - last.simulated) / max(now.real - last.real, 1e-9))
             last = now
-        self.live.stand()
+        self.live.pause()
         return factors
 
 
 @contextmanager
-def staged(setup: Setup, here: Installation) -> Iterator[Stage]:
-    """As long as this lasts, a server in which the robots have fallen to the ground, and gone."""
+def trial_server(setup: Setup, here: Installation) -> Iterator[TrialServer]:
+    """A server of a trial in which the robots have fallen to the ground and started to drive."""
     began = time.monotonic()
-    with serving(here, setup.file, patience=PATIENCE) as server, server.live() as live:
+    with running_server(here, setup.file, timeout=TIMEOUT) as server, server.connect() as live:
         live.stop_recording()
-        load, routes = time.monotonic() - began, {driver.name: driver.route() for driver in setup.drivers}
-        stage = Stage(live=live, pid=server.pid, load=load, setup=setup, routes=routes)
-        stage.go("simulated", SETTLED)
-        yield stage
+        load, routes = time.monotonic() - began, {run.name: run.route() for run in setup.runs}
+        trial = TrialServer(live=live, pid=server.pid, load=load, setup=setup, routes=routes)
+        trial.run_robots("simulated", SETTLED)
+        yield trial

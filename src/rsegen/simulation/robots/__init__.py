@@ -1,10 +1,10 @@
-"""Robots that drive over the maps: every file of this folder that registers one, found by being there."""
+"""Robots that drive over maps; each is one file of this folder, which is imported automatically."""
 
 from __future__ import annotations
 
 from rsegen.simulation.robots.base import ROBOTS, Robot
-from rsegen.simulation.robots.commands import SIMULATORS, Command
-from rsegen.simulation.robots.own import OwnRobot, from_file
+from rsegen.simulation.robots.commands import BACKENDS, Command
+from rsegen.simulation.robots.sdf_file import SdfRobot, from_file
 
 
 def robot(kind: str, where: str = "robot") -> Robot:
@@ -12,4 +12,4 @@ def robot(kind: str, where: str = "robot") -> Robot:
     return ROBOTS.named(kind, where)
 
 
-__all__ = ["ROBOTS", "SIMULATORS", "Command", "OwnRobot", "Robot", "from_file", "robot"]
+__all__ = ["BACKENDS", "ROBOTS", "Command", "Robot", "SdfRobot", "from_file", "robot"]

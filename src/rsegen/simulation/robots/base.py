@@ -1,6 +1,6 @@
-"""What a robot is: links, joints, a drive, and the facts about it.
+"""The description of a robot: links, joints, a drive, sizes and limits.
 
-A robot is one file of this folder that makes one Robot and registers it. Nothing else needs to know of it.
+A robot is one file of this folder that makes one Robot and registers it.
 """
 
 from __future__ import annotations
@@ -11,23 +11,23 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from rsegen.errors import ParameterError, UnknownName, shown
-from rsegen.exporters.gazebo.sdf import HEAD, TAIL, numbers
+from rsegen.exporters.gazebo.sdf import FOOTER, HEADER, numbers
 from rsegen.field.metrics import RobotLimits
 from rsegen.params.contract import Contract
 from rsegen.params.registry import Registry
-from rsegen.simulation.robots.commands import SIMULATORS, Command
+from rsegen.simulation.robots.commands import BACKENDS, Command
 from rsegen.simulation.robots.drives import Drive
 from rsegen.simulation.robots.lidar import Lidar
-from rsegen.simulation.robots.links import HERE, Joint, Link, Place
+from rsegen.simulation.robots.links import ORIGIN, Joint, Link, PoseTuple
 from rsegen.simulation.robots.plugins import element, system
 from rsegen.simulation.robots.servos import Servo, servo_plugins
 from rsegen.simulation.robots.solids import Vector
 
 
-class Driven(Protocol):
-    """What can be driven over a map: one of ours, or a person's own.
+class DrivableRobot(Protocol):
+    """The interface of a robot that can be driven over a map: an included one, or one from an SDF file.
 
-    size: length, width and height over all, metres; speed, turn: the most that it goes and turns, m/s and rad/s.
+    size: overall length, width and height, metres; speed, turn: maximum speed and turn rate, m/s and rad/s.
     """
 
     @property
@@ -38,20 +38,20 @@ class Driven(Protocol):
     def speed(self) -> float: ...  # noqa: D102  # the class says it
     @property
     def turn(self) -> float: ...  # noqa: D102  # the class says it
-    def model(self, name: str, simulator: str = "classic", at: Place = HERE) -> str:
-        """Its <model>, with its origin put there."""
+    def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN) -> str:
+        """Its <model>, with its origin at a pose."""
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
-        """What the robot of a name is told to go forward at v, m/s, and to turn at w, rad/s, counterclockwise."""
+        """The command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Robot:
-    """A robot whose model's origin is on the ground below its middle; the first link is its body.
+    """A robot; the origin of its model is on the ground below its centre, and the first link is its body.
 
-    size, clearance: length, width and height over all, and room below its body, metres
+    size, clearance: overall length, width and height, and ground clearance of the body, metres
     climbs: the highest step that it drives up in Gazebo Classic, measured, metres
-    source: where its figures come from, and which are ours
+    source: the origin of its figures, and which are ours
     """
 
     kind: str
@@ -68,26 +68,26 @@ class Robot:
 
     @property
     def speed(self) -> float:
-        """The most that it goes forward, m/s."""
+        """Its maximum speed forward, m/s."""
         return self.drive.speed
 
     @property
     def turn(self) -> float:
-        """The most that it turns, rad/s."""
+        """Its maximum turn rate, rad/s."""
         return self.drive.turn
 
     @property
     def climber(self) -> RobotLimits:
-        """The robot as the metrics see it."""
+        """Its limits for the metrics."""
         return RobotLimits.of(self.climbs, self.size[1])
 
     @property
     def mass(self) -> float:
-        """Of all its links, kg."""
+        """The mass of all its links, kg."""
         return sum(link.mass for link in self.links)
 
-    def model(self, name: str, simulator: str = "classic", at: Place = HERE, *, lidar: bool = False) -> str:
-        """Its <model> for a simulator, with its lidar if so wanted; `at` is where its origin is put."""
+    def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN, *, lidar: bool = False) -> str:
+        """Its <model> for a simulator, with its lidar if wanted; `at`: the pose of its origin."""
         inside = (
             f"      <pose>{numbers(at)}</pose>\n{_AWAKE}",
             *(
@@ -97,13 +97,13 @@ class Robot:
             *(joint.sdf for joint in self.joints),
             self.drive.plugins(_known(simulator)),
             servo_plugins(self.servos, simulator),
-            "" if simulator == "classic" else self._told(simulator),
+            "" if simulator == "classic" else self._publishers(simulator),
         )
         return f'    <model name="{_named(name)}">\n' + "".join(inside) + "    </model>\n"
 
     def file(self, name: str, simulator: str = "classic", *, lidar: bool = False) -> str:
-        """The same as the text of an SDF file."""
-        return HEAD + self.model(name, simulator, lidar=lidar) + TAIL
+        """The text of an SDF file of it."""
+        return HEADER + self.model(name, simulator, lidar=lidar) + FOOTER
 
     def holding(self, angles: Mapping[str, float]) -> Robot:
         """The robot whose servos go to these angles, radians, as soon as the world runs."""
@@ -113,14 +113,14 @@ class Robot:
         return replace(self, servos=tuple(servos))
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
-        """What the robot `name` is told to go forward at v, m/s, and to turn at w, rad/s, counterclockwise."""
+        """The command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
         for what, value, most, unit in (("v", v, self.drive.speed, "m/s"), ("w", w, self.drive.turn, "rad/s")):
             if not abs(value) <= most:
                 raise ParameterError(what, f"{shown(value)} is outside -{numbers([most])}..{numbers([most])} {unit}")
         return self.drive.command(name, v, w, _known(simulator))
 
     def servo_command(self, name: str, joint: str, angle: float, simulator: str = "classic") -> Command:
-        """What the robot `name` is told to turn a joint to an angle, radians."""
+        """The command that turns a joint to an angle, radians."""
         servos = {servo.joint: servo for servo in self.servos}
         if joint not in servos:
             raise UnknownName.among("joint", "joint with a motor", joint, servos)
@@ -130,8 +130,8 @@ class Robot:
         seeing = self.lidar.sdf(simulator) if self.lidar and lidar else ""
         return [seeing, *[""] * (len(self.links) - 1)]
 
-    def _told(self, simulator: str) -> str:
-        """Gazebo Sim's odometry and poses; Classic tells them unasked."""
+    def _publishers(self, simulator: str) -> str:
+        """Plug-ins that publish odometry and poses in Gazebo Sim; Classic needs none."""
         frame = element("robot_base_frame", self.links[0].name) + element("dimensions", 3)
         pose = element("publish_link_pose", "false") + element("publish_model_pose", "true")
         return system("OdometryPublisher", simulator, frame) + system("PosePublisher", simulator, pose)
@@ -142,8 +142,8 @@ _AWAKE = "      <allow_auto_disable>false</allow_auto_disable>\n"
 
 
 def _known(simulator: str) -> str:
-    if simulator not in SIMULATORS:
-        raise UnknownName.among("simulator", "simulator", simulator, SIMULATORS)
+    if simulator not in BACKENDS:
+        raise UnknownName.among("simulator", "simulator", simulator, BACKENDS)
     return simulator
 
 
@@ -164,6 +164,6 @@ ROBOTS: Registry[Robot] = Registry(
 
 
 def register(robot: Robot) -> Robot:
-    """Make a robot known by its kind."""
+    """Register a robot under its kind."""
     ROBOTS.add(robot.kind, robot)
     return robot

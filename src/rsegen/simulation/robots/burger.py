@@ -5,14 +5,14 @@ from __future__ import annotations
 from rsegen.simulation.robots.base import Robot, register
 from rsegen.simulation.robots.drives import Wheels
 from rsegen.simulation.robots.lidar import Lidar
-from rsegen.simulation.robots.links import DARK, FIRM, Joint, Link, Part, Touch
+from rsegen.simulation.robots.links import DARK, FIRM, Joint, Link, Part, Surface
 from rsegen.simulation.robots.solids import Box, Cylinder, Sphere
 from rsegen.simulation.robots.wheels import wheel
 
 _RADIUS, _WIDTH, _SEPARATION = 0.033, 0.018, 0.160
 _BACK = -0.032
-_GLIDE = Touch(mu=0, mu2=0, soft=FIRM)
-_HULL = Touch(mu=0.3, mu2=0.3)
+_GLIDE = Surface(mu=0, mu2=0, soft=FIRM)
+_HULL = Surface(mu=0.3, mu2=0.3)
 _SIDE, _FLOOR, _HEIGHT, _BALL = 0.138, 0.010, 0.143, 0.0245
 _LOW, _HIGH = _FLOOR + _BALL, _FLOOR + _HEIGHT - _BALL
 _CORNERS = {"front_left": (1, 1), "front_right": (1, -1), "rear_left": (-1, 1), "rear_right": (-1, -1)}
@@ -21,8 +21,8 @@ _CORNERS = {"front_left": (1, 1), "front_right": (1, -1), "rear_left": (-1, 1), 
 def _ball(name: str, along: int, across: int, z: float) -> Part:
     """A rounded corner of the hull, or the middle of its underside."""
     off = _SIDE / 2 - _BALL
-    place = (_BACK + along * off, across * off, z, 0, 0, 0)
-    return Part(name=f"hull_{name}", solid=Sphere(radius=_BALL), place=place, touch=_HULL)
+    pose = (_BACK + along * off, across * off, z, 0, 0, 0)
+    return Part(name=f"hull_{name}", solid=Sphere(radius=_BALL), pose=pose, surface=_HULL)
 
 
 _HULL_BALLS = (
@@ -30,7 +30,7 @@ _HULL_BALLS = (
     _ball("middle", 0, 0, _LOW),
     *(_ball(f"top_{name}", *corner, _HIGH) for name, corner in _CORNERS.items()),
 )
-"""What is felt of the hull: for ODE a box on a mesh costs several times what these do together."""
+"""The collision shapes of the hull: in ODE a box on a mesh costs several times what these do together."""
 
 _BASE = Link(
     name="base",
@@ -38,10 +38,10 @@ _BASE = Link(
     solid=Box(size=(0.14, 0.14, 0.143)),
     centre=(_BACK, 0, 0.075, 0, 0, 0),
     parts=(
-        Part(name="hull", solid=Box(size=(_SIDE, _SIDE, _HEIGHT)), place=(_BACK, 0, _FLOOR + _HEIGHT / 2, 0, 0, 0)),
+        Part(name="hull", solid=Box(size=(_SIDE, _SIDE, _HEIGHT)), pose=(_BACK, 0, _FLOOR + _HEIGHT / 2, 0, 0, 0)),
         *_HULL_BALLS,
-        Part(name="tower", solid=Cylinder(radius=0.035, length=0.039), place=(_BACK, 0, 0.1725, 0, 0, 0), colour=DARK),
-        Part(name="caster", solid=Sphere(radius=0.005), place=(-0.081, 0, 0.005, 0, 0, 0), touch=_GLIDE),
+        Part(name="tower", solid=Cylinder(radius=0.035, length=0.039), pose=(_BACK, 0, 0.1725, 0, 0, 0), colour=DARK),
+        Part(name="caster", solid=Sphere(radius=0.005), pose=(-0.081, 0, 0.005, 0, 0, 0), surface=_GLIDE),
     ),
 )
 
@@ -71,6 +71,6 @@ BURGER = register(
         drive=Wheels(
             left=("left_axle",), right=("right_axle",), separation=_SEPARATION, radius=_RADIUS, speed=0.22, turn=2.84
         ),
-        lidar=Lidar(place=(_BACK, 0, 0.182, 0, 0, 0), rays=360, nearest=0.12, farthest=3.5, rate=5),
+        lidar=Lidar(pose=(_BACK, 0, 0.182, 0, 0, 0), rays=360, nearest=0.12, farthest=3.5, rate=5),
     )
 )

@@ -1,4 +1,4 @@
-"""What is said to a robot: a topic, a message type, and the message as text."""
+"""Commands to robots: a topic, a message type, and the message as text."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from rsegen.exporters.gazebo.sdf import numbers
 
-SIMULATORS = ("classic", "sim", "fortress")
+BACKENDS = ("classic", "sim", "fortress")
 """Gazebo Classic 11; Gazebo Sim since Garden; Gazebo Sim up to Fortress, whose names begin with ignition."""
 
 
@@ -20,9 +20,9 @@ class Command(NamedTuple):
     shell: tuple[str, ...]
 
 
-def published(topic: str, message: str, text: str, simulator: str) -> Command:
+def publish_command(topic: str, message: str, text: str, simulator: str) -> Command:
     """A message to a topic by the simulator's own tool; `message` is a type without its package."""
-    kind = typed(message, simulator)
+    kind = message_type(message, simulator)
     if simulator == "classic":
         return Command(topic, kind, text, ("gz", "topic", "-p", topic, "-m", text))
     return Command(topic, kind, text, (_TOOLS[simulator], "topic", "-t", topic, "-m", kind, "-p", text))
@@ -31,19 +31,19 @@ def published(topic: str, message: str, text: str, simulator: str) -> Command:
 _TOOLS = {"sim": "gz", "fortress": "ign"}
 
 
-def pose(v: float, w: float) -> str:
+def pose_text(v: float, w: float) -> str:
     """Speeds as Classic's wheeled drives take them: v as x, w as the yaw of an orientation, so |w| < pi."""
     x, half = numbers([v]), w / 2
     turned = f"x: 0 y: 0 z: {numbers([sin(half)])} w: {numbers([cos(half)])}"
     return f"position {{ x: {x} y: 0 z: 0 }} orientation {{ {turned} }}"
 
 
-def twist(v: float, w: float) -> str:
+def twist_text(v: float, w: float) -> str:
     """Speeds as every other drive takes them."""
     return f"linear {{ x: {numbers([v])} y: 0 z: 0 }} angular {{ x: 0 y: 0 z: {numbers([w])} }}"
 
 
-def typed(message: str, simulator: str) -> str:
-    """A message type by the simulator's own name: Twist is gazebo.msgs.Twist, gz.msgs.Twist or ignition.msgs.Twist."""
+def message_type(message: str, simulator: str) -> str:
+    """The full name of a message type, as in gazebo.msgs.Twist, gz.msgs.Twist or ignition.msgs.Twist."""
     package = {"classic": "gazebo", "sim": "gz", "fortress": "ignition"}[simulator]
     return f"{package}.msgs.{message}"

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from rsegen.simulation.robots.base import Robot, register
 from rsegen.simulation.robots.belts import belt, road
 from rsegen.simulation.robots.drives import Tracks
-from rsegen.simulation.robots.links import FIRM, GREY, Joint, Link, Part, Touch
+from rsegen.simulation.robots.links import FIRM, GREY, Joint, Link, Part, Surface
 from rsegen.simulation.robots.servos import Servo
 from rsegen.simulation.robots.solids import Box, Cylinder, Solid, Vector
 
@@ -16,7 +16,7 @@ _RADIUS, _HALF, _WIDTH, _SEPARATION = 0.085, 0.27, 0.07, 0.36
 _REACH, _FLIPPER_RADIUS, _FLIPPER_WIDTH = 0.30, 0.05, 0.04
 _MU, _MU2 = 1.0, 0.5
 _ROAD, _PROUD = 0.15, 0.002  # the wheels that the tracks stand on, and by how much lower they are than the others
-_HULL = Touch(mu=0.3, mu2=0.3, soft=FIRM)
+_HULL = Surface(mu=0.3, mu2=0.3, soft=FIRM)
 _RAISED = 0.25  # radians: low enough not to hang on what it has climbed
 _SIDES = {"left": 1, "right": -1}
 _Y: Vector = (0, 1, 0)
@@ -67,7 +67,7 @@ _BASE = Link(
     mass=11.0,
     solid=_HULL_BOX,
     centre=(0.14, 0, 0.07, 0, 0, 0),
-    parts=(Part(name="hull", solid=_HULL_BOX, place=(0, 0, 0.105, 0, 0, 0), touch=_HULL),),
+    parts=(Part(name="hull", solid=_HULL_BOX, pose=(0, 0, 0.105, 0, 0, 0), surface=_HULL),),
 )
 
 
@@ -76,7 +76,7 @@ def _track(side: str) -> Link:
     roads = tuple(road(x, radius=_RADIUS, width=_WIDTH, mu=_MU, mu2=_MU2) for x in (-_ROAD, _ROAD))
     solid = Box(size=(2 * (_HALF + _RADIUS), _WIDTH, 2 * _RADIUS))
     at = (0, _SIDES[side] * _SEPARATION / 2, _RADIUS, 0, 0, 0)
-    return Link(name=f"{side}_track", mass=3.5, solid=solid, parts=belts + roads, place=at)
+    return Link(name=f"{side}_track", mass=3.5, solid=solid, parts=belts + roads, pose=at)
 
 
 def _flipper(side: str) -> Link:
@@ -85,15 +85,15 @@ def _flipper(side: str) -> Link:
     y = _SIDES[side] * (_SEPARATION / 2 + _WIDTH / 2 + _FLIPPER_WIDTH / 2 + 0.01)
     centre = (_REACH / 2, 0, 0, 0, 0, 0)
     return Link(
-        name=f"{side}_flipper", mass=0.8, solid=solid, parts=belts, place=(_HALF, y, _RADIUS, 0, 0, 0), centre=centre
+        name=f"{side}_flipper", mass=0.8, solid=solid, parts=belts, pose=(_HALF, y, _RADIUS, 0, 0, 0), centre=centre
     )
 
 
 def _limb(limb: _Limb) -> Link:
     middle = (*limb.middle, 0, 0, 0)
-    part = Part(name=limb.joint, solid=limb.solid, place=middle, colour=GREY, touch=_HULL)
+    part = Part(name=limb.joint, solid=limb.solid, pose=middle, colour=GREY, surface=_HULL)
     return Link(
-        name=limb.joint, mass=limb.mass, solid=limb.solid, parts=(part,), place=(*limb.at, 0, 0, 0), centre=middle
+        name=limb.joint, mass=limb.mass, solid=limb.solid, parts=(part,), pose=(*limb.at, 0, 0, 0), centre=middle
     )
 
 

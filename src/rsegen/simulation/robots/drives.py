@@ -1,11 +1,11 @@
-"""How robots are driven: the simulators' own plug-ins, what they listen to, and what they must be told."""
+"""Drives of robots: the simulators' own plug-ins, their topics and their commands."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
-from rsegen.simulation.robots.commands import Command, pose, published, twist
+from rsegen.simulation.robots.commands import Command, pose_text, publish_command, twist_text
 from rsegen.simulation.robots.plugins import classic, element, elements, system
 
 
@@ -24,13 +24,13 @@ class Drive(ABC):
 
     @abstractmethod
     def classic_command(self, name: str, v: float, w: float) -> Command:
-        """What Gazebo Classic's plug-in is told."""
+        """The command for Gazebo Classic's plug-in."""
 
     def command(self, name: str, v: float, w: float, simulator: str) -> Command:
-        """What the robot `name` is told to go at v and to turn at w, counterclockwise."""
+        """The command for speed v and turn rate w, counterclockwise."""
         if simulator == "classic":
             return self.classic_command(name, v, w)
-        return published(f"/model/{name}/cmd_vel", "Twist", twist(v, w), simulator)
+        return publish_command(f"/model/{name}/cmd_vel", "Twist", twist_text(v, w), simulator)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -59,7 +59,7 @@ class Wheels(Drive):
 
     def classic_command(self, name: str, v: float, w: float) -> Command:
         """A Pose."""
-        return published(f"~/{name}/vel_cmd", "Pose", pose(v, w * self.slip / self.spread), "classic")
+        return publish_command(f"~/{name}/vel_cmd", "Pose", pose_text(v, w * self.slip / self.spread), "classic")
 
     def _system(self) -> str:
         sides = elements("left_joint", self.left) + elements("right_joint", self.right)
@@ -104,7 +104,7 @@ class Tracks(Drive):
     def classic_command(self, name: str, v: float, w: float) -> Command:
         """A Twist."""
         gain = self.in_place if abs(v) < _MOVING else 1
-        return published(f"~/{name}/cmd_vel_twist", "Twist", twist(v, w * gain), "classic")
+        return publish_command(f"~/{name}/cmd_vel_twist", "Twist", twist_text(v, w * gain), "classic")
 
     def _belts(self) -> str:
         sides = (("left", self.right), ("right", self.left))

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from rsegen.simulation.robots.base import Robot, register
 from rsegen.simulation.robots.drives import Wheels
-from rsegen.simulation.robots.links import GREY, Joint, Link, Part, Touch
+from rsegen.simulation.robots.links import GREY, Joint, Link, Part, Surface
 from rsegen.simulation.robots.solids import Box
 from rsegen.simulation.robots.wheels import wheel
 
 _RADIUS, _WIDTH, _SEPARATION, _BASE = 0.098, 0.040, 0.3756, 0.262
 _SPREAD = 2
-_HULL = Touch(mu=0.3, mu2=0.3)
+_HULL = Surface(mu=0.3, mu2=0.3)
 _CHASSIS = Box(size=(0.420, 0.310, 0.184))
 _CORNERS = {
     f"{end}_{side}": (x, y)
@@ -29,7 +29,7 @@ def _axle(corner: str, y: float) -> Joint:
     )
 
 
-_PART = Part(name="hull", solid=_CHASSIS, place=(0, 0, 0.158, 0, 0, 0), colour=GREY, touch=_HULL)
+_PART = Part(name="hull", solid=_CHASSIS, pose=(0, 0, 0.158, 0, 0, 0), colour=GREY, surface=_HULL)
 
 JACKAL = register(
     Robot(

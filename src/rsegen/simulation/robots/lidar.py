@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from rsegen.simulation.robots.links import Place
+from rsegen.simulation.robots.links import PoseTuple
 from rsegen.simulation.robots.plugins import element
 
 
@@ -13,7 +13,7 @@ from rsegen.simulation.robots.plugins import element
 class Lidar:
     """A plane of rays round its z axis; nearest and farthest, metres; rate in Hz; place in the robot's first link."""
 
-    place: Place
+    pose: PoseTuple
     rays: int
     nearest: float
     farthest: float
@@ -25,6 +25,6 @@ class Lidar:
         circle = element("min_angle", 0) + element("max_angle", 2 * pi - 2 * pi / self.rays)
         scan = element("scan", element("horizontal", element("samples", self.rays) + circle))
         reach = element("range", element("min", self.nearest) + element("max", self.farthest))
-        place = element("pose", " ".join(map(str, self.place)))
-        inside = place + element("always_on", "true") + element("update_rate", self.rate) + element(tag, scan + reach)
+        pose = element("pose", " ".join(map(str, self.pose)))
+        inside = pose + element("always_on", "true") + element("update_rate", self.rate) + element(tag, scan + reach)
         return f'        <sensor name="lidar" type="{kind}">{inside}</sensor>\n'

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from math import pi
 from typing import TypeAlias
 
-from rsegen.exporters.gazebo.sdf import numbers, paint
+from rsegen.exporters.gazebo.sdf import material, numbers
 from rsegen.exporters.scene import Colour
 from rsegen.simulation.robots.solids import Solid, Vector
 
-Place: TypeAlias = tuple[float, float, float, float, float, float]
+PoseTuple: TypeAlias = tuple[float, float, float, float, float, float]
 """x, y, z, metres, then roll, pitch, yaw, radians."""
 
-HERE: Place = (0, 0, 0, 0, 0, 0)
+ORIGIN: PoseTuple = (0, 0, 0, 0, 0, 0)
 FIRM = "<kp>1000000</kp><kd>1000</kd>"
 """Contact of ODE that neither sinks in visibly nor trembles under robots of 1 to 30 kg."""
 
@@ -25,8 +25,8 @@ GREY: Colour = (0.45, 0.46, 0.48)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Touch:
-    """How a surface touches others in Gazebo Classic's ODE; Gazebo Sim reads the friction.
+class Surface:
+    """Friction and contact parameters of a surface in Gazebo Classic's ODE; Gazebo Sim reads the friction.
 
     mu along `along` (in the frame of its part; by default the engine's own choice), mu2 across it.
     """
@@ -47,22 +47,22 @@ class Touch:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Part:
-    """A solid at its place in a link; one without `touch` is only seen."""
+    """A solid at its pose in a link; without a `surface` it is visual only, without collision."""
 
     name: str
     solid: Solid
-    place: Place = HERE
+    pose: PoseTuple = ORIGIN
     colour: Colour = GREY
-    touch: Touch | None = None
+    surface: Surface | None = None
 
     @property
     def sdf(self) -> str:
         """Its <collision> and <visual>."""
-        what = f"<pose>{numbers(self.place)}</pose>{self.solid.geometry}"
-        seen = f'        <visual name="{self.name}_seen">{what}{paint(self.colour)}</visual>\n'
-        if self.touch is None:
-            return seen
-        return f'        <collision name="{self.name}">{what}{self.touch.sdf}</collision>\n' + seen
+        what = f"<pose>{numbers(self.pose)}</pose>{self.solid.geometry}"
+        visual = f'        <visual name="{self.name}_seen">{what}{material(self.colour)}</visual>\n'
+        if self.surface is None:
+            return visual
+        return f'        <collision name="{self.name}">{what}{self.surface.sdf}</collision>\n' + visual
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -76,8 +76,8 @@ class Link:
     mass: float
     solid: Solid
     parts: tuple[Part, ...]
-    place: Place = HERE
-    centre: Place = HERE
+    pose: PoseTuple = ORIGIN
+    centre: PoseTuple = ORIGIN
     geared: float = 0
 
     @property
@@ -92,7 +92,7 @@ class Link:
         moments = f"<ixx>{ixx:.9g}</ixx><iyy>{iyy:.9g}</iyy><izz>{izz:.9g}</izz>"
         return f"""\
       <link name="{self.name}">
-        <pose>{numbers(self.place)}</pose>
+        <pose>{numbers(self.pose)}</pose>
         <inertial>
           <pose>{numbers(self.centre)}</pose>
           <mass>{numbers([self.mass])}</mass>

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rsegen.exporters.gazebo.sdf import numbers
-from rsegen.simulation.robots.commands import Command, published
+from rsegen.simulation.robots.commands import Command, publish_command
 from rsegen.simulation.robots.plugins import classic, element, system
 
 
@@ -21,12 +21,12 @@ class Servo:
     rest: float = 0
 
     def command(self, name: str, angle: float, simulator: str) -> Command:
-        """What its robot `name` is told to bring it to an angle, radians.
+        """The command that turns it to an angle, radians.
 
         Classic 11 listens on a topic of Ignition Transport, which its own `gz joint` knows.
         """
         if simulator != "classic":
-            return published(topic(name, self.joint), "Double", f"data: {numbers([angle])}", simulator)
+            return publish_command(topic(name, self.joint), "Double", f"data: {numbers([angle])}", simulator)
         text = f'name: "{name}::{self.joint}" position {{ target {{ data: {numbers([angle])} }} }}'
         gains = ("--pos-p", numbers([self.stiffness]), "--pos-d", numbers([self.damping]))
         shell = ("gz", "joint", "-m", name, "-j", self.joint, "--pos-t", numbers([angle]), *gains)
@@ -34,7 +34,7 @@ class Servo:
 
 
 def topic(name: str, joint: str) -> str:
-    """Where Gazebo Sim's JointPositionController listens."""
+    """The topic of Gazebo Sim's JointPositionController."""
     return f"/model/{name}/joint/{joint}/0/cmd_pos"
 
 

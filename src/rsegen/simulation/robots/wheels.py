@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rsegen.simulation.robots.links import ALONG_Y, DARK, FIRM, Link, Part, Touch
+from rsegen.simulation.robots.links import ALONG_Y, DARK, FIRM, Link, Part, Surface
 from rsegen.simulation.robots.solids import Cylinder, Vector
 
 TREAD = 0.004
@@ -18,6 +18,6 @@ def wheel(  # noqa: PLR0913  # a wheel's six figures, by name
     tyre, tread = Cylinder(radius=radius, length=width), Cylinder(radius=radius, length=TREAD)
     parts = (
         Part(name="tyre", solid=tyre, colour=DARK),
-        Part(name="tread", solid=tread, colour=DARK, touch=Touch(mu=mu, mu2=mu, along=_AXLE, soft=FIRM)),
+        Part(name="tread", solid=tread, colour=DARK, surface=Surface(mu=mu, mu2=mu, along=_AXLE, soft=FIRM)),
     )
-    return Link(name=name, mass=mass, solid=tyre, place=(*centre, *ALONG_Y), parts=parts, geared=geared)
+    return Link(name=name, mass=mass, solid=tyre, pose=(*centre, *ALONG_Y), parts=parts, geared=geared)

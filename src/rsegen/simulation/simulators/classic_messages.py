@@ -53,13 +53,13 @@ TYPES: Mapping[str, Mapping[str, tuple[int, _Kind]]] = {
 }
 
 
-def encoded(type_name: str, message: Message) -> bytes:
+def encode(type_name: str, message: Message) -> bytes:
     """A message of a type, such as `Twist`, as bytes."""
     return b"".join(_field(*TYPES[type_name][name], value) for name, value in message.items())
 
 
-def said(text: str) -> Message:
-    """The message that a text for `gz topic` stands for: `position { x: 1 } name: "a"`; its values stay texts."""
+def parse_text(text: str) -> Message:
+    """The message of a text for `gz topic`: `position { x: 1 } name: "a"`; its values stay texts."""
     whole: dict[str, Any] = {}
     inside = [whole]
     name = ""
@@ -76,8 +76,8 @@ def said(text: str) -> Message:
     return whole
 
 
-def decoded(type_name: str, content: bytes) -> dict[str, Any]:
-    """The message of a type in bytes; a field that is not there is not in it."""
+def decode(type_name: str, content: bytes) -> dict[str, Any]:
+    """The message of a type from bytes; missing fields are left out."""
     names = {number: (name, kind) for name, (number, kind) in TYPES[type_name].items()}
     found: dict[str, Any] = {}
     for number, value in _fields(content):
@@ -98,7 +98,7 @@ def _field(number: int, kind: _Kind, value: Any) -> bytes:
         return _varint(number << 3 | 1) + struct.pack("<d", float(value))
     if kind in (int, bool):
         return _varint(number << 3) + _varint(int(value))
-    content = value if kind is bytes else value.encode() if kind in (str, "text") else encoded(str(kind), value)
+    content = value if kind is bytes else value.encode() if kind in (str, "text") else encode(str(kind), value)
     return _varint(number << 3 | 2) + _varint(len(content)) + content
 
 
@@ -106,7 +106,7 @@ def _value(kind: _Kind, value: Any) -> Any:
     if kind in (str, "text"):
         return value.decode(errors="replace")
     if isinstance(kind, str):
-        return decoded(kind, value)
+        return decode(kind, value)
     return kind(value)
 
 

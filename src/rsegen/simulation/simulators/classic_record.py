@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import re
 
-from rsegen.simulation.simulators.live import Record
+from rsegen.simulation.simulators.live_world import Record
 
 _STATE = re.compile(r"<sim_time>(\d+) (\d+)</sim_time>(.*?)</state>", re.DOTALL)
 _MODEL = re.compile(r"<model name='([^']+)'>\s*<pose>([^<]+)</pose>")
 
 
-def recording(period: float) -> tuple[str, ...]:
+def record_options(period: float) -> tuple[str, ...]:
     """A server's options, with which its record is a text with a state every so many seconds."""
     return "--record_encoding", "txt", "--record_period", f"{period:g}"
 
 
-def record(text: str) -> Record:
+def parse_record(text: str) -> Record:
     """State by state, the models that are told."""
     return [
         (

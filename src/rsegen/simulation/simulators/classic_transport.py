@@ -1,11 +1,11 @@
-r"""A line to a Gazebo Classic server: messages sent and heard, in Gazebo's own transport over TCP.
+r"""A client of a Gazebo Classic server: topics published and subscribed, in Gazebo's own transport over TCP.
 
     rsegen --advertise, subscribe--> master (in the server)
-    rsegen <--"sub"-- each program that hears a topic of ours;   messages go back the same way
-    rsegen --"sub"--> each program that speaks on a topic;       messages come back the same way
+    rsegen <--"sub"-- each subscriber of a topic of ours;   messages go back the same way
+    rsegen --"sub"--> each publisher of a topic;            messages come back the same way
 
-One line stays open as long as it is needed: Gazebo 11.1's server dies one time in 10 to 25 when the command `gz`, which
-opens and closes four of them, comes or goes.
+One client stays connected as long as it is needed: Gazebo 11.1's server dies one time in 10 to 25 when the command
+`gz`, which opens and closes four connections, starts or ends.
 """
 
 from __future__ import annotations
@@ -19,42 +19,42 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.simulators.classic_messages import Message, decoded, encoded
+from rsegen.simulation.simulators.classic_messages import Message, decode, encode
 
-PATIENCE = 20.0
+TIMEOUT = 20.0
 """Seconds for an answer."""
 
-FAREWELL = 2.0
-"""Seconds for those who speak to us to stop."""
+DISCONNECT_TIMEOUT = 2.0
+"""Seconds for publishers to disconnect."""
 
-_CALM, _PAUSE = 0.4, 0.05
-"""Seconds until all that was asked is answered, and from a message to when surely no other is on its way."""
+_QUIET_AFTER, _QUIET_TIME = 0.4, 0.05
+"""Seconds after which all requests are answered, and after a message in which no other has been sent."""
 
 _KEPT = 64
-"""So many messages of a topic are kept."""
+"""The number of messages of a topic that are kept."""
 
 _HEAD = 8
-"""Hexadecimal digits before each message: how long it is."""
+"""Hexadecimal digits of the length before each message."""
 
 
-class Line:
-    """What is heard on each topic, the last message of it, and what can be said. Topics are below /gazebo/WORLD/."""
+class TransportClient:
+    """A client that publishes and subscribes topics below /gazebo/WORLD/, and keeps the last messages of each."""
 
     def __init__(self, address: tuple[str, int]) -> None:
-        self._told = threading.Condition()
-        self._heard: dict[str, deque[dict[str, Any]]] = defaultdict(lambda: deque(maxlen=_KEPT))
+        self._changed = threading.Condition()
+        self._messages: dict[str, deque[dict[str, Any]]] = defaultdict(lambda: deque(maxlen=_KEPT))
         self._types: dict[str, str] = {}
-        self._listeners: dict[str, list[socket.socket]] = defaultdict(list)
-        self._speakers: dict[socket.socket, str] = {}
+        self._subscribers: dict[str, list[socket.socket]] = defaultdict(list)
+        self._publishers: dict[socket.socket, str] = {}
         self._sockets: list[socket.socket] = []
         self._world = ""
         self._last = 0.0
-        self._master = self._joined(socket.create_connection(address, PATIENCE))
+        self._master = self._registered(socket.create_connection(address, TIMEOUT))
         self._host = self._master.getsockname()[0]
         self._own = socket.create_server((self._host, 0))
         self._port = self._own.getsockname()[1]
-        self._behind(self._hear_master)
-        self._behind(self._welcome)
+        self._start_thread(self._read_master)
+        self._start_thread(self._accept_subscribers)
         try:
             self._wait("no world", lambda: bool(self._world))
         except SimulatorFailed:
@@ -66,159 +66,161 @@ class Line:
         """The name of the server's world."""
         return self._world
 
-    def hear(self, topic: str, type_name: str) -> None:
-        """Listen to a topic from now on."""
-        full = self._full(topic)
+    def subscribe(self, topic: str, type_name: str) -> None:
+        """Subscribe to a topic."""
+        full = self._full_topic(topic)
         self._types[full] = type_name
-        self._tell_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
+        self._send_to_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
 
-    def say(self, topic: str, type_name: str, message: Message) -> None:
-        """Send a message to all that hear a topic; the first time, once somebody does."""
-        full = self._full(topic)
-        if not self._listeners[full]:
-            said = {"topic": full, "msg_type": _full_type(type_name), "host": self._host, "port": self._port}
-            self._tell_master("advertise", "Publish", said)
-            self._wait(f"nobody listens to {full}", lambda: bool(self._listeners[full]))
-        for listener in self._listeners[full]:
-            _send(listener, encoded(type_name, message))
+    def publish(self, topic: str, type_name: str, message: Message) -> None:
+        """Send a message to all subscribers of a topic; the first time, wait for one."""
+        full = self._full_topic(topic)
+        if not self._subscribers[full]:
+            message = {"topic": full, "msg_type": _full_type(type_name), "host": self._host, "port": self._port}
+            self._send_to_master("advertise", "Publish", message)
+            self._wait(f"no subscriber of {full}", lambda: bool(self._subscribers[full]))
+        for subscriber in self._subscribers[full]:
+            _send(subscriber, encode(type_name, message))
 
-    def heard(
-        self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], patience: float = PATIENCE
+    def wait_for_message(
+        self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float = TIMEOUT
     ) -> dict[str, Any]:
-        """The next message on a topic that is wanted, or the last that was heard if that is."""
-        full = self._full(topic)
-        self._wait(f"nothing is heard on {full}", lambda: any(map(wanted, self._heard[full])), patience)
-        with self._told:
-            return [message for message in self._heard[full] if wanted(message)][-1]
+        """The last message of a topic that `wanted` accepts; waits for one if there is none yet."""
+        full = self._full_topic(topic)
+        self._wait(f"no message on {full}", lambda: any(map(wanted, self._messages[full])), timeout)
+        with self._changed:
+            return [message for message in self._messages[full] if wanted(message)][-1]
 
-    def forget(self, topic: str) -> None:
-        """What was heard on a topic until now."""
-        self._note(self._heard[self._full(topic)].clear)
-
-    @contextmanager
-    def deaf(self, topic: str) -> Iterator[None]:
-        """As long as this lasts, a topic is not heard, and its speakers have that much less to do."""
-        self._leave({self._full(topic)})
-        yield
-        self._listen_to(self._full(topic))
+    def clear(self, topic: str) -> None:
+        """Delete the messages of a topic that were received until now."""
+        self._update(self._messages[self._full_topic(topic)].clear)
 
     @contextmanager
-    def hearing(self, topic: str, type_name: str) -> Iterator[None]:
-        """As long as this lasts, and no longer, a topic is heard."""
-        self._types[self._full(topic)] = type_name
-        self._listen_to(self._full(topic))
-        time.sleep(_PAUSE)
+    def muted(self, topic: str) -> Iterator[None]:
+        """A topic is unsubscribed inside, so that its publishers have less to do."""
+        self._unsubscribe({self._full_topic(topic)})
         yield
-        self._leave({self._full(topic)})
-        self.forget(topic)
+        self._subscribe_and_wait(self._full_topic(topic))
+
+    @contextmanager
+    def subscribed(self, topic: str, type_name: str) -> Iterator[None]:
+        """A topic is subscribed inside, and only there."""
+        self._types[self._full_topic(topic)] = type_name
+        self._subscribe_and_wait(self._full_topic(topic))
+        time.sleep(_QUIET_TIME)
+        yield
+        self._unsubscribe({self._full_topic(topic)})
+        self.clear(topic)
 
     def close(self) -> None:
-        """Hang up in a calm moment, once those who speak to us have done so.
+        """Disconnect in a quiet moment, after the publishers have disconnected.
 
-        A speaker of Gazebo 11 who is about to send a message to somebody who goes says nothing more to anybody.
+        A publisher of Gazebo 11 that is about to send to a client that disconnects sends nothing more to anybody.
         """
-        self._wait_for_calm()
+        self._wait_until_quiet()
         with suppress(SimulatorFailed):
-            self._leave(set(self._speakers.values()))
+            self._unsubscribe(set(self._publishers.values()))
         for each in (self._own, *self._sockets):
             each.close()
 
-    def _full(self, topic: str) -> str:
+    def _full_topic(self, topic: str) -> str:
         return topic if topic.startswith("/") else f"/gazebo/{self._world}/{topic.removeprefix('~/')}"
 
-    def _listen_to(self, topic: str) -> None:
-        """And wait for somebody who speaks."""
-        self._tell_master("subscribe", "Subscribe", self._subscription(topic, self._host, self._port))
-        self._wait(f"nobody speaks on {topic}", lambda: topic in self._speakers.values())
+    def _subscribe_and_wait(self, topic: str) -> None:
+        """Subscribe to a topic, and wait for a publisher."""
+        self._send_to_master("subscribe", "Subscribe", self._subscription(topic, self._host, self._port))
+        self._wait(f"no publisher of {topic}", lambda: topic in self._publishers.values())
 
-    def _leave(self, topics: Set[str]) -> None:
-        """A speaker knows a listener by the port that it comes from, and hangs up."""
-        for there, topic in list(self._speakers.items()):
+    def _unsubscribe(self, topics: Set[str]) -> None:
+        """Unsubscribe: a publisher knows a subscriber by its port, and disconnects."""
+        for other, topic in list(self._publishers.items()):
             if topic in topics:
-                host, port = there.getsockname()[:2]
-                self._tell_master("unsubscribe", "Subscribe", self._subscription(topic, host, port))
-        self._wait("a speaker goes on", lambda: not topics & set(self._speakers.values()), FAREWELL)
+                host, port = other.getsockname()[:2]
+                self._send_to_master("unsubscribe", "Subscribe", self._subscription(topic, host, port))
+        self._wait(
+            "a publisher does not disconnect", lambda: not topics & set(self._publishers.values()), DISCONNECT_TIMEOUT
+        )
 
-    def _wait_for_calm(self) -> None:
+    def _wait_until_quiet(self) -> None:
         began = time.monotonic()
-        while self._speakers and (now := time.monotonic()) < began + FAREWELL:
-            if now > began + _CALM and now > self._last + _PAUSE:
+        while self._publishers and (now := time.monotonic()) < began + DISCONNECT_TIMEOUT:
+            if now > began + _QUIET_AFTER and now > self._last + _QUIET_TIME:
                 return
-            time.sleep(_PAUSE / 5)
+            time.sleep(_QUIET_TIME / 5)
 
     def _subscription(self, topic: str, host: str, port: int) -> Message:
         return {"topic": topic, "host": host, "port": port, "msg_type": _full_type(self._types[topic])}
 
-    def _tell_master(self, kind: str, type_name: str, message: Message) -> None:
+    def _send_to_master(self, kind: str, type_name: str, message: Message) -> None:
         _send(self._master, _packet(kind, type_name, message))
 
-    def _hear_master(self) -> None:
+    def _read_master(self) -> None:
         for content in _received(self._master):
-            packet = decoded("Packet", content)
+            packet = decode("Packet", content)
             kind, inside = packet["type"], packet["serialized_data"]
             if kind == "topic_namepaces_init":
-                names = decoded("GzString_V", inside).get("data", [])
-                self._note(lambda: setattr(self, "_world", next((name for name in names if "/" not in name), "")))  # noqa: B023
+                names = decode("GzString_V", inside).get("data", [])
+                self._update(lambda: setattr(self, "_world", next((name for name in names if "/" not in name), "")))  # noqa: B023
             elif kind in ("publisher_subscribe", "publisher_advertise", "publisher_add"):
-                self._join(decoded("Publish", inside))
+                self._connect_publisher(decode("Publish", inside))
 
-    def _join(self, speaker: Mapping[str, Any]) -> None:
-        """Listen to somebody who speaks on a topic that is to be heard."""
-        if speaker["topic"] in self._types and speaker["port"] != self._port:
-            self._behind(lambda: self._listen(speaker))
+    def _connect_publisher(self, publisher: Mapping[str, Any]) -> None:
+        """Connect to a publisher of a subscribed topic."""
+        if publisher["topic"] in self._types and publisher["port"] != self._port:
+            self._start_thread(lambda: self._read_publisher(publisher))
 
-    def _listen(self, speaker: Mapping[str, Any]) -> None:
-        topic = speaker["topic"]
-        there = self._joined(socket.create_connection((speaker["host"], speaker["port"]), PATIENCE))
-        self._note(lambda: self._speakers.update({there: topic}))
-        _send(there, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
-        for content in _received(there):
-            message = decoded(self._types[topic], content)
-            self._note(lambda: self._heard[topic].append(message))  # noqa: B023
+    def _read_publisher(self, publisher: Mapping[str, Any]) -> None:
+        topic = publisher["topic"]
+        other = self._registered(socket.create_connection((publisher["host"], publisher["port"]), TIMEOUT))
+        self._update(lambda: self._publishers.update({other: topic}))
+        _send(other, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
+        for content in _received(other):
+            message = decode(self._types[topic], content)
+            self._update(lambda: self._messages[topic].append(message))  # noqa: B023
             self._last = time.monotonic()
-        self._note(lambda: self._speakers.pop(there))
+        self._update(lambda: self._publishers.pop(other))
 
-    def _welcome(self) -> None:
-        """Let those in who want to hear a topic of ours."""
+    def _accept_subscribers(self) -> None:
+        """Accept subscribers of our topics."""
         while True:
             try:
-                guest, _ = self._own.accept()
+                subscriber, _ = self._own.accept()
             except OSError:
                 return
-            self._behind(lambda: self._serve(self._joined(guest)))  # noqa: B023
+            self._start_thread(lambda: self._read_subscriber(self._registered(subscriber)))  # noqa: B023
 
-    def _serve(self, guest: socket.socket) -> None:
-        for content in _received(guest):
-            packet = decoded("Packet", content)
+    def _read_subscriber(self, subscriber: socket.socket) -> None:
+        for content in _received(subscriber):
+            packet = decode("Packet", content)
             if packet["type"] == "sub":
-                topic = decoded("Subscribe", packet["serialized_data"])["topic"]
-                self._note(lambda: self._listeners[topic].append(guest))  # noqa: B023
+                topic = decode("Subscribe", packet["serialized_data"])["topic"]
+                self._update(lambda: self._subscribers[topic].append(subscriber))  # noqa: B023
 
-    def _joined(self, other: socket.socket) -> socket.socket:
+    def _registered(self, other: socket.socket) -> socket.socket:
         other.settimeout(None)
         other.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._sockets.append(other)
         return other
 
-    def _behind(self, run: Callable[[], None]) -> None:
+    def _start_thread(self, run: Callable[[], None]) -> None:
         threading.Thread(target=run, daemon=True).start()
 
-    def _note(self, change: Callable[[], object]) -> None:
-        with self._told:
+    def _update(self, change: Callable[[], object]) -> None:
+        with self._changed:
             change()
-            self._told.notify_all()
+            self._changed.notify_all()
 
-    def _wait(self, why: str, until: Callable[[], bool], patience: float = PATIENCE) -> None:
-        with self._told:
-            if not self._told.wait_for(until, patience):
+    def _wait(self, why: str, until: Callable[[], bool], timeout: float = TIMEOUT) -> None:
+        with self._changed:
+            if not self._changed.wait_for(until, timeout):
                 raise SimulatorFailed(f"Gazebo Classic: {why}")
 
 
 @contextmanager
-def line(address: tuple[str, int]) -> Iterator[Line]:
-    """A line to the master at a host and port, as long as this lasts."""
+def transport_client(address: tuple[str, int]) -> Iterator[TransportClient]:
+    """A client of the master at a host and port; it disconnects when this ends."""
     try:
-        opened = Line(address)
+        opened = TransportClient(address)
     except OSError as error:
         raise SimulatorFailed(
             f"Gazebo Classic: nobody answers at {address[0]}:{address[1]} ({error.strerror or error})"
@@ -236,7 +238,7 @@ def _full_type(name: str) -> str:
 def _packet(kind: str, type_name: str, message: Message) -> bytes:
     now = time.time_ns()
     stamp = {"sec": now // 10**9, "nsec": now % 10**9}
-    return encoded("Packet", {"stamp": stamp, "type": kind, "serialized_data": encoded(type_name, message)})
+    return encode("Packet", {"stamp": stamp, "type": kind, "serialized_data": encode(type_name, message)})
 
 
 def _send(other: socket.socket, content: bytes) -> None:
@@ -247,7 +249,7 @@ def _send(other: socket.socket, content: bytes) -> None:
 
 
 def _received(other: socket.socket) -> Iterator[bytes]:
-    """Message after message, until either side hangs up."""
+    """Message after message, until either side disconnects."""
     try:
         with other.makefile("rb") as stream:
             while len(head := stream.read(_HEAD)) == _HEAD:

@@ -1,4 +1,4 @@
-"""The simulation that runs already, wherever the user's own variables lead to."""
+"""Connections to the running simulation, at the address in the user's environment variables."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from contextlib import ExitStack, contextmanager
 
 from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.simulation.simulators.base import SIMULATORS, Simulator
-from rsegen.simulation.simulators.live import LiveWorld
+from rsegen.simulation.simulators.live_world import LiveWorld
 
 
 @contextmanager
-def joined(name: str | None) -> Iterator[tuple[Simulator, LiveWorld]]:
-    """The simulator of that name, or else the newest, of which one runs, and its world; NothingRuns where none does."""
-    able = list(SIMULATORS.values()) if name is None else [SIMULATORS.named(name, "--simulator")]
+def connected(name: str | None) -> Iterator[tuple[Simulator, LiveWorld]]:
+    """The running simulator, of that name if given, and its world; NothingRuns if none runs."""
+    able = list(SIMULATORS.values()) if name is None else [SIMULATORS.named(name, "simulator")]
     with ExitStack() as stack:
         yield _first(stack, able)
 
@@ -22,16 +22,16 @@ def joined(name: str | None) -> Iterator[tuple[Simulator, LiveWorld]]:
 def _first(stack: ExitStack, simulators: list[Simulator]) -> tuple[Simulator, LiveWorld]:
     reasons = []
     for simulator in simulators:
-        world = _entered(stack, simulator)
+        world = _world_or_reason(stack, simulator)
         if isinstance(world, LiveWorld):
             return simulator, world
         reasons.append(world)
     raise NothingRuns(f"no simulation runs ({'; '.join(reasons)}); start one, as with rsegen open --shared")
 
 
-def _entered(stack: ExitStack, simulator: Simulator) -> LiveWorld | str:
-    """Its world, or why there is none."""
+def _world_or_reason(stack: ExitStack, simulator: Simulator) -> LiveWorld | str:
+    """Its world, or the reason why there is none."""
     try:
-        return stack.enter_context(simulator.live(os.environ))
+        return stack.enter_context(simulator.connect(os.environ))
     except SimulatorFailed as error:
         return str(error)

@@ -12,11 +12,11 @@ from types import MappingProxyType
 from typing import ClassVar
 
 from rsegen.errors import ParameterError, shown
-from rsegen.simulation.simulators.base import Installation, Launch, Opening, Simulator, on_path, register
-from rsegen.simulation.simulators.classic_live import classic_world
-from rsegen.simulation.simulators.classic_record import record, recording
-from rsegen.simulation.simulators.live import LiveWorld, Record
-from rsegen.simulation.simulators.process import printed
+from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest, Simulator, on_path, register
+from rsegen.simulation.simulators.classic_record import parse_record, record_options
+from rsegen.simulation.simulators.classic_world import classic_world
+from rsegen.simulation.simulators.live_world import LiveWorld, Record
+from rsegen.simulation.simulators.process import command_output
 
 SET_UP = Path(".cache", "rsegen", "gazebo-classic")
 """Where scripts/gazebo-classic sets it up, below the user's home."""
@@ -35,12 +35,12 @@ class GazeboClassic(Simulator):
     name: ClassVar[str] = "classic"
     title: ClassVar[str] = "Gazebo Classic"
     generation: ClassVar[int] = 1
-    remedy: ClassVar[tuple[str, ...]] = (
+    how_to_install: ClassVar[tuple[str, ...]] = (
         "Ubuntu 22.04, Debian 11: apt-get install gazebo gazebo-plugin-base",
         "Debian 12 and later, headless: scripts/gazebo-classic in a clone of rsegen (1.3 GB, as root)",
     )
-    address: ClassVar[tuple[str, ...]] = ("GAZEBO_MASTER_URI",)
-    harmless: ClassVar[tuple[str, ...]] = (
+    address_variables: ClassVar[tuple[str, ...]] = ("GAZEBO_MASTER_URI",)
+    harmless_messages: ClassVar[tuple[str, ...]] = (
         "Can't open display",
         "Unable to open audio device",
         # What a server says whom a `gz` command has just left.
@@ -50,32 +50,32 @@ class GazeboClassic(Simulator):
         "Unable to call parseURDF on robot model",
         "parse as old deprecated model file failed",
     )
-    unloaded: ClassVar[tuple[str, ...]] = ("Falling back on worlds/empty.world", "Unable to start server[bind")
+    load_failures: ClassVar[tuple[str, ...]] = ("Falling back on worlds/empty.world", "Unable to start server[bind")
 
-    def found(self) -> Installation | None:
+    def installation(self) -> Installation | None:
         """The one on PATH, else the one that scripts/gazebo-classic has set up."""
         home = Path.home() / SET_UP
         elsewhere = [home / "bin"] if (home / "complete").exists() else []
         server = on_path("gzserver", *elsewhere)
-        version = re.search(r"version (11\.\S+)", printed([server, "--version"])) if server else None
+        version = re.search(r"version (11\.\S+)", command_output([server, "--version"])) if server else None
         if not server or not version:
             return None
         names = ("gzserver", "gz", "gazebo", "gzclient")
         there = {name: server.with_name(name) for name in names if server.with_name(name).exists()}
         return Installation(simulator=self, version=version[1], commands=MappingProxyType(there))
 
-    def windowed(self, here: Installation, opening: Opening) -> Launch | None:
+    def with_gui(self, here: Installation, opening: OpenRequest) -> LaunchCommand | None:
         """By `gazebo`, which starts server and window."""
         if "gazebo" not in here.commands or "gzclient" not in here.commands:
             return None
         return _launch(here.commands["gazebo"], opening, {})
 
-    def headless(self, here: Installation, opening: Opening) -> Launch:
+    def headless(self, here: Installation, opening: OpenRequest) -> LaunchCommand:
         """By `gzserver`, without a screen if it needs none."""
         blind = {} if opening.screen else {"DISPLAY": ""}
         return _launch(here.commands["gzserver"], opening, blind | opening.home_variables)
 
-    def standing(self, here: Installation, opening: Opening, home: Path) -> Launch:
+    def paused(self, here: Installation, opening: OpenRequest, home: Path) -> LaunchCommand:
         """The same, paused, with a record in its home."""
         options = ("--pause", "--record", "--record_path", str(home / STATE.parent))
         return self.headless(here, replace(opening, home=home)).with_options(*options)
@@ -84,21 +84,21 @@ class GazeboClassic(Simulator):
         """A paused server begins its record when its world is complete."""
         return (home / STATE).exists()
 
-    def dialect(self, here: Installation) -> str:
+    def backend(self, here: Installation) -> str:
         """There is one."""
         return "classic"
 
-    def live(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
+    def connect(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
         """Through its own transport, so it may run on another machine, and need not be installed on this one."""
         return classic_world(_address(environment.get("GAZEBO_MASTER_URI") or MASTER))
 
-    def recording(self, period: float) -> tuple[str, ...]:
+    def record_options(self, period: float) -> tuple[str, ...]:
         """The record is a text."""
-        return recording(period)
+        return record_options(period)
 
-    def record(self, home: Path) -> Record | None:
+    def read_record(self, home: Path) -> Record | None:
         """Complete when the server has ended."""
-        return record((home / STATE).read_text())
+        return parse_record((home / STATE).read_text())
 
 
 def _address(master: str) -> tuple[str, int]:
@@ -109,16 +109,16 @@ def _address(master: str) -> tuple[str, int]:
     return found[1], int(found[2])
 
 
-def _launch(command: Path, opening: Opening, more: Mapping[str, str]) -> Launch:
+def _launch(command: Path, opening: OpenRequest, more: Mapping[str, str]) -> LaunchCommand:
     """In the world's folder: Gazebo 11.1 looks for meshes there."""
-    return Launch(
+    return LaunchCommand(
         command=(str(command), "--verbose", opening.world.name),
         environment=MappingProxyType(_environment(opening) | dict(more)),
         folder=opening.folder,
     )
 
 
-def _environment(opening: Opening) -> dict[str, str]:
+def _environment(opening: OpenRequest) -> dict[str, str]:
     """No model database in the internet; an address of its own, unless it is to be shared."""
     own = {"GAZEBO_IP": "127.0.0.1", "GAZEBO_MASTER_URI": f"http://127.0.0.1:{_free_port()}"}
     return {

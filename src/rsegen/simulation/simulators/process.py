@@ -1,7 +1,7 @@
 r"""Programs in sessions of their own, which end with all that they have started, however rsegen itself ends.
 
     rsegen --starts--> program (and what it starts)
-       |  \--starts--> watch.py
+       |  \--starts--> watchdog.py
        pipe ------------^   closed: by rsegen, or by the system when rsegen is gone
 
 There is one way to end a program: the pipe closes, and the watch ends the program's session. The program is started by
@@ -22,26 +22,26 @@ from pathlib import Path
 from typing import IO
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.simulators.base import Launch
+from rsegen.simulation.simulators.base import LaunchCommand
 
-_WATCH = Path(__file__).with_name("watch.py")
+_WATCH = Path(__file__).with_name("watchdog.py")
 _NAMED = ("/bin/sh", "-c", 'echo $$ >&0; exec "$@" </dev/null', "sh")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Running:
-    """A program that runs, or has run."""
+class RunningProgram:
+    """A program that runs or has ended."""
 
     process: subprocess.Popen[str]
     watch: subprocess.Popen[str]
 
     @property
-    def code(self) -> int | None:
+    def exit_code(self) -> int | None:
         """Its exit code; None while it runs."""
         return self.process.poll()
 
     def end(self) -> None:
-        """Have it end, with all that it has started: asked first, and killed after some seconds."""
+        """End it with all that it has started: by SIGINT first, and by SIGKILL after some seconds."""
         if self.watch.stdin:
             self.watch.stdin.close()
         self.watch.wait()
@@ -53,8 +53,8 @@ class Running:
 
 
 @contextmanager
-def running(launch: Launch, output: IO[str] | int) -> Iterator[Running]:
-    """A program that runs as long as this does; both of its outputs go to `output`."""
+def running(launch: LaunchCommand, output: IO[str] | int) -> Iterator[RunningProgram]:
+    """A program that is ended when this ends; stdout and stderr go to `output`."""
     watch = subprocess.Popen(
         [sys.executable, str(_WATCH)],
         stdin=subprocess.PIPE,
@@ -63,32 +63,32 @@ def running(launch: Launch, output: IO[str] | int) -> Iterator[Running]:
         text=True,
         start_new_session=True,
     )
-    with _closed_in_the_end(watch):
-        started = Running(process=_started(launch, output, watch), watch=watch)
+    with _closed_at_end(watch):
+        started = RunningProgram(process=_started(launch, output, watch), watch=watch)
         try:
             yield started
         finally:
             started.end()
 
 
-def answer(launch: Launch, patience: float) -> str:
-    """Both outputs of a program that ends by itself; SimulatorFailed where it takes longer than `patience` seconds."""
+def output_of(launch: LaunchCommand, timeout: float) -> str:
+    """stdout and stderr of a program that ends by itself; SimulatorFailed if it takes longer than `timeout` s."""
     with running(launch, subprocess.PIPE) as started:
         try:
-            return started.process.communicate(timeout=patience)[0]
+            return started.process.communicate(timeout=timeout)[0]
         except subprocess.TimeoutExpired:
-            raise SimulatorFailed(f"{launch.command[0]}: no answer in {patience:g} s") from None
+            raise SimulatorFailed(f"{launch.command[0]}: no answer in {timeout:g} s") from None
 
 
-def printed(command: Sequence[str | Path]) -> str:
-    """Both outputs of a command that says a version; nothing where there is no such command or it does not end."""
+def command_output(command: Sequence[str | Path]) -> str:
+    """stdout and stderr of a short command; empty if there is no such command or it does not end."""
     try:
-        return answer(Launch(command=tuple(map(str, command)), environment={}, folder=Path.cwd()), patience=30)
+        return output_of(LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd()), timeout=30)
     except (OSError, SimulatorFailed):
         return ""
 
 
-def _started(launch: Launch, output: IO[str] | int, watch: subprocess.Popen[str]) -> subprocess.Popen[str]:
+def _started(launch: LaunchCommand, output: IO[str] | int, watch: subprocess.Popen[str]) -> subprocess.Popen[str]:
     return subprocess.Popen(
         (*_NAMED, *launch.command),
         env=os.environ | dict(launch.environment),
@@ -103,7 +103,7 @@ def _started(launch: Launch, output: IO[str] | int, watch: subprocess.Popen[str]
 
 
 @contextmanager
-def _closed_in_the_end(watch: subprocess.Popen[str]) -> Iterator[None]:
+def _closed_at_end(watch: subprocess.Popen[str]) -> Iterator[None]:
     try:
         yield
     finally:

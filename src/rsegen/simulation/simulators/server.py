@@ -1,4 +1,4 @@
-"""A headless server that has loaded a world, for whoever wants to drive, measure or change what is in it."""
+"""A headless server with a loaded and paused world, to drive robots in, measure or change."""
 
 from __future__ import annotations
 
@@ -11,115 +11,116 @@ from pathlib import Path
 from typing import TypeVar
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.simulators.base import Installation, Launch, Opening
-from rsegen.simulation.simulators.live import LiveWorld
-from rsegen.simulation.simulators.process import Running, answer, running
+from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest
+from rsegen.simulation.simulators.live_world import LiveWorld
+from rsegen.simulation.simulators.process import RunningProgram, output_of, running
 
-PATIENCE = 20.0
+TIMEOUT = 20.0
 """Seconds for a world to load, and for a server to answer."""
 
 ATTEMPTS = 4
 """Gazebo 11.1's server now and then dies or hangs."""
 
-Made = TypeVar("Made")
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Server:
-    """A running server; `home` is its own and goes with it, `launch` is what it was started by."""
+    """A running server: its installation, the command that started it, its temporary home, and its process."""
 
     here: Installation
-    launch: Launch
+    launch: LaunchCommand
     home: Path
-    running: Running
+    running: RunningProgram
 
     @property
     def pid(self) -> int:
-        """Of its process."""
+        """The id of its process."""
         return self.running.process.pid
 
     @property
     def environment(self) -> Mapping[str, str]:
-        """What a program needs beside its own variables to reach this server and no other."""
+        """The variables by which programs reach this server and no other."""
         return self.launch.environment
 
     @property
     def log(self) -> str:
-        """All that it has said."""
-        return log_of(self.home).read_text(errors="replace")
+        """The text of its log."""
+        return log_file(self.home).read_text(errors="replace")
 
     @property
     def errors(self) -> list[str]:
         """The error lines of its log, without the harmless ones."""
-        return self.here.simulator.complaints(self.log)
+        return self.here.simulator.error_lines(self.log)
 
-    def live(self) -> AbstractContextManager[LiveWorld]:
-        """Its world, to be changed, for as long as it is asked."""
-        return self.here.simulator.live(self.environment)
+    def connect(self) -> AbstractContextManager[LiveWorld]:
+        """A connection to its world."""
+        return self.here.simulator.connect(self.environment)
 
-    def wait_until_loaded(self, patience: float = PATIENCE) -> None:
-        """Wait for its world; SimulatorFailed where the server dies, says that it has none, or takes too long."""
-        end = time.monotonic() + patience
+    def wait_until_loaded(self, timeout: float = TIMEOUT) -> None:
+        """Wait until its world is loaded; SimulatorFailed if the server dies, reports a failure, or takes too long."""
+        end = time.monotonic() + timeout
         while not self.here.simulator.is_loaded(self.home, self.log):
-            if self.running.code is not None or time.monotonic() > end:
-                raise self.lost("the server has died" if self.running.code is not None else "it did not load in time")
+            if self.running.exit_code is not None or time.monotonic() > end:
+                raise self.failure(
+                    "the server has died" if self.running.exit_code is not None else "it did not load in time"
+                )
             time.sleep(0.02)
-        if self.here.simulator.has_not_loaded(self.log):
-            raise self.lost("the world was not loaded")
+        if self.here.simulator.load_failed(self.log):
+            raise self.failure("the world was not loaded")
 
-    def told(self, name: str, *arguments: str, patience: float = PATIENCE) -> str:
-        """What one of the installation's commands prints, asked about this server; it ends within `patience` s."""
+    def run_command(self, name: str, *arguments: str, timeout: float = TIMEOUT) -> str:
+        """The output of one of the installation's commands with this server's variables."""
         command = (str(self.here.commands[name]), *arguments)
         try:
-            return answer(replace(self.launch, command=command), patience)
+            return output_of(replace(self.launch, command=command), timeout)
         except SimulatorFailed as error:
-            raise self.lost(str(error)) from None
+            raise self.failure(str(error)) from None
 
     def stop(self) -> None:
-        """Have it finish what it writes, and go."""
+        """Let it finish its files, and end."""
         self.running.end()
 
-    def lost(self, why: str) -> SimulatorFailed:
-        """The error that says why, and how the log ends."""
+    def failure(self, why: str) -> SimulatorFailed:
+        """An error with the reason and the last lines of the log."""
         return SimulatorFailed("\n".join([f"{self.here}: {why}; its log ends with:", *self.log.splitlines()[-20:]]))
 
 
 @contextmanager
-def serving(
+def running_server(
     here: Installation,
     world: Path,
     *,
     models: Path | None = None,
     options: tuple[str, ...] = (),
-    patience: float = PATIENCE,
+    timeout: float = TIMEOUT,
     screen: bool = False,
 ) -> Iterator[Server]:
-    """A server that has loaded a world, in which time stands still; it is gone with all its processes when this ends.
+    """A server that has loaded a world and is paused; it ends with all its processes when this ends.
 
-    It disturbs no other: its home, its address and its log are its own. `models` is the folder where model:// is looked
-    for, by default the one above the world's; `options` are the server's own, before the world; with
-    `screen` it may draw.
+    Its home, its address and its log are its own. `models` is the folder of model:// URIs, by default the one above the
+    world's; `options` are options of the server; with `screen` it may render.
     """
     with tempfile.TemporaryDirectory(prefix="rsegen-") as name:
         home = Path(name)
-        opening = Opening(world=world, models=models, screen=screen)
-        launch = here.simulator.standing(here, opening, home).with_options(*options)
-        with log_of(home).open("w") as log, running(launch, log) as process:
+        opening = OpenRequest(world=world, models=models, screen=screen)
+        launch = here.simulator.paused(here, opening, home).with_options(*options)
+        with log_file(home).open("w") as log, running(launch, log) as process:
             server = Server(here=here, launch=launch, home=home, running=process)
-            server.wait_until_loaded(patience)
+            server.wait_until_loaded(timeout)
             yield server
 
 
-def attempted(once: Callable[[], Made], attempts: int = ATTEMPTS) -> Made:
-    """What `once` gives, tried again where it loses its server; what the last attempt raises is raised."""
+def retried(once: Callable[[], Result], attempts: int = ATTEMPTS) -> Result:
+    """The result of `once`, which is called again if its server fails; the last failure is raised."""
     try:
         return once()
     except SimulatorFailed:
         if attempts == 1:
             raise
-    return attempted(once, attempts - 1)
+    return retried(once, attempts - 1)
 
 
-def log_of(home: Path) -> Path:
-    """Where a server with such a home writes what it says."""
+def log_file(home: Path) -> Path:
+    """The log of a server with this home."""
     return home / "log"

@@ -1,4 +1,4 @@
-"""Reading and writing the text in which Gazebo Sim's commands have protobuf messages."""
+"""Parsing and formatting of the protobuf text of Gazebo Sim's commands."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Message:
 
 
 def parse(text: str) -> Message:
-    """The message that a text says: lines `name: value`, `name {` and `}`; other lines are not of it."""
+    """The message in a text of lines `name: value`, `name {` and `}`; other lines are skipped."""
     whole = Message()
     open_messages = [whole]
     for line in map(str.strip, text.splitlines()):
@@ -33,12 +33,12 @@ def parse(text: str) -> Message:
     return whole
 
 
-def spelled(message: Mapping[str, object]) -> str:
-    """The text of a message of texts, numbers, truths and messages."""
+def format_message(message: Mapping[str, object]) -> str:
+    """The text of a message of strings, numbers, booleans and messages."""
     return " ".join(f"{name}{_value(value)}" for name, value in message.items())
 
 
 def _value(value: object) -> str:
     if isinstance(value, Mapping):
-        return f" {{ {spelled(value)} }}"
+        return f" {{ {format_message(value)} }}"
     return f": {json.dumps(value, ensure_ascii=False)}"

@@ -1,4 +1,4 @@
-"""What is put into a running simulation: where there is room, and what becomes of whatever stands there.
+"""Maps and robots spawned in a running simulation: free places, and what happens to the models that are there.
 
-free(half, taken) -> place; put(live, ...); replaced(live, old, new).
+free_rectangle(half_x, half_y, taken) -> place; spawn_map(live, sdf, new, old) -> names of the models put on top.
 """

@@ -1,4 +1,4 @@
-"""Where there is room for something new."""
+"""Free ground for a new model in a simulation."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from math import hypot
 from typing import NamedTuple
 
 GAP = 0.5
-"""Metres between something new and what is there."""
+"""Metres between a new model and those that are there."""
 
 
 class Rectangle(NamedTuple):
-    """Along the axes: its middle, and half of its length and width, metres."""
+    """An axis-aligned rectangle: its centre, and half of its length and width, metres."""
 
     x: float
     y: float
@@ -20,20 +20,20 @@ class Rectangle(NamedTuple):
     half_y: float = 0.0
 
     def is_clear_of(self, other: Rectangle) -> bool:
-        """Whether there is a gap between the two."""
+        """Whether there is a gap between both."""
         return (
             abs(self.x - other.x) > self.half_x + other.half_x + GAP - 1e-3
             or abs(self.y - other.y) > self.half_y + other.half_y + GAP - 1e-3
         )
 
 
-def free(half_x: float, half_y: float, taken: Sequence[Rectangle]) -> Rectangle:
-    """The first that is clear of all that are taken: on the origin, else on a grid around it, from the inside out."""
-    tried = (
+def free_rectangle(half_x: float, half_y: float, occupied: Sequence[Rectangle]) -> Rectangle:
+    """The rectangle nearest to the origin, on a grid around it, that is clear of all taken ones."""
+    run_trial = (
         Rectangle(round(i * (2 * half_x + GAP), 3), round(j * (2 * half_y + GAP), 3), half_x, half_y)
         for i, j in chain.from_iterable(map(_ring, count()))
     )
-    return next(place for place in tried if all(map(place.is_clear_of, taken)))
+    return next(place for place in run_trial if all(map(place.is_clear_of, occupied)))
 
 
 def _ring(number: int) -> Iterator[tuple[int, int]]:

@@ -1,4 +1,4 @@
-"""A map as it stands in a simulation: what ground it covers, and how high it is under something."""
+"""A map in a simulation: the ground that it covers, and its height under a model."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from math import cos, floor, sin
 
 from rsegen.field.stepfield import StepField
-from rsegen.simulation.simulators.live import Pose
+from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.placement import Rectangle
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Placed:
-    """A map under the name that it has there, and where its middle is; it stands upright."""
+class SpawnedMap:
+    """A map under its name in the simulation, and the pose of its centre; it is upright."""
 
     name: str
     field: StepField
@@ -20,16 +20,16 @@ class Placed:
 
     @property
     def rectangle(self) -> Rectangle:
-        """The smallest along the axes that it lies in."""
+        """The smallest axis-aligned rectangle around it."""
         (x, y), c, s = self.field.extent, abs(cos(self.at.yaw)), abs(sin(self.at.yaw))
         return Rectangle(self.at.x, self.at.y, (x * c + y * s) / 2, (x * s + y * c) / 2)
 
-    def carries(self, at: Pose, reach: float) -> bool:
-        """Whether something at a place, which reaches so far around it, is above the map."""
+    def covers(self, at: Pose, reach: float) -> bool:
+        """Whether a model at a pose, with this radius, is above the map."""
         return all(abs(x) <= along / 2 + reach for x, along in zip(self._seen(at), self.field.extent, strict=True))
 
     def top(self, at: Pose, reach: float = 0.0) -> float:
-        """The z of the highest block within a reach of a place; of the ground, where no block is."""
+        """The z of the highest block within a radius of a pose; of the ground if there is no block."""
         along_x, along_y = (self._cells(axis, x, reach) for axis, x in enumerate(self._seen(at)))
         return self.at.z + float(self.field.heights[along_x, along_y].max(initial=0.0))
 

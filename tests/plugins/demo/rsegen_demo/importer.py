@@ -9,12 +9,12 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import FileError
-from rsegen.io.importers.base import USUAL_UNIT_CM, Format, Heights, whole_units
+from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, whole_units
 from rsegen.params.sorts import Integer
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Asc(Format):
+class Asc(Importer):
     """Heights from an ASCII grid (ASC) in metres."""
 
     name: ClassVar[str] = "ASCII grid"

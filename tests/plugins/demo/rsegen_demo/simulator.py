@@ -7,8 +7,8 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import ClassVar
 
-from rsegen.simulation.simulators import Installation, Launch, Opening, Simulator
-from rsegen.simulation.simulators.live import LiveWorld
+from rsegen.simulation.simulators import Installation, LaunchCommand, OpenRequest, Simulator
+from rsegen.simulation.simulators.live_world import LiveWorld
 
 
 class Paper(Simulator):
@@ -17,22 +17,22 @@ class Paper(Simulator):
     name: ClassVar[str] = "paper"
     title: ClassVar[str] = "Pencil and Paper"
     generation: ClassVar[int] = 0
-    remedy: ClassVar[tuple[str, ...]] = ("buy a pencil",)
-    address: ClassVar[tuple[str, ...]] = ()
+    how_to_install: ClassVar[tuple[str, ...]] = ("buy a pencil",)
+    address_variables: ClassVar[tuple[str, ...]] = ()
 
-    def found(self) -> Installation | None:
+    def installation(self) -> Installation | None:
         """It never is."""
         return None
 
-    def windowed(self, here: Installation, opening: Opening) -> Launch | None:
+    def with_gui(self, here: Installation, opening: OpenRequest) -> LaunchCommand | None:
         """It has no window."""
         return None
 
-    def headless(self, here: Installation, opening: Opening) -> Launch:
+    def headless(self, here: Installation, opening: OpenRequest) -> LaunchCommand:
         """Nothing serves it."""
         raise NotImplementedError
 
-    def standing(self, here: Installation, opening: Opening, home: Path) -> Launch:
+    def paused(self, here: Installation, opening: OpenRequest, home: Path) -> LaunchCommand:
         """Nothing serves it."""
         raise NotImplementedError
 
@@ -40,10 +40,10 @@ class Paper(Simulator):
         """It never is."""
         return False
 
-    def dialect(self, here: Installation) -> str:
+    def backend(self, here: Installation) -> str:
         """That of Gazebo Sim."""
         return "sim"
 
-    def live(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
+    def connect(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
         """It is not."""
         raise NotImplementedError

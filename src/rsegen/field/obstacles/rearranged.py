@@ -1,0 +1,113 @@
+"""The same blocks in another order, in which neighbours differ by at most a given number of levels.
+
+Blocks are swapped in pairs by simulated annealing. All cells of one colour, i + 2 j modulo 5, are swapped at once: no
+two of them have a common neighbour, so the effect of each swap does not depend on the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rsegen.field.stepfield import Array, Ints, Levels
+
+_COLOURS = 5
+_SWEEPS = 120
+_WORSE = 0.03
+"""Probability of a swap that makes the order worse by one level, in the first sweeps: it leaves local minima."""
+
+_SMOOTHED = (1, 4, 16, 64)
+"""If the order that was drawn cannot be repaired, blocks are sorted by random noise that was smoothed this often."""
+
+
+def rearranged(levels: Ints, limit: int, rng: np.random.Generator, zones: Ints | None = None) -> Levels | None:
+    """Levels (n_x, n_y) reordered so that no block differs by more than `limit` from its four neighbours.
+
+    zones: (n_x, n_y), blocks stay within their zone, those with a negative zone do not move; a negative level is no
+    block. Returns None if no such order is found.
+    """
+    zones = np.zeros(levels.shape, dtype=np.int64) if zones is None else zones
+    for warm, start in _starts(levels.astype(np.int64), zones, rng):
+        grid = _Grid(start, zones, limit)
+        for sweep in range(_SWEEPS):
+            if grid.is_right():
+                return grid.levels()
+            grid.swap(rng, _WORSE if warm and sweep < _SWEEPS // 2 else 0.0)
+    return None
+
+
+def _starts(levels: Ints, zones: Ints, rng: np.random.Generator) -> Iterator[tuple[bool, Ints]]:
+    """Initial orders and whether worse swaps are allowed: as drawn, ever smoother ones, and sorted along x."""
+    yield True, levels
+    for times in _SMOOTHED:
+        yield False, _sorted_by(_smooth(rng.random(levels.shape), times), levels, zones)
+    yield False, _sorted_by(np.arange(levels.size, dtype=np.float64).reshape(levels.shape), levels, zones)
+
+
+def _sorted_by(order: Array, levels: Ints, zones: Ints) -> Ints:
+    """Levels sorted by `order` within each zone."""
+    found = levels.copy()
+    for zone in np.unique(zones[zones >= 0]):
+        cells = np.flatnonzero(zones == zone)
+        found.flat[cells[np.argsort(order.flat[cells], kind="stable")]] = np.sort(levels.flat[cells])
+    return found
+
+
+def _smooth(values: Array, times: int) -> Array:
+    for _ in range(times):
+        p = np.pad(values, 1, mode="edge")
+        values = (p[1:-1, 1:-1] + p[2:, 1:-1] + p[:-2, 1:-1] + p[1:-1, 2:] + p[1:-1, :-2]) / 5
+    return values
+
+
+class _Grid:
+    """The levels as a flat array with a border of empty cells, and the swaps between them."""
+
+    def __init__(self, levels: Ints, zones: Ints, limit: int) -> None:
+        self._shape = levels.shape
+        self._limit = limit
+        self._levels = np.pad(levels, 1).ravel()
+        self._there = np.pad(levels >= 0, 1).ravel()
+        self._zones = np.pad(zones, 1, constant_values=-1).ravel()
+        width = levels.shape[1] + 2
+        self._beside = np.array([1, -1, width, -width])
+        self._movable = np.flatnonzero(self._zones >= 0)
+        colour = (self._movable // width + 2 * (self._movable % width)) % _COLOURS
+        self._colours = [self._movable[colour == each] for each in range(_COLOURS)]
+
+    def levels(self) -> Levels:
+        """The levels without the border, (n_x, n_y)."""
+        n_x, n_y = self._shape
+        return self._levels.reshape(n_x + 2, n_y + 2)[1:-1, 1:-1].astype(np.int16)
+
+    def is_right(self) -> bool:
+        """Whether every movable block is within the limit of its neighbours."""
+        return not self._amiss(self._movable, self._levels[self._movable]).any()
+
+    def swap(self, rng: np.random.Generator, worse: float) -> None:
+        """Swap random pairs if that does no harm, and with a small probability if it does."""
+        chances = np.cumprod([1.0, *[worse] * 8])
+        for cells in self._colours:
+            one, other = self._pairs(cells, rng)
+            was, is_to_be = self._levels[one], self._levels[other]
+            harm = self._amiss(one, is_to_be) + self._amiss(other, was) - self._amiss(one, was)
+            harm = np.clip(harm - self._amiss(other, is_to_be), 0, len(chances) - 1)
+            swapped = rng.random(len(one)) < chances[harm]
+            self._levels[one[swapped]] = is_to_be[swapped]
+            self._levels[other[swapped]] = was[swapped]
+
+    def _pairs(self, cells: Ints, rng: np.random.Generator) -> tuple[Ints, Ints]:
+        """Random pairs of cells of one zone; some cells are left over."""
+        mixed = cells[np.argsort(rng.random(len(cells)), kind="stable")]
+        mixed = mixed[np.argsort(self._zones[mixed], kind="stable")]
+        even = len(mixed) // 2 * 2
+        one, other = mixed[:even:2], mixed[1:even:2]
+        alike = self._zones[one] == self._zones[other]
+        return one[alike], other[alike]
+
+    def _amiss(self, cells: Ints, levels: Ints) -> Ints:
+        """By how many levels in sum each cell would exceed the limit to its neighbours if it had these levels."""
+        beside = cells[:, None] + self._beside
+        differs = np.abs(self._levels[beside] - levels[:, None]) - self._limit
+        return np.asarray((np.maximum(differs, 0) * self._there[beside]).sum(axis=1))

@@ -1,0 +1,60 @@
+"""A dialog that runs a job: its options, an output folder, and progress."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QVBoxLayout, QWidget
+
+from rsegen.errors import ParameterError
+from rsegen.gui.model.jobs import Job
+from rsegen.gui.widgets.named import named
+from rsegen.gui.widgets.run_form import FormTexts, RunForm
+
+
+class JobDialog(QDialog):
+    """The base of dialogs that run a job; their options cannot be changed during a run, and closing cancels it."""
+
+    def __init__(self, name: str, title: str, texts: FormTexts, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        named(self, name)
+        self.setWindowTitle(title)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.form = RunForm(texts)
+        self.form.start.setDefault(True)
+        self.form.start.clicked.connect(self._write)
+        self.form.changed.connect(self.show_state)
+        self.form.column.setContentsMargins(0, 0, 0, 0)
+
+    def job(self) -> Job:
+        """The job by the options in the dialog; a ParameterError if one is invalid."""
+        raise NotImplementedError
+
+    def lay_out(self, body: QWidget, stretch: int = 0) -> None:
+        """Lay out the options, the form, and Close."""
+        self._body = body
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        buttons.button(QDialogButtonBox.StandardButton.Close).setAutoDefault(False)
+        buttons.rejected.connect(self.reject)
+        column = QVBoxLayout(self)
+        column.setSpacing(12)
+        column.addWidget(body, stretch)
+        column.addWidget(self.form)
+        column.addWidget(buttons)
+
+    def show_state(self) -> None:
+        """Enable the options unless a job is running."""
+        self._body.setEnabled(not self.form.busy)
+
+    def done(self, result: int) -> None:
+        """Cancel the run, and close."""
+        self.form.stop()
+        super().done(result)
+
+    def _write(self) -> None:
+        try:
+            job = self.job()
+        except ParameterError as error:
+            self.form.error_label.show_message(str(error))
+            return
+        if self.form.may_write(job):
+            self.form.write(job)

@@ -1,0 +1,65 @@
+"""A recipe as a command line and as a Python program that generate the same maps."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator
+
+from rsegen.field.obstacles import KINDS
+from rsegen.gui.model.session import Entry, draft_of
+from rsegen.params.sorts import Json, parameters
+from rsegen.recipe.recipe import Placement, Recipe
+
+
+def command_line(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
+    """The command that generates the maps of a recipe, with build sheets or without."""
+    words = ["rsegen", "generate", "-o", folder, *["--sheet"][:sheets]]
+    for name, value in _stated(recipe).items():
+        words += [f"--{name.replace('_', '-')}", parameters(Recipe)[name].format(value)]
+    for placement in recipe.obstacles:
+        words += ["--obstacle", " ".join(_words(placement.entry()))]
+    return shlex.join(words)
+
+
+def python_code(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
+    """The program that generates the maps of a recipe, with build sheets or without."""
+    lines = ["import rsegen", *_imports(recipe), "", "recipe = rsegen.Recipe("]
+    lines += [f"    {name}={_tuple(value)!r}," for name, value in _stated(recipe).items()]
+    lines += ["    obstacles=[", *(f"        {_call(placement)}," for placement in recipe.obstacles), "    ],", ")"]
+    return "\n".join([*lines, f"rsegen.generate(recipe, {folder!r}{', sheet=True' if sheets else ''})", ""])
+
+
+def _stated(recipe: Recipe) -> Entry:
+    """The seed, and the global parameters that differ from their defaults."""
+    values, default = draft_of(recipe).values, draft_of(Recipe(seed=0)).values
+    return {name: value for name, value in values.items() if value != default.get(name) or name == "seed"}
+
+
+def _imports(recipe: Recipe) -> list[str]:
+    """The imports of obstacle kinds that other packages define."""
+    others = {type(placement.obstacle) for placement in recipe.obstacles if not _is_ours(type(placement.obstacle))}
+    return sorted(f"from {cls.__module__} import {cls.__name__}" for cls in others)
+
+
+def _is_ours(cls: type) -> bool:
+    return cls.__module__.partition(".")[0] == "rsegen"
+
+
+def _call(placement: Placement) -> str:
+    entry = placement.entry()
+    own = parameters(KINDS[entry.pop("kind")])
+    cls = type(placement.obstacle)
+    name = f"rsegen.{cls.__name__}" if _is_ours(cls) else cls.__name__
+    inner = ", ".join(f"{key}={_tuple(entry.pop(key))!r}" for key in list(entry) if key in own)
+    outer = "".join(f", {key}={_tuple(value)!r}" for key, value in entry.items())
+    return f"rsegen.Placement(obstacle={name}({inner}){outer})"
+
+
+def _words(entry: Entry) -> Iterator[str]:
+    known = {**parameters(KINDS[entry["kind"]]), **parameters(Placement)}
+    yield entry["kind"]
+    yield from (f"{name}={known[name].format(value)}" for name, value in entry.items() if name in known)
+
+
+def _tuple(value: Json) -> Json:
+    return tuple(value) if isinstance(value, list) else value

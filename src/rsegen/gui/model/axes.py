@@ -1,0 +1,56 @@
+"""Tick marks with metres along the sides of the map in the 3D view."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rsegen.exporters.numbers import decimal
+from rsegen.field.stepfield import Array
+from rsegen.gui.model.solid import Lines
+
+Bounds = tuple[float, float, float, float, float, float]
+"""Smallest and largest x, y and z, metres."""
+
+_MARKS = 6
+_BASES = (1, 2, 5)
+
+
+class Marks(NamedTuple):
+    """places: (n, 3), metres, of the texts; lines: the ticks themselves."""
+
+    places: Array
+    texts: list[str]
+    lines: Lines
+
+
+def tick_marks(bounds: Bounds, border: float) -> Marks:
+    """Ticks across the border, x on the south side and y on the east."""
+    west, east, south, north = bounds[:4]
+    near, far, beyond = (np.array([east, south]) + at * np.array([1, -1]) for at in (0, border, 1.8 * border))
+    along_x, along_y = round_numbers(west, east), round_numbers(south, north)
+    starts = [*((x, near[1]) for x in along_x), *((near[0], y) for y in along_y)]
+    ends = [*((x, far[1]) for x in along_x), *((far[0], y) for y in along_y)]
+    places = [*((x, beyond[1]) for x in along_x), *((beyond[0] + 0.8 * border, y) for y in along_y)]
+    texts = [*_texts("x", along_x), *_texts("y", along_y)]
+    pairs = np.arange(2 * len(starts)).reshape(2, -1).T
+    return Marks(_on_the_ground(places), texts, Lines(_on_the_ground([*starts, *ends]), pairs))
+
+
+def round_numbers(low: float, high: float) -> list[float]:
+    """About six round numbers in a range: multiples of 1, 2 or 5 times a power of ten."""
+    rough = (high - low) / _MARKS
+    power = 10.0 ** np.floor(np.log10(rough))
+    step = next((base * power for base in _BASES if base * power >= rough), 10 * power)
+    first, last = (int(np.ceil(round(low / step, 6))), int(np.floor(round(high / step, 6))))
+    return [round(number * step, 9) for number in range(first, last + 1)]
+
+
+def _texts(axis: str, along: list[float]) -> list[str]:
+    """The numbers as text, of which the last has the axis and the unit."""
+    return [*map(decimal, along[:-1]), f"{axis} = {decimal(along[-1])} m"]
+
+
+def _on_the_ground(places: list[tuple[float, float]]) -> Array:
+    return np.array([(x, y, 0.0) for x, y in places], dtype=np.float64).reshape(-1, 3)

@@ -1,0 +1,111 @@
+"""The recipe that is open in the window, the obstacle that is selected in it, and what the user does to both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from rsegen.gui.model.handles import Handle, handles_of
+from rsegen.gui.model.painting import UNPAINTED, can_paint, painted
+from rsegen.gui.model.session import Entry, Session, aligned
+from rsegen.params.places import Cell
+
+
+class Document:
+    """A session and the row of its selected obstacle, -1 if none is.
+
+    changed: called after every change of either; opened: called after another session was opened.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self.session = session
+        self.selected = -1
+        self.changed: Callable[[], None] = lambda: None
+        self.opened: Callable[[], None] = lambda: None
+
+    @property
+    def selected_entry(self) -> Entry | None:
+        """The obstacle that is selected, as a recipe file has it."""
+        return self.session.draft.rows[self.selected].entry if self.selected >= 0 else None
+
+    def handles(self, shape: Cell) -> list[Handle]:
+        """The ends of all obstacles on a map of so many blocks along x and y."""
+        return handles_of(self.session.draft.rows, shape)
+
+    def open(self, session: Session) -> None:
+        """Edit another session, such as that of a file."""
+        self.session, self.selected = session, -1
+        session.changed = self._session_changed
+        self.opened()
+
+    def select(self, row: int) -> None:
+        """Select an obstacle; -1 selects none."""
+        self.selected = row
+        self.changed()
+
+    # Changes of the list.
+
+    def add(self, entry: Entry) -> None:
+        """Add an obstacle at the end of the list, and select it."""
+        self.selected = len(self.session.draft.rows)
+        self.session.add(entry)
+
+    def draw(self, entry: Entry, first: Cell, last: Cell) -> None:
+        """Add an obstacle with these ends, in line where its kind must be axis-aligned."""
+        self.add(aligned({**entry, "first": list(first), "last": list(last)}, "last"))
+
+    def move(self, row: int, to: int) -> None:
+        """Move an obstacle in the list, and select it."""
+        self.selected = to
+        self.session.move(row, to)
+
+    def can_shift(self, by: int) -> bool:
+        """Whether the selected obstacle can be moved by so many rows."""
+        return self.selected >= 0 and 0 <= self.selected + by < len(self.session.draft.rows)
+
+    def shift(self, by: int) -> None:
+        """Move the selected obstacle by so many rows."""
+        if self.can_shift(by):
+            self.move(self.selected, self.selected + by)
+
+    def duplicate(self) -> None:
+        """Copy the selected obstacle to the row below it, and select the copy."""
+        if self.selected >= 0:
+            row, self.selected = self.selected, self.selected + 1
+            self.session.duplicate(row)
+
+    def remove(self) -> None:
+        """Remove the selected obstacle."""
+        if self.selected >= 0:
+            self.session.remove(self.selected)
+
+    def remove_last(self) -> None:
+        """Remove the last obstacle."""
+        if self.session.draft.rows:
+            self.session.remove(len(self.session.draft.rows) - 1)
+
+    # Changes of one obstacle; those of one gesture are undone together.
+
+    def edit(self, entry: Entry) -> None:
+        """Replace the parameters of the selected obstacle."""
+        if self.selected >= 0:
+            self.session.change(self.selected, entry, gesture=("form", self.selected))
+
+    def move_end(self, row: int, end: str, cell: Cell) -> None:
+        """Move the first or the last end of an obstacle to a cell, and select the obstacle."""
+        entry = {**self.session.draft.rows[row].entry, end: list(cell)}
+        self.selected = row
+        other = "first" if end == "last" else "last"
+        self.session.change(row, aligned(entry, other), gesture=("drag", row, end))
+
+    def paint(self, cells: Sequence[Cell], level: int, stroke: int) -> None:
+        """Give cells a level: in the selected matrix, or else in a new one."""
+        rows, gesture, entry = self.session.draft.rows, ("paint", stroke), self.selected_entry
+        if entry is not None and can_paint(entry):
+            self.session.change(self.selected, painted(entry, cells, level), gesture=gesture)
+        elif level != UNPAINTED:
+            self.selected = len(rows)
+            self.session.add(painted(None, cells, level), gesture=gesture)
+
+    def _session_changed(self) -> None:
+        self.selected = min(self.selected, len(self.session.draft.rows) - 1)
+        self.changed()

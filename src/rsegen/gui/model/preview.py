@@ -1,0 +1,60 @@
+"""Everything that the window shows of a map, computed without Qt, so that a thread can do it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from rsegen.exporters.scene import Scene, compose
+from rsegen.field.coarse import coarse, coarseness
+from rsegen.gui.model.colours import Rgb, legend
+from rsegen.gui.model.map_numbers import Share, shares, size_text
+from rsegen.gui.model.solid import Solid, solid
+from rsegen.io.resources import refuse_too_large
+from rsegen.recipe.recipe import Recipe
+
+SHOWN_SIDE = 400
+"""Larger maps than about this many cells a side are shown coarser, by the highest of several cells."""
+
+QUICK_CELLS = 10_000
+"""Maps of up to this many cells are previewed at once; larger ones in a thread."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Preview:
+    """A scene and what is shown of it: a solid of which each column is `factor` x `factor` cells, a legend, numbers."""
+
+    scene: Scene
+    factor: int
+    coarse: Scene
+    solid: Solid
+    legend: Sequence[tuple[Rgb, str]]
+    shares: Sequence[Share]
+    numbers: str
+
+
+def is_quick(recipe: Recipe) -> bool:
+    """Whether the preview of a recipe takes no noticeable time."""
+    n_x, n_y = recipe.grid.shape
+    return n_x * n_y <= QUICK_CELLS
+
+
+def preview(recipe: Recipe, index: int) -> Preview:
+    """The preview of one map of a recipe; TooLarge if there is too little memory for it."""
+    refuse_too_large(recipe)
+    return preview_of(compose(recipe, index))
+
+
+def preview_of(scene: Scene) -> Preview:
+    """The preview of a scene."""
+    factor = coarseness(scene.field, SHOWN_SIDE)
+    seen = replace(scene, field=coarse(scene.field, factor))
+    return Preview(
+        scene=scene,
+        factor=factor,
+        coarse=seen,
+        solid=solid(seen),
+        legend=legend(scene),
+        shares=shares(scene),
+        numbers=size_text(scene),
+    )

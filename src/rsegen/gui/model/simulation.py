@@ -1,0 +1,91 @@
+"""What the window asks of robots and simulators; no other module of the window calls `rsegen.simulation`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from rsegen.field.metrics.traversability import traversability
+from rsegen.field.stepfield import StepField
+from rsegen.io.worlds import generate
+from rsegen.recipe.recipe import Recipe
+from rsegen.simulation.robots import ROBOTS
+from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest
+from rsegen.simulation.simulators.connecting import connected
+from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.spawning.map_models import map_model
+from rsegen.simulation.spawning.spawned_map import SpawnedMap
+from rsegen.simulation.spawning.spawning import at_free_place, spawn_map
+
+Installed = Mapping[str, Installation | None]
+"""The installation of every simulator by its name; None if it is not installed."""
+
+OpenCommand = LaunchCommand
+"""The command that opens a world in a window, with its environment and folder."""
+
+_ORIGIN = Pose(x=0, y=0, z=0)
+
+
+def robot_names() -> list[str]:
+    """The names of all robots."""
+    return list(ROBOTS)
+
+
+def crossing(field: StepField, robot: str) -> str:
+    """Whether a robot of some kind can cross a field, by the step that it climbs and its width; if not, how much of
+    the field it reaches.
+    """
+    found = traversability(field, ROBOTS[robot].climber)
+    ways = {"west to east": found.west_east, "south to north": found.south_north}
+    across = [name for name, way in ways.items() if way.crosses]
+    return f"crosses {' and '.join(across)}" if across else f"does not cross; reaches {found.cover:.0%} of the map"
+
+
+def simulator_titles() -> dict[str, str]:
+    """The title of every simulator by its name, the newest first."""
+    return {name: simulator.title for name, simulator in SIMULATORS.items()}
+
+
+def installed() -> Installed:
+    """Which simulators are installed; this runs their programs, so it takes a moment."""
+    return {name: simulator.installation() for name, simulator in SIMULATORS.items()}
+
+
+def how_to_install(name: str) -> str:
+    """The lines that say how a simulator is installed."""
+    return "\n".join(SIMULATORS[name].how_to_install)
+
+
+def why_it_cannot_open(here: Installation | None, recipe: Recipe | None) -> str:
+    """Why a simulator cannot open the maps of a recipe in its window; empty if it can."""
+    if here is None:
+        return "not found on this machine"
+    if recipe and not here.simulator.can_open(recipe.simulator):
+        return f"the recipe says simulator {recipe.simulator}"
+    can_open = here.simulator.with_gui(here, OpenRequest(world=Path("any.world")))
+    return "" if can_open else "installed without its window"
+
+
+def launch_of(here: Installation, recipe: Recipe, folder: Path) -> tuple[OpenCommand, Path]:
+    """Write the world of a recipe's one map into a folder; gives the command that opens it, and the world file."""
+    world = generate(recipe, folder, force=True).maps[0].world
+    launch = here.simulator.with_gui(here, OpenRequest(world=world, shared=True))
+    if launch is None:
+        raise RuntimeError(f"{here} was offered, though it is installed without its window")
+    return launch, world
+
+
+def spawn(recipe: Recipe, folder: Path, number: int, before: SpawnedMap | None) -> SpawnedMap:
+    """Spawn the one map of a recipe in the running simulation: in place of the map spawned before if that is still
+    there, else at the free place nearest to the origin.
+    """
+    one = map_model(recipe, recipe.first_map, folder)
+    with connected(None) as (simulator, live):
+        one.check_fits(simulator)
+        poses = live.poses()
+        old = replace(before, at=poses[before.name]) if before and before.name in poses else None
+        new = SpawnedMap(name=f"{one.name}-{number}", field=one.field, at=old.at if old else _ORIGIN)
+        new = new if old else at_free_place(new, poses, [])
+        spawn_map(live, one.sdf(new.name), new, old)
+    return new

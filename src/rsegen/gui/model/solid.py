@@ -1,0 +1,87 @@
+"""A scene as points, faces and lines in space, which the 3D view draws."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Array, CellWindow, StepField
+from rsegen.geometry import surface
+from rsegen.gui.model.colours import Bytes, palette
+
+_LIT = np.array([0.80, 0.70, 0.55, 0.62, 1.0, 0.5])
+"""How bright faces are, by the row of NORMALS that they look along; tops have the colour of the legend itself."""
+
+_RING = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+
+
+class Solid(NamedTuple):
+    """points: (n, 3) metres; faces: (m, 4) numbers of points; colours: (m, 3)."""
+
+    points: Array
+    faces: NDArray[np.int32]
+    colours: Bytes
+
+
+class Lines(NamedTuple):
+    """points: (n, 3) metres; pairs: (m, 2) numbers of points."""
+
+    points: Array
+    pairs: NDArray[np.int64]
+
+
+def solid(scene: Scene) -> Solid:
+    """The merged surface of a scene's blocks and frames; empty for a flat scene."""
+    mesh = surface(scene.field)
+    shades = palette(scene)[mesh.materials] * _LIT[mesh.normals][:, None]
+    return Solid(mesh.vertices, mesh.faces, np.round(shades).astype(np.uint8))
+
+
+def block_edges(field: StepField) -> Lines:
+    """The edges of all blocks: a ring round every top, and a post at every corner, up to the highest block there."""
+    edges_x, edges_y = field.edges()
+    i, j = (index.ravel() for index in np.indices(field.shape))
+    corners = np.stack([i, j], axis=1)[:, None, :] + _RING
+    heights = np.broadcast_to(field.heights.ravel()[:, None], corners.shape[:2])
+    rings = np.stack([edges_x[corners[..., 0]], edges_y[corners[..., 1]], heights], axis=2)
+    return _joined([rings.reshape(-1, 3), _posts(field)], [_ring_pairs(len(i)), None])
+
+
+def box_edges(field: StepField, cells: CellWindow) -> Lines:
+    """The twelve edges of a box around some cells, a fifth of a block higher than their highest block."""
+    edges = [line[[part.start, part.stop]] for line, part in zip(field.edges(), cells, strict=True)]
+    top = float(field.heights[cells].max(initial=0.0)) + field.block_width / 5
+    rings = [np.column_stack([edges[0][_RING[:, 0]], edges[1][_RING[:, 1]], np.full(4, z)]) for z in (0.0, top)]
+    posts = np.stack(rings, axis=1).reshape(-1, 3)
+    return _joined([*rings, posts], [_ring_pairs(1), _ring_pairs(1), None])
+
+
+def _posts(field: StepField) -> Array:
+    """(2 n, 3): from the ground up to the highest of the four cells at a corner, where any block is."""
+    around = np.pad(field.heights, 1)
+    highest = np.max([around[:-1, :-1], around[1:, :-1], around[:-1, 1:], around[1:, 1:]], axis=0)
+    i, j = np.nonzero(highest)
+    edges_x, edges_y = field.edges()
+    feet = np.column_stack([edges_x[i], edges_y[j], np.zeros(len(i))])
+    heads = np.column_stack([edges_x[i], edges_y[j], highest[i, j]])
+    return np.stack([feet, heads], axis=1).reshape(-1, 3)
+
+
+def _ring_pairs(rings: int) -> NDArray[np.int64]:
+    """(4 n, 2): the sides of rings of four points each."""
+    four = np.arange(4)
+    sides = np.stack([four, (four + 1) % 4], axis=1)
+    return (np.arange(rings)[:, None, None] * 4 + sides).reshape(-1, 2)
+
+
+def _joined(points: list[Array], pairs: list[NDArray[np.int64] | None]) -> Lines:
+    """All lines in one value; without pairs, each two consecutive points are a line."""
+    starts = np.cumsum([0, *map(len, points)])
+    round_numbers = [
+        (np.arange(len(some)).reshape(-1, 2) if joins is None else joins) + start
+        for some, joins, start in zip(points, pairs, starts[:-1], strict=True)
+    ]
+    return Lines(np.concatenate(points), np.concatenate(round_numbers))

@@ -1,0 +1,73 @@
+"""What can be made of the open recipe: worlds, exports, build sheets, code, and a map in the running simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+
+from rsegen.errors import RsegenError
+from rsegen.gui.dialogs.as_code import CodeDialog
+from rsegen.gui.dialogs.build_sheet import SheetDialog
+from rsegen.gui.dialogs.export import ExportDialog
+from rsegen.gui.model.document import Document
+from rsegen.gui.widgets.field_view import FieldView
+from rsegen.gui.widgets.start_form import StartForm
+from rsegen.gui.workers.spawn_job import SpawnJob
+
+
+class Outputs:
+    """Writes the open recipe, and opens the dialogs that do; `index` gives the map that is shown."""
+
+    def __init__(self, document: Document, start_form: StartForm, index: Callable[[], int], parent: QWidget) -> None:
+        self._document, self._form, self._index, self._parent = document, start_form, index, parent
+        self.spawn_job = SpawnJob(parent)
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether the recipe is valid and nothing is being written."""
+        return self._document.session.problem is None and not self._form.busy
+
+    def start(self) -> None:
+        """Write the maps into the folder of the form; first draw another seed, unless it is kept."""
+        session = self._document.session
+        if self.is_possible and self._form.may_write(self._form.job(session.recipe)):
+            if not session.seed_kept:
+                session.reroll()
+            self._form.write(self._form.job(session.recipe))
+
+    def start_into(self, folder: Path) -> None:
+        """Write the maps into another folder."""
+        self._form.folder = folder
+        self.start()
+
+    def export(self) -> None:
+        """Open the dialog that exports the maps, or the one that is shown."""
+        ExportDialog(self._document.session.recipe, self._index(), self._parent).open()
+
+    def build_sheet(self) -> None:
+        """Open the dialog that writes the build sheet of the map that is shown."""
+        SheetDialog(self._document.session.recipe, self._index(), self._parent).open()
+
+    def show_code(self) -> None:
+        """Open the dialog with the command line and the Python code that write the same maps."""
+        CodeDialog(self._form.job(self._document.session.recipe), self._parent).open()
+
+    def spawn(self) -> None:
+        """Spawn the map that is shown in the running simulation."""
+        self.spawn_job.spawn(self._document.session.recipe, self._index())
+
+    def save_picture(self, view: FieldView) -> None:
+        """Ask for a file, and save a picture of the view."""
+        name, _ = QFileDialog.getSaveFileName(self._parent, "Save the picture", "field.png", "Pictures (*.png)")
+        try:
+            if name:
+                view.save_picture(Path(name))
+        except RsegenError as error:
+            QMessageBox.warning(self._parent, "rsegen", str(error))
+
+    def stop(self) -> None:
+        """Cancel what is being written, and wait until it has ended."""
+        self._form.stop()
+        self.spawn_job.stop()

@@ -1,0 +1,215 @@
+"""An editor widget for each type of parameter; its bounds, unit and help come from the parameter."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import cast
+
+from PySide6.QtCore import QSignalBlocker, Signal
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QDoubleSpinBox,
+    QHBoxLayout,
+    QInputDialog,
+    QLineEdit,
+    QPushButton,
+    QSpinBox,
+    QWidget,
+)
+
+from rsegen.field.obstacles.matrix import Rows
+from rsegen.gui.widgets.named import named
+from rsegen.params.places import Size2D
+from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, parameters
+
+_MOST = 2**31 - 1
+
+
+class Editor(QWidget):
+    """Edits a parameter's value as a recipe file has it; `edited` is emitted when the user changes it."""
+
+    edited = Signal(object)
+    _parts: tuple[str, ...] = ("",)
+    """What is added to the accessible name of each widget."""
+
+    def __init__(self, name: str, parameter: Parameter) -> None:
+        super().__init__()
+        self.parameter = parameter
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(0, 0, 0, 0)
+        tip = f"{parameter.help}: {parameter.describe()}"
+        self.fields = self._widgets()
+        for widget, part in zip(self.fields, self._parts, strict=True):
+            title = f"{name.removesuffix('_cm').replace('_', ' ')}{part}"
+            self._row.addWidget(named(widget, f"{name}_field", title=title, tip=tip))
+        named(self, name)
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        raise NotImplementedError
+
+    def value(self) -> Json:
+        """The value in the editor, unchecked."""
+        raise NotImplementedError
+
+    def show_value(self, value: Json) -> None:
+        """Show a value without a signal."""
+        if value != self.value():
+            blockers = [QSignalBlocker(child) for child in self.findChildren(QWidget)]
+            self._put(value)
+            del blockers
+
+    def _put(self, value: Json) -> None:
+        raise NotImplementedError
+
+    def _emit(self) -> None:
+        self.edited.emit(self.value())
+
+
+class ChoiceEditor(Editor):
+    """A drop-down list for a choice."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        self._box = QComboBox()
+        self._box.addItems(cast(Choice, self.parameter).values)
+        self._box.currentTextChanged.connect(self._emit)
+        return (self._box,)
+
+    def value(self) -> Json:
+        """The chosen word."""
+        return self._box.currentText()
+
+    def _put(self, value: Json) -> None:
+        self._box.setCurrentText(value)
+
+
+class _PlainSpinBox(QDoubleSpinBox):
+    """A spin box for floats without trailing zeros."""
+
+    def textFromValue(self, value: float) -> str:
+        return f"{value:.3f}".rstrip("0").rstrip(".")
+
+
+class NumberEditor(Editor):
+    """A spin box for an integer or a float."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        sort = cast("Integer | Float", self.parameter)
+        high = _MOST if sort.high is None else min(sort.high, _MOST)
+        self._box: QSpinBox | QDoubleSpinBox
+        if isinstance(sort, Integer):
+            self._box = QSpinBox()
+            self._box.setRange(sort.low, int(high))
+        else:
+            self._box = _PlainSpinBox(decimals=3)
+            self._box.setRange(sort.low, high)
+            self._box.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
+        self._box.setSuffix(f" {sort.unit}" if sort.unit else "")
+        self._box.valueChanged.connect(self._emit)
+        return (self._box,)
+
+    def value(self) -> Json:
+        """The number."""
+        return self._box.value()
+
+    def _put(self, value: Json) -> None:
+        self._box.setValue(value)
+
+
+class PairEditor(Editor):
+    """Two spin boxes for integers along x and y."""
+
+    _parts = (" along x", " along y")
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        self._boxes = (QSpinBox(prefix="x "), QSpinBox(prefix="y "))
+        for box in self._boxes:
+            box.setRange(1, 10_000)
+            box.valueChanged.connect(self._emit)
+        return self._boxes
+
+    def value(self) -> Json:
+        """Both numbers."""
+        return [box.value() for box in self._boxes]
+
+    def _put(self, value: Json) -> None:
+        for box, number in zip(self._boxes, value, strict=True):
+            box.setValue(number)
+
+
+class TextEditor(Editor):
+    """A text field for everything else, written as on the command line."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        self._line = QLineEdit(placeholderText=self.parameter.describe())
+        self._line.editingFinished.connect(self._emit)
+        return (self._line,)
+
+    def value(self) -> Json:
+        """The value of the text; None if it is empty."""
+        text = self._line.text()
+        return self.parameter.parse(text) if text else None
+
+    def _put(self, value: Json) -> None:
+        self._line.setText("" if value is None else self.parameter.format(value))
+        self._line.setCursorPosition(0)
+
+
+class FlagEditor(Editor):
+    """A check box for yes or no."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        self._box = QCheckBox()
+        self._box.toggled.connect(self._emit)
+        return (self._box,)
+
+    def value(self) -> Json:
+        """Whether it is ticked."""
+        return self._box.isChecked()
+
+    def _put(self, value: Json) -> None:
+        self._box.setChecked(value)
+
+
+class RowsEditor(Editor):
+    """A button that opens a text field for the levels of a matrix, which may be many."""
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        self._rows: list[str] = []
+        self._button = QPushButton()
+        self._button.clicked.connect(self._ask)
+        return (self._button,)
+
+    def value(self) -> Json:
+        """The rows."""
+        return self._rows
+
+    def _put(self, value: Json) -> None:
+        self._rows = list(value)
+        n_x = len(str(self._rows[0]).split()) if self._rows else 0
+        self._button.setText(f"{n_x} x {len(self._rows)} cells...")
+
+    def _ask(self) -> None:
+        text, done = QInputDialog.getMultiLineText(
+            self, "Levels", "The top row has the largest y; a dot leaves its cell unchanged.", "\n".join(self._rows)
+        )
+        if done:
+            self._put([line.strip() for line in text.splitlines() if line.strip()])
+            self._emit()
+
+
+def editor(owner: type, name: str) -> Editor:
+    """The editor for a parameter of a dataclass; one whose default is None gets a text field, which may be empty."""
+    parameter = parameters(owner)[name]
+    if next(field.default for field in fields(owner) if field.name == name) is None:
+        return TextEditor(name, parameter)
+    if isinstance(parameter, Choice):
+        return ChoiceEditor(name, parameter)
+    if isinstance(parameter, Size2D):
+        return PairEditor(name, parameter)
+    if isinstance(parameter, Flag):
+        return FlagEditor(name, parameter)
+    if isinstance(parameter, Rows):
+        return RowsEditor(name, parameter)
+    small = isinstance(parameter, Float) or (isinstance(parameter, Integer) and (parameter.high or 0) <= _MOST)
+    return NumberEditor(name, parameter) if small else TextEditor(name, parameter)

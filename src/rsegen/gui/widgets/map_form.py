@@ -1,0 +1,77 @@
+"""The form of the global parameters, generated from `Recipe`, with errors under their fields."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QCheckBox, QFormLayout, QHBoxLayout, QLabel, QPushButton, QWidget
+
+from rsegen.errors import ParameterError
+from rsegen.gui.model.session import Entry
+from rsegen.gui.widgets.editors import Editor, editor
+from rsegen.gui.widgets.message_label import MessageLabel
+from rsegen.gui.widgets.named import named
+from rsegen.params.sorts import parameters
+from rsegen.recipe.recipe import Recipe
+
+BASIC = ("maps", "chunk_size", "chunks", "unit_cm", "boundary", "mesh_type", "seed")
+"""The parameters of the first tab: the paper's, and the seed."""
+
+ADVANCED = tuple(name for name in parameters(Recipe) if name not in BASIC)
+"""All other parameters, of the second tab."""
+
+KEEP = """Ticked: Start writes the maps that are shown, with this seed.
+Not ticked: every Start draws another seed first, which is shown and can be undone.
+Re-roll draws another seed at once."""
+
+TITLES = {
+    "maps": "Number of maps",
+    "chunk_size": "Chunk size",
+    "chunks": "Map size in chunks",
+    "unit_cm": "Height step (unit)",
+    "boundary": "Chunk boundary",
+    "mesh_type": "Model mesh type",
+}
+
+
+class MapForm(QWidget):
+    """A field for each of some global parameters; `edited` gives name and value, `reroll` asks for another seed."""
+
+    edited = Signal(str, object)
+    reroll = Signal()
+
+    def __init__(self, names: Iterable[str]) -> None:
+        super().__init__()
+        self._editors: dict[str, Editor] = {}
+        self._error_labels: dict[str, MessageLabel] = {}
+        self.keep = named(QCheckBox("Keep"), "keep_seed", title="keep the seed at Start", tip=KEEP)
+        self._form = QFormLayout(self)
+        self._form.setVerticalSpacing(3)
+        for name in names:
+            self._add(name)
+
+    def show_values(self, values: Entry, problem: ParameterError | None) -> None:
+        """Show the values of a draft, and its problem under the field that caused it."""
+        for name, each in self._editors.items():
+            each.show_value(values.get(name))
+            about = problem and problem.where.partition("[")[0] == name
+            self._error_labels[name].show_message(problem.problem if problem and about else "")
+
+    def _add(self, name: str) -> None:
+        each, error_label = editor(Recipe, name), MessageLabel(f"{name}_error")
+        each.edited.connect(lambda value: self.edited.emit(name, value))
+        self._editors[name], self._error_labels[name] = each, error_label
+        label = QLabel(TITLES.get(name, name.replace("_cm", "").replace("_", " ").capitalize()))
+        label.setBuddy(each)
+        self._form.addRow(label, self._with_dice(each) if name == "seed" else each)
+        self._form.addRow(error_label)
+
+    def _with_dice(self, each: Editor) -> QWidget:
+        row, dice = QWidget(), named(QPushButton("Re-roll"), "reroll", tip="draw another seed (Ctrl+R)")
+        dice.clicked.connect(self.reroll)
+        box = QHBoxLayout(row)
+        box.setContentsMargins(0, 0, 0, 0)
+        for widget in (each, self.keep, dice):
+            box.addWidget(widget)
+        return row

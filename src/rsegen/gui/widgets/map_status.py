@@ -1,0 +1,58 @@
+"""The status bar: which map is shown, its levels, size and costs, and whether a robot can cross it."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QComboBox, QLabel, QSpinBox, QStatusBar
+
+from rsegen.gui.model.map_numbers import Costs
+from rsegen.gui.model.preview import Preview
+from rsegen.gui.model.simulation import robot_names
+from rsegen.gui.widgets.level_bar import LevelBar
+from rsegen.gui.widgets.named import named
+from rsegen.recipe.recipe import Recipe
+
+_MOST = 2**31 - 1
+
+
+class MapStatusBar(QStatusBar):
+    """Shows numbers of the map; `index_changed`: another map is chosen; `robot_changed`: another robot is."""
+
+    index_changed = Signal()
+    robot_changed = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.index = named(QSpinBox(prefix="map "), "index", tip="which of the maps is shown")
+        self.levels, self.numbers = LevelBar(), named(QLabel(), "numbers")
+        self.costs, self.cell = named(QLabel(indent=12), "costs"), named(QLabel(), "cell")
+        self.robot = named(
+            QComboBox(), "robot", tip="whether this robot can cross the map, by what it climbs and its width"
+        )
+        self.robot.addItems(["no robot", *robot_names()])
+        self.crossing = named(QLabel(), "crossing")
+        for widget in (self.index, self.levels, self.numbers, self.costs, self.robot, self.crossing):
+            self.addWidget(widget)
+        self.addPermanentWidget(self.cell)
+        self.index.valueChanged.connect(lambda: self.index_changed.emit())
+        self.robot.currentIndexChanged.connect(lambda: self.robot_changed.emit())
+
+    @property
+    def robot_name(self) -> str:
+        """The robot that is chosen, empty if none is."""
+        return self.robot.currentText() if self.robot.currentIndex() else ""
+
+    def show_recipe(self, recipe: Recipe) -> None:
+        """Limit the index to the maps of a recipe."""
+        self.index.setRange(recipe.indices[0], min(recipe.indices[-1], _MOST))
+
+    def show_preview(self, preview: Preview) -> None:
+        """Show the numbers of a map; its costs follow."""
+        self.numbers.setText(preview.numbers)
+        self.levels.show_shares(preview.shares)
+        self.costs.setText("")
+
+    def show_costs(self, costs: Costs) -> None:
+        """Show what a map costs, and whether the robot can cross it."""
+        self.costs.setText(costs.text)
+        self.crossing.setText(costs.crossing)

@@ -1,0 +1,53 @@
+"""The right half of the window: the map in 3D, below it the plan and the table of obstacles."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QSplitter
+
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import CellWindow
+from rsegen.gui.model.document import Document
+from rsegen.gui.model.handles import cells_between
+from rsegen.gui.model.preview import Preview
+from rsegen.gui.widgets.brush_bar import BrushBar
+from rsegen.gui.widgets.field_view import FieldView
+from rsegen.gui.widgets.layouts import column_of, group_of
+from rsegen.gui.widgets.obstacle_table import ObstacleTable
+from rsegen.gui.widgets.plan_view import PlanView
+
+
+class MapViews(QSplitter):
+    """Shows a document and the preview of its map; the views have signals of their own."""
+
+    def __init__(self) -> None:
+        super().__init__(Qt.Orientation.Vertical)
+        self.table, self.view, self.plan, self.brushes = ObstacleTable(), FieldView(), PlanView(), BrushBar()
+        self.brushes.chosen.connect(self.plan.set_brush)
+        below = QSplitter()
+        below.addWidget(column_of(self.brushes, self.plan))
+        below.addWidget(group_of("Obstacles, imposed from the first to the last", self.table))
+        below.setStretchFactor(0, 1)
+        below.setSizes([330, 520])
+        self.addWidget(self.view)
+        self.addWidget(below)
+        self.setSizes([380, 320])
+
+    def show_document(self, document: Document) -> None:
+        """Show the obstacles of a document; plan and view follow with the next preview."""
+        session = document.session
+        self.table.show_rows(session.draft.rows, document.selected, session.problem)
+        self.brushes.show_unit(session.recipe.unit_cm)
+
+    def show_preview(self, preview: Preview, document: Document) -> None:
+        """Show a preview, the handles of the obstacles, and the cells of the selected one."""
+        selected = document.selected if document.selected >= 0 else None
+        self.view.show_preview(preview, _selected_cells(preview.scene, document))
+        self.plan.show(preview.scene, document.handles(preview.scene.field.blocks.shape), selected)
+
+
+def _selected_cells(scene: Scene, document: Document) -> CellWindow | None:
+    """The cells, frames included, between the ends of the selected obstacle."""
+    handles = document.handles(scene.field.blocks.shape)
+    handle = next((each for each in handles if each.row == document.selected), None)
+    return cells_between(handle, scene.field) if handle else None

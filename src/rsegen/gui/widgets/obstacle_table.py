@@ -1,0 +1,170 @@
+"""The table of obstacles; its cells can be edited, its rows switched off and dragged."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
+from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QTableWidget, QTableWidgetItem, QWidget
+
+from rsegen.errors import ParameterError
+from rsegen.field.obstacles import KINDS, Obstacle
+from rsegen.gui.model.session import ObstacleRow
+from rsegen.gui.widgets.message_label import ink
+from rsegen.gui.widgets.named import named
+from rsegen.params.sorts import Json, parameters
+from rsegen.recipe.recipe import Placement
+
+COLUMNS = ("ID", "Type", "Height", "Softness", "First", "Last")
+TIP = "drag a row to move it (Alt+Up, Alt+Down); Ctrl+D duplicates, Del removes; double click to edit"
+KEYS = ("", "kind", "max_height", "softness", "first", "last")
+"""The key of an entry that each column shows."""
+
+
+class ObstacleTable(QTableWidget):
+    """The rows of a draft.
+
+    chosen: a row was selected, -1 for none; switched: a row was switched on or off; edited: a row has another entry;
+    shifted: a row was dragged to another.
+    """
+
+    chosen = Signal(int)
+    switched = Signal(int, bool)
+    edited = Signal(int, object)
+    shifted = Signal(int, int)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(0, len(COLUMNS), parent)
+        named(self, "rows", title="obstacles", tip=TIP)
+        self.setHorizontalHeaderLabels(list(COLUMNS))
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        self.setWordWrap(False)
+        self.verticalHeader().hide()
+        self.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        self.horizontalHeader().setStretchLastSection(True)
+        self._rows: Sequence[ObstacleRow] = ()
+        self._dragged: int | None = None
+        self._pressed = 0
+        self._gap: int | None = None
+        self.itemChanged.connect(self._changed)
+        self.itemSelectionChanged.connect(lambda: self.chosen.emit(self.selected))
+
+    @property
+    def selected(self) -> int:
+        """The selected row, or -1."""
+        found = self.selectionModel().selectedRows()
+        return found[0].row() if found else -1
+
+    def show_rows(self, rows: Sequence[ObstacleRow], selected: int, problem: ParameterError | None) -> None:
+        """Show the rows of a draft without a signal; a row with a problem is red and has it as tooltip."""
+        self._rows = rows
+        blockers = [QSignalBlocker(self), QSignalBlocker(self.selectionModel())]
+        self.setRowCount(len(rows))
+        for number, row in enumerate(rows):
+            wrong = problem.problem if problem and problem.where.startswith(f"obstacles[{number}]") else ""
+            for column, key in enumerate(KEYS):
+                item = _item(number, row, key)
+                if wrong:
+                    item.setForeground(ink("error", self.palette()))
+                    item.setToolTip(wrong)
+                self.setItem(number, column, item)
+        del blockers
+        if selected < 0:
+            self.clearSelection()
+        elif selected != self.selected:
+            self.selectRow(selected)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Select the row that is pressed, and start to drag it."""
+        row = self.rowAt(event.position().toPoint().y())
+        super().mousePressEvent(event)
+        if event.button() == Qt.MouseButton.LeftButton and row >= 0:
+            self._dragged, self._pressed = row, event.position().toPoint().y()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Show where the dragged row would be dropped."""
+        if self._dragged is None:
+            super().mouseMoveEvent(event)
+            return
+        y = event.position().toPoint().y()
+        if self._gap is not None or abs(y - self._pressed) >= QApplication.startDragDistance():
+            self.scrollTo(self.model().index(max(self._gap_at(y) - 1, 0), 0))
+            self._show_gap(self._gap_at(y))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Drop the row if that changes the order."""
+        held, gap = self._dragged, self._gap
+        self._end_drag()
+        if held is None or gap is None:
+            super().mouseReleaseEvent(event)
+        elif gap not in {held, held + 1}:
+            self.shifted.emit(held, gap - (gap > held))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Escape cancels a drag."""
+        if event.key() == Qt.Key.Key_Escape and self._gap is not None:
+            self._end_drag()
+        else:
+            super().keyPressEvent(event)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Paint the table, and a line where the dragged row would be dropped."""
+        super().paintEvent(event)
+        if self._gap is not None:
+            painter = QPainter(self.viewport())
+            painter.setPen(QPen(self.palette().color(QPalette.ColorRole.Highlight), 3))
+            y = max(self._top_of(self._gap), 1)
+            painter.drawLine(0, y, self.viewport().width(), y)
+
+    def _gap_at(self, y: int) -> int:
+        """The row before which a drop at y would be; the number of rows means after the last."""
+        middles = [self.rowViewportPosition(row) + self.rowHeight(row) / 2 for row in range(self.rowCount())]
+        return sum(middle < y for middle in middles)
+
+    def _top_of(self, gap: int) -> int:
+        last = self.rowCount() - 1
+        return self.rowViewportPosition(gap) if gap <= last else self.rowViewportPosition(last) + self.rowHeight(last)
+
+    def _show_gap(self, gap: int | None) -> None:
+        self._gap = gap
+        self.viewport().setCursor(Qt.CursorShape.ArrowCursor if gap is None else Qt.CursorShape.ClosedHandCursor)
+        self.viewport().update()
+
+    def _end_drag(self) -> None:
+        self._dragged = None
+        self._show_gap(None)
+
+    def _changed(self, item: QTableWidgetItem) -> None:
+        row, key = self._rows[item.row()], KEYS[item.column()]
+        if not key:
+            self.switched.emit(item.row(), item.checkState() == Qt.CheckState.Checked)
+            return
+        entry = {name: value for name, value in row.entry.items() if name != key}
+        if item.text().strip():
+            entry[key] = _parsed(row.entry["kind"], key, item.text().strip())
+        self.edited.emit(item.row(), entry)
+
+
+def _item(number: int, row: ObstacleRow, key: str) -> QTableWidgetItem:
+    item = QTableWidgetItem(_text(row.entry.get(key)) if key else str(number + 1))
+    if not key:
+        item.setFlags(item.flags() & ~Qt.ItemFlag.ItemIsEditable | Qt.ItemFlag.ItemIsUserCheckable)
+        item.setCheckState(Qt.CheckState.Checked if row.enabled else Qt.CheckState.Unchecked)
+    return item
+
+
+def _text(value: Json) -> str:
+    if value is None:
+        return ""
+    return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+
+
+def _parsed(kind: str, key: str, text: str) -> Json:
+    """The value of a text that was typed into a cell; the kind may be unknown."""
+    if key == "kind":
+        return text
+    sort = {**parameters(KINDS.get(kind, Obstacle)), **parameters(Placement)}[key]
+    found = sort.parse(text.replace(" ", ""))
+    return list(found) if isinstance(found, tuple) else found

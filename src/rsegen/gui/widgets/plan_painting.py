@@ -1,0 +1,153 @@
+"""Painting of the plan: cells with their heights, rulers, handles, the rubber band."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QFont, QImage, QPainter, QPen
+
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.scene import Scene
+from rsegen.gui.model.colours import bright, cells
+from rsegen.gui.model.handles import ENDS, GRIP, End, Handle
+from rsegen.gui.model.plan_layout import Box, PlanLayout, ticks
+from rsegen.params.places import Cell
+
+RULER = 26
+"""The width of a ruler in pixels."""
+
+_RIM = 6.0
+
+_LINED = 5
+_WRITTEN = 17
+"""Lines between cells, and heights in them, are painted if cells have at least this many pixels."""
+
+_INK = QColor(20, 20, 20)
+_PAPER = QColor(255, 255, 255)
+_LINE = QColor(0, 0, 0, 70)
+
+
+def plan_area(width: int, height: int) -> Box:
+    """The area of a widget that is left for the map by its rulers."""
+    return RULER + _RIM, _RIM, width - RULER - 2 * _RIM, height - RULER - _RIM
+
+
+def paint_ground(painter: QPainter, scene: Scene, layout: PlanLayout) -> None:
+    """Paint every cell in its colour, with its height in centimetres if there is room."""
+    painter.drawImage(QRectF(*layout.area), ground_image(scene))
+    if layout.side >= _LINED:
+        _paint_lines(painter, layout)
+    if layout.side >= _WRITTEN:
+        _write_heights(painter, scene, layout, bright(cells(scene)))
+
+
+def ground_image(scene: Scene) -> QImage:
+    """A pixel for every cell, in its colour, north up."""
+    upright = np.ascontiguousarray(cells(scene).transpose(1, 0, 2)[::-1])
+    height, width = upright.shape[:2]
+    return QImage(upright.tobytes(), width, height, 3 * width, QImage.Format.Format_RGB888).copy()
+
+
+def square_image(scene: Scene, side: int) -> QImage:
+    """The map from above, centred in a square of some pixels a side."""
+    plan = ground_image(scene).scaled(side, side, Qt.AspectRatioMode.KeepAspectRatio)
+    square = QImage(side, side, QImage.Format.Format_ARGB32_Premultiplied)
+    square.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(square)
+    painter.drawImage((side - plan.width()) // 2, (side - plan.height()) // 2, plan)
+    painter.end()
+    return square
+
+
+def paint_rulers(painter: QPainter, layout: PlanLayout, ink: QColor) -> None:
+    """Paint the numbers of block cells below the map and to its left."""
+    font = QFont(painter.font())
+    font.setPixelSize(11)
+    painter.setFont(font)
+    painter.setPen(ink)
+    left, _, _, _ = layout.area
+    centre = Qt.AlignmentFlag.AlignCenter
+    for x in ticks(len(layout.blocks[0]), layout.side, room=30):
+        middle = layout.middle((x, 0))[0]
+        painter.drawText(QRectF(middle - RULER, layout.bottom + 2, 2 * RULER, 16), centre, str(x))
+    for y in ticks(len(layout.blocks[1]), layout.side, room=18):
+        middle = layout.middle((0, y))[1]
+        right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        painter.drawText(QRectF(left - RULER - 4, middle - 8, RULER, 16), right, str(y))
+
+
+def paint_handles(painter: QPainter, layout: PlanLayout, handles: Sequence[Handle], selected: int | None) -> None:
+    """Paint the ends of all obstacles: a square for the first, a circle for the last; the selected one's large."""
+    for handle in sorted(handles, key=lambda handle: handle.row == selected):
+        chosen = handle.row == selected
+        painter.setOpacity(1.0 if chosen else 0.8)
+        if handle.first and handle.last:
+            _paint_joint(painter, layout, handle.first, handle.last, 2.0 if chosen else 1.0)
+        for end in ENDS:
+            if cell := handle.end(end):
+                _paint_grip(painter, QPointF(*layout.middle(cell)), end, GRIP if chosen else GRIP * 0.6)
+    painter.setOpacity(1.0)
+
+
+def paint_active(painter: QPainter, layout: PlanLayout, cell: Cell, ink: QColor) -> None:
+    """Paint a ring around the handle that the keyboard moves."""
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    for width, colour in ((5.0, _PAPER), (2.5, ink)):
+        painter.setPen(QPen(colour, width))
+        painter.drawEllipse(QPointF(*layout.middle(cell)), GRIP * 1.7, GRIP * 1.7)
+
+
+def paint_rubber_band(painter: QPainter, layout: PlanLayout, first: Cell, last: Cell) -> None:
+    """Paint the obstacle that is being drawn: the cells between its ends, and the line between them."""
+    painter.setPen(QPen(_INK, 1.5, Qt.PenStyle.DashLine))
+    painter.setBrush(QColor(255, 255, 255, 90))
+    painter.drawRect(QRectF(*layout.box(layout.cell_of(first), layout.cell_of(last))))
+    _paint_joint(painter, layout, first, last, 2.0)
+    for end, cell in zip(ENDS, (first, last), strict=True):
+        _paint_grip(painter, QPointF(*layout.middle(cell)), end, GRIP)
+
+
+def _paint_lines(painter: QPainter, layout: PlanLayout) -> None:
+    """Paint lines between the cells, a pixel wide."""
+    left, top, width, height = layout.area
+    lines = [
+        QLineF(left + i * layout.side, top, left + i * layout.side, top + height) for i in range(layout.shape[0] + 1)
+    ]
+    lines += [
+        QLineF(left, top + j * layout.side, left + width, top + j * layout.side) for j in range(layout.shape[1] + 1)
+    ]
+    painter.setPen(QPen(_LINE, 0))
+    painter.drawLines(lines)
+
+
+def _write_heights(
+    painter: QPainter, scene: Scene, layout: PlanLayout, light: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+) -> None:
+    """Write centimetres into each cell that is no frame, in a colour that is legible on it."""
+    texts = {level: decimal(round(level * scene.field.unit * 100, 4)) for level in scene.field.level_counts()}
+    font = QFont(painter.font())
+    longest = max(map(len, texts.values()), default=1)
+    font.setPixelSize(max(int(min(layout.side * 0.45, layout.side * 1.5 / longest, 15)), 5))
+    painter.setFont(font)
+    for i, j in zip(*np.nonzero(~scene.field.frame), strict=True):
+        painter.setPen(_INK if light[i, j] else _PAPER)
+        box = QRectF(*layout.box((int(i), int(j)), (int(i), int(j))))
+        painter.drawText(box, Qt.AlignmentFlag.AlignCenter, texts[int(scene.field.levels[i, j])])
+
+
+def _paint_joint(painter: QPainter, layout: PlanLayout, first: Cell, last: Cell, width: float) -> None:
+    ends = QPointF(*layout.middle(first)), QPointF(*layout.middle(last))
+    for colour, stroke in ((_PAPER, width + 2), (_INK, width)):
+        painter.setPen(QPen(colour, stroke))
+        painter.drawLine(*ends)
+
+
+def _paint_grip(painter: QPainter, middle: QPointF, end: End, half: float) -> None:
+    painter.setPen(QPen(_INK, 1.8))
+    painter.setBrush(_PAPER)
+    if end == "first":
+        painter.drawRect(QRectF(middle.x() - half, middle.y() - half, 2 * half, 2 * half))
+    else:
+        painter.drawEllipse(middle, half, half)

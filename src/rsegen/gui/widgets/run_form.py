@@ -1,0 +1,175 @@
+"""A form that runs a job: the output folder, a start button, a progress bar, and the outcome."""
+
+from __future__ import annotations
+
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+from PySide6.QtCore import QSettings, QUrl, Signal
+from PySide6.QtGui import QDesktopServices
+from PySide6.QtWidgets import (
+    QFileDialog,
+    QLabel,
+    QLineEdit,
+    QMessageBox,
+    QProgressBar,
+    QPushButton,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from rsegen.errors import OutputError, RsegenError
+from rsegen.gui.model.jobs import Job
+from rsegen.gui.widgets.layouts import row_of
+from rsegen.gui.widgets.message_label import MessageLabel
+from rsegen.gui.widgets.named import named
+from rsegen.gui.workers.job_thread import JobThread
+from rsegen.io.writer import refuse_not_a_folder
+
+_CHECKED = 10_000
+"""At most this many files are checked, to ask before they are replaced."""
+
+
+class FormTexts(NamedTuple):
+    """The texts of a form: the settings key of its folder, the default folder, what is written, and its button."""
+
+    key: str
+    default: str
+    what: str
+    button: str
+    tip: str
+
+
+class RunForm(QWidget):
+    """A folder, and a run that writes into it; `changed`: a run has started or ended."""
+
+    changed = Signal()
+
+    def __init__(self, texts: FormTexts, *beside: QWidget) -> None:
+        """`beside` are widgets right of the button, hidden with it during a run."""
+        super().__init__()
+        self.run: JobThread | None = None
+        self.written: Path | None = None
+        self._texts, self._beside, self._force = texts, beside, False
+        self._make_widgets()
+        self._lay_out()
+        self._choose.clicked.connect(self._choose_folder)
+        self._line.textEdited.connect(lambda: self.error_label.show_message(""))
+        self.cancel.clicked.connect(self._cancel)
+        self._open.clicked.connect(self.open_folder)
+
+    @property
+    def folder(self) -> Path:
+        """The output folder in the field."""
+        return Path(self._line.text().strip()).expanduser()
+
+    @folder.setter
+    def folder(self, folder: Path) -> None:
+        self._line.setText(str(folder))
+        self.error_label.show_message("")
+
+    @property
+    def busy(self) -> bool:
+        """Whether files are being written."""
+        return self.run is not None and self.run.isRunning()
+
+    def may_write(self, job: Job) -> bool:
+        """Whether a job may write into the folder: asks before files are replaced, and shows what is wrong."""
+        try:
+            self._refuse()
+            job.refuse()
+        except RsegenError as error:
+            self.error_label.show_message(str(error))
+            return False
+        self._force = any(path.exists() for path in islice(job.paths(), _CHECKED))
+        return not self._force or QMessageBox.question(self, "rsegen", job.question) == QMessageBox.StandardButton.Yes
+
+    def write(self, job: Job) -> None:
+        """Run a job in a thread, and remember its folder."""
+        QSettings("rsegen", "rsegen").setValue(self._texts.key, str(job.folder.absolute()))
+        self.run = run = JobThread(job, force=self._force)
+        self.bar.setRange(0, job.steps if 1 < job.steps < 2**31 else 0)
+        self.bar.setValue(0)
+        run.progressed.connect(self.bar.setValue)
+        run.succeeded.connect(self._show_outcome)
+        run.cancelled.connect(self._show_outcome)
+        run.failed.connect(self.error_label.show_message)
+        run.finished.connect(self._show_state)
+        self.error_label.show_message("")
+        self._outcome.setText("")
+        run.start()
+        self._show_state()
+
+    def open_folder(self) -> None:
+        """Open the folder written last in the desktop's file manager."""
+        if self.written:
+            QDesktopServices.openUrl(QUrl.fromLocalFile(str(self.written.absolute())))
+
+    def stop(self) -> None:
+        """Cancel the run, and wait until it has ended."""
+        self._cancel()
+        if self.run:
+            self.run.wait()
+
+    def _make_widgets(self) -> None:
+        texts = self._texts
+        last = QSettings("rsegen", "rsegen").value(texts.key)
+        tip = f"the folder to write the {texts.what} into; it is created if it does not exist"
+        self._line = named(QLineEdit(str(last or texts.default)), "folder", title="output folder", tip=tip)
+        self._choose = named(QToolButton(), "choose_folder", title="choose a folder", tip="choose a folder")
+        self._choose.setText("...")
+        self.error_label = MessageLabel("folder_error")
+        self.start = named(QPushButton(texts.button), "start", tip=texts.tip)
+        self.cancel = named(QPushButton("Cancel"), "cancel", tip="stop; whatever is complete stays")
+        self.bar = named(QProgressBar(), "progress")
+        self._outcome = named(QLabel(wordWrap=True), "outcome")
+        self._open = named(QPushButton("Open the folder"), "open_folder", tip="show the files that were written")
+        for button in (self.cancel, self._open):
+            button.setAutoDefault(False)
+
+    def _lay_out(self) -> None:
+        label = QLabel("Folder")
+        label.setBuddy(self._line)
+        self._outcome.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        self.column = column = QVBoxLayout(self)
+        column.addLayout(row_of(label, self._line, self._choose))
+        column.addWidget(self.error_label)
+        row = row_of(self.start, *self._beside, self.bar, self.cancel)
+        row.setStretch(0, 1)
+        column.addLayout(row)
+        column.addLayout(row_of(self._outcome, self._open))
+        self._show_state()
+
+    def _refuse(self) -> None:
+        if not self._line.text().strip():
+            raise OutputError(f"give a folder to write the {self._texts.what} into, such as {self._texts.default}")
+        refuse_not_a_folder(self.folder)
+
+    def _choose_folder(self) -> None:
+        title = f"Where to write the {self._texts.what}"
+        folder = QFileDialog.getExistingDirectory(self, title, str(self.folder.absolute()))
+        if folder:
+            self.folder = Path(folder)
+
+    def _cancel(self) -> None:
+        if self.run:
+            self.run.requestInterruption()
+
+    def _show_outcome(self, text: str) -> None:
+        self.written = self.run.job.folder if self.run else None
+        self._outcome.setText(text)
+
+    def _show_state(self) -> None:
+        """Show either the button or the progress bar, and the outcome of the last run if any."""
+        for widget, shown in (
+            *((widget, not self.busy) for widget in (self.start, *self._beside)),
+            (self.cancel, self.busy),
+            (self.bar, self.busy),
+            (self._outcome, bool(self._outcome.text())),
+            (self._open, bool(self._outcome.text()) and self.written is not None),
+        ):
+            widget.setVisible(shown)
+        self.changed.emit()

@@ -1,0 +1,116 @@
+"""Menu entries that open the map that is shown in each installed simulator; the others say why they cannot."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import cast
+
+from PySide6.QtCore import QObject, QProcess, QProcessEnvironment, Signal
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMenu
+
+from rsegen.gui.model.simulation import (
+    Installed,
+    OpenCommand,
+    how_to_install,
+    installed,
+    launch_of,
+    simulator_titles,
+    why_it_cannot_open,
+)
+from rsegen.gui.workers.latest_only import LatestOnly
+from rsegen.recipe.recipe import Recipe
+
+
+class SimulatorActions(QObject):
+    """One action per simulator, to be put into a menu.
+
+    requested: the name of the simulator that was chosen; message: what is done and how it ended. An opened simulator
+    stays open when the window is closed.
+    """
+
+    requested = Signal(str)
+    message = Signal(str)
+
+    def __init__(self, parent: QObject) -> None:
+        super().__init__(parent)
+        self._installed: Installed = {}
+        self._folder = tempfile.TemporaryDirectory(prefix="rsegen-", ignore_cleanup_errors=True)
+        self._recipe: Recipe | None = None
+        self._titles = simulator_titles()
+        self.actions = {name: QAction(self) for name in self._titles}
+        for name, action in self.actions.items():
+            action.setObjectName(f"Open in {self._titles[name]}")
+            action.triggered.connect(partial(self.requested.emit, name))
+        self._finder, self._writer = LatestOnly(self), LatestOnly(self)
+        self._finder.result.connect(self._take_installed)
+        self._writer.result.connect(self._launch)
+
+    def add_to(self, menu: QMenu) -> None:
+        """Put the actions into a menu, which shows their tooltips; simulators are searched when it is first opened."""
+        menu.setToolTipsVisible(True)
+        menu.aboutToShow.connect(self._find)
+        menu.addActions(list(self.actions.values()))
+
+    def show_recipe(self, recipe: Recipe) -> None:
+        """Enable the simulators that can open the maps of a recipe; the text of the others says why they cannot."""
+        self._recipe = recipe
+        for name, action in self.actions.items():
+            reason = self._reason(name)
+            action.setText(f"Open in {self._titles[name]}" + (f" ({reason})" if reason else ""))
+            action.setToolTip(how_to_install(name) if reason else "open the map that is shown")
+            action.setEnabled(not reason)
+
+    def open(self, name: str, recipe: Recipe, index: int) -> None:
+        """Write one map to a temporary folder, and open it."""
+        if here := self._installed[name]:
+            shown = recipe.alone(index)
+            self.message.emit(f"Writing {shown.map_name(index)}...")
+            self._writer.submit(lambda: (str(here), *launch_of(here, shown, Path(self._folder.name))))
+
+    def stop(self) -> None:
+        """Wait for what is being written, and delete it."""
+        self._finder.stop()
+        self._writer.stop()
+        self._folder.cleanup()
+
+    def _reason(self, name: str) -> str:
+        """Why a simulator cannot be opened; empty if it can."""
+        if name not in self._installed:
+            return "searching"
+        return why_it_cannot_open(self._installed[name], self._recipe)
+
+    def _find(self) -> None:
+        if not self._installed:
+            self._finder.submit(installed)
+
+    def _take_installed(self, result: object) -> None:
+        if isinstance(result, Mapping):
+            self._installed = result
+        if self._recipe:
+            self.show_recipe(self._recipe)
+
+    def _launch(self, result: object) -> None:
+        if isinstance(result, tuple):
+            title, launch, world = result
+            started = _started(launch)
+            self.message.emit(
+                f"{title} opens {world.stem}" if started else f"{title}: cannot start {launch.command[0]}"
+            )
+        else:
+            self.message.emit(str(result))
+
+
+def _started(launch: OpenCommand) -> bool:
+    """Start a command as a program that outlives the window; gives whether it started."""
+    program, environment = QProcess(), QProcessEnvironment.systemEnvironment()
+    for name, value in launch.environment.items():
+        environment.insert(name, value)
+    program.setProcessEnvironment(environment)
+    program.setWorkingDirectory(str(launch.folder))
+    program.setProgram(launch.command[0])
+    program.setArguments(list(launch.command[1:]))
+    return cast(bool, program.startDetached())  # its stub says it returns a pair

@@ -1,0 +1,126 @@
+"""What a run that makes a data set will do; everything is checked before anything is written.
+
+layout, folder --plan_dataset--> DatasetPlan
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rsegen.errors import OutputError
+from rsegen.io.dataset.checking import shard_file
+from rsegen.io.dataset.cluster import dask, on_cluster
+from rsegen.io.dataset.layout import ShardLayout
+from rsegen.io.dataset.manifest import MANIFEST, RECORD, Shard, read_manifest, read_record, same_maps
+from rsegen.io.dataset.shards import ShardTask
+from rsegen.io.dataset.tables import arrow
+from rsegen.io.existing import OnExisting
+from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS, maps_in_memory, refuse_full, refuse_too_large
+from rsegen.io.work import WORKERS, run_each
+from rsegen.io.writer import refuse_not_a_folder
+
+OURS = re.compile(r"(levels-[0-9]{5,}\.npy|metrics-[0-9]{5,}\.(npy|parquet)|manifest\.json)")
+"""The files of a data set."""
+
+HIDDEN = re.compile(rf"\.{OURS.pattern}\.[0-9a-f]{{8}}")
+"""The same while they are written."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DatasetPlan:
+    """Which shards a run will make, which exist and stay, and the bytes of disk that it needs.
+
+    workers: how many processes take part, at the most   scheduler: of the cluster that makes them, if there is one
+    """
+
+    task: ShardTask
+    to_make: Sequence[int]
+    existing: Mapping[int, Shard]
+    on_existing: OnExisting
+    disk: int
+    workers: int
+    scheduler: str | None = None
+
+    def shards(self) -> Generator[Shard, None, None]:
+        """The shards that are missing, made by a cluster, by workers if that is quicker, or here."""
+        if self.scheduler is None or not self.to_make:
+            return run_each(self.task, self.to_make, self.workers)
+        workers = min(self.workers, len(self.to_make))
+        return on_cluster(self.task.make, self.to_make, scheduler=self.scheduler, workers=workers)
+
+
+def plan_dataset(
+    layout: ShardLayout, folder: Path, on_existing: OnExisting, *, workers: int = 1, scheduler: str | None = None
+) -> DatasetPlan:
+    """Check that a data set can be made, and plan it; nothing is written. Raises as `make_dataset` does."""
+    workers, recipe = WORKERS.check("workers", workers), layout.recipe
+    _refuse_missing(layout, scheduler)
+    refuse_too_large(recipe, 0 if layout.metrics == "none" else BYTES_PER_CELL_OF_METRICS)
+    refuse_not_a_folder(folder)
+    _refuse_taken(folder, on_existing)
+    task = ShardTask(layout=layout, folder=folder.absolute())
+    keeps = on_existing is OnExisting.KEEP
+    existing = {shard.number: shard for shard in _existing(task)} if keeps else {}
+    to_make = [number for number in range(layout.shards) if number not in existing]
+    disk = (recipe.maps - maps_in(layout, existing)) * layout.bytes_per_map
+    refuse_full(disk, folder)
+    return DatasetPlan(
+        task=task,
+        to_make=to_make,
+        existing=existing,
+        on_existing=on_existing,
+        disk=disk,
+        workers=min(workers, maps_in_memory(recipe)),
+        scheduler=scheduler,
+    )
+
+
+def maps_in(layout: ShardLayout, numbers: Iterable[int]) -> int:
+    """How many maps are in some shards."""
+    return sum(len(layout.places(number)) for number in numbers)
+
+
+def _refuse_missing(layout: ShardLayout, scheduler: str | None) -> None:
+    """Raise a ParameterError if a package is not installed that is needed."""
+    if layout.metrics == "parquet":
+        arrow()
+    if scheduler is not None:
+        dask()
+
+
+def _refuse_taken(folder: Path, on_existing: OnExisting) -> None:
+    """Raise an OutputError if the folder holds anything that may be neither kept nor replaced."""
+    names = os.listdir(folder) if folder.is_dir() else []
+    if any(name in (MANIFEST, RECORD) for name in names):
+        if on_existing is OnExisting.REFUSE:
+            raise OutputError(
+                f"{folder}: a data set is there already; give --resume to go on with it, --force to replace it, or "
+                "another folder"
+            )
+    elif any(not HIDDEN.fullmatch(name) for name in names):
+        raise OutputError(f"{folder}: is not empty, and no data set of rsegen; give another folder")
+
+
+def _existing(task: ShardTask) -> Iterator[Shard]:
+    """The shards that exist, to the byte; OutputError if the data set in the folder is another."""
+    recorded = _recorded(task)
+    if recorded is None:
+        raise OutputError(
+            f"{task.folder}: holds another data set: of another seed, number of maps, parameter or version of rsegen; "
+            "give those of the run that was stopped, or another folder"
+        )
+    for shard in recorded:
+        names = task.layout.names(shard.number)
+        if all(file == shard_file(task.folder / names[what]) for what, file in shard.files.items()):
+            yield shard
+
+
+def _recorded(task: ShardTask) -> list[Shard] | None:
+    if (task.folder / MANIFEST).is_file():
+        layout, shards = read_manifest(task.folder)
+        return shards if same_maps(layout, task.layout) else None
+    return read_record(task.folder, task.layout) if (task.folder / RECORD).is_file() else []

@@ -1,0 +1,58 @@
+"""Makes one shard of a data set: the levels and metrics of some maps, each file whole or not at all."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from rsegen.field.metrics.batch import batch_metrics
+from rsegen.field.stepfield import Levels
+from rsegen.io.dataset.layout import ShardLayout
+from rsegen.io.dataset.manifest import Shard, ShardFile
+from rsegen.io.dataset.tables import npy, table
+from rsegen.io.writer import write_file
+from rsegen.recipe.building import blocks
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ShardTask:
+    """Makes shards by their numbers: all that a worker needs to know."""
+
+    layout: ShardLayout
+    folder: Path
+
+    @property
+    def seconds(self) -> float:
+        """About how long a shard takes; decides how the shards are divided among workers, never the result."""
+        n_x, n_y = self.layout.recipe.grid.shape
+        return self.layout.shard_maps * (3e-5 * len(self.layout.recipe.obstacles) + n_x * n_y * 1.5e-7)
+
+    def __call__(self, numbers: Iterable[int]) -> tuple[Shard, ...]:
+        """Shards, on disk."""
+        return tuple(map(self.make, numbers))
+
+    def make(self, number: int) -> Shard:
+        """One shard, on disk; its levels are written last."""
+        layout, names = self.layout, self.layout.names(number)
+        levels, files = self._levels(number), {}
+        if layout.metrics != "none":
+            content = table(layout.metrics, layout.indices(number), batch_metrics(levels, layout.flat_field))
+            files["metrics"] = self._written(names["metrics"], content)
+        return Shard(number=number, files={"levels": self._written(names["levels"], npy(levels)), **files})
+
+    def _levels(self, number: int) -> Levels:
+        levels = np.empty(self.layout.shape(number), dtype=np.int16)
+        for place, index in enumerate(self.layout.indices(number)):
+            levels[place] = blocks(self.layout.recipe, index)
+        found = levels.astype(self.layout.dtype)
+        if (found != levels).any():
+            raise OverflowError(f"a level of shard {number} is no {self.layout.dtype}")
+        return found
+
+    def _written(self, name: str, content: bytes) -> ShardFile:
+        write_file([content], self.folder / name, force=True)
+        return ShardFile(bytes=len(content), sha256=hashlib.sha256(content).hexdigest())

@@ -1,0 +1,83 @@
+"""The maps that a path or name stands for: a recipe file, an example, a map's folder, a folder of maps, or DIR#17."""
+
+from __future__ import annotations
+
+import os.path
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from rsegen.errors import FileError, ParameterError, shown
+from rsegen.exporters.scene import Scene, compose
+from rsegen.io.dataset.map_reference import recipe_in
+from rsegen.io.resources import refuse_too_large
+from rsegen.recipe.examples import or_example
+from rsegen.recipe.recipe import Recipe
+
+
+class Found(NamedTuple):
+    """One map of a recipe, and the file that the recipe is from."""
+
+    file: Path
+    recipe: Recipe
+    map: int
+
+
+def recipe_files(target: str) -> list[Path]:
+    """A recipe's file, or that of a map's folder, or of every map in a folder; FileError where there is none."""
+    path = or_example(target)
+    own = path / "recipe.json" if os.path.isdir(target) else path
+    files = [own] if own == path or own.is_file() else sorted(path.glob("*/recipe.json"))
+    if not files:
+        raise FileError(
+            f"{target}: no map in it, nor in its folders (a map's folder has a recipe.json; DIR#0 is one of a data set)"
+        )
+    return files
+
+
+def found(target: str, which: str | None, where: str = "--map") -> Found:
+    """One map of `target`: the given one, or the first; errors about `which` name the flag or parameter `where`."""
+    names = []
+    for file in recipe_files(target):
+        recipe = recipe_in(file)
+        index = recipe.first_map if which is None else _index(recipe, which)
+        if index is not None:
+            return Found(file, recipe, index)
+        names += [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
+    raise _unknown_map(where, which, target, names)
+
+
+def map_index(recipe: Recipe, which: int | str | None, where: str = "map") -> int:
+    """The index of one map of a recipe, given by index or name; the first by default."""
+    index = recipe.first_map if which is None else _index(recipe, str(which))
+    if index is None:
+        names = [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
+        raise _unknown_map(where, which, "the recipe", names)
+    return index
+
+
+def _unknown_map(where: str, which: object, target: str, names: list[str]) -> ParameterError:
+    return ParameterError(
+        where, f"there is no map {shown(which)} in {target}; give an index or name, {names[0]}..{names[-1]}"
+    )
+
+
+def chosen(target: str, which: str | None) -> Scene:
+    """The scene of one map of `target`: the given one, or the first."""
+    _, recipe, index = found(target, which)
+    refuse_too_large(recipe)
+    return compose(recipe, index)
+
+
+def every(target: str, which: str | None, more: int = 0) -> Iterator[Scene]:
+    """The scenes of all maps of `target` one by one, or of the given one; each may need more bytes for each cell."""
+    maps = ((recipe, recipe.indices) for recipe in map(recipe_in, recipe_files(target)))
+    given = [] if which is None else [found(target, which)]
+    for recipe, indices in [(recipe, range(index, index + 1)) for _, recipe, index in given] or maps:
+        refuse_too_large(recipe, more)
+        yield from (compose(recipe, index) for index in indices)
+
+
+def _index(recipe: Recipe, which: str) -> int | None:
+    digits = which.removeprefix(f"{recipe.name}_")
+    return int(digits) if digits.isdecimal() and len(digits) < 20 and int(digits) in recipe.indices else None

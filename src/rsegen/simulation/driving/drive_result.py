@@ -1,0 +1,79 @@
+"""The result of a drive: what was driven, the metrics and trajectory of every robot, and the files of them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path, PurePosixPath
+
+from rsegen.exporters.scene import Scene
+from rsegen.io.writer import write
+from rsegen.recipe.codec import map_json
+from rsegen.simulation.driving.contacts import ContactSamples, contacts_csv
+from rsegen.simulation.driving.drive_metrics import DriveMetrics, Trajectory
+from rsegen.simulation.driving.trajectory_plot import draw_trajectories
+from rsegen.simulation.simulators.live_world import Pose
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class DrivenRobot:
+    """One robot of a drive: its name in the world, kind, start pose, metrics and trajectory."""
+
+    name: str
+    kind: str
+    start: Pose
+    metrics: DriveMetrics
+    trajectory: Trajectory
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class DriveResult:
+    """What `rsegen.drive` gives.
+
+    scene: the map; simulator: title and version; errors: the simulator's error lines; contact_samples: simulated
+    seconds and the contacts at that time; image: a JPEG of Gazebo's own camera, empty without `picture`.
+    """
+
+    scene: Scene
+    simulator: str
+    route: str
+    seed: int
+    robots: tuple[DrivenRobot, ...]
+    errors: tuple[str, ...]
+    contact_samples: ContactSamples
+    image: bytes = b""
+
+    def as_json(self) -> dict[str, object]:
+        """The content of drive.json, which `rsegen drive --json` prints."""
+        robots = [
+            {"name": each.name, "kind": each.kind, "start": asdict(each.start), **asdict(each.metrics)}
+            for each in self.robots
+        ]
+        return {
+            "map": self.scene.name,
+            "simulator": self.simulator,
+            "route": self.route,
+            "seed": self.seed,
+            "robots": robots,
+            "errors": list(self.errors),
+        }
+
+    def write(self, folder: str | Path, *, force: bool = False) -> None:
+        """Write trajectories, contacts, metrics and pictures into a folder; `force` replaces the folder."""
+        write(self._files(), Path(folder), force=force)
+
+    def _files(self) -> dict[PurePosixPath, list[bytes]]:
+        trajectories = {each.name: each.trajectory for each in self.robots}
+        files = {f"{name}.csv": _encoded(trajectory.csv()) for name, trajectory in trajectories.items()} | {
+            "contacts.csv": _encoded(contacts_csv(self.contact_samples, trajectories)),
+            "recipe.json": [map_json(self.scene.recipe, self.scene.index)],
+            "drive.json": [json.dumps(self.as_json(), indent=2).encode() + b"\n"],
+            "drive.png": [draw_trajectories(self.scene, trajectories)],
+        }
+        pictures = {"gazebo.jpg": [self.image]} if self.image else {}
+        return {PurePosixPath(name): content for name, content in (files | pictures).items()}
+
+
+def _encoded(lines: Iterable[str]) -> list[bytes]:
+    return [line.encode() for line in lines]

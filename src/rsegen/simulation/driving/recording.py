@@ -1,0 +1,143 @@
+"""Robots driven over a world in a simulator server, and the record of their poses and contacts."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import astuple, dataclass, replace
+from math import ceil
+from pathlib import Path
+
+import numpy as np
+
+from rsegen.errors import SimulatorFailed
+from rsegen.simulation.driving.camera import camera, last_frame
+from rsegen.simulation.driving.contacts import ContactSamples
+from rsegen.simulation.driving.drive_metrics import Trajectory
+from rsegen.simulation.driving.routes import Route
+from rsegen.simulation.driving.world_with_robots import time_step, world_with_robots
+from rsegen.simulation.robots.base import DrivableRobot
+from rsegen.simulation.simulators import Installation
+from rsegen.simulation.simulators.live_world import Contact, LiveWorld, Pose, Record
+from rsegen.simulation.simulators.server import retried, running_server
+
+PERIOD = 0.05
+"""Seconds between two rows of a trajectory."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RobotRun:
+    """A robot with its name in the world, its start pose, and a function that makes its route for each attempt."""
+
+    name: str
+    robot: DrivableRobot
+    start: Pose
+    route: Callable[[], Route]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DriveRecording:
+    """The trajectory of every robot by its name, the contact samples, the simulator's error lines, a JPEG if asked."""
+
+    trajectories: Mapping[str, Trajectory]
+    samples: ContactSamples
+    errors: Sequence[str]
+    image: bytes = b""
+
+
+def record_drive(
+    here: Installation,
+    world: Path,
+    runs: Sequence[RobotRun],
+    seconds: float,
+    progress: Callable[[float], None] = lambda _: None,
+    *,
+    camera_extent: tuple[float, float] | None = None,
+) -> DriveRecording:
+    """The recording of robots that drive for `seconds` of simulation time; if the server fails, it is tried again.
+
+    The same runs, world and simulator give the same trajectories. `progress` is called with the simulated seconds that
+    are done. `camera_extent`: size in metres of the map that a camera looks at, which needs a screen.
+    """
+    with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
+        frames = Path(folder, "frames")
+        models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
+        extra = [camera(camera_extent, frames)] if camera_extent else []
+        text = world_with_robots(world, [*models, *extra], unthrottled=True)
+        file = Path(folder, world.name)
+        file.write_text(text, "utf-8")
+        attempt = _Attempt(file=file, models=world.absolute().parent.parent, runs=runs, step=time_step(text))
+        recording = retried(lambda: attempt.recording(here, seconds, progress, screen=camera_extent is not None))
+        return replace(recording, image=last_frame(frames)) if camera_extent else recording
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Attempt:
+    """One attempt: the world file with robots, the folder of its models, the runs, and the physics step in seconds."""
+
+    file: Path
+    models: Path
+    runs: Sequence[RobotRun]
+    step: float
+
+    def recording(
+        self, here: Installation, seconds: float, progress: Callable[[float], None], *, screen: bool
+    ) -> DriveRecording:
+        """The recording made in a server of its own."""
+        simulator, poses = here.simulator, Record()
+        options = simulator.record_options(PERIOD)
+        with running_server(here, self.file, models=self.models, options=options, screen=screen) as server:
+            with server.connect() as live:
+                samples = drive_in_steps(live, self.runs, seconds, self.step, progress, poses)
+                end = live.clock().simulated
+            errors = server.errors
+            server.stop()
+            record = simulator.read_record(server.home) or poses
+        trajectories = {run.name: _trajectory(run.name, record, end) for run in self.runs}
+        return DriveRecording(trajectories=trajectories, samples=samples, errors=errors)
+
+
+def drive_in_steps(
+    live: LiveWorld,
+    runs: Sequence[RobotRun],
+    seconds: float,
+    step: float,
+    progress: Callable[[float], None] = lambda _: None,
+    record: Record | None = None,
+) -> ContactSamples:
+    """The contact samples of a drive: each period, routes decide on motions, robots get commands, the world steps.
+
+    It ends after `seconds` of simulation time, or when all routes are done. step: seconds of a physics step of the
+    world; the poses at the beginning of each period are appended to `record`.
+    """
+    routes = {run.name: run.route() for run in runs}
+    period = min(route.period for route in routes.values())
+    samples: list[tuple[float, Sequence[Contact]]] = []
+    for turn in range(ceil(round(seconds / step) / round(period / step))):
+        poses = live.poses()
+        if record is not None:
+            record.append((turn * period, {run.name: list(astuple(poses[run.name])) for run in runs}))
+        if all(route.is_done(poses[name]) for name, route in routes.items()):
+            break
+        send_commands(live, runs, routes, poses)
+        done = min((turn + 1) * period, seconds)
+        samples.append((turn * period, live.step_with_contacts(round((done - turn * period) / step))))
+        progress(done)
+    return samples
+
+
+def send_commands(
+    live: LiveWorld, runs: Sequence[RobotRun], routes: Mapping[str, Route], poses: Mapping[str, Pose]
+) -> None:
+    """Send every robot the command for the motion that its route wants at its pose."""
+    for run in runs:
+        v, w = routes[run.name].motion(poses[run.name])
+        live.send_command(run.robot.command(run.name, v, w, live.backend))
+
+
+def _trajectory(name: str, record: Record, end: float) -> Trajectory:
+    """The trajectory of a robot; a record has no states for times at which nothing moved, so `end` is added."""
+    rows = [[second, *poses[name]] for second, poses in record if name in poses]
+    if not rows:
+        raise SimulatorFailed(f"the simulator kept no record of {name}")
+    return Trajectory(rows=np.array([*rows, [max(end, rows[-1][0]), *rows[-1][1:]]]))

@@ -1,0 +1,138 @@
+"""`rsegen.open`: a world opened in a simulator, until the simulator ends."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, shown
+from rsegen.params.sorts import Float
+from rsegen.simulation.simulators import Installation, LaunchCommand, OpenRequest
+from rsegen.simulation.simulators.launching import choose_installation, has_screen, run_until_end
+from rsegen.simulation.worlds import Target, world_of
+
+SECONDS = Float(0, 1e9, unit="s")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class OpenedWorld:
+    """The simulator (title and version), the world file, and the variables by which other programs reach its server."""
+
+    simulator: str
+    file: Path
+    address: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class OpenResult:
+    """What `rsegen.open` gives: the world, the simulator's exit code, None if it was stopped, and its error lines."""
+
+    world: OpenedWorld
+    exit_code: int | None
+    errors: tuple[str, ...]
+
+
+def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
+    target: Target,
+    *,
+    map: int | str | None = None,  # noqa: A002  # the flag's name
+    simulator: str | None = None,
+    headless: bool = False,
+    seconds: float | None = None,
+    shared: bool = False,
+    on_start: Callable[[OpenedWorld], None] = lambda _: None,
+    on_error: Callable[[str], None] = lambda _: None,
+) -> OpenResult:
+    """Open a world in the newest Gazebo that is installed and can, and wait until it ends; Ctrl-C ends it too.
+
+    headless: the server alone, without a window; seconds: end after so many seconds of wall time; shared: at the
+    default address, where other programs look, instead of one of its own. `on_start` is called once before the
+    simulator runs, `on_error` with each of its error lines. SimulatorFailed if the world is not loaded, or if a
+    headless server ends by itself or prints errors.
+    """
+    limit = math.inf if seconds is None else SECONDS.check("seconds", seconds)
+    world = world_of(target, map)
+    here = choose_installation(world.made_for, simulator)
+    if not (headless or has_screen()):
+        where = "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)"
+        raise ParameterError("headless", f"{where}, so only a server without a window can be opened; set it")
+    with _home(headless=headless) as home, world.on_disk() as file:
+        launch = _launch(here, OpenRequest(world=file, shared=shared, home=home), headless=headless)
+        opened = OpenedWorld(simulator=str(here), file=file, address=_address(launch, here))
+        on_start(opened)
+        return _run(here, launch, opened, limit, on_error, headless=headless)
+
+
+def launch_command(
+    target: Target,
+    *,
+    map: int | str | None = None,  # noqa: A002  # the flag's name
+    simulator: str | None = None,
+    headless: bool = False,
+    shared: bool = False,
+) -> LaunchCommand:
+    """The command that `open` runs for a world that is on disk already."""
+    world = world_of(target, map)
+    here = choose_installation(world.made_for, simulator)
+    if not world.file:
+        raise ParameterError("print", f"{shown(str(target))} has no world yet; make one with rsegen generate")
+    return _launch(here, OpenRequest(world=world.file, shared=shared), headless=headless)
+
+
+def _launch(here: Installation, request: OpenRequest, *, headless: bool) -> LaunchCommand:
+    simulator = here.simulator
+    launch = simulator.headless(here, request) if headless else simulator.with_gui(here, request)
+    if not launch:
+        hint = f"install it ({simulator.how_to_install[0]}) or open the server alone with --headless"
+        raise NoSimulator(f"{here} is installed without its window; {hint}")
+    return launch
+
+
+def _address(launch: LaunchCommand, here: Installation) -> tuple[tuple[str, str], ...]:
+    """The variables of an address of its own; none at the default address."""
+    names = (name for name in here.simulator.address_variables if name in launch.environment)
+    return tuple((name, launch.environment[name]) for name in names)
+
+
+@contextmanager
+def _home(*, headless: bool) -> Iterator[Path | None]:
+    """A home folder for a headless server, so that it changes no settings; a window has the user's own."""
+    if not headless:
+        yield None
+        return
+    with tempfile.TemporaryDirectory(prefix="rsegen-") as home:
+        yield Path(home)
+
+
+def _run(
+    here: Installation,
+    launch: LaunchCommand,
+    world: OpenedWorld,
+    seconds: float,
+    on_error: Callable[[str], None],
+    *,
+    headless: bool,
+) -> OpenResult:
+    """Run it until it ends; Ctrl-C is an ordinary end.
+
+    A closed window is no failure, though Gazebo Classic may then exit with 255; nor are error lines of a window.
+    """
+    errors: list[str] = []
+
+    def note(line: str) -> None:
+        errors.append(line)
+        on_error(line)
+
+    try:
+        code = run_until_end(here, launch, seconds=seconds, on_error=note)
+    except KeyboardInterrupt:
+        code = None
+    if code is not None and (headless or (code and errors)):
+        raise SimulatorFailed(f"{here} ended by itself, with exit code {code}")
+    if headless and errors:
+        raise SimulatorFailed(f"{here} printed an error: {errors[0]}")
+    return OpenResult(world=world, exit_code=code, errors=tuple(errors))

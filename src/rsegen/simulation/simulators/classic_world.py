@@ -1,0 +1,194 @@
+"""The world in a running Gazebo Classic, through its transport."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from itertools import count
+from secrets import randbelow
+from statistics import fmean
+from typing import Any
+
+from rsegen.errors import SimulatorFailed
+from rsegen.simulation.robots.commands import Command
+from rsegen.simulation.simulators.classic_messages import decode, parse_text
+from rsegen.simulation.simulators.classic_transport import TIMEOUT, TransportClient, transport_client
+from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, model_name
+from rsegen.simulation.simulators.pose_messages import is_nearer, pose_message, pose_of
+
+_DELIVERY_TIME = 0.03
+"""Seconds that a message between two programs on one machine takes."""
+
+_RESPONSES_TIME = 0.6
+"""Seconds in which even a paused server has done a request and published all responses."""
+
+_HIDDEN_HEIGHT = 10_000.0
+"""Metres above the ground at which a model is hidden."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ClassicWorld(LiveWorld):
+    """The world in a Gazebo Classic server. A paused server answers, and publishes the time, five times a second."""
+
+    client: TransportClient
+    backend: str = "classic"
+    _numbers: Iterator[int] = field(default_factory=lambda: count(randbelow(2**30)))
+
+    def send_command(self, command: Command) -> None:
+        """Publish the command, and wait the time that messages take."""
+        self.client.publish(command.topic, command.type.rpartition(".")[2], parse_text(command.text))
+        time.sleep(_DELIVERY_TIME)
+
+    def step(self, steps: int) -> None:
+        """Step, and wait as long as steps are being done."""
+        target = self.clock().steps + steps
+        self._step(steps)
+        self._wait_for(target)
+
+    def step_with_contacts(self, steps: int) -> Sequence[Contact]:
+        """The first step is done alone: of many in a row the server reports contacts late, and not all."""
+        target = self.clock().steps + steps
+        with self.client.subscribed("physics/contacts", "Contacts"):
+            self._step(1)
+            message = self.client.wait_for_message("physics/contacts", lambda _: True)
+        self._step(steps - 1)
+        self._wait_for(target)
+        return [_contact(one) for one in message.get("contact", [])]
+
+    def unpause(self) -> None:
+        """Unpause, and wait until the server reports it."""
+        self._pause(pause=False)
+
+    def pause(self) -> None:
+        """Pause, and wait until the server reports it."""
+        self._pause(pause=True)
+
+    def stop_recording(self) -> None:
+        """Stop the record, and wait the time that messages take."""
+        self.client.publish("log/control", "LogControl", {"stop": True})
+        time.sleep(_DELIVERY_TIME)
+
+    def clock(self) -> Clock:
+        """The last clock that the server published."""
+        now = self._statistics(after=-1)
+        return Clock(
+            simulated=_seconds(now["sim_time"]),
+            real=_seconds(now["real_time"]),
+            steps=int(now["iterations"]),
+            paused=bool(now["paused"]),
+        )
+
+    def poses(self) -> Mapping[str, Pose]:
+        """The poses of all models, by a request."""
+        return {name: pose_of(model["pose"]) for name, model in self._models().items()}
+
+    def links(self) -> Mapping[str, Pose]:
+        """The pose of every link in its model, by its full name."""
+        links = (link for model in self._models().values() for link in model.get("link", []))
+        return {link["name"]: pose_of(link["pose"]) for link in links}
+
+    def movable(self) -> Set[str]:
+        """Each model says whether it is static."""
+        return frozenset(name for name, model in self._models().items() if not model.get("is_static"))
+
+    def move(self, name: str, pose: Pose) -> None:
+        """Set the pose by a modification of the model."""
+        message = self._modified(name, pose)
+        before = pose_of(self._models(hidden=True)[name]["pose"])
+        self.client.publish("model/modify", "Model", message)
+        self._wait(
+            f"{name} stays where it was", lambda: name in (at := self.poses()) and is_nearer(at[name], pose, before)
+        )
+
+    def spawn(self, sdf: str, pose: Pose) -> None:
+        """Spawn through the factory; a model that was only hidden is moved back."""
+        name = model_name(sdf)
+        if name == self.client.world and name in self._models(hidden=True):
+            self.move(name, pose)
+            return
+        self.client.publish("factory", "Factory", {"sdf": sdf, "pose": pose_message(pose)})
+        self._wait(f"{name} does not appear", lambda: name in self.poses())
+
+    def delete(self, name: str) -> None:
+        """Delete by a request; the many responses about its parts are muted.
+
+        Gazebo 11 now and then stops publishing a topic after many messages at once. For the name of its world it would
+        delete everything, so a model of that name is only hidden.
+        """
+        if name == self.client.world:
+            self.client.publish("model/modify", "Model", self._modified(name, Pose(x=0, y=0, z=_HIDDEN_HEIGHT)))
+            self._wait(f"{name} is still there", lambda: name not in self._models())
+            return
+        with self.client.muted("response"):
+            self.client.publish(
+                "request", "Request", {"id": next(self._numbers), "request": "entity_delete", "data": name}
+            )
+            time.sleep(_RESPONSES_TIME)
+        self._wait(f"{name} is still there", lambda: name not in self.poses())
+
+    def _step(self, steps: int) -> None:
+        if steps:
+            self.client.publish("world_control", "WorldControl", {"multi_step": steps})
+
+    def _wait_for(self, target: int) -> None:
+        """As long as steps are being done."""
+        done = self.clock().steps
+        while done < target:
+            done = int(self._statistics(after=done)["iterations"])
+
+    def _pause(self, *, pause: bool) -> None:
+        self.client.clear("world_stats")
+        self.client.publish("world_control", "WorldControl", {"pause": pause})
+        self.client.wait_for_message("world_stats", lambda message: bool(message["paused"]) == pause)
+
+    def _statistics(self, after: int) -> dict[str, Any]:
+        """The first statistics with more steps than `after`."""
+        return self.client.wait_for_message("world_stats", lambda message: message.get("iterations", 0) > after)
+
+    def _asked(self, request: str, data: str) -> dict[str, Any]:
+        number = next(self._numbers)
+        self.client.publish("request", "Request", {"id": number, "request": request, "data": data})
+        return self.client.wait_for_message(
+            "response", lambda message: message["id"] == number and "serialized_data" in message
+        )
+
+    def _modified(self, name: str, pose: Pose) -> dict[str, Any]:
+        """The message that sets the pose of a model."""
+        models = self._models(hidden=True)
+        if name not in models:
+            raise SimulatorFailed(f"Gazebo Classic: no model {name} to move")
+        return {"name": name, "id": models[name]["id"], "pose": pose_message(pose)}
+
+    def _models(self, *, hidden: bool = False) -> dict[str, dict[str, Any]]:
+        """All models, without or with hidden ones."""
+        content = self._asked("entity_list", "")["serialized_data"]
+        models = decode("Model_V", content).get("models", [])
+        return {model["name"]: model for model in models if hidden or model["pose"]["position"]["z"] < _HIDDEN_HEIGHT}
+
+    def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
+        end = time.monotonic() + TIMEOUT
+        while not until():
+            if time.monotonic() > end:
+                raise SimulatorFailed(f"Gazebo Classic: {otherwise}")
+            time.sleep(_RESPONSES_TIME / 6)
+
+
+@contextmanager
+def classic_world(address: tuple[str, int]) -> Iterator[ClassicWorld]:
+    """A connection to the world of the server whose master is at a host and port."""
+    with transport_client(address) as opened:
+        opened.subscribe("world_stats", "WorldStatistics")
+        opened.subscribe("response", "Response")
+        yield ClassicWorld(client=opened)
+
+
+def _contact(message: Mapping[str, Any]) -> Contact:
+    points = [(point["x"], point["y"], point["z"]) for point in message["position"]]
+    x, y, z = (fmean(along) for along in zip(*points, strict=True))
+    return Contact(collisions=(message["collision1"], message["collision2"]), position=(x, y, z))
+
+
+def _seconds(time_: Mapping[str, int]) -> float:
+    return time_["sec"] + time_["nsec"] / 1e9

@@ -1,0 +1,71 @@
+"""The installation that fits a map, and a simulator run for a person, with its error lines as they come."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from rsegen.errors import NoSimulator, SimulatorFailed
+from rsegen.simulation.simulators.base import SIMULATORS, Installation, LaunchCommand, Simulator, installations
+from rsegen.simulation.simulators.process import running
+
+
+def choose_installation(made_for: str, name: str | None) -> Installation:
+    """The installation of that name, else the newest one, that opens maps whose recipe says `simulator: made_for`."""
+    wanted = None if name is None else SIMULATORS.named(name, "simulator")
+    able = [each for each in SIMULATORS.values() if each.can_open(made_for)]
+    if wanted is None:
+        here = next((here for here in installations() if here.simulator in able), None)
+        return here or _missing(*able)
+    if wanted not in able:
+        raise NoSimulator(f"this map opens in {_titles(able)} only: its recipe says simulator: {made_for}")
+    return wanted.installation() or _missing(wanted)
+
+
+def has_screen() -> bool:
+    """Whether a window can be shown; only on Linux can it be known that there is no screen."""
+    return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
+
+
+def run_until_end(
+    here: Installation, launch: LaunchCommand, *, seconds: float, on_error: Callable[[str], None]
+) -> int | None:
+    """The exit code of a simulator that runs until it ends, or None if it was ended after `seconds`.
+
+    `on_error` is called with each of its error lines. SimulatorFailed, at once, if it says that it has no world.
+    """
+    end = time.monotonic() + seconds
+    with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
+        log = Path(folder, "log")
+        with log.open("w") as output, running(launch, output) as program:
+            for line in _lines(log, lambda: program.exit_code is None and time.monotonic() < end):
+                for error in here.simulator.error_lines(line):
+                    on_error(error)
+                if here.simulator.load_failed(line):
+                    raise SimulatorFailed(f"{here} did not load the world {launch.command[-1]}")
+            return program.exit_code
+
+
+def _lines(log: Path, goes_on: Callable[[], bool]) -> Iterator[str]:
+    """The lines of a file as they are written, as long as its program goes on."""
+    rest, more = "", True
+    with log.open(errors="replace") as reading:
+        while more:
+            more = goes_on()
+            *whole, rest = (rest + reading.read()).split("\n")
+            yield from whole
+            time.sleep(0.1 if more else 0)
+    yield rest
+
+
+def _missing(*able: Simulator) -> Installation:
+    hints = "; ".join(f"{each.title}: {each.how_to_install[0]}" for each in able)
+    raise NoSimulator(f"{_titles(able)} is not installed; to install it: {hints} (see rsegen sim)")
+
+
+def _titles(able: list[Simulator] | tuple[Simulator, ...]) -> str:
+    return " or ".join(each.title for each in able)

@@ -1,0 +1,109 @@
+"""The interface to a world in any running simulator: time, poses, commands to robots, models spawned and deleted."""
+
+from __future__ import annotations
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass
+
+from rsegen.errors import SimulatorFailed
+from rsegen.simulation.robots.commands import Command
+
+Record = list[tuple[float, dict[str, list[float]]]]
+"""Simulated seconds, and the poses (x, y, z, roll, pitch, yaw) of models at that time, state by state."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Clock:
+    """Simulation time and wall time without pauses, seconds; the number of steps; whether the world is paused."""
+
+    simulated: float
+    real: float
+    steps: int
+    paused: bool
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Pose:
+    """Position of a model, metres, and its rotation about x, y and z, radians."""
+
+    x: float
+    y: float
+    z: float
+    roll: float = 0.0
+    pitch: float = 0.0
+    yaw: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Contact:
+    """Two collisions in contact, each MODEL::LINK::COLLISION, and the mean of their contact points, metres."""
+
+    collisions: tuple[str, str]
+    position: tuple[float, float, float]
+
+
+class LiveWorld(ABC):
+    """A world in a running simulator. SimulatorFailed if the simulator has ended or does not answer.
+
+    dialect: the name of its message and plug-in types, one of `rsegen.simulation.robots.BACKENDS`.
+    """
+
+    backend: str
+
+    @abstractmethod
+    def send_command(self, command: Command) -> None:
+        """Send a command to a robot, and wait until it is received."""
+
+    @abstractmethod
+    def step(self, steps: int) -> None:
+        """Simulate this number of steps in a paused world, as fast as possible."""
+
+    def step_with_contacts(self, steps: int) -> Sequence[Contact]:
+        """Step, and give the contacts of the first step; none if the simulator does not report them."""
+        self.step(steps)
+        return ()
+
+    @abstractmethod
+    def unpause(self) -> None:
+        """Let simulation time run."""
+
+    @abstractmethod
+    def pause(self) -> None:
+        """Stop simulation time."""
+
+    def stop_recording(self) -> None:  # noqa: B027  # not every server keeps one
+        """Stop the server's record, which takes up to half of its time."""
+
+    @abstractmethod
+    def clock(self) -> Clock:
+        """The clock now."""
+
+    @abstractmethod
+    def poses(self) -> Mapping[str, Pose]:
+        """The pose of every model, by its name."""
+
+    @abstractmethod
+    def movable(self) -> Set[str]:
+        """The names of the models that are not static."""
+
+    @abstractmethod
+    def move(self, name: str, pose: Pose) -> None:
+        """Set the pose of a model, and wait until it has moved."""
+
+    @abstractmethod
+    def spawn(self, sdf: str, pose: Pose) -> None:
+        """Spawn the model of an SDF text, and wait until it exists."""
+
+    @abstractmethod
+    def delete(self, name: str) -> None:
+        """Delete a model, and wait until it is gone."""
+
+
+def model_name(sdf: str) -> str:
+    """The name of the model of an SDF text."""
+    found = re.search(r"<model\s+name=['\"]([^'\"]+)['\"]", sdf)
+    if not found:
+        raise SimulatorFailed("no <model> in the SDF text to spawn")
+    return found[1]

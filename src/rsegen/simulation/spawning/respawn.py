@@ -1,0 +1,111 @@
+"""`rsegen.respawn`: the map of a running simulation replaced by another one, at the same pose."""
+
+from __future__ import annotations
+
+import os
+import os.path
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rsegen.errors import ParameterError, shown
+from rsegen.exporters.scene import Scene, compose
+from rsegen.field.stepfield import StepField
+from rsegen.io.dataset.map_reference import recipe_in
+from rsegen.io.targets import recipe_files
+from rsegen.recipe.recipe import Recipe
+from rsegen.simulation.simulators.connecting import connected
+from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.spawning.map_models import MapModel, known_maps, map_model, map_of, maps_in
+from rsegen.simulation.spawning.spawned_map import SpawnedMap
+from rsegen.simulation.spawning.spawning import spawn_map
+from rsegen.simulation.worlds import Target
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RespawnResult:
+    """What `rsegen.respawn` gives: the new map's name and the old one's, the simulator, the pose, the models on top."""
+
+    name: str
+    instead_of: str
+    simulator: str
+    at: Pose
+    put_on_top: tuple[str, ...] = ()
+
+
+def respawn(
+    target: Target,
+    *,
+    map: int | str | None = None,  # noqa: A002  # the flag's name
+    name: str | None = None,
+    output: str | Path = "worlds",
+    simulator: str | None = None,
+) -> RespawnResult:
+    """Replace the map of the running simulation by the next one of a recipe or folder, at the same pose.
+
+    map: index or name of the new map, by default the one after the current map; name: the model to replace, if several
+    could be meant; output: folder for maps that are made of recipes; simulator: by default whichever runs.
+    Robots and their programs go on; models on the map are put on top of the new blocks while the world is paused.
+    """
+    recipes = _recipes(target)
+    with connected(simulator) as (running, live):
+        poses = live.poses()
+        current = _current_map(poses, {recipe.name for recipe in recipes}, name)
+        new = _given_or_next(target, map, Path(output), current)
+        new.check_fits(running)
+        if new.name in poses:
+            raise ParameterError("map", f"{shown(new.name)} exists already; give another")
+        known = known_maps({current: poses[current]}, [Path(output), new.folder.parent])
+        old = known[0] if known else SpawnedMap(name=current, field=_field(recipes[0], current), at=poses[current])
+        moved = spawn_map(live, new.sdf(new.name), SpawnedMap(name=new.name, field=new.field, at=old.at), old)
+    return RespawnResult(name=new.name, instead_of=current, simulator=running.name, at=old.at, put_on_top=moved)
+
+
+def _recipes(target: Target) -> list[Recipe]:
+    if isinstance(target, Scene):
+        return [target.recipe]
+    if isinstance(target, Recipe):
+        return [target]
+    return [recipe_in(file) for file in recipe_files(os.fspath(target))]
+
+
+def _current_map(poses: Mapping[str, Pose], stems: set[str], given: str | None) -> str:
+    """The name of the map that is to be replaced."""
+    models = ", ".join(sorted(poses))
+    if given is not None:
+        if given not in poses:
+            raise ParameterError("name", f"no model {shown(given)} in the simulation (models: {models})")
+        return given
+    pattern = "|".join(rf"{re.escape(stem)}_\d{{4,}}" for stem in sorted(stems))
+    found = sorted(name for name in poses if re.fullmatch(pattern, name))
+    if not found:
+        what = " or ".join(f"{stem}_0000" for stem in sorted(stems))
+        raise ParameterError("", f"no map such as {what} in the simulation (models: {models})")
+    if len(found) > 1:
+        raise ParameterError("name", f"several maps could be replaced; give one of {', '.join(found)}")
+    return found[0]
+
+
+def _given_or_next(target: Target, which: int | str | None, output: Path, current: str) -> MapModel:
+    """The given map, else the one after the current map, in the folder or by its index."""
+    if which is not None or isinstance(target, Scene):
+        return map_of(target, which, output)
+    if not isinstance(target, Recipe) and os.path.isdir(target):
+        maps = maps_in(os.fspath(target))
+        names = [one.name for one in maps]
+        return maps[(names.index(current) + 1) % len(maps)] if current in names else maps[0]
+    recipe = target if isinstance(target, Recipe) else recipe_in(os.fspath(target))
+    index = _index(recipe, current)
+    return map_model(recipe, recipe.first_map if index is None else index + 1, output)
+
+
+def _index(recipe: Recipe, name: str) -> int | None:
+    """The index of the map of this name."""
+    digits = name.removeprefix(f"{recipe.name}_")
+    return int(digits) if digits.isdecimal() and recipe.map_name(int(digits)) == name else None
+
+
+def _field(recipe: Recipe, name: str) -> StepField:
+    """The blocks of a map whose folder is unknown: those that the recipe gives for its index."""
+    return compose(recipe, _index(recipe, name) or recipe.first_map).field

@@ -1,0 +1,121 @@
+"""`rsegen.spawn`: a map or a robot put into the running simulation."""
+
+from __future__ import annotations
+
+import os
+import os.path
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rsegen.errors import ParameterError, UnknownName, shown
+from rsegen.params.sorts import Float, parameters
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe import Recipe
+from rsegen.simulation.driving.start_poses import DROP_HEIGHT
+from rsegen.simulation.robots import ROBOTS, Robot
+from rsegen.simulation.simulators.connecting import connected
+from rsegen.simulation.simulators.live_world import LiveWorld, Pose
+from rsegen.simulation.spawning.map_models import MapModel, known_maps, map_of
+from rsegen.simulation.spawning.placement import Rectangle, free_rectangle
+from rsegen.simulation.spawning.spawned_map import SpawnedMap
+from rsegen.simulation.spawning.spawning import at_free_place, model_radius, occupied, spawn_map
+from rsegen.simulation.worlds import Target
+
+METRES = Float(-1e6, 1e6)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SpawnResult:
+    """What `rsegen.spawn` gives: the model's name, the simulator's, the pose, and the models put on top of the map."""
+
+    name: str
+    simulator: str
+    at: Pose
+    put_on_top: tuple[str, ...] = ()
+
+
+def spawn(  # each is a flag of the command
+    target: Target | Robot,
+    *,
+    map: int | str | None = None,  # noqa: A002  # the flag's name
+    name: str | None = None,
+    at: Sequence[float] | None = None,
+    output: str | Path = "worlds",
+    simulator: str | None = None,
+) -> SpawnResult:
+    """Spawn a map or a robot in the running simulation, and give its name and pose there.
+
+    target: as for `rsegen.drive`, or a kind of robot, or a robot; name: of the model, by default the map's or the
+    robot's kind; at: x, y, z, yaw in metres and radians, the last two optional, by default the free place nearest to
+    the origin; output: folder for maps that are made of recipes; simulator: by default whichever runs.
+    UserError if a value is wrong; NothingRuns if no simulation runs.
+    """
+    place = _checked_place(at)
+    what = _robot_or_map(target, map, Path(output))
+    name = _checked_name(name, what)
+    with connected(simulator) as (running, live):
+        poses = live.poses()
+        if name in poses:
+            raise ParameterError("name", f"{shown(name)} exists already; give another name, or remove {name} first")
+        homes = [Path(output), *([what.folder.parent] if isinstance(what, MapModel) else [])]
+        maps = known_maps(poses, homes)
+        if isinstance(what, Robot):
+            pose = _spawn_robot(live, what, name, occupied(poses, maps), maps, place)
+            return SpawnResult(name=name, simulator=running.name, at=pose)
+        what.check_fits(running)
+        new = SpawnedMap(name=name, field=what.field, at=_pose(place or [0, 0]))
+        new = new if place else at_free_place(new, poses, maps)
+        moved = spawn_map(live, what.sdf(name), new)
+        return SpawnResult(name=name, simulator=running.name, at=new.at, put_on_top=moved)
+
+
+def _spawn_robot(
+    live: LiveWorld, robot: Robot, name: str, taken: list[Rectangle], maps: list[SpawnedMap], at: list[float]
+) -> Pose:
+    """Spawn a robot on top of the maps under it, unless z is given; gives its pose."""
+    radius = model_radius(robot.kind)
+    x, y = at[:2] if at else free_rectangle(radius, radius, taken)[:2]
+    ground = max((each.top(Pose(x=x, y=y, z=0), radius) for each in maps), default=0.0)
+    pose = _pose([x, y, ground + DROP_HEIGHT] if len(at) <= 2 else at)
+    live.spawn(robot.file(name, live.backend), pose)
+    return pose
+
+
+def _robot_or_map(target: Target | Robot, which: int | str | None, output: Path) -> Robot | MapModel:
+    if isinstance(target, str) and target in ROBOTS:
+        target = ROBOTS[target]
+    if isinstance(target, Robot):
+        if which is not None:
+            raise ParameterError("map", f"{target.kind} is a robot and has no maps")
+        return target
+    if isinstance(target, str):
+        _refuse_unknown_word(target)
+    return map_of(target, which, output)
+
+
+def _refuse_unknown_word(target: str) -> None:
+    """UnknownName for a bare word that names nothing."""
+    bare = not (os.path.exists(target) or Path(target).suffix or os.sep in target or "#" in target)
+    if bare and target not in EXAMPLES:
+        raise UnknownName.among("", "folder, recipe, example or robot", target, [*ROBOTS, *EXAMPLES])
+
+
+def _checked_name(given: str | None, what: Robot | MapModel) -> str:
+    if given is None:
+        return what.kind if isinstance(what, Robot) else what.name
+    return str(parameters(Recipe)["name"].check("name", given))
+
+
+def _checked_place(at: Sequence[float] | None) -> list[float]:
+    """x, y and perhaps z and yaw; empty if none is given."""
+    if at is None:
+        return []
+    if not 2 <= len(at) <= 4:
+        raise ParameterError("at", f"{shown(at)} is not X,Y or X,Y,Z or X,Y,Z,YAW")
+    return [METRES.check("at", number) for number in at]
+
+
+def _pose(at: Sequence[float]) -> Pose:
+    x, y, z, yaw = [*at, 0.0, 0.0, 0.0][:4]
+    return Pose(x=x, y=y, z=z, yaw=yaw)

@@ -1,0 +1,96 @@
+"""The world that a target stands for: a world file, that in a map's folder, or one made of a recipe or scene."""
+
+from __future__ import annotations
+
+import os
+import os.path
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeAlias
+
+from rsegen.errors import FileError
+from rsegen.exporters.gazebo import export
+from rsegen.exporters.scene import Scene, compose
+from rsegen.io.recipe_file import load
+from rsegen.io.resources import refuse_too_large
+from rsegen.io.targets import found, map_index
+from rsegen.io.writer import write
+from rsegen.recipe.recipe import Recipe
+
+Target: TypeAlias = "Recipe | Scene | str | os.PathLike[str]"
+"""A recipe, a scene, or the path or name that the command line takes: a world file, a recipe file, an example, the
+folder of a map or of maps, or DIR#17 of a data set."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class World:
+    """A world, on disk already or to be made.
+
+    file: the world file, None if it is made of the recipe or scene; recipe: of its one map, None if unknown;
+    made_for: the `simulator` of the recipe; made_of: the scene that a caller gave.
+    """
+
+    file: Path | None = None
+    recipe: Recipe | None = None
+    made_for: str
+    made_of: Scene | None = None
+
+    def scene(self) -> Scene:
+        """The scene of its map; FileError if the recipe is unknown, TooLarge if it does not fit into memory."""
+        if self.made_of:
+            return self.made_of
+        if not self.recipe:
+            raise FileError(f"{self.file}: no recipe.json next to it, so the heights of its blocks are unknown")
+        refuse_too_large(self.recipe)
+        return compose(self.recipe, self.recipe.first_map)
+
+    @contextmanager
+    def on_disk(self) -> Iterator[Path]:
+        """The world file; one that is made of a recipe or scene is deleted when this ends."""
+        if self.file:
+            yield self.file
+            return
+        with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
+            yield write_world(self.scene(), Path(folder))
+
+
+def write_world(scene: Scene, folder: Path) -> Path:
+    """The world file of a scene, written with all that it needs as `folder/NAME_000k`."""
+    write(export(scene), folder / scene.name)
+    return folder / scene.name / f"{scene.name}.world"
+
+
+def world_of(target: Target, which: int | str | None = None) -> World:
+    """The world of a target; `which`: the map's index or name, by default the first."""
+    if isinstance(target, Scene):
+        return World(recipe=target.alone, made_for=target.recipe.simulator, made_of=target)
+    if isinstance(target, Recipe):
+        return World(recipe=target.alone(map_index(target, which)), made_for=target.simulator)
+    path = os.fspath(target)
+    if not os.path.isdir(path) and Path(path).suffix in (".world", ".sdf"):
+        return _world_in(Path(path))
+    file, recipe, index = found(path, _text(which), "map")
+    if os.path.isdir(path):
+        world = _existing(file.with_name(f"{recipe.map_name(index)}.world"))
+        return World(file=world, recipe=recipe, made_for=recipe.simulator)
+    return World(recipe=recipe.alone(index), made_for=recipe.simulator)
+
+
+def _world_in(file: Path) -> World:
+    """A world file, with the recipe next to it if there is one."""
+    recipe_file = file.with_name("recipe.json")
+    recipe = load(recipe_file) if recipe_file.is_file() else None
+    return World(file=_existing(file), recipe=recipe, made_for=recipe.simulator if recipe else "both")
+
+
+def _existing(file: Path) -> Path:
+    if not file.is_file():
+        raise FileError(f"{file}: there is no such world")
+    return file
+
+
+def _text(which: int | str | None) -> str | None:
+    return None if which is None else str(which)

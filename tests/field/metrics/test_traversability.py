@@ -1,0 +1,189 @@
+"""What a robot can do, held to scipy's graphs and to fields small enough to be walked by eye."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components, dijkstra
+
+import rsegen
+from rsegen import RobotLimits, StepField
+from rsegen.field.metrics.ground import Ground, ground, lane
+from rsegen.field.metrics.regions import connected, strongly_connected
+from rsegen.field.metrics.robot_limits import NANOMETRES
+from rsegen.field.metrics.traversability import Traversability, traversability
+from rsegen.field.stepfield import Ints
+from tests.field.metrics.test_families import field, turned
+from tests.support.strategies import fields
+
+CLIMBERS = st.builds(
+    RobotLimits,
+    climb_cm=st.sampled_from([0.0, 1.0, 7.0, 10.0, 20.0, 40.0]),
+    drop_cm=st.sampled_from([None, 0.0, 10.0, 20.0, 40.0]),
+    width_cm=st.sampled_from([0.0, 10.0, 17.8, 30.0, 1000.0]),
+)
+
+
+def graph(carrying: Ground, climber: RobotLimits, tread: int) -> csr_array:
+    """Every move that a robot can make, with its cost."""
+    heights, (climb, drop) = carrying.heights.ravel(), climber.limits
+    one, other = carrying.moves()
+    tails, heads = np.concatenate([one, other]), np.concatenate([other, one])
+    rise = heights[heads] - heights[tails]
+    can = (rise <= climb) & (-rise <= drop)
+    return csr_array((tread + np.abs(rise[can]), (tails[can], heads[can])), shape=(heights.size,) * 2)
+
+
+@given(fields(), CLIMBERS)
+def test_the_cheapest_way_is_scipy_s(found: StepField, climber: RobotLimits) -> None:
+    assume(not found.frame.all())
+    tread = round(found.block_width * NANOMETRES)
+    for axis, crossing in enumerate(
+        (traversability(found, climber).west_east, traversability(found, climber).south_north)
+    ):
+        carrying = lane(found, climber.width, axis)
+        cells = np.arange(carrying.heights.size).reshape(carrying.heights.shape)
+        costs = dijkstra(graph(carrying, climber, tread), indices=cells[0], min_only=True)
+        least = costs[cells[-1]].min() / NANOMETRES
+        assert crossing.crosses == np.isfinite(least)
+        assert crossing.cost == (pytest.approx(least) if crossing.crosses else None)
+
+
+@given(fields(), CLIMBERS)
+def test_the_region_is_scipy_s_largest(found: StepField, climber: RobotLimits) -> None:
+    assume(not found.frame.all())
+    _, group = connected_components(graph(ground(found, climber.width), climber, 1), connection="strong")
+    counts = np.bincount(group[~found.frame.ravel()])
+    result = traversability(found, climber)
+    assert result.cover == pytest.approx(counts.max() / counts.sum())
+    assert len(set(group[result.region.ravel()])) == 1
+
+
+EDGES = st.lists(st.tuples(st.integers(0, 19), st.integers(0, 19), st.booleans(), st.booleans()), max_size=60)
+
+
+@given(EDGES)
+def test_mutual_reach_in_any_graph_is_scipy_s(edges: list[tuple[int, int, bool, bool]]) -> None:
+    a, b, onward, back = (np.array(part, dtype=int) for part in (zip(*edges, strict=True) if edges else [[]] * 4))
+    found = strongly_connected(20, a, b, onward.astype(bool), back.astype(bool))
+    tails, heads = np.concatenate([a[onward > 0], b[back > 0]]), np.concatenate([b[onward > 0], a[back > 0]])
+    _, expected = connected_components(
+        csr_array((np.ones(len(tails)), (tails, heads)), shape=(20, 20)), connection="strong"
+    )
+    assert partition(found) == partition(expected)
+    _, expected = connected_components(csr_array((np.ones(len(a)), (a, b)), shape=(20, 20)), directed=False)
+    assert partition(connected(20, a, b)) == partition(expected)
+
+
+def partition(group: Ints) -> set[frozenset[int]]:
+    return {frozenset(np.flatnonzero(group == each).tolist()) for each in set(group.tolist())}
+
+
+@given(fields(), CLIMBERS)
+def test_a_path_is_a_way_that_the_robot_can_go_and_costs_what_is_said(found: StepField, climber: RobotLimits) -> None:
+    assume(not found.frame.all())
+    crossing = traversability(found, climber).west_east
+    assume(crossing.crosses)
+    carrying = lane(found, climber.width, 0)
+    margin = (len(carrying.heights) - found.shape[0]) // 2
+    heights = carrying.heights[crossing.path[:, 0] + margin, crossing.path[:, 1]]
+    moves, rise = np.abs(np.diff(crossing.path, axis=0)), np.diff(heights)
+    assert (moves.sum(axis=1) == 1).all()
+    assert rise.max() <= climber.limits[0]
+    assert -rise.min() <= climber.limits[1]
+    length = len(moves) * found.block_width
+    assert crossing.length == pytest.approx(length)
+    assert crossing.cost == pytest.approx(length + np.abs(rise).sum() / NANOMETRES)
+    assert (crossing.path[0, 0], crossing.path[-1, 0]) == (-margin, found.shape[0] + margin - 1)
+
+
+@given(fields(), st.sampled_from([0.0, 10.0, 30.0]))
+def test_a_robot_crosses_from_the_opening_on_and_not_below_it(found: StepField, width_cm: float) -> None:
+    assume(not found.frame.all())
+    at = RobotLimits(climb_cm=1e-3, width_cm=width_cm)
+    opens = rsegen.metrics(found, at).opening
+    for axis, least in (("west_east", opens.west_east), ("south_north", opens.south_north)):
+        climbs = RobotLimits(climb_cm=round(least * 100, 7), width_cm=width_cm)
+        assert getattr(traversability(found, climbs), axis).crosses
+        if least > 1e-5:
+            below = RobotLimits(climb_cm=round(least * 100 - 1e-3, 7), width_cm=width_cm)
+            assert not getattr(traversability(found, below), axis).crosses
+
+
+@given(fields(), CLIMBERS)
+def test_who_climbs_higher_gets_everywhere_that_another_gets(found: StepField, climber: RobotLimits) -> None:
+    assume(not found.frame.all())
+    one = traversability(found, climber)
+    two = traversability(found, RobotLimits(climb_cm=climber.climb_cm + 5, drop_cm=50, width_cm=climber.width_cm))
+    assert two.cover >= one.cover
+    assert (two.west_east.costs <= one.west_east.costs).all()
+
+
+@given(fields(), CLIMBERS)
+def test_a_quarter_turn_swaps_the_directions(found: StepField, climber: RobotLimits) -> None:
+    """What was west-east is south-north then: x has become y."""
+    assume(not found.frame.all())
+    one, other = traversability(found, climber), traversability(turned(found), climber)
+    assert one.west_east.cost == pytest.approx(other.south_north.cost)
+    assert one.cover == other.cover
+
+
+def reached(rows: list[str], climb_cm: float, drop_cm: float | None = None, width_cm: float = 0) -> Traversability:
+    return traversability(field(*rows), RobotLimits(climb_cm=climb_cm, drop_cm=drop_cm, width_cm=width_cm))
+
+
+def test_a_wall_with_a_door_is_gone_round() -> None:
+    """Six moves from the ground to the ground, and no rise: the door is at the southern end."""
+    found = reached(["00900", "00900", "00000"], 10).west_east
+    assert found.path.tolist() == [[i, 0] for i in range(-1, 6)]
+    assert found.length == pytest.approx(0.6)
+    assert found.cost == pytest.approx(0.6)
+
+
+def test_a_step_is_paid_for_up_and_down() -> None:
+    found = reached(["01210"], 10).west_east
+    assert found.cost == pytest.approx(0.6 + 0.4)
+    assert found.length_ratio == pytest.approx(1)
+    assert found.cost_ratio == pytest.approx(1 / 0.6)
+
+
+def test_what_is_dropped_into_is_not_in_the_region() -> None:
+    """A pit of 2 units: a robot that drops 20 cm and climbs 10 cm gets in and not out again."""
+    assert reached(["222", "202", "222"], 10, 20).cover == pytest.approx(8 / 9)
+    assert reached(["222", "202", "222"], 20).cover == 1
+
+
+def test_two_stairs_that_drop_on_to_one_another_are_one_region() -> None:
+    """Up the northern stairs, down by 3 units on to the southern ones, up these, and down on to the northern ones."""
+    ring = ["0123", "0990", "3210"]
+    assert reached(ring, 10, 30).region.T[::-1].astype(int).tolist() == [[1, 1, 1, 1], [1, 0, 0, 1], [1, 1, 1, 1]]
+    assert reached(ring, 10, 20).cover == pytest.approx(5 / 12)
+
+
+def test_a_frame_is_crossed_and_not_driven_along() -> None:
+    walls = ["#####", "#090#", "#090#", "#####"]
+    assert not reached(walls, 10).west_east.crosses
+    assert reached(walls, 10).south_north.crosses
+    assert not reached(walls, 5).south_north.crosses
+    assert reached(walls, 10).cover == pytest.approx(2 / 6)
+
+
+def test_a_wide_robot_stands_on_the_highest_cell_below_it() -> None:
+    gap = ["99999", "00000", "99999"]
+    assert reached(gap, 10, width_cm=10).west_east.crosses
+    assert not reached(gap, 10, width_cm=10.1).west_east.crosses
+
+
+@pytest.mark.slow
+def test_a_million_cells_are_measured_within_seconds_of_cpu_time() -> None:
+    """About 4 s on one slow core; a quadratic algorithm would take days."""
+    levels = np.random.default_rng(1).integers(0, 5, (1000, 1000)).astype(np.int16)
+    large = StepField(levels=levels, frame=levels < 0, block_width=0.1, unit=0.1, frame_height=0.1)
+    start = time.process_time()
+    rsegen.metrics(large, RobotLimits(climb_cm=10, drop_cm=20))
+    assert time.process_time() - start < 60

@@ -1,0 +1,167 @@
+"""The window's session, without a window."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import example, given
+
+from rsegen import Recipe, build, load
+from rsegen.gui.model.session import Session, aligned, draft_of
+from tests.support.full_recipe import FULL
+from tests.support.strategies import recipes
+
+PEAK = {"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]}
+RANDOM = {"kind": "random", "max_height": 3}
+
+
+@pytest.fixture
+def session() -> Session:
+    return Session.new()
+
+
+def kinds(session: Session) -> list[str]:
+    return [row.entry["kind"] for row in session.draft.rows]
+
+
+def test_a_new_session_is_level_ground(session: Session) -> None:
+    assert not build(session.recipe).levels.any()
+    assert not session.unsaved
+    assert not session.can_undo
+
+
+def test_rows_are_added_removed_moved_and_duplicated(session: Session) -> None:
+    session.add(PEAK)
+    session.add(RANDOM)
+    session.duplicate(0)
+    assert kinds(session) == ["peak", "peak", "random"]
+    session.move(2, 0)
+    assert kinds(session) == ["random", "peak", "peak"]
+    session.remove(1)
+    assert kinds(session) == ["random", "peak"]
+    session.clear()
+    assert kinds(session) == []
+
+
+def test_every_change_can_be_undone_and_redone(session: Session) -> None:
+    drafts = [session.draft]
+    for change in (
+        lambda: session.add(PEAK),
+        lambda: session.set("chunks", [2, 1]),
+        lambda: session.change(0, {**PEAK, "softness": 40}),
+        lambda: session.enable(0, enabled=False),
+        session.clear,
+    ):
+        change()
+        drafts.append(session.draft)
+    for draft in reversed(drafts[:-1]):
+        session.undo()
+        assert session.draft == draft
+    assert not session.can_undo
+    for draft in drafts[1:]:
+        session.redo()
+        assert session.draft == draft
+    assert not session.can_redo
+
+
+def test_a_change_after_undo_forgets_what_was_undone(session: Session) -> None:
+    session.add(PEAK)
+    session.undo()
+    session.add(RANDOM)
+    assert not session.can_redo
+
+
+def test_a_gesture_is_undone_at_once(session: Session) -> None:
+    session.add(PEAK)
+    before = session.draft
+    for x in range(3, 8):
+        session.change(0, {**PEAK, "last": [x, 7]}, gesture="drag")
+    session.undo()
+    assert session.draft == before
+
+
+def test_what_is_wrong_is_said_and_the_last_right_recipe_stays(session: Session) -> None:
+    session.add(RANDOM)
+    right = session.recipe
+    session.set("chunk_size", 0)
+    assert str(session.problem) == "chunk_size: 0 is outside 1..1000 blocks"
+    assert session.recipe == right
+    session.set("chunk_size", 12)
+    assert str(session.problem) == "None"
+    assert session.recipe.chunk_size == 12
+
+
+def test_a_problem_names_the_row_in_which_it_stands(session: Session) -> None:
+    session.add(RANDOM)
+    session.add(PEAK)
+    session.enable(0, enabled=False)
+    session.change(1, {**PEAK, "softness": 130})
+    assert session.problem is not None
+    assert session.problem.where == "obstacles[1].softness"
+
+
+def test_a_row_that_is_switched_off_is_not_in_the_recipe(session: Session) -> None:
+    session.add(PEAK)
+    session.add(RANDOM)
+    session.enable(0, enabled=False)
+    assert [placement.obstacle.kind for placement in session.recipe.obstacles] == ["random"]
+
+
+def test_parameters_may_change_while_what_was_drawn_stays(session: Session) -> None:
+    session.add({"kind": "peak", "max_height": 5})
+    session.set("chunks", [3, 3])
+    before = build(session.recipe).levels
+    session.change(0, {"kind": "peak", "max_height": 4})
+    after = build(session.recipe).levels
+    assert (before.nonzero()[0].min(), before.nonzero()[1].min()) == (
+        after.nonzero()[0].min(),
+        after.nonzero()[1].min(),
+    )
+
+
+def test_files_are_saved_and_opened(session: Session, tmp_path: Path) -> None:
+    session.add(PEAK)
+    before = session.unsaved
+    session.save(tmp_path / "field.yaml")
+    assert (before, session.unsaved) == (True, False)
+    assert load(tmp_path / "field.yaml") == session.recipe
+    assert Session.opened(tmp_path / "field.yaml").recipe == session.recipe
+
+
+def test_the_window_is_told_of_every_change(session: Session) -> None:
+    told: list[int] = []
+    session.changed = lambda: told.append(len(session.draft.rows))
+    session.add(PEAK)
+    session.undo()
+    session.redo()
+    assert told == [1, 0, 1]
+
+
+BARRIER = {"kind": "horizontal_barrier", "max_height": 3}
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "end", "expected"),
+    [
+        ([1, 1], [8, 3], "last", ([1, 1], [8, 1])),
+        ([1, 1], [3, 8], "last", ([1, 1], [1, 8])),
+        ([1, 1], [8, 3], "first", ([1, 3], [8, 3])),
+        ([2, 1], [2, 7], "last", ([2, 1], [2, 7])),
+    ],
+)
+def test_a_barrier_that_cannot_lie_askew_is_straightened(
+    first: list[int], last: list[int], end: str, expected: tuple[list[int], list[int]]
+) -> None:
+    found = aligned({**BARRIER, "first": first, "last": last}, end)
+    assert (found["first"], found["last"]) == expected
+
+
+def test_what_may_lie_askew_is_left_as_it_is() -> None:
+    assert aligned(PEAK, "last") == PEAK
+
+
+@given(recipes())
+@example(FULL)
+def test_a_draft_is_its_recipe(recipe: Recipe) -> None:
+    assert draft_of(recipe).recipe() == recipe

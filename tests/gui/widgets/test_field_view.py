@@ -1,0 +1,157 @@
+"""The 3D view, on a real display of its own: what can be seen in its pictures."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from shutil import which
+from typing import Any, NoReturn
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from rsegen.exporters.scene import FRAME_COLOUR, level_colour
+from tests.support.waiting import MINUTES
+
+HERE = Path(__file__).parent
+BOX = (0.95, 0.0, 0.75)
+Found = dict[str, Any]
+
+
+@pytest.fixture(scope="session")
+def display() -> Iterator[str]:
+    """A display without a screen, and software that draws on it."""
+    if not which("Xvfb"):
+        _missing("no Xvfb: apt-get install xvfb")
+    read, write = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x800x24", "-nolisten", "tcp"],
+        pass_fds=[write],
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(write)
+    with os.fdopen(read) as pipe:
+        number = pipe.readline().strip()
+    yield f":{number}" if number else _missing("Xvfb did not start")
+    server.terminate()
+    server.wait()
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("views")
+
+
+@pytest.fixture(scope="session")
+def found(display: str, folder: Path) -> Found:
+    """What viewed.py says, with its pictures in the folder."""
+    said = viewed(folder, DISPLAY=display, QT_QPA_PLATFORM="xcb", LIBGL_ALWAYS_SOFTWARE="1")
+    if said["unavailable"]:
+        _missing(str(said["unavailable"]))
+    return said
+
+
+def viewed(folder: Path, **environment: str) -> Found:
+    command = [sys.executable, str(HERE / "viewed.py"), str(folder)]
+    run = subprocess.run(
+        command, env=os.environ | environment, capture_output=True, text=True, timeout=MINUTES / 1000, check=False
+    )
+    if "ModuleNotFoundError: No module named 'PySide6'" in run.stderr or "Could not load the Qt platform" in run.stderr:
+        _missing(run.stderr.strip().splitlines()[-1])
+    assert run.returncode == 0, run.stderr
+    said: Found = json.loads(run.stdout.splitlines()[-1])
+    return said
+
+
+def _missing(why: str) -> NoReturn:
+    if os.environ.get("CI") == "true":
+        pytest.fail(why)
+    pytest.skip(why)
+
+
+def share(folder: Path, name: str, colour: tuple[float, float, float]) -> float:
+    """How much of a picture has a colour, about; the legend, on the right, left out."""
+    with Image.open(folder / f"{name}.png") as image:
+        pixels = np.asarray(image.convert("RGB")).astype(float) / 255
+    shown = pixels[:, : int(pixels.shape[1] * 0.75)]
+    return float((np.abs(shown - colour).max(axis=2) < 0.02).mean())
+
+
+def test_a_view_shows_frame_and_levels(found: Found, folder: Path) -> None:
+    for colour in (FRAME_COLOUR, *(level_colour(level, 4) for level in range(1, 5))):
+        assert share(folder, "plain", colour) > 0.001
+
+
+def test_a_map_without_frames_is_shown_without_frames(found: Found, folder: Path) -> None:
+    assert share(folder, "large", FRAME_COLOUR) == 0
+    assert share(folder, "large", level_colour(4, 4)) > 0.01
+
+
+def test_a_highlighted_window_is_outlined(found: Found, folder: Path) -> None:
+    assert share(folder, "plain", BOX) == 0
+    assert share(folder, "highlighted", BOX) > 0.001
+
+
+def test_a_flat_map_is_ground_alone(found: Found, folder: Path) -> None:
+    assert share(folder, "flat", (219 / 255,) * 3) > 0.1
+    assert share(folder, "flat", level_colour(4, 4)) == 0
+    assert share(folder, "flat", BOX) == 0
+
+
+def test_the_background_is_the_palettes(found: Found, folder: Path) -> None:
+    dark = (20 / 255,) * 3
+    assert share(folder, "dark", dark) > 0.1
+    assert share(folder, "plain", dark) < 0.01
+
+
+def test_a_large_map_is_shown_coarser_but_whole(found: Found, folder: Path) -> None:
+    assert share(folder, "coarse", level_colour(4, 4)) > 0.01
+
+
+def test_the_mouse_turns_the_map_and_up_stays_up(found: Found) -> None:
+    assert found["turned"]
+
+
+def test_keys_turn_the_map_and_come_nearer_and_up_stays_up(found: Found) -> None:
+    keys = found["keys"]
+    round_, up, away = keys[""]
+    assert keys["left"] == pytest.approx([round_ + 10, up, away])
+    assert keys["up"] == pytest.approx([round_ + 10, up + 10, away])
+    assert keys["plus"] == pytest.approx([round_ + 10, up + 10, away / 1.2])
+    assert keys["minus"] == pytest.approx([round_ + 10, up + 10, away])
+    assert keys["down"] == pytest.approx(keys[""])
+    assert keys["top"] == [0, 0, 1]
+
+
+def test_the_camera_stays_until_it_is_reset(found: Found) -> None:
+    assert found["camera kept"]
+    assert found["camera reset"]
+
+
+def test_a_picture_that_cannot_be_written_is_refused_by_name(found: Found) -> None:
+    assert "nowhere" in found["refused"]
+
+
+def test_the_window_shows_the_example_in_every_part(found: Found, display: str, folder: Path) -> None:
+    environment = {"DISPLAY": display, "QT_QPA_PLATFORM": "xcb", "LIBGL_ALWAYS_SOFTWARE": "1", "HOME": str(folder)}
+    command = [sys.executable, "-m", "docs.window", str(folder / "window.png")]
+    subprocess.run(command, cwd=HERE.parents[2], env=os.environ | environment, timeout=MINUTES / 1000, check=True)
+    for colour in (FRAME_COLOUR, BOX, *(level_colour(level, 4) for level in range(1, 5))):
+        assert share(folder, "window", colour) > 0.0005
+
+
+def test_without_a_display_the_view_says_why(tmp_path: Path) -> None:
+    said = viewed(tmp_path, QT_QPA_PLATFORM="offscreen")
+    assert "needs a display" in said["unavailable"]
+    assert (tmp_path / "plain.png").exists()
+
+
+def test_without_opengl_the_view_says_why(display: str, tmp_path: Path) -> None:
+    said = viewed(tmp_path, DISPLAY=display, QT_QPA_PLATFORM="xcb", QT_XCB_GL_INTEGRATION="none")
+    assert "needs OpenGL" in said["unavailable"]
+    assert (tmp_path / "plain.png").exists()

@@ -1,0 +1,113 @@
+"""Looks at scenes on a real display and keeps pictures: `python viewed.py FOLDER` prints what it found as JSON."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QColor, QPalette
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+
+from rsegen import Placement, Random, Recipe, compose
+from rsegen.errors import FileError
+from rsegen.gui.widgets.field_view import FieldView, unavailable
+
+RECIPE = Recipe(seed=1, chunk_size=6, obstacles=[Placement(obstacle=Random(max_height=5))])
+LARGE = replace(RECIPE, chunk_size=40, boundary="none")
+WINDOW = (slice(1, 4), slice(2, 6))
+
+
+def main(folder: Path) -> None:
+    app = QApplication([])
+    found: dict[str, object] = {"unavailable": unavailable()}
+    view = FieldView()
+    view.resize(640, 480)
+    view.show(compose(RECIPE))
+    view.show()
+    app.processEvents()
+    view.save_picture(folder / "plain.png")
+    if not found["unavailable"]:
+        found |= looked(app, view, folder)
+    view.close()
+    print(json.dumps(found))  # noqa: T201
+
+
+def looked(app: QApplication, view: FieldView, folder: Path) -> dict[str, object]:
+    """Pictures of everything that a view shows, and what cannot be seen in them."""
+    view.show(compose(RECIPE), WINDOW)
+    view.save_picture(folder / "highlighted.png")
+    view.show(compose(replace(RECIPE, boundary="none", obstacles=())))
+    view.save_picture(folder / "flat.png")
+    view.show(compose(replace(LARGE, chunk_size=900)), WINDOW)
+    view.save_picture(folder / "coarse.png")
+    view.show(compose(LARGE))
+    view.save_picture(folder / "large.png")
+    camera = view._plotter.camera
+    before, focus = camera.position, camera.focal_point
+    dragged(view)
+    turned = camera.position != before and camera.focal_point == focus and tuple(camera.up) == (0.0, 0.0, 1.0)
+    found_by_keys = keyed(view)
+    camera.position = (9.0, 9.0, 9.0)
+    view.show(compose(replace(LARGE, seed=9)))
+    kept = tuple(camera.position) == (9.0, 9.0, 9.0)
+    view.reset_camera()
+    dark = QPalette()
+    dark.setColor(QPalette.ColorRole.Base, QColor(20, 20, 20))
+    app.setPalette(dark)
+    app.processEvents()
+    view.show(compose(RECIPE))
+    view.save_picture(folder / "dark.png")
+    return {
+        "turned": turned,
+        "keys": found_by_keys,
+        "camera kept": kept,
+        "camera reset": tuple(camera.position) != (9.0, 9.0, 9.0),
+        "refused": refused(view, folder / "nowhere" / "x.png"),
+    }
+
+
+def dragged(view: FieldView) -> None:
+    """The left button pressed on the view, and the mouse moved."""
+    plotter, left = view._plotter, Qt.MouseButton.LeftButton
+    QTest.mousePress(plotter, left, pos=QPoint(200, 200))
+    for x in (220, 240):
+        QTest.mouseMove(plotter, QPoint(x, 210))
+        QTest.qWait(20)
+    QTest.mouseRelease(plotter, left, pos=QPoint(240, 210))
+
+
+def keyed(view: FieldView) -> dict[str, list[float]]:
+    """Where the camera stands after each key: degrees round, degrees up, metres away."""
+    keys = {"": 0, "left": Qt.Key.Key_Left, "up": Qt.Key.Key_Up, "plus": Qt.Key.Key_Plus, "minus": Qt.Key.Key_Minus}
+    keys |= {"right": Qt.Key.Key_Right, "down": Qt.Key.Key_Down}
+    view.reset_camera()
+    found = {}
+    for name, key in keys.items():
+        if key:
+            QTest.keyClick(view, Qt.Key(key))
+        x, y, z = np.subtract(view._plotter.camera.position, view._plotter.camera.focal_point)
+        found[name] = [float(np.degrees(np.arctan2(y, x))), float(np.degrees(np.arctan2(z, np.hypot(x, y))))]
+        found[name].append(float(np.linalg.norm((x, y, z))))
+    for _ in range(20):
+        QTest.keyClick(view, Qt.Key.Key_Up)
+    found["top"] = [float(value) for value in view._plotter.camera.up]
+    QTest.keyClick(view, Qt.Key.Key_0)
+    return found
+
+
+def refused(view: FieldView, path: Path) -> str:
+    """What is said of a path that cannot be written to."""
+    try:
+        view.save_picture(path)
+    except FileError as error:
+        return str(error)
+    return ""
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,94 @@
+"""`rsegen.open` in Python, with stand-ins for the simulators."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import rsegen
+from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, UnknownName
+from rsegen.simulation.open_world import OpenedWorld
+from tests.simulation.simulators.standins import PROGRAMS, interrupted_when_started, put, start
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
+COURSE = rsegen.Recipe(name="course", seed=1, chunk_size=2, maps=3)
+TARGETS: dict[str, Callable[[Path], rsegen.Recipe | rsegen.Scene | str | Path]] = {
+    "recipe": lambda _: COURSE,
+    "scene": lambda _: rsegen.compose(COURSE, 0),
+    "recipe file": lambda folder: saved(folder / "course.yaml"),
+    "world file": lambda folder: rsegen.generate(COURSE, folder).maps[0].world,
+    "folder of a map": lambda folder: str(rsegen.generate(COURSE, folder).maps[0].folder),
+    "folder of maps": lambda folder: rsegen.generate(COURSE, folder / "maps").folder,
+}
+
+
+def saved(file: Path) -> Path:
+    rsegen.save(COURSE, file)
+    return file
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_every_target_is_opened(name: str, programs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    put(programs, PROGRAMS["sim"])
+    monkeypatch.setenv("STAYS", "600")
+    started: list[OpenedWorld] = []
+    target = TARGETS[name](tmp_path)
+    with interrupted_when_started(programs / "gz"):
+        result = rsegen.open(target, headless=True, on_start=started.append)
+    assert started == [result.world]
+    assert result.world.file.name == "course_0000.world"
+    assert result.world.simulator == "Gazebo Sim 8.9.0"
+    assert (result.exit_code, result.errors) == (None, ())
+    did = start(programs / "gz")
+    assert Path(did.command[-1]) == result.world.file
+    assert dict(result.world.address).items() <= did.variables.items()
+    assert result.world.file.exists() == (name not in ("recipe", "scene", "recipe file"))
+
+
+def test_a_map_of_a_recipe_is_chosen_by_index_or_name(
+    programs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(programs, PROGRAMS["sim"])
+    monkeypatch.setenv("STAYS", "600")
+    for which in (2, "2", "course_0002"):
+        result = rsegen.open(COURSE, map=which, headless=True, seconds=0)
+        assert result.world.file.name == "course_0002.world"
+    for target in (COURSE, saved(tmp_path / "course.yaml")):
+        with pytest.raises(ParameterError, match=r"^map: there is no map .*; give an index or name, course_0000"):
+            rsegen.open(target, map=3, headless=True)
+
+
+def test_error_lines_are_passed_on_and_a_failure_of_a_server(
+    programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(programs, PROGRAMS["sim"])
+    monkeypatch.setenv("STAYS", "600")
+    monkeypatch.setenv("SAYS", "[Err] [a.cc:1] no such mesh\\n")
+    lines: list[str] = []
+
+    def note_and_stop(line: str) -> None:
+        lines.append(line)
+        raise KeyboardInterrupt
+
+    with pytest.raises(SimulatorFailed, match="printed an error: "):
+        rsegen.open(world, headless=True, on_error=note_and_stop)
+    assert lines == ["[Err] [a.cc:1] no such mesh"]
+
+
+def test_wrong_values_name_the_parameter(programs: Path, world: Path) -> None:
+    with pytest.raises(ParameterError, match=r"^seconds: -1 is outside"):
+        rsegen.open(world, seconds=-1)
+    with pytest.raises(UnknownName, match=r"^simulator: unknown simulator 'clasic'; did you mean 'classic'"):
+        rsegen.open(world, simulator="clasic")
+    with pytest.raises(NoSimulator, match="is not installed"):
+        rsegen.open(world)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is always a screen")
+def test_a_window_needs_a_screen(programs: Path, world: Path) -> None:
+    put(programs, PROGRAMS["sim"])
+    with pytest.raises(ParameterError, match=r"^headless: no screen here"):
+        rsegen.open(world)
