@@ -49,9 +49,8 @@ def run_in_workers(
     stop_receiver, stop_sender = context.Pipe(duplex=False)
     pool = ProcessPoolExecutor(min(workers, MOST), context, _start_worker, (stop_receiver,))
     try:
-        yield from _in_order(
-            partial(_submit, pool, partial(_interruptible, with_plugins(work))), _batches(items, batch), workers
-        )
+        submit = partial(_submit, pool, partial(_interruptible, with_plugins(work)))
+        yield from _in_order(submit, _batches(items, batch), workers)
     except BrokenProcessPool as error:
         raise WorkerLost("a worker was lost: it was killed, or ran out of memory; give fewer --workers") from error
     finally:

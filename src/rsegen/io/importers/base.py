@@ -84,7 +84,7 @@ def _others(count: int) -> str:
 
 
 def _problem(cls: type[Importer]) -> str:
-    """What is wrong with the suffixes and the options of a plug-in's format."""
+    """What is wrong with the suffixes and the options of a plug-in's importer."""
     for suffix in cls.suffixes:
         if not (suffix.startswith(".") and suffix.islower()):
             return f"reads files named *{suffix}; give a suffix such as .asc, in small letters"
