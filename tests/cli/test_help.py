@@ -13,6 +13,7 @@ import rsegen.cli
 from rsegen.cli import COMMANDS, main
 from rsegen.cli.commands import GROUPS, module_of
 
+
 def helped(capsys: pytest.CaptureFixture[str], *command: str) -> str:
     with pytest.raises(SystemExit) as end:
         main([*command, "--help"])
@@ -59,8 +60,8 @@ def test_a_small_world_takes_no_module_that_it_does_not_use(module: str, importe
 
 
 def test_every_module_that_adds_a_command_is_in_the_table() -> None:
-    files = Path(rsegen.cli.__file__).parent.glob("*.py")
-    found = {f"rsegen.cli.{file.stem}" for file in files if "\ndef add(commands: Subparsers)" in file.read_text("utf-8")}
+    texts = {file.stem: file.read_text("utf-8") for file in Path(rsegen.cli.__file__).parent.glob("*.py")}
+    found = {f"rsegen.cli.{name}" for name, text in texts.items() if "\ndef add(commands: Subparsers)" in text}
     assert found == {module_of(command) for command in COMMANDS}
 
 
