@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import rsegen
+import rsegen.cli.drive
+import rsegen.cli.spawn
 from rsegen.cli import main
+from rsegen.cli.commands import parser
+from rsegen.cli.targets import target_of
+from rsegen.recipe.examples import EXAMPLES
 from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents
 
@@ -74,3 +81,56 @@ def test_nothing_to_look_at_is_refused_in_one_line(command: str, capsys: pytest.
     assert exit_code(*COMMANDS[command], "--seed", "3") == 2
     line = the_line(capsys.readouterr().err)
     assert "nothing is given; give a recipe, a folder or --obstacle 'random max_height=5'" in line
+
+
+def parsed(*command: str) -> argparse.Namespace:
+    found: argparse.Namespace = parser().parse_args(command)
+    return found
+
+
+@pytest.mark.parametrize("command", ["open", "drive", "spawn"])
+def test_commands_of_the_simulation_take_a_recipe_of_flags_alone_or_over_one(command: str) -> None:
+    without = {"open": ("simulator",), "drive": (), "spawn": ("simulator", "name")}[command]
+    assert target_of(parsed(command, *RANDOM), without) == RECIPE
+    assert target_of(parsed(command, "peak", "--chunk-size", "11", "--map", "0"), without) == replace(
+        rsegen.load(EXAMPLES["peak"]), chunk_size=11
+    )
+    assert target_of(parsed(command, "peak"), without) == "peak"
+
+
+def test_the_seed_of_a_drive_leaves_the_map_of_a_recipe_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[object, int]] = []
+
+    def drive(target: object, *, seed: int, **_: object) -> None:
+        asked.append((target, seed))
+        raise rsegen.UserError("that is enough")
+
+    monkeypatch.setattr(rsegen.cli.drive, "drive", drive)
+    assert main(["drive", "peak", "--seed", "5"]) == 2
+    assert main(["drive", *RANDOM]) == 2
+    assert asked == [("peak", 5), (RECIPE, 3)]
+
+
+def test_the_name_of_a_spawned_model_and_the_simulator_are_not_the_recipe_s(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[object] = []
+
+    def spawn(target: object, *, name: str, simulator: str, **_: object) -> None:
+        asked.extend([target, name, simulator])
+        raise rsegen.UserError("that is enough")
+
+    monkeypatch.setattr(rsegen.cli.spawn, "spawn", spawn)
+    assert main(["spawn", *RANDOM, "--name", "field", "--simulator", "classic"]) == 2
+    assert asked == [RECIPE, "field", "classic"]
+
+
+def test_the_window_opens_a_recipe_of_flags(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]'")
+    from rsegen.gui import application
+
+    opened: list[object] = []
+    monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
+    monkeypatch.setattr(application, "run", opened.append)
+    with pytest.raises(SystemExit):
+        main(["gui", *RANDOM])
+    assert opened == [RECIPE]
+    assert application.session_of(RECIPE).path is None

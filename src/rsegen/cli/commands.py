@@ -27,15 +27,15 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "files for other programs": {
             "export": "write maps for other programs: meshes, arrays, images, occupancy maps",
             "sheet": "write a build sheet (PDF, CSV) for building a map in wood",
-            "dataset": "make very many maps in few files, for learning",
+            "dataset": "make very many maps in few files, for machine learning",
         },
         "simulation": {
             "open": "open a world in Gazebo",
-            "drive": "drive a robot over a map in Gazebo, and tell how far it got",
+            "drive": "drive a robot over a map in Gazebo and report how far it got",
             "spawn": "spawn a map or a robot in the running simulation",
-            "respawn": "replace a map in the simulation that runs by the next one, or one at random",
-            "remove": "take models out of the simulation that runs",
-            "experiment": "measure what maps cost a simulator with robots in it",
+            "respawn": "replace the map of the running simulation by the next one",
+            "remove": "delete models from the running simulation",
+            "experiment": "measure what maps cost a simulator while robots drive on them",
         },
         "information": {
             "examples": "list the recipes to start from, or copy them",

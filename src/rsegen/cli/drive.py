@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from rsegen.cli.bar import watched
-from rsegen.cli.flags import Subparsers
+from rsegen.cli.flags import Subparsers, add_target_recipe_flags
 from rsegen.cli.simulation_flags import flags_in_errors
+from rsegen.cli.targets import target_of
 from rsegen.params.sorts import Parameter
 from rsegen.simulation.driving.drive import DURATION, OF_A_FILE, ROBOTS, ROUTE, SEED, drive
 from rsegen.simulation.driving.drive_metrics import DriveMetrics
@@ -28,13 +29,12 @@ def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     command = commands.add_parser(
         "drive",
-        help="drive a robot over a map in Gazebo and report how far it got",
         description="Drive robots over a map in a Gazebo server without a window, and report how far each got. The "
         "same seed and simulator give the same trajectories.",
         epilog="rsegen sim lists the installed simulators. Kinds of robots: " + ", ".join(KINDS) + ".",
     )
     where = "a world made by rsegen, its folder, or a recipe"
-    command.add_argument("target", metavar="WORLD-or-DIR-or-RECIPE", help=where)
+    command.add_argument("target", nargs="?", metavar="WORLD-or-DIR-or-RECIPE", help=where)
     command.add_argument("--map", metavar="INDEX", help="map, by its index or name (default: the first)")
     command.add_argument(
         "--robot", default="burger", metavar="KIND|SDF", help="kind of robot, or SDF file of a model (default: burger)"
@@ -49,13 +49,15 @@ def add(commands: Subparsers) -> None:
         "--route", default="straight", help=f"{ROUTE.describe()}: across the map, or randomly on it (default: straight)"
     )
     command.add_argument("--duration", default="30", metavar="S", help="simulation time, seconds (default: 30)")
-    command.add_argument("--seed", metavar="SEED", help="seed of start poses and routes (default: drawn and printed)")
+    text = "seed of start poses and routes, and of a map made by --obstacle alone (default: drawn and printed)"
+    command.add_argument("--seed", metavar="SEED", help=text)
     command.add_argument("-o", "--output", type=Path, metavar="DIR", help="write trajectories, metrics and a picture")
     command.add_argument(
         "--picture", action="store_true", help="add gazebo.jpg to DIR, by Gazebo's own camera; needs a screen"
     )
     command.add_argument("--force", action="store_true", help="replace DIR")
     command.add_argument("--json", action="store_true", help="print the metrics as JSON")
+    add_target_recipe_flags(command, ("seed",))
     command.set_defaults(run=run)
 
 
@@ -68,9 +70,10 @@ def run(arguments: argparse.Namespace) -> None:
             for name, text in given.items()
             if text is not None
         }
+        target = target_of(arguments, () if arguments.target is None else ("seed",))
         with _bar(numbers["duration"]) as progress:
             result = drive(
-                arguments.target,
+                target,
                 map=arguments.map,
                 robot=arguments.robot,
                 route=arguments.route,

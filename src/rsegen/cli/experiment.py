@@ -18,7 +18,6 @@ def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     command = commands.add_parser(
         "experiment",
-        help="measure what maps cost a simulator while robots drive on them",
         description="Repeat the paper's experiment in a Gazebo server: robots drive randomly over maps of several "
         "sizes; real-time factor, CPU, memory and load time go into DIR as table.md, trials.csv, summary.json and "
         "plot.png.",

@@ -6,7 +6,7 @@ import argparse
 import os
 import sys
 
-from rsegen.cli.flags import Subparsers
+from rsegen.cli.flags import Subparsers, add_target_recipe_flags, has_recipe_flags, recipe_from
 from rsegen.errors import FileError, pip_install
 from rsegen.recipe.examples import or_example
 
@@ -15,11 +15,11 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "gui",
-        help="open the window",
         description="Open the window to shape a map with the mouse and see it. Needs rsegen[gui].",
     )
     where = "YAML or JSON file, the name of an example, a data set, or one of its maps as DIR#17"
     command.add_argument("recipe", nargs="?", metavar="RECIPE-or-DIR", help=where)
+    add_target_recipe_flags(command)
     command.set_defaults(run=run)
 
 
@@ -31,4 +31,6 @@ def run(arguments: argparse.Namespace) -> None:
         raise FileError(f"gui: the window cannot be opened ({error}); {pip_install(['gui'])}") from None
     if sys.platform == "linux" and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))):
         raise FileError("gui: there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)")
+    if has_recipe_flags(arguments):
+        sys.exit(run_window(recipe_from(arguments)))
     sys.exit(run_window(or_example(arguments.recipe) if arguments.recipe else None))

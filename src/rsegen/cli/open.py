@@ -5,24 +5,27 @@ from __future__ import annotations
 import argparse
 import sys
 
-from rsegen.cli.flags import Subparsers
+from rsegen.cli.flags import Subparsers, add_target_recipe_flags
 from rsegen.cli.simulation_flags import flags_in_errors
+from rsegen.cli.targets import target_of
 from rsegen.simulation.open_world import SECONDS, OpenedWorld, launch_command
 from rsegen.simulation.open_world import open as open_world
 from rsegen.simulation.simulators import SIMULATORS
+
+_OWN = ("simulator",)
+"""Flags that say something else here than in a recipe."""
 
 
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     command = commands.add_parser(
         "open",
-        help="open a world in Gazebo",
         description="Open a world in the newest Gazebo that is installed and can; Ctrl-C or closing the window ends "
         "it.",
         epilog="rsegen sim lists the installed simulators. Error lines of the simulator go to stderr.",
     )
     where = "a world file, the folder of a map or of maps, or a recipe, of which a temporary world is made"
-    command.add_argument("target", metavar="WORLD-or-DIR-or-RECIPE", help=where)
+    command.add_argument("target", nargs="?", metavar="WORLD-or-DIR-or-RECIPE", help=where)
     command.add_argument("--map", metavar="INDEX", help="map, by its index or name (default: the first)")
     names = " or ".join(f"{name} ({each.title})" for name, each in SIMULATORS.items())
     command.add_argument("--simulator", metavar="NAME", help=f"{names} (default: the newest)")
@@ -32,6 +35,7 @@ def add(commands: Subparsers) -> None:
         "--shared", action="store_true", help="use the default address, so that other programs find it"
     )
     command.add_argument("--print", action="store_true", help="print the shell command and open nothing")
+    add_target_recipe_flags(command, _OWN)
     command.set_defaults(run=run)
 
 
@@ -42,10 +46,11 @@ def run(arguments: argparse.Namespace) -> None:
     with flags_in_errors(*names, "seconds", "print"):
         text = arguments.seconds
         seconds = None if text is None else SECONDS.check("seconds", SECONDS.parse(text))
+        target = target_of(arguments, _OWN)
         if arguments.print:
-            print(launch_command(arguments.target, **given).shell_line)
+            print(launch_command(target, **given).shell_line)
             return
-        open_world(arguments.target, **given, seconds=seconds, on_start=_print_start, on_error=_print_error)
+        open_world(target, **given, seconds=seconds, on_start=_print_start, on_error=_print_error)
 
 
 def _print_start(world: OpenedWorld) -> None:

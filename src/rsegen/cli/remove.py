@@ -16,7 +16,6 @@ def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     command = commands.add_parser(
         "remove",
-        help="delete models from the running simulation",
         description="Delete maps, robots and other models from the running simulation; none of them if one does not "
         "exist.",
     )

@@ -16,7 +16,6 @@ def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     command = commands.add_parser(
         "respawn",
-        help="replace the map of the running simulation by the next one",
         description="Replace the map of the running simulation by the next one, at the same pose. Robots and their "
         "programs go on; models on the map are put on top of the new blocks while the world is paused.",
     )

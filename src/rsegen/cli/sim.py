@@ -14,7 +14,6 @@ def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     command = commands.add_parser(
         "sim",
-        help="list the simulators with version and path, or how to install them",
         description="List the simulators in which rsegen can open worlds: version and path, or how to install them.",
     )
     command.add_argument("--json", action="store_true", help="print it as JSON")

@@ -6,32 +6,36 @@ import argparse
 import json
 from dataclasses import asdict, astuple
 
-from rsegen.cli.flags import Subparsers
+from rsegen.cli.flags import Subparsers, add_target_recipe_flags
 from rsegen.cli.simulation_flags import add_output_flag, add_running_flags, flags_in_errors
+from rsegen.cli.targets import target_of
 from rsegen.errors import ParameterError, shown
 from rsegen.exporters.gazebo.sdf import numbers
 from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.spawning.spawn import METRES, SpawnResult, spawn
 
+_OWN = ("simulator", "name")
+"""Flags that say something else here than in a recipe."""
+
 
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     command = commands.add_parser(
         "spawn",
-        help="spawn a map or a robot in the running simulation",
         description="Spawn a map or a robot in the running simulation: Gazebo Classic's at GAZEBO_MASTER_URI, or "
         "Gazebo Sim's in GZ_PARTITION, or at their default addresses.",
         epilog="Kinds of robots: " + ", ".join(ROBOTS) + ". rsegen open --shared starts a simulation.",
     )
     where = "the folder of a map or of maps, a recipe, or a kind of robot"
-    command.add_argument("target", metavar="DIR-or-RECIPE-or-ROBOT", help=where)
+    command.add_argument("target", nargs="?", metavar="DIR-or-RECIPE-or-ROBOT", help=where)
     command.add_argument("--map", metavar="INDEX", help="map, by its index or name (default: the first)")
     command.add_argument("--name", help="name of the model (default: the map's name, or the kind of robot)")
     place = "pose in metres and radians, as in --at=-2,0 (default: the free place nearest to the origin)"
     command.add_argument("--at", metavar="X,Y[,Z[,YAW]]", help=place)
     add_output_flag(command)
     add_running_flags(command)
+    add_target_recipe_flags(command, _OWN)
     command.set_defaults(run=run)
 
 
@@ -39,7 +43,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Spawn it, and print its name and pose."""
     with flags_in_errors("map", "name", "at", "simulator"):
         result = spawn(
-            arguments.target,
+            target_of(arguments, _OWN),
             map=arguments.map,
             name=arguments.name,
             at=None if arguments.at is None else _numbers(arguments.at),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from rsegen.cli.flags import has_recipe_flags, with_flags
@@ -51,6 +51,15 @@ def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
 def map_of_flags(arguments: argparse.Namespace) -> Found:
     """One map of them: the one that --map names, or the first."""
     return one_of(recipes_of(arguments), arguments.map, arguments.target or "the recipe of the flags")
+
+
+def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> Recipe | str:
+    """The target as it is given, or the recipe of one map if flags make one; some flags are the command's own."""
+    own = argparse.Namespace(**{name: value for name, value in vars(arguments).items() if name not in without})
+    if not is_of_flags(own):
+        return str(arguments.target)
+    _, recipe, index = map_of_flags(own)
+    return recipe.alone(index)
 
 
 def scene_of(arguments: argparse.Namespace) -> Scene:

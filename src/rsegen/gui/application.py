@@ -14,11 +14,12 @@ from rsegen.gui.window import Window
 from rsegen.io.dataset.manifest import read_manifest
 from rsegen.io.dataset.map_reference import dataset_at
 from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe import Recipe
 
 
-def run(recipe: Path | None) -> int:
+def run(recipe: Path | Recipe | None) -> int:
     """Show the window until it is closed, with a recipe or a map of a data set if one is given; gives the exit code."""
-    dataset = dataset_at(recipe) if recipe else None
+    dataset = dataset_at(recipe) if isinstance(recipe, Path) else None
     if dataset:
         read_manifest(dataset)  # an invalid one is refused without a window
     session = session_of(recipe) if recipe and not dataset else Session.new()
@@ -35,6 +36,8 @@ def run(recipe: Path | None) -> int:
     return application.exec()
 
 
-def session_of(recipe: Path) -> Session:
-    """A session that is bound to a recipe file; an example is copied instead, so that it stays unchanged."""
+def session_of(recipe: Path | Recipe) -> Session:
+    """A session that is bound to a recipe file; an example is copied, so that it stays unchanged, as is a recipe."""
+    if isinstance(recipe, Recipe):
+        return Session.imported(recipe)
     return Session.copied(recipe) if recipe in EXAMPLES.values() else Session.opened(recipe)
