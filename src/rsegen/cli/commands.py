@@ -41,7 +41,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "examples": "list the recipes to start from, or copy them",
             "obstacles": "list the kinds of obstacles and their parameters",
             "schema": "print the JSON Schema of recipe files",
-            "sim": "list the simulators, where they are, or how to get them",
+            "sim": "list the simulators with version and path, or how to install them",
         },
     }
 )
