@@ -1,14 +1,8 @@
 """Recipe <-> the content of a recipe file; and its JSON Schema.
 
 A file has the words of `Recipe`, and `version` (of this format), `generator` (what wrote it), `plugins` (kinds of
-<<<<<<< HEAD
 obstacles from other packages), `$schema` (for editors). It says what differs from the defaults of its format version
 (docs/decisions/0013): format 1 wrote every parameter out, format 2 does not; both are read, and mean the same.
-=======
-obstacles from other packages), `$schema` (for editors).
-It says what differs from the defaults of its format version (docs/decisions/0013): format 1 wrote every parameter out,
-format 2 does not; both are read, and mean the same.
->>>>>>> plugins
 """
 
 from __future__ import annotations
