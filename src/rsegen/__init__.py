@@ -80,7 +80,7 @@ if TYPE_CHECKING:
     from rsegen.simulation.spawning.spawn import SpawnResult as SpawnResult
     from rsegen.simulation.spawning.spawn import spawn as spawn
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOMES = {
     "rsegen.errors": ("RsegenError", "UserError"),
