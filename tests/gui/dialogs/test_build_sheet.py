@@ -134,7 +134,7 @@ def test_a_map_that_nobody_builds_by_hand_is_one_line_and_no_seed_is_drawn_for_i
     click(window, "sheets")
     click(window, "keep_seed")
     window.outputs.start_into(tmp_path)
-    assert said(window, "folder_error").startswith("chunk_size: 61 blocks a side do not fit on a page")
+    assert said(window, "folder_error").startswith("chunk_size: 61 blocks per side do not fit on a page")
     assert window.session.recipe.seed == seed
     assert not os.listdir(tmp_path)
     click(window, "sheets")
