@@ -76,8 +76,8 @@ class TransportClient:
         """Send a message to all subscribers of a topic; the first time, wait for one."""
         full = self._full_topic(topic)
         if not self._subscribers[full]:
-            message = {"topic": full, "msg_type": _full_type(type_name), "host": self._host, "port": self._port}
-            self._send_to_master("advertise", "Publish", message)
+            publication = {"topic": full, "msg_type": _full_type(type_name), "host": self._host, "port": self._port}
+            self._send_to_master("advertise", "Publish", publication)
             self._wait(f"no subscriber of {full}", lambda: bool(self._subscribers[full]))
         for subscriber in self._subscribers[full]:
             _send(subscriber, encode(type_name, message))
