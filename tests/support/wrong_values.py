@@ -21,7 +21,9 @@ def _sort(parameter: Parameter) -> tuple[object, ...]:
     return type(parameter), getattr(parameter, "high", 0) is None, getattr(parameter, "length", None)
 
 
-SORTS = {_sort(parameter): (owner, name) for (owner, name), parameter in reversed(EVERY.items())}
+OR_A_FILE = "inventory"
+"""The parameter whose flag takes the name of a file too: for some texts there is no such file."""
+SORTS = {_sort(found): (owner, name) for (owner, name), found in reversed(EVERY.items()) if name != OR_A_FILE}
 """Each sort once: (owner, name) of its first parameter."""
 
 
