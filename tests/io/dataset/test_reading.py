@@ -63,7 +63,7 @@ def test_levels_are_read_as_one_array(dataset: Dataset) -> None:
     assert np.array_equal(dataset[-1], every[-1])
     assert dataset[[]].shape == (0, 8, 12)
     for wrong in ([0.5], [[1]], [True, False]):
-        with pytest.raises(IndexError, match="give whole numbers"):
+        with pytest.raises(IndexError, match="expected a list of integers"):
             dataset[np.array(wrong)]
     for beyond in (20, -21):
         with pytest.raises(IndexError, match=f"there is no map {beyond}"):
