@@ -125,7 +125,10 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "an export into a file": (["export", "two.yaml", "--to", "ply", "-o", "file"], ["file: is a file; give a folder"]),
     "a world with another format": (["generate", "-o", "out", "--formats", "sdf"], ["--formats: unknown format 'sdf'"]),
-    "a sheet of another ending": (["sheet", "two.yaml", "-o", "s.png"], ["s.png: not a name of a build sheet", ".pdf or .csv"]),
+    "a sheet of another ending": (
+        ["sheet", "two.yaml", "-o", "s.png"],
+        ["s.png: not a name of a build sheet", ".pdf or .csv"],
+    ),
     "a sheet of no name": (["sheet", "two.yaml", "-o", ""], ["not a name of a build sheet"]),
     "a sheet that is there": (["sheet", "two.yaml", "-o", "old.csv"], ["old.csv: is there already", "--force"]),
     "a sheet beside a table that is there": (
