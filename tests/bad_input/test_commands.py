@@ -88,7 +88,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "a picture in a file": (["preview", "two.yaml", "-o", "file/p.png"], ["file/p.png: cannot be written"]),
     "a picture of a map beyond": (["preview", "two.yaml", "-o", "p.png", "--map", "2"], ["--map", "rse_0001"]),
-    "a series of one map": (["series", *OBSTACLE, "-o", "out"], ["maps: 1 is no series; give 2 or more"]),
+    "a series of one map": (["series", *OBSTACLE, "-o", "out"], ["maps: 1 maps are no series; give 2 or more"]),
     "a series of no map": (["series", *OBSTACLE, "--maps", "0", "-o", "out"], ["maps: 0 is not 1 or more"]),
     "a series without an output": (["series", "two.yaml"], ["-o/--output"]),
     "a series that falls": (
@@ -125,7 +125,10 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "an export into a file": (["export", "two.yaml", "--to", "ply", "-o", "file"], ["file: is a file; give a folder"]),
     "a world with another format": (["generate", "-o", "out", "--formats", "sdf"], ["--formats: unknown format 'sdf'"]),
-    "a sheet of another ending": (["sheet", "two.yaml", "-o", "s.png"], ["s.png: not a build sheet", ".pdf or .csv"]),
+    "a sheet of another ending": (
+        ["sheet", "two.yaml", "-o", "s.png"],
+        ["s.png: not a name of a build sheet", ".pdf or .csv"],
+    ),
     "a sheet of no name": (["sheet", "two.yaml", "-o", ""], ["not a name of a build sheet"]),
     "a sheet that is there": (["sheet", "two.yaml", "-o", "old.csv"], ["old.csv: is there already", "--force"]),
     "a sheet beside a table that is there": (
@@ -155,11 +158,11 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "a sheet of large pallets": (
         ["sheet", "large.yaml", "-o", "s.pdf"],
-        ["chunk_size: 61 blocks a side", "give up to 60"],
+        ["chunk_size: 61 blocks per side", "give up to 60"],
     ),
     "sheets of large pallets": (
         ["generate", "large.yaml", "-o", "out", "--sheet"],
-        ["chunk_size: 61 blocks a side", "give up to 60"],
+        ["chunk_size: 61 blocks per side", "give up to 60"],
     ),
     "sheets of many pallets": (
         ["generate", "--chunks", "21", "--chunk-size", "2", "-o", "out", "--sheet"],
