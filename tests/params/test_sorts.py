@@ -96,6 +96,7 @@ def test_canonical_forms() -> None:
     assert type(Integer(0).check("", np.int16(2))) is int
     assert type(Float().check("", 2)) is float
     assert Size2D().check("", 3) == (3, 3)
+    assert Size2D().check("", [2, 3]) == (2, 3)
     assert CellRef().check("", "random") == ANYWHERE
     assert CellRef().check("", [2.0, "random"]) == (2, "random")
     assert ListOf(Integer(0)).check("", 4) == (4,)
