@@ -11,7 +11,7 @@ from rsegen import Peak, Placement, Recipe
 from rsegen.cli.commands import parser
 from rsegen.cli.flags import recipe_from
 from rsegen.gui.model.as_code import command_line, python_code
-from tests.support.full_recipe import FULL
+from tests.support.samples import FULL
 from tests.support.strategies import recipes
 
 

@@ -9,7 +9,7 @@ from hypothesis import example, given
 
 from rsegen import Recipe, build, load
 from rsegen.gui.model.session import Session, aligned, draft_of
-from tests.support.full_recipe import FULL
+from tests.support.samples import FULL
 from tests.support.strategies import recipes
 
 PEAK = {"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]}
