@@ -33,13 +33,13 @@ from rsegen import (
     schema,
     series,
 )
-from rsegen.exporters.formats import summary as format_summary
 from rsegen.exporters.formats.base import MAT
 from rsegen.exporters.pictures.paths import path_plot
 from rsegen.exporters.pictures.preview import figure_bytes, preview_image
 from rsegen.exporters.sheet import pages
+from rsegen.params.registry import summary
 from rsegen.params.sorts import Parameter, parameters
-from rsegen.recipe.codec import decode, summary
+from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.simulation.experiment import report as experiments
 from rsegen.simulation.experiment.run import load_summary
@@ -231,7 +231,7 @@ def _formats() -> Iterator[str]:
         options = "; ".join(f"`{key}` {one.help} ({one.describe()})" for key, one in known)
         extra = f"`rsegen[{cls.extra.name if cls.extra else MAT.name}]`"
         needs = extra if cls.extra else f"{extra} for `{cls.mat_file}`" if cls.mat_file else ""
-        yield f"| [`{name}`](#{_SECTIONS.get(name, name)}) | {format_summary(cls)} | {options} | {needs} |"
+        yield f"| [`{name}`](#{_SECTIONS.get(name, name)}) | {summary(cls)} | {options} | {needs} |"
 
 
 _SECTIONS = dict.fromkeys(("stl", "ply", "glb"), "stl-ply-glb")

@@ -8,9 +8,10 @@ import pytest
 
 from rsegen import KINDS, Obstacle, Placement, Recipe, build
 from rsegen.field.obstacles import Grid
+from rsegen.params.registry import summary
 from rsegen.params.sorts import parameters
 from rsegen.params.streams import generator
-from rsegen.recipe.codec import decode, encode, schema, summary
+from rsegen.recipe.codec import decode, encode, schema
 
 KIND = pytest.mark.parametrize("cls", KINDS.values(), ids=list(KINDS))
 GRIDS = pytest.mark.parametrize("grid", [Grid(10, 10, 10), Grid(20, 30, 10), Grid(1, 1, 1), Grid(7, 1, 1)], ids=str)

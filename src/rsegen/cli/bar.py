@@ -14,7 +14,7 @@ def watched() -> bool:
 
 @contextmanager
 def counting(maps: int) -> Iterator[Callable[[object], None] | None]:
-    """What is told of each map that is done; None where there is no terminal, or nothing to wait for."""
+    """A function to call with each map that is done; None without a terminal, or for a single map."""
     if maps == 1 or not watched():
         yield None
         return

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from rsegen import __version__
-from rsegen.cli.parser import Parser, Row
+from rsegen.cli.parser import HelpRow, Parser
 
 GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
@@ -82,5 +82,5 @@ def parser() -> Parser:
     top.add_argument("--version", action="version", version=f"rsegen {__version__}")
     top.add_subparsers(action=_Commands, prog="rsegen", metavar="COMMAND", required=True, help=argparse.SUPPRESS)
     for title, commands in GROUPS.items():
-        top.add_rows(title, lambda commands=commands: [Row(*row) for row in commands.items()])  # type: ignore[misc]
+        top.add_rows(title, lambda commands=commands: [HelpRow(*row) for row in commands.items()])  # type: ignore[misc]
     return top

@@ -83,7 +83,7 @@ def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
     dataset = Dataset(arguments.verify)
     dataset.verify(rebuild)
     built = min(rebuild, len(dataset))
-    return dataset, f"all checksums are right, and {built} maps drawn by chance were built again alike"
+    return dataset, f"all checksums are right, and {built} random maps were built again and are equal"
 
 
 def _made(recipe: Recipe, arguments: argparse.Namespace) -> Dataset:

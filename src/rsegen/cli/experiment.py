@@ -10,7 +10,7 @@ from pathlib import Path
 
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import Subparsers
-from rsegen.simulation.experiment.plan import PLANS, Cell, Plan, load_plan
+from rsegen.simulation.experiment.plan import PLANS, Cell, ExperimentPlan, load_plan
 from rsegen.simulation.experiment.run import experiment
 
 
@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 @contextmanager
-def _bar(plan: Plan) -> Iterator[Callable[[int, Cell], None]]:
+def _bar(plan: ExperimentPlan) -> Iterator[Callable[[int, Cell], None]]:
     """A progress bar on a terminal, with the time that is left; otherwise a line per trial."""
     trials = len(plan.cells) * plan.repeats
     if not watched():

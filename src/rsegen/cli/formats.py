@@ -9,10 +9,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rsegen.cli.flags import flag
 from rsegen.cli.key_values import key_values
-from rsegen.cli.parser import Parser, Row
+from rsegen.cli.parser import HelpRow, Parser
 from rsegen.errors import ParameterError, refuse_unknown, shown
-from rsegen.exporters.formats import FORMATS, Format, format_named, summary
+from rsegen.exporters.formats import FORMATS, Format, format_named
 from rsegen.exporters.formats.base import MAT
+from rsegen.params.registry import summary
 from rsegen.params.sorts import Parameter, parameters
 
 OLD_FLAGS = ("pixels", "shape", "climb_cm", "per_block", "clearance_cm")
@@ -97,9 +98,9 @@ def _with_options(where: str, cls: type[Format], words: Sequence[str], old: Mapp
         raise error.of(f"{where} {shown(' '.join([cls.name, *words]))}") from None
 
 
-def _rows() -> Iterator[Row]:
+def _rows() -> Iterator[HelpRow]:
     for name, cls in FORMATS.items():
-        yield Row(name, " ".join(f"{option}={_values(one)}" for option, one in parameters(cls).items()))
+        yield HelpRow(name, " ".join(f"{option}={_values(one)}" for option, one in parameters(cls).items()))
 
 
 def _values(option: Parameter) -> str:

@@ -88,7 +88,7 @@ def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
             progress=progress,
         )
     if arguments.json:
-        print(json.dumps(summary(made), indent=2))
+        print(json.dumps(_as_json(made), indent=2))
     else:
         print("\n".join(_report(made)))
 
@@ -114,7 +114,7 @@ def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace, sidecars: 
         ) from None
 
 
-def summary(made: Generated) -> dict[str, object]:
+def _as_json(made: Generated) -> dict[str, object]:
     """What was made, for programs; `already` names the maps that --resume found, where there are any."""
     return {
         "folder": str(made.folder),

@@ -38,7 +38,7 @@ def _width(name: str) -> int:
 
 _WIDTH = 10
 _SIZES = 24
-"""A page lists so many sizes of steps, and no more."""
+"""The largest number of step sizes that a page lists."""
 
 
 def _cells(found: Metrics) -> dict[str, str]:

@@ -14,7 +14,7 @@ from typing import Any
 
 from rsegen.cli.flags import Subparsers, add_parameter_flags, add_target_recipe_flags, given
 from rsegen.cli.measured import Measured, report
-from rsegen.cli.parser import Row
+from rsegen.cli.parser import HelpRow
 from rsegen.cli.targets import add_target_flags, scenes_of
 from rsegen.errors import ParameterError
 from rsegen.exporters.pictures.paths import path_plot
@@ -50,7 +50,7 @@ def add(commands: Subparsers) -> None:
     output.add_argument("-o", "--output", metavar="PICTURE", help=text)
     output.add_argument("--force", action="store_true", help="replace an existing picture")
     add_target_recipe_flags(command)
-    command.add_rows("kinds of robots", lambda: [Row(kind, each.title) for kind, each in ROBOTS.items()])
+    command.add_rows("kinds of robots", lambda: [HelpRow(kind, each.title) for kind, each in ROBOTS.items()])
     command.set_defaults(run=run)
 
 

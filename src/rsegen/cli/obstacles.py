@@ -8,8 +8,9 @@ from collections.abc import Iterator, Mapping
 
 from rsegen.cli.flags import Subparsers
 from rsegen.field.obstacles import KINDS
+from rsegen.params.registry import summary
 from rsegen.params.sorts import Parameter, parameters
-from rsegen.recipe.codec import schema, summary
+from rsegen.recipe.codec import schema
 from rsegen.recipe.recipe import Placement
 
 

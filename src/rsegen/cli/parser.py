@@ -10,7 +10,7 @@ from rsegen.cli.plugins import add_plugin_flag
 from rsegen.errors import UnknownName, shown
 
 
-class Row(NamedTuple):
+class HelpRow(NamedTuple):
     """A name with its explanation, in a group of the help that is there to be read only."""
 
     name: str
@@ -22,16 +22,16 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(allow_abbrev=False, formatter_class=_Help, **options)
-        self._rows: list[tuple[str, Callable[[], Iterable[Row]]]] = []
+        self._rows: list[tuple[str, Callable[[], Iterable[HelpRow]]]] = []
         self._old: list[str] = []
         add_plugin_flag(self)
 
-    def add_rows(self, title: str, rows: Callable[[], Iterable[Row]]) -> None:
+    def add_rows(self, title: str, rows: Callable[[], Iterable[HelpRow]]) -> None:
         """A group of names in the help; `rows` is called when the help is shown."""
         self._rows.append((title, rows))
 
     def add_old_flag(self, flag: str, **options: Any) -> None:
-        """A flag of an earlier release, which still works and is told to nobody."""
+        """A flag of an earlier release, which still works but is not in the help."""
         self._old.append(flag)
         self.add_argument(flag, help=argparse.SUPPRESS, **options)
 
@@ -78,7 +78,7 @@ class Parser(argparse.ArgumentParser):
             self.error(str(UnknownName.among("", "command", value, action.choices)))
 
 
-def _action(row: Row) -> argparse.Action:
+def _action(row: HelpRow) -> argparse.Action:
     """A row of the help as argparse lays it out, though it is no argument."""
     return argparse.Action([], row.name, metavar=row.name, help=row.help.replace("%", "%%"))
 

@@ -52,7 +52,7 @@ class Needs:
 
 
 def check_needs(recipes: Sequence[Recipe], maps: int, folder: Path, bytes_per_cell: int = 0) -> Needs:
-    """What a run needs that makes so many maps of some recipes in a folder; TooLarge if less is free.
+    """What a run needs that makes this number of maps of some recipes in a folder; TooLarge if less is free.
 
     bytes_per_cell: of memory for every cell of a map, beyond what its world needs
     """
@@ -74,17 +74,17 @@ def check_needs(recipes: Sequence[Recipe], maps: int, folder: Path, bytes_per_ce
 
 
 def refuse_too_large(recipe: Recipe, bytes_per_cell: int = 0) -> None:
-    """Raise TooLarge if one map needs more memory than is free, with so many bytes more for every cell."""
+    """Raise TooLarge if one map needs more memory than is free, with `more` bytes for every cell."""
     _checked_memory(recipe, bytes_per_cell, _free_memory())
 
 
 def maps_in_memory(recipe: Recipe, bytes_per_cell: int = 0) -> int:
-    """How many of its maps fit into memory at the same time, with so many bytes more for every cell."""
+    """How many of its maps fit into memory at the same time, with `more` bytes for every cell."""
     return max(1, _free_memory() // (_memory(recipe, bytes_per_cell) + BYTES_PER_WORKER))
 
 
 def refuse_full(size: int, folder: Path) -> None:
-    """Raise TooLarge if so many bytes do not fit on the folder's disk."""
+    """Raise TooLarge if `size` bytes do not fit on the folder's disk."""
     free = _free_disk(folder)
     if size > free:
         raise TooLarge(

@@ -1,4 +1,4 @@
-"""Where an obstacle lies: cells of the map, each coordinate a number or left to chance."""
+"""Where an obstacle lies: cells of the map, of which each coordinate is a number or random."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Cell = tuple[int, int]
 
 Coordinate = int | Literal["random"]
 Place = tuple[Coordinate, Coordinate]
-"""A cell of which a coordinate may be left to chance, to be drawn for each map anew."""
+"""A cell of which a coordinate may be "random": it is then drawn for each map anew."""
 
 ANYWHERE: Place = ("random", "random")
 

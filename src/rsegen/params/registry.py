@@ -1,4 +1,4 @@
-"""Things of one sort by their names: rsegen's own, a file each, and those of plug-ins; each is imported when needed.
+"""Registries of obstacles, formats, robots, ... by name: rsegen's own and those of plug-ins, each imported on demand.
 
 A name is looked for in rsegen's own files first, then in the plug-in files that were loaded (`load_plugin`), then in
 what installed packages offer (`entry_points`). Only a list of all of them imports them all.
@@ -190,3 +190,8 @@ def _loaded(offer: EntryPoint) -> Any:
         return offer.load()
     except (Exception, SystemExit) as error:
         raise PluginError(f"{offer}: {failure(error)}") from None
+
+
+def summary(cls: type) -> str:
+    """What a class is, in one line: the first of its docstring."""
+    return (cls.__doc__ or "").strip().splitlines()[0]

@@ -1,4 +1,4 @@
-"""What a parameter may be, said once: the bounds, the unit and the help of a field stand in its annotation.
+"""The types of parameters: bounds, unit and help of a field are given once, in its annotation.
 
     softness: Annotated[float, Float(0, 100, unit="%", help="run-out of the sides")] = 0.0
 
@@ -195,7 +195,7 @@ class Text:
 
 @dataclass(frozen=True)
 class ListOf:
-    """A list of values of one sort, of so many or of any number; one alone is a list of it."""
+    """A list of values of one type, `length` of them or any number; a single value is a list of one."""
 
     sort: Parameter
     length: int | None = None

@@ -1,4 +1,4 @@
-"""All chance in rsegen: one generator for each obstacle of each map.
+"""Random generators: one for each obstacle of each map.
 
 Nothing but `random()` is drawn from it: numpy fixes those bits for good, while its other distributions may change from
 one version to the next. So the same recipe gives the same bytes with every numpy.

@@ -15,6 +15,7 @@ from typing import Any
 from rsegen import __version__
 from rsegen.errors import ParameterError, refuse_unknown, shown
 from rsegen.field.obstacles import KINDS, Obstacle, kind
+from rsegen.params.registry import summary
 from rsegen.params.sorts import Integer, Json, Parameter, Text, parameters
 from rsegen.recipe.plugin_record import PluginRecord, check_plugins, needed_plugins
 from rsegen.recipe.recipe import Placement, Recipe
@@ -152,8 +153,3 @@ def _row_schema(cls: type[Obstacle]) -> dict[str, Json]:
 
 def _property(parameter: Parameter) -> dict[str, Json]:
     return {"description": parameter.help} | parameter.schema()
-
-
-def summary(cls: type[Obstacle]) -> str:
-    """A kind's meaning in one line."""
-    return (cls.__doc__ or "").strip().splitlines()[0]

@@ -77,12 +77,12 @@ def _rounding(levels: Levels, drawn: Array) -> Array:
 
 
 def _plateaus(levels: Levels) -> Ints:
-    """For each cell, in one row, the first cell of those of its level that it hangs together with."""
+    """For each cell, in one row, the first cell of its connected component of equal level."""
     row, (low, high) = levels.ravel(), neighbours(levels.shape)
     level = row[low] == row[high]
     return connected(levels.size, low[level], high[level])
 
 
 def _halvings(levels: Levels) -> int:
-    """So many that blocks of one level are told apart: their scales are 1 / (4 N top^2) apart or more."""
+    """Number of bisections that separates any two blocks: their scales differ by 1 / (4 N top^2) or more."""
     return min((4 * levels.size * int(levels.max()) ** 2).bit_length() + 1, 52)

@@ -65,5 +65,5 @@ def _with_key(placement: Placement, taken: set[str | None], free: dict[str, Iter
     """Named after its content; `free` goes on numbering the rows of one content, `taken` are the given keys."""
     content = json.dumps(placement.entry(), sort_keys=True).encode()
     stem = f"{placement.obstacle.kind}-{hashlib.blake2b(content, digest_size=4).hexdigest()}"
-    twins = free.setdefault(stem, (f"{stem}-{twin}" if twin else stem for twin in count()))
-    return replace(placement, key=next(key for key in twins if key not in taken))
+    duplicates = free.setdefault(stem, (f"{stem}-{number}" if number else stem for number in count()))
+    return replace(placement, key=next(key for key in duplicates if key not in taken))

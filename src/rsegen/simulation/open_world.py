@@ -49,7 +49,7 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
 ) -> OpenResult:
     """Open a world in the newest Gazebo that is installed and can, and wait until it ends; Ctrl-C ends it too.
 
-    headless: the server alone, without a window; seconds: end after so many seconds of wall time; shared: at the
+    headless: the server alone, without a window; seconds: end after this many seconds of wall time; shared: at the
     default address, where other programs look, instead of one of its own. `on_start` is called once before the
     simulator runs, `on_error` with each of its error lines. SimulatorFailed if the world is not loaded, or if a
     headless server ends by itself or prints errors.

@@ -13,11 +13,12 @@ import rsegen
 from rsegen import Recipe, Scene
 from rsegen.cli import main
 from rsegen.errors import OutputError, WriteError
-from rsegen.exporters.formats import FORMATS, summary
+from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.io.existing import count_complete
 from rsegen.io.sidecars import Sidecars
+from rsegen.params.registry import summary
 from tests.exporters.formats.maps import RECIPES
 from tests.support.complaints import exit_code
 from tests.support.runs import contents

@@ -12,8 +12,9 @@ import pytest
 import rsegen
 from rsegen import Recipe, Scene, compose, load
 from rsegen.errors import pip_install
-from rsegen.exporters.formats import FORMATS, Format, base, exported, summary
+from rsegen.exporters.formats import FORMATS, Format, base, exported
 from rsegen.io.importers import IMPORTERS as READ
+from rsegen.params.registry import summary
 from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import to_json
 from tests.exporters.formats.maps import RECIPES, SCENES, made

@@ -24,11 +24,12 @@ from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QMessageBox, QPus
 from rsegen import build, compose, generate, save
 from rsegen.cli import main
 from rsegen.errors import pip_install
-from rsegen.exporters.formats import FORMATS, base, summary
+from rsegen.exporters.formats import FORMATS, base
 from rsegen.exporters.formats.arrays import Arrays
 from rsegen.gui.dialogs.export import ExportDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
+from rsegen.params.registry import summary
 from tests.support.clicking import active, answer, click, find, said, shown, typed
 from tests.support.waiting import exposed, until
 

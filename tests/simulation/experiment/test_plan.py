@@ -9,7 +9,7 @@ import pytest
 
 from rsegen import build
 from rsegen.errors import UserError
-from rsegen.simulation.experiment.plan import PLANS, Plan, Row, load_plan
+from rsegen.simulation.experiment.plan import PLANS, ExperimentPlan, TableRow, load_plan
 
 ROWS = "rows:\n  - {robot: burger, sizes: [0, 10]}\n"
 
@@ -34,7 +34,7 @@ def test_the_paper_s_plan_has_the_paper_s_rows() -> None:
 
 
 def test_trials_are_mixed_and_each_cell_comes_once_in_every_repeat() -> None:
-    plan = Plan(name="p", rows=(Row(), Row(robot="jackal")), repeats=4)
+    plan = ExperimentPlan(name="p", rows=(TableRow(), TableRow(robot="jackal")), repeats=4)
     order = list(plan.order())
     assert Counter(cell for cell, _ in order) == dict.fromkeys(plan.cells, 4)
     assert [repeat for _, repeat in order] == sorted(repeat for _, repeat in order)
@@ -44,10 +44,10 @@ def test_trials_are_mixed_and_each_cell_comes_once_in_every_repeat() -> None:
 
 
 def test_a_map_is_random_in_the_levels_that_the_row_says() -> None:
-    field = build(Row(max_height=10, unit_cm=10).map_of(40, seed=3))
+    field = build(TableRow(max_height=10, unit_cm=10).map_of(40, seed=3))
     assert sorted(field.level_counts()) == list(range(10))
     assert field.unit == 0.1
-    assert not build(Row().map_of(0, seed=3)).levels.any()
+    assert not build(TableRow().map_of(0, seed=3)).levels.any()
 
 
 def test_a_plan_of_a_file_is_named_after_it(tmp_path: Path) -> None:

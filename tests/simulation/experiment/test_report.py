@@ -10,13 +10,15 @@ from math import pi, sqrt
 import pytest
 from PIL import Image
 
-from rsegen.simulation.experiment.plan import Cell, Plan, Row
+from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, TableRow
 from rsegen.simulation.experiment.published import FIGURES
 from rsegen.simulation.experiment.report import median_of, plot, report_page, trials_csv
 from rsegen.simulation.experiment.results import Results
 from rsegen.simulation.experiment.trial import Outcome
 
-PLAN = Plan(name="known", rows=(Row(sizes=(0, 10, 80)), Row(robot="jackal", sizes=(0, 20), recipe={"mesh": "blocks"})))
+PLAN = ExperimentPlan(
+    name="known", rows=(TableRow(sizes=(0, 10, 80)), TableRow(robot="jackal", sizes=(0, 20), recipe={"mesh": "blocks"}))
+)
 MACHINE = {"processor": "a quick one", "cores": "2"}
 
 

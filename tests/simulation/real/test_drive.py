@@ -18,7 +18,7 @@ from PIL import Image
 import rsegen
 from rsegen import Matrix, Placement, Recipe, generate
 from rsegen.cli import main
-from rsegen.simulation.experiment.plan import Plan, Row
+from rsegen.simulation.experiment.plan import ExperimentPlan, TableRow
 from rsegen.simulation.experiment.trial import run_trial
 from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.simulators import Installation
@@ -156,7 +156,7 @@ def test_an_experiment_goes_on_where_it_was_stopped(
 
 
 def test_an_empty_world_in_turns_with_another_has_the_same_speed(gazebo: Installation) -> None:
-    plan = Plan(name="null", rows=(Row(robots=1, sizes=(0,)),), paces=("beside",), seconds=4)
+    plan = ExperimentPlan(name="null", rows=(TableRow(robots=1, sizes=(0,)),), paces=("beside",), seconds=4)
     outcome = run_trial(plan, plan.cells[0], 0, gazebo)
     assert outcome.share == pytest.approx(1, abs=0.3)
     assert outcome.cpu is outcome.rtf is None

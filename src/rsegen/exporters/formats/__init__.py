@@ -22,11 +22,6 @@ def format_named(name: str, where: str = "formats") -> type[Format]:
     return FORMATS.named(name, where)
 
 
-def summary(cls: type[Format]) -> str:
-    """What a format is, in one line."""
-    return (cls.__doc__ or "").strip().splitlines()[0]
-
-
 def refuse_unready(formats: Iterable[Format]) -> None:
     """Raise a UserError if one of the formats is given twice, or some need what is not installed."""
     formats, seen = tuple(formats), set()

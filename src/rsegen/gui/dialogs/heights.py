@@ -12,6 +12,7 @@ from rsegen.gui.widgets.message_label import MessageLabel
 from rsegen.gui.widgets.named import named
 from rsegen.gui.widgets.options_form import OptionsForm
 from rsegen.io.importers import imported, importer_for
+from rsegen.params.registry import summary
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 
@@ -43,7 +44,7 @@ class HeightsDialog(QDialog):
         super().accept()
 
     def _lay_out(self) -> None:
-        about = QLabel((self._format.__doc__ or "").splitlines()[0], wordWrap=True)
+        about = QLabel(summary(self._format), wordWrap=True)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)

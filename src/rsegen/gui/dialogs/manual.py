@@ -9,8 +9,8 @@ from PySide6.QtWidgets import QDialog, QTextBrowser, QVBoxLayout, QWidget
 
 from rsegen.field.obstacles import KINDS
 from rsegen.gui.widgets.named import named
+from rsegen.params.registry import summary
 from rsegen.params.sorts import parameters
-from rsegen.recipe.codec import summary
 from rsegen.recipe.recipe import Recipe
 
 _HOW = """

@@ -28,7 +28,7 @@ class Document:
         return self.session.draft.rows[self.selected].entry if self.selected >= 0 else None
 
     def handles(self, shape: Cell) -> list[Handle]:
-        """The ends of all obstacles on a map of so many blocks along x and y."""
+        """The ends of all obstacles on a map of this number of blocks along x and y."""
         return handles_of(self.session.draft.rows, shape)
 
     def open(self, session: Session) -> None:
@@ -59,11 +59,11 @@ class Document:
         self.session.move(row, to)
 
     def can_shift(self, by: int) -> bool:
-        """Whether the selected obstacle can be moved by so many rows."""
+        """Whether the selected obstacle can be moved by this number of rows."""
         return self.selected >= 0 and 0 <= self.selected + by < len(self.session.draft.rows)
 
     def shift(self, by: int) -> None:
-        """Move the selected obstacle by so many rows."""
+        """Move the selected obstacle by this number of rows."""
         if self.can_shift(by):
             self.move(self.selected, self.selected + by)
 

@@ -6,10 +6,11 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QFormLayout, QGridLayout, QLabel, QWidget
 
 from rsegen.errors import ParameterError, UserError
-from rsegen.exporters.formats import FORMATS, Format, summary
+from rsegen.exporters.formats import FORMATS, Format
 from rsegen.gui.widgets.message_label import MessageLabel
 from rsegen.gui.widgets.named import named
 from rsegen.gui.widgets.options_form import OptionsForm
+from rsegen.params.registry import summary
 from rsegen.params.sorts import parameters
 
 

@@ -12,8 +12,8 @@ from rsegen.field.obstacles import KINDS, Grid
 from rsegen.gui.model.session import Entry
 from rsegen.gui.widgets.editors import Editor, editor
 from rsegen.gui.widgets.named import named
+from rsegen.params.registry import summary
 from rsegen.params.sorts import Json, parameters
-from rsegen.recipe.codec import summary
 from rsegen.recipe.recipe import Placement
 
 DEFAULT = {"kind": "horizontal_barrier", "max_height": 5, "softness": 0}

@@ -46,7 +46,7 @@ def make_dataset(  # noqa: PLR0913  # each is a flag of the command
 
     `metrics` is the form of their table: npy, parquet or none. `force` replaces a data set that is there; `resume` goes
     on with one, and mends it. With `workers` beyond 1 a script needs `if __name__ == "__main__":`. `scheduler` is the
-    address of a Dask cluster whose workers see the same folder, or `local` for one of so many workers. Raises an
+    address of a Dask cluster whose workers see the same folder, or `local` for one with `workers` workers. Raises an
     OutputError before anything is written if the folder holds something else, TooLarge if there is too little space.
     """
     layout = ShardLayout(recipe=recipe, shard_maps=shard_maps, metrics=metrics)

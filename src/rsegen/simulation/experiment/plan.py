@@ -27,11 +27,11 @@ PLANS = {
 """The plans that come along, by name."""
 
 _BLOCKS = 10
-"""A map's chunks are of so many blocks a side."""
+"""Blocks per side of a chunk."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Row:
+class TableRow:
     """Robots of a kind on random maps of several sizes; `recipe` holds more parameters of these maps."""
 
     robot: Annotated[str, Choice(tuple(ROBOTS), help="kind of robot")] = "burger"
@@ -52,7 +52,7 @@ class Row:
         self.map_of(_BLOCKS, 0)
 
     def map_of(self, size: int, seed: int) -> Recipe:
-        """The recipe of its map of so many blocks a side."""
+        """The recipe of its map with this number of blocks per side."""
         given = {
             "name": f"random-{size}",
             "chunk_size": _BLOCKS,
@@ -90,11 +90,11 @@ class Cell:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Plan:
+class ExperimentPlan:
     """What an experiment tries, and how often; `seconds` by the clock on the wall each, whatever the pace."""
 
     name: Annotated[str, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="of the experiment")]
-    rows: tuple[Row, ...]
+    rows: tuple[TableRow, ...]
     paces: Annotated[
         tuple[str, ...],
         ListOf(Choice(PACES), help="in real time, as fast as can be, or so beside an empty world"),
@@ -123,7 +123,7 @@ class Plan:
             yield from ((cell, repeat) for cell in cells)
 
 
-def load_plan(name: str) -> Plan:
+def load_plan(name: str) -> ExperimentPlan:
     """The plan of that name, or in a YAML file."""
     if name in PLANS:
         return _plan(Path(str(PLANS[name])))
@@ -133,26 +133,26 @@ def load_plan(name: str) -> Plan:
     return _plan(path)
 
 
-def _plan(path: Path) -> Plan:
+def _plan(path: Path) -> ExperimentPlan:
     said = content(path)
     if not isinstance(said, Mapping) or not isinstance(said.get("rows"), list):
         raise FileError(f"{path}: not a plan of an experiment; it has name: and a list of rows:")
     try:
-        known = [*parameters(Plan), "rows"]
+        known = [*parameters(ExperimentPlan), "rows"]
         refuse_unknown("key", said, known)
         rows = tuple(_row(number, row) for number, row in enumerate(said["rows"]))
         values = {"name": path.stem, **{key: value for key, value in said.items() if key != "rows"}}
-        return Plan(rows=rows, **values)
+        return ExperimentPlan(rows=rows, **values)
     except ParameterError as error:
         raise error.of(str(path)) from None
 
 
-def _row(number: int, said: object) -> Row:
+def _row(number: int, said: object) -> TableRow:
     where = f"rows[{number}]"
     if not isinstance(said, Mapping):
         raise ParameterError(where, f"{shown(said)} is not a row, such as {{robot: burger, sizes: [0, 80]}}")
     try:
-        refuse_unknown("key of a row", said, [*parameters(Row), "recipe"])
-        return Row(**said)
+        refuse_unknown("key of a row", said, [*parameters(TableRow), "recipe"])
+        return TableRow(**said)
     except ParameterError as error:
         raise error.inside(where) from None

@@ -8,7 +8,7 @@ from dataclasses import fields
 from math import pi, sqrt
 from statistics import median, stdev
 
-from rsegen.simulation.experiment.plan import PACES, Cell, Plan, Row
+from rsegen.simulation.experiment.plan import PACES, Cell, ExperimentPlan, TableRow
 from rsegen.simulation.experiment.published import COMPUTER, FIGURES
 from rsegen.simulation.experiment.results import Results
 from rsegen.simulation.experiment.trial import Outcome
@@ -20,7 +20,7 @@ _PACES = {
 }
 
 
-def report_page(plan: Plan, results: Results, machine: Mapping[str, str]) -> str:
+def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, str]) -> str:
     """The Markdown page: the machine, and a table per row of the plan with the paper's figures."""
     return (
         "\n".join(
@@ -30,7 +30,7 @@ def report_page(plan: Plan, results: Results, machine: Mapping[str, str]) -> str
     )
 
 
-def trials_csv(plan: Plan, results: Results) -> str:
+def trials_csv(plan: ExperimentPlan, results: Results) -> str:
     """The text of trials.csv, a line per trial."""
     names = [field.name for field in fields(Outcome)]
     lines = [",".join(["robot", "robots", "size", "pace", *names])]
@@ -41,7 +41,7 @@ def trials_csv(plan: Plan, results: Results) -> str:
     return "\n".join(lines) + "\n"
 
 
-def plot(plan: Plan, results: Results) -> bytes:
+def plot(plan: ExperimentPlan, results: Results) -> bytes:
     """A PNG of speed and memory over the side of the map, a curve per row."""
     from matplotlib.figure import Figure
 
@@ -70,7 +70,7 @@ def median_of(outcomes: Sequence[Outcome], name: str) -> float | None:
     return median(found) if found else None
 
 
-def _head(plan: Plan, machine: Mapping[str, str]) -> Iterator[str]:
+def _head(plan: ExperimentPlan, machine: Mapping[str, str]) -> Iterator[str]:
     yield f"# Experiment: {plan.name}\n"
     yield f"Made by `rsegen experiment {plan.name}`: {_trials(plan)} in mixed order;"
     paces = " and ".join(_PACES[pace] for pace in plan.paces)
@@ -81,11 +81,11 @@ def _head(plan: Plan, machine: Mapping[str, str]) -> Iterator[str]:
     yield f"\nThe paper's computer: {COMPUTER}; with a window.\n"
 
 
-def _trials(plan: Plan) -> str:
+def _trials(plan: ExperimentPlan) -> str:
     return "one trial of each cell" if plan.repeats == 1 else f"medians of {plan.repeats} trials of each cell"
 
 
-def _row(plan: Plan, number: int, results: Results) -> Iterator[str]:
+def _row(plan: ExperimentPlan, number: int, results: Results) -> Iterator[str]:
     row = plan.rows[number]
     yield f"## {row.label}\n"
     printed = {} if row.recipe else FIGURES.get(row.robot, {})
@@ -131,7 +131,7 @@ def _quotient(speed: float | None, usual: float | None) -> str:
     return f"{speed / usual:.2f}" if speed and usual else "-"
 
 
-def _empty(plan: Plan, results: Results, row: Row) -> Sequence[Outcome]:
+def _empty(plan: ExperimentPlan, results: Results, row: TableRow) -> Sequence[Outcome]:
     """The same robots in an empty world at full speed, in whichever row they were."""
     alike = (number for number, each in enumerate(plan.rows) if (each.robot, each.robots) == (row.robot, row.robots))
     return next((found for number in alike if (found := _of(results, number, 0, "free"))), ())
@@ -141,7 +141,7 @@ def _of(results: Results, row: int, size: int, pace: str) -> Sequence[Outcome]:
     return results.get(Cell(row=row, size=size, pace=pace), [])
 
 
-def _pace(plan: Plan) -> str:
+def _pace(plan: ExperimentPlan) -> str:
     return "free" if "free" in plan.paces else plan.paces[0]
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rsegen.io.writer import write_file
 from rsegen.simulation.experiment.machine import description
-from rsegen.simulation.experiment.plan import Cell, Plan, Row, load_plan
+from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, TableRow, load_plan
 from rsegen.simulation.experiment.report import plot, report_page, trials_csv
 from rsegen.simulation.experiment.results import Results, ResultsLog
 from rsegen.simulation.experiment.trial import Outcome, run_trial
@@ -24,7 +24,7 @@ RESULTS_FILE = "results.jsonl"
 class ExperimentResult:
     """What `rsegen.experiment` gives: the plan, every cell's outcomes, the machine, and the folder of the files."""
 
-    plan: Plan
+    plan: ExperimentPlan
     results: Results
     machine: dict[str, str]
     folder: Path
@@ -36,7 +36,7 @@ class ExperimentResult:
 
 
 def experiment(
-    plan: str | os.PathLike[str] | Plan,
+    plan: str | os.PathLike[str] | ExperimentPlan,
     output: str | Path,
     *,
     force: bool = False,
@@ -48,7 +48,7 @@ def experiment(
     this plan, only the missing trials are run; `force` deletes them first. `progress` is called with the number of
     trials that are done and the next cell. UserError if the plan is wrong or there is no Gazebo Classic.
     """
-    plan, folder = plan if isinstance(plan, Plan) else load_plan(os.fspath(plan)), Path(output)
+    plan, folder = plan if isinstance(plan, ExperimentPlan) else load_plan(os.fspath(plan)), Path(output)
     here = choose_installation("both", "classic")
     if force and (folder / RESULTS_FILE).is_file():
         shutil.rmtree(folder)
@@ -66,10 +66,10 @@ def experiment(
     return found
 
 
-def load_summary(file: Path) -> tuple[Plan, Results, dict[str, str]]:
+def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str]]:
     """The plan, the outcomes and the machine of a summary.json that `experiment` wrote."""
     content = json.loads(file.read_text("utf-8"))
-    plan = Plan(**{**content["plan"], "rows": tuple(Row(**row) for row in content["plan"]["rows"])})
+    plan = ExperimentPlan(**{**content["plan"], "rows": tuple(TableRow(**row) for row in content["plan"]["rows"])})
     results = {
         Cell(row=cell["row"], size=cell["size"], pace=cell["pace"]): [Outcome(**one) for one in cell["outcomes"]]
         for cell in content["cells"]

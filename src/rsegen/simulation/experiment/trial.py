@@ -16,7 +16,7 @@ from rsegen.io.worlds import generate
 from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.driving.routes import Wandering
 from rsegen.simulation.driving.world_with_robots import world_with_robots
-from rsegen.simulation.experiment.plan import Cell, Plan
+from rsegen.simulation.experiment.plan import Cell, ExperimentPlan
 from rsegen.simulation.experiment.trial_server import Setup, total, trial_server
 from rsegen.simulation.robots import robot
 from rsegen.simulation.simulators import Installation
@@ -48,7 +48,7 @@ class Outcome:
     share: float | None = None
 
 
-def run_trial(plan: Plan, cell: Cell, repeat: int, here: Installation) -> Outcome:
+def run_trial(plan: ExperimentPlan, cell: Cell, repeat: int, here: Installation) -> Outcome:
     """The outcome of one trial; each repeat has its own map and start poses. A failed server is tried again."""
     cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
     with ExitStack() as stack:
@@ -57,7 +57,7 @@ def run_trial(plan: Plan, cell: Cell, repeat: int, here: Installation) -> Outcom
 
 
 @contextmanager
-def _setup(plan: Plan, cell: Cell, seed: int, here: Installation) -> Iterator[Setup]:
+def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> Iterator[Setup]:
     """A temporary world file with robots, of a map or empty."""
     row = plan.rows[cell.row]
     recipe = row.map_of(cell.size, seed)

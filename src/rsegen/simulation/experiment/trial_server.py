@@ -74,7 +74,7 @@ class TrialServer:
         return usage(self.pid).memory
 
     def measure(self, seconds: float) -> Span:
-        """The span of so many wall seconds, paused only before and after, so that all clocks are exact."""
+        """The span of this many wall seconds, paused only before and after, so that all clocks are exact."""
         start, before = self.live.clock(), usage(self.pid).cpu
         factors = self.run_robots("real", seconds)
         end, after = self.live.clock(), usage(self.pid).cpu
@@ -83,7 +83,7 @@ class TrialServer:
         )
 
     def run_robots(self, clock: Literal["simulated", "real"], seconds: float) -> list[float]:
-        """Let robots drive for so many simulated or real seconds; gives the real-time factors between commands."""
+        """Let robots drive for this many simulated or real seconds; gives the real-time factors between commands."""
         start = last = self.live.clock()
         factors, end = [], time.monotonic() + 20 * seconds
         self.live.unpause()

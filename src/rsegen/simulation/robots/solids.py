@@ -22,7 +22,7 @@ class Box:
         return f"<geometry><box><size>{numbers(self.size)}</size></box></geometry>"
 
     def moments(self, mass: float) -> Vector:
-        """Moments of inertia about x, y and z through its middle, kg m^2, of so many kg."""
+        """Moments of inertia about x, y and z through its centre, kg m^2, for a mass in kg."""
         x, y, z = (side**2 for side in self.size)
         return mass * (y + z) / 12, mass * (x + z) / 12, mass * (x + y) / 12
 
@@ -41,7 +41,7 @@ class Cylinder:
         return f"<geometry><cylinder>{inner}</cylinder></geometry>"
 
     def moments(self, mass: float) -> Vector:
-        """Moments of inertia about x, y and z through its middle, kg m^2, of so many kg."""
+        """Moments of inertia about x, y and z through its centre, kg m^2, for a mass in kg."""
         across = mass * (3 * self.radius**2 + self.length**2) / 12
         return across, across, mass * self.radius**2 / 2
 
@@ -58,7 +58,7 @@ class Sphere:
         return f"<geometry><sphere><radius>{numbers([self.radius])}</radius></sphere></geometry>"
 
     def moments(self, mass: float) -> Vector:
-        """Moments of inertia about x, y and z through its middle, kg m^2, of so many kg."""
+        """Moments of inertia about x, y and z through its centre, kg m^2, for a mass in kg."""
         moment = 0.4 * mass * self.radius**2
         return moment, moment, moment
 

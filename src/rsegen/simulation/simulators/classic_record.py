@@ -11,12 +11,12 @@ _MODEL = re.compile(r"<model name='([^']+)'>\s*<pose>([^<]+)</pose>")
 
 
 def record_options(period: float) -> tuple[str, ...]:
-    """A server's options, with which its record is a text with a state every so many seconds."""
+    """A server's options, that record a state as text every `period` seconds."""
     return "--record_encoding", "txt", "--record_period", f"{period:g}"
 
 
 def parse_record(text: str) -> Record:
-    """State by state, the models that are told."""
+    """The models of each recorded state."""
     return [
         (
             int(seconds) + int(nanos) / 1e9,
