@@ -74,12 +74,12 @@ def check_needs(recipes: Sequence[Recipe], maps: int, folder: Path, bytes_per_ce
 
 
 def refuse_too_large(recipe: Recipe, bytes_per_cell: int = 0) -> None:
-    """Raise TooLarge if one map needs more memory than is free, with `more` bytes for every cell."""
+    """Raise TooLarge if one map needs more memory than is free, with `bytes_per_cell` more bytes for every cell."""
     _checked_memory(recipe, bytes_per_cell, _free_memory())
 
 
 def maps_in_memory(recipe: Recipe, bytes_per_cell: int = 0) -> int:
-    """How many of its maps fit into memory at the same time, with `more` bytes for every cell."""
+    """How many of its maps fit into memory at the same time, with `bytes_per_cell` more bytes for every cell."""
     return max(1, _free_memory() // (_memory(recipe, bytes_per_cell) + BYTES_PER_WORKER))
 
 
