@@ -200,8 +200,8 @@ def _parameters() -> Iterator[str]:
 
 
 def _examples() -> Iterator[str]:
-    yield "# Examples\n\nMade by `make docs` from `src/rsegen/recipe/examples/`; `rsegen examples` lists the same, and with"
-    yield "`-o DIR` copies them."
+    yield "# Examples\n\nMade by `make docs` from `src/rsegen/recipe/examples/`; `rsegen examples` lists the same, and"
+    yield "with `-o DIR` copies them."
     for name, path in EXAMPLES.items():
         yield f"\n## {name}\n\n{load(path).description}: `rsegen generate {name} -o worlds`\n"
         yield f"![{name}](pictures/{name}.png)"

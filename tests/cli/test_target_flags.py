@@ -80,7 +80,7 @@ def test_a_map_of_flags_is_chosen_by_its_index(capsys: pytest.CaptureFixture[str
 def test_nothing_to_look_at_is_refused_in_one_line(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert exit_code(*COMMANDS[command], "--seed", "3") == 2
     line = the_line(capsys.readouterr().err)
-    assert "nothing is given; give a recipe, a folder or --obstacle 'random max_height=5'" in line
+    assert "nothing is given; give a recipe, a folder or --obstacle 'random levels=5'" in line
 
 
 def parsed(*command: str) -> argparse.Namespace:

@@ -77,7 +77,7 @@ def parser() -> Parser:
         prog="rsegen",
         usage="rsegen COMMAND [options]",
         description="Random Step Environments (NIST stepfields) as worlds and models for robot simulators.",
-        epilog="Start with: rsegen generate --obstacle 'random max_height=5' -o worlds",
+        epilog="Start with: rsegen generate --obstacle 'random levels=5' -o worlds",
     )
     top.add_argument("--version", action="version", version=f"rsegen {__version__}")
     top.add_subparsers(action=_Commands, prog="rsegen", metavar="COMMAND", required=True, help=argparse.SUPPRESS)

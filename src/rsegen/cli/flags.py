@@ -23,7 +23,7 @@ from rsegen.recipe.recipe import Placement, Recipe
 Subparsers: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 _OBSTACLE = "'KIND KEY=VALUE ...'"
-OBSTACLE_HELP = "add an obstacle, as in 'peak max_height=5 softness=30 first=2,2 last=7,7'; may be repeated"
+OBSTACLE_HELP = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 last=7,7'; may be repeated"
 
 RECIPE_HELP = "YAML or JSON file, the folder of a map, the name of an example, or DIR#17: a map of a data set"
 
@@ -133,7 +133,7 @@ def given(owner: type, arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def placement(text: str) -> Placement:
-    """The obstacle that a text such as `peak max_height=5 first=2,2` stands for."""
+    """The obstacle that a text such as `peak levels=5 first=2,2` stands for."""
     try:
         return decode_placement(_entry(text))
     except ParameterError as error:
@@ -144,7 +144,7 @@ def _entry(text: str) -> dict[str, object]:
     try:
         name, *pairs = shlex.split(text)
     except ValueError:
-        raise ParameterError("", "give a kind and then KEY=VALUE, as in 'peak max_height=5'") from None
+        raise ParameterError("", "give a kind and then KEY=VALUE, as in 'peak levels=5'") from None
     known = {**parameters(kind(name, "")), **parameters(Placement)}
     values = key_values(pairs, {other: known[first] for other, first in OTHER_NAMES.items()} | known)
     if "kind" in values:

@@ -1,4 +1,4 @@
-"""What follows a name in a flag such as --obstacle 'peak max_height=5' or --to 'mjcf shape=hfield': KEY=VALUE."""
+"""What follows a name in a flag such as --obstacle 'peak levels=5' or --to 'mjcf shape=hfield': KEY=VALUE."""
 
 from __future__ import annotations
 

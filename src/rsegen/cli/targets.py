@@ -33,7 +33,7 @@ def add_target_flags(
 def is_of_flags(arguments: argparse.Namespace) -> bool:
     """Whether a map is to be made of flags, alone or over those of the target; ParameterError if nothing is given."""
     if arguments.target is None and not arguments.obstacle:
-        raise ParameterError("RECIPE", "nothing is given; give a recipe, a folder or --obstacle 'random max_height=5'")
+        raise ParameterError("RECIPE", "nothing is given; give a recipe, a folder or --obstacle 'random levels=5'")
     return has_recipe_flags(arguments)
 
 

@@ -53,7 +53,10 @@ class Obstacle(ABC):
     max_height: Annotated[
         int,
         Integer(
-            2, 32767, unit="units", help="number of levels: 5 levels of 10 cm are the heights 0, 10, 20, 30, 40 cm"
+            2,
+            32767,
+            unit="units",
+            help="number of levels, also called levels: 5 of 10 cm are the heights 0, 10, 20, 30, 40 cm",
         ),
     ]
     softness: Annotated[
