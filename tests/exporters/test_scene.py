@@ -74,8 +74,8 @@ def test_the_window_and_the_build_sheet_are_in_them() -> None:
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
-        ("frame_colour", "red", "frame_colour: 'red': expected #rrggbb, in quotes"),
-        ("level_colours", "#ffffff,#12345", "level_colours[1]: '#12345': expected #rrggbb, in quotes"),
+        ("frame_colour", "red", "frame_colour: invalid value 'red': expected #rrggbb, in quotes"),
+        ("level_colours", "#ffffff,#12345", "level_colours[1]: invalid value '#12345': expected #rrggbb, in quotes"),
     ],
 )
 def test_a_colour_that_is_none_is_one_line(

@@ -21,6 +21,7 @@ from rsegen import Placement, Random, Recipe, build, load, metrics, series
 from rsegen.cli import main
 from rsegen.errors import OutputError, ParameterError
 from rsegen.io import work
+from rsegen.io import workers as workers_module
 from rsegen.io.series import SeriesPlan, SeriesRow
 from rsegen.recipe.codec import decode
 from tests.cli.test_cli import contents, printed, read
@@ -151,7 +152,7 @@ def test_workers_measure_the_fields_and_make_the_maps(
 
     series(RANDOM, tmp_path / "1", same_field=same_field)
     monkeypatch.setattr(work, "WORTHWHILE", 0.0)
-    monkeypatch.setattr(work, "run_in_workers", here)
+    monkeypatch.setattr(workers_module, "run_in_workers", here)
     series(RANDOM, tmp_path / "2", same_field=same_field, workers=2)
     assert shared == [each for each in (fields, range(8)) if len(each) > 1]
     assert contents(tmp_path / "1") == contents(tmp_path / "2")

@@ -17,6 +17,7 @@ from rsegen.errors import ParameterError
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.io import work
+from rsegen.io import workers as workers_module
 from rsegen.io.exports import ExportedMap
 from rsegen.recipe.codec import decode
 from tests.support.complaints import exit_code, the_line
@@ -91,7 +92,7 @@ def test_the_command_exports_with_as_many_workers_as_are_asked_for(
         asked.append(workers)
         return iter(made(items))
 
-    monkeypatch.setattr(work, "run_in_workers", here)
+    monkeypatch.setattr(workers_module, "run_in_workers", here)
     rsegen.save(RECIPE, tmp_path / "recipe.json")
     command: list[str | Path] = ["export", tmp_path / "recipe.json", "--to", "heightmap"]
     for workers in ("1", "2", "3"):
@@ -102,7 +103,7 @@ def test_the_command_exports_with_as_many_workers_as_are_asked_for(
 
 
 def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(work, "run_in_workers", lambda *_, **__: pytest.fail("workers were started"))
+    monkeypatch.setattr(workers_module, "run_in_workers", lambda *_, **__: pytest.fail("workers were started"))
     assert len(rsegen.generate(RECIPE, tmp_path / "worlds", workers=8).maps) == 13
     assert len(rsegen.export_maps([RECIPE], tmp_path / "exported", [Heightmap()], workers=8)) == 13
     assert rsegen.export_maps([], tmp_path / "none", [Heightmap()], workers=8) == ()

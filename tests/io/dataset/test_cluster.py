@@ -41,7 +41,8 @@ def shards(folder: Path) -> int:
 
 def kill_a_worker(parent: int) -> None:
     children = psutil.Process(parent).children(recursive=True)
-    worker = next(one for one in children if "spawn_main" in " ".join(one.cmdline()))
+    titles = ("spawn_main", "dask worker")  # the second where setproctitle is installed
+    worker = next(one for one in children if any(title in " ".join(one.cmdline()) for title in titles))
     worker.kill()
 
 

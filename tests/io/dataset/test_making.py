@@ -19,6 +19,7 @@ import rsegen
 from rsegen import Dataset, Placement, Recipe, make_dataset
 from rsegen.errors import OutputError, TooLarge
 from rsegen.io import work
+from rsegen.io import workers as workers_module
 from rsegen.io.dataset import shards
 from rsegen.recipe.codec import decode
 from tests.support.complaints import exit_code, snapshot, the_line
@@ -63,7 +64,7 @@ def test_the_maps_of_a_constrained_recipe_keep_to_it(tmp_path: Path) -> None:
 
 
 def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(work, "run_in_workers", lambda *_, **__: pytest.fail("workers were started"))
+    monkeypatch.setattr(workers_module, "run_in_workers", lambda *_, **__: pytest.fail("workers were started"))
     assert len(make_dataset(RECIPE, tmp_path, shard_maps=1, workers=8)) == 13
 
 
