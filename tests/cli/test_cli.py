@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import signal
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -361,3 +362,12 @@ def test_a_command_leaves_the_signals_as_they_were(capsys: pytest.CaptureFixture
     before = [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)]
     assert printed(capsys, "schema")
     assert [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)] == before
+
+
+def test_a_stop_while_a_module_is_imported_ends_with_exit_code_1(tmp_path: Path) -> None:
+    """Dataclasses run `exec`; CPython, run with -m, would end by SIGINT if a stop interrupted one."""
+    stopped = tmp_path / "stopped.py"
+    stopped.write_text('exec("raise KeyboardInterrupt")\n')
+    command = [sys.executable, "-m", "rsegen", "--plugin", str(stopped), "examples"]
+    found = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert (found.returncode, found.stderr.count("\n")) == (1, 1), found.stderr

@@ -57,6 +57,7 @@ def short_warnings() -> Iterator[None]:
 
 def failed(error: BaseException) -> int:
     """Say what went wrong in one line, if there is anyone to hear it, and no more after it; gives the exit code."""
+    exec("")  # noqa: S102  # CPython ends by SIGINT if one interrupted an `exec`, as of dataclasses; the next one forgets it
     code, message = _code_and_words(error)
     if sys.stderr and message:
         print(f"rsegen: {' '.join(message.split())}", file=sys.stderr)
