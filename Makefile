@@ -6,7 +6,7 @@
 # make package  builds wheel and sdist into dist/ and tries the wheel
 # make docs     makes the generated parts of the manual and its pictures anew
 # make site     the manual as a site, in build/site
-# make bench    measures speed, memory and face counts beside other ways; BENCH=--quick for two minutes, not kept
+# make bench    measures speed, memory and face counts beside other ways; BENCH=--quick for two minutes, not kept; BENCH=--starts for starts alone, kept
 # make bench-contact   ranks collision constructions in a real Gazebo; QUICK=--quick in a few minutes
 # make bench-experiment   the paper's tables in a real Gazebo, half an hour
 PYTHON ?= python3
