@@ -88,7 +88,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "a picture in a file": (["preview", "two.yaml", "-o", "file/p.png"], ["file/p.png: cannot be written"]),
     "a picture of a map beyond": (["preview", "two.yaml", "-o", "p.png", "--map", "2"], ["--map", "rse_0001"]),
-    "a series of one map": (["series", *OBSTACLE, "-o", "out"], ["maps: 1 maps are no series; give 2 or more"]),
+    "a series of one map": (["series", *OBSTACLE, "-o", "out"], ["maps: 1 map is not a series; give 2 or more"]),
     "a series of no map": (["series", *OBSTACLE, "--maps", "0", "-o", "out"], ["maps: 0 is not 1 or more"]),
     "a series without an output": (["series", "two.yaml"], ["-o/--output"]),
     "a series that falls": (

@@ -31,7 +31,7 @@ class SeriesPlan:
         if self.from_ > self.to:
             raise ParameterError("from", f"{shown(self.from_)} is above to, {shown(self.to)}; a series rises")
         if self.recipe.maps < 2:
-            raise ParameterError("maps", f"{self.recipe.maps} is no series; give 2 or more")
+            raise ParameterError("maps", f"{self.recipe.maps} map is not a series; give 2 or more")
         if self.recipe.difficulty != 1:
             given = shown(self.recipe.difficulty)
             raise ParameterError("difficulty", f"{given} is for maps of one difficulty; give from and to instead")
