@@ -49,7 +49,7 @@ def server_of(process: subprocess.Popen[str], mark: str) -> psutil.Process:
     while process.poll() is None and time.monotonic() < end:
         for found in left(mark):
             with suppress(psutil.Error):
-                if found.name().startswith("gzserver") and found.cmdline()[-1].endswith(".world"):
+                if found.name().startswith("gzserver") and "".join(found.cmdline()[-1:]).endswith(".world"):
                     return found
         time.sleep(0.05)
     raise AssertionError(ended(process))
