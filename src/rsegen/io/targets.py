@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import os.path
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.exporters.scene import Scene, compose
 from rsegen.io.dataset.map_reference import recipe_in
-from rsegen.io.resources import refuse_too_large
 from rsegen.recipe.examples import or_example
 from rsegen.recipe.recipe import Recipe
 
@@ -40,46 +38,21 @@ def found(target: str, which: str | None, where: str = "--map") -> Found:
     return one_of(((file, recipe_in(file)) for file in recipe_files(target)), which, target, where)
 
 
-def one_of(recipes: Iterable[tuple[Path, Recipe]], which: str | None, target: str, where: str = "--map") -> Found:
+def one_of(recipes: Iterable[tuple[Path, Recipe]], which: int | str | None, target: str, where: str = "--map") -> Found:
     """One map of some recipes, each with its file: the given one, or the first; a message calls them `target`."""
     names = []
     for file, recipe in recipes:
-        index = recipe.first_map if which is None else _index(recipe, which)
+        index = recipe.first_map if which is None else _index(recipe, str(which))
         if index is not None:
             return Found(file, recipe, index)
         names += [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
-    raise _unknown_map(where, which, target, names)
+    problem = f"there is no map {shown(which)} in {target}; give an index or name, {names[0]}..{names[-1]}"
+    raise ParameterError(where, problem)
 
 
 def map_index(recipe: Recipe, which: int | str | None, where: str = "map") -> int:
     """The index of one map of a recipe, given by index or name; the first by default."""
-    index = recipe.first_map if which is None else _index(recipe, str(which))
-    if index is None:
-        names = [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
-        raise _unknown_map(where, which, "the recipe", names)
-    return index
-
-
-def _unknown_map(where: str, which: object, target: str, names: list[str]) -> ParameterError:
-    return ParameterError(
-        where, f"there is no map {shown(which)} in {target}; give an index or name, {names[0]}..{names[-1]}"
-    )
-
-
-def chosen(target: str, which: str | None) -> Scene:
-    """The scene of one map of `target`: the given one, or the first."""
-    _, recipe, index = found(target, which)
-    refuse_too_large(recipe)
-    return compose(recipe, index)
-
-
-def every(target: str, which: str | None, more: int = 0) -> Iterator[Scene]:
-    """The scenes of all maps of `target` one by one, or of the given one; each may need more bytes for each cell."""
-    maps = ((recipe, recipe.indices) for recipe in map(recipe_in, recipe_files(target)))
-    given = [] if which is None else [found(target, which)]
-    for recipe, indices in [(recipe, range(index, index + 1)) for _, recipe, index in given] or maps:
-        refuse_too_large(recipe, more)
-        yield from (compose(recipe, index) for index in indices)
+    return one_of([(Path(), recipe)], which, "the recipe", where).map
 
 
 def _index(recipe: Recipe, which: str) -> int | None:
