@@ -10,8 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from rsegen.errors import FileError
+from rsegen.io.input_files import open_regular
+from rsegen.io.syncing import sync_folder
 from rsegen.simulation.experiment.plan import Cell
 from rsegen.simulation.experiment.trial import Outcome
+
+_BEGIN = b'{"plan":'
 
 Results = Mapping[Cell, list[Outcome]]
 """The outcomes of every cell, in the order of its repeats."""
@@ -27,6 +31,7 @@ class ResultsLog:
         """Create it, or resume one of the same plan; FileError if it is of another plan."""
         if not self.path.exists():
             self._add({"plan": plan})
+            sync_folder(self.path.parent)
             return
         self._mend()
         if self._first() != json.loads(json.dumps({"plan": plan})):
@@ -72,3 +77,13 @@ class ResultsLog:
             file.write(json.dumps(entry) + "\n")
             file.flush()
             os.fsync(file.fileno())
+
+
+def is_results_log(path: Path) -> bool:
+    """Whether a file is the results log of an experiment, as its beginning says; an empty one is."""
+    try:
+        with open_regular(path) as file:
+            start = file.read(len(_BEGIN))
+    except OSError:
+        return False
+    return start == _BEGIN[: len(start)]
