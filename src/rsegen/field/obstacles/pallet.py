@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import count
@@ -94,7 +94,8 @@ class Pallet(Obstacle):
         drawn = _half(pattern, shape) if self.symmetry == "symmetric" else np.ones(shape, dtype=bool)
         shoulders = dict.fromkeys(range(max(top - 2, top - limit), top), 1.0)
         levels = np.full(shape, -1)
-        for zone, shared in enumerate((partial(_shared, {top: 1.0}), partial(_shared, shoulders), _shared_beyond(top))):
+        ridge, beside = partial(_shared, {top: 1.0}), partial(_shared, shoulders)
+        for zone, shared in enumerate((ridge, beside, partial(_shared_beyond, top))):
             cells = np.flatnonzero(drawn & (zones == zone))
             levels.flat[cells[np.argsort(rng.random(len(cells)), kind="stable")]] = shared(len(cells))
         zones = np.where(drawn & (zones > 0), zones, -1)
@@ -160,12 +161,11 @@ def _mirrored(pattern: str, levels: Levels) -> Levels:
     return levels.T if levels.shape[0] == levels.shape[1] else levels[::-1, ::-1]
 
 
-@lru_cache(maxsize=8)
-def _shared_beyond(top: int) -> Callable[[int], Ints]:
-    """The levels of a number of blocks outside the ridge and its shoulders, for posts of up to `top` steps."""
+@lru_cache(maxsize=64)
+def _shared_beyond(top: int, blocks: int) -> Ints:
+    """The levels of `blocks` blocks outside the ridge and its shoulders, for posts of up to `top` steps."""
     at = np.linspace(0, len(_BEYOND) - 1, top) if top > 1 else np.zeros(top)
-    wanted = dict(enumerate(np.interp(at, range(len(_BEYOND)), _BEYOND).tolist()))
-    return lru_cache(maxsize=16)(partial(_shared, wanted))
+    return _shared(dict(enumerate(np.interp(at, range(len(_BEYOND)), _BEYOND).tolist())), blocks)
 
 
 def _shared(wanted: dict[int, float], blocks: int) -> Ints:
