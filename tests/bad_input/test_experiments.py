@@ -24,7 +24,24 @@ PLAN = {"name": "x", "rows": [ROW], "paces": ["real"], "seconds": 5, "repeats": 
 OUTCOME = {"load": 1.0, "memory": 2.0, "cpu": None, "speed": 1.0, "rtf_min": 1.0, "rtf": 1.0, "rtf_max": 1.0}
 CELL = {"row": 0, "size": 10, "pace": "real"}
 ENTRY = {"cell": CELL, "repeat": 0, "outcome": OUTCOME}
-ODD = [None, True, -1, 1.5, 1e300, float("nan"), 10**400, "", "x", "\x00", [], [None], [[1]], {}, {"a": 1}, [{}]]
+ODD: list[Any] = [
+    None,
+    True,
+    -1,
+    1.5,
+    1e300,
+    float("nan"),
+    10**400,
+    "",
+    "x",
+    "\x00",
+    [],
+    [None],
+    [[1]],
+    {},
+    {"a": 1},
+    [{}],
+]
 
 
 def changed(found: Any) -> Iterator[Any]:

@@ -12,6 +12,7 @@ from enum import Enum
 from pathlib import Path
 
 from rsegen.errors import OutputError, ParameterError
+from rsegen.io.input_files import open_regular
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
 
@@ -67,7 +68,7 @@ def is_map_of(recipe: Recipe, name: str) -> bool:
 def has_content(path: str, content: bytes) -> bool:
     """Whether a file exists and has this content."""
     try:
-        with open(path, "rb") as file:
+        with open_regular(path) as file:
             return file.read(len(content) + 1) == content
     except OSError:
         return False
