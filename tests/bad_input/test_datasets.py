@@ -90,7 +90,7 @@ def test_a_map_beyond(refused: Refused) -> None:
 
 def test_a_data_set_that_is_there_or_unfinished(refused: Refused) -> None:
     assert exit_code(*MADE, "-o", "set") == 0
-    assert "set: a data set is there already; give --resume" in refused(*MADE, "-o", "set")
+    assert "set: a data set exists there already; give --resume" in refused(*MADE, "-o", "set")
     Path("set/manifest.json").rename("set/unfinished.jsonl")
     assert "set: is not finished" in refused("info", "set#0")
     assert "set: holds another data set" in refused(*MADE, "--resume", "-o", "set")

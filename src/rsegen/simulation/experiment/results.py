@@ -11,11 +11,13 @@ from typing import Any
 
 from rsegen.errors import FileError, ParameterError, refuse_unknown, shown
 from rsegen.io.input_files import open_regular
+from rsegen.io.syncing import sync_folder
 from rsegen.io.text_files import text_of
 from rsegen.params.sorts import Choice, Float, Integer, Json, Parameter
 from rsegen.simulation.experiment.plan import PACES, Cell
 from rsegen.simulation.experiment.trial import Outcome
 
+_BEGIN = b'{"plan":'
 _MOST_MIB = 256
 
 _CELL: Mapping[str, Parameter] = {"row": Integer(0), "size": Integer(0), "pace": Choice(PACES)}
@@ -37,6 +39,7 @@ class ResultsLog:
         """Create it, or resume one of the same plan; FileError if it is of another plan."""
         if not self.path.exists():
             self._add({"plan": plan})
+            sync_folder(self.path.parent)
             return
         self._mend()
         if self._first() != json.loads(json.dumps({"plan": plan})):
@@ -128,3 +131,13 @@ def _rows(first: Json) -> int:
     plan = first.get("plan") if isinstance(first, Mapping) else None
     rows = plan.get("rows") if isinstance(plan, Mapping) else None
     return len(rows) if isinstance(rows, Sequence) else 0
+
+
+def is_results_log(path: Path) -> bool:
+    """Whether a file is the results log of an experiment, as its beginning says; an empty one is."""
+    try:
+        with open_regular(path) as file:
+            start = file.read(len(_BEGIN))
+    except OSError:
+        return False
+    return start == _BEGIN[: len(start)]
