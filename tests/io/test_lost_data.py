@@ -119,6 +119,29 @@ def test_a_data_set_keeps_a_shard_that_is_not_its_own(tmp_path: Path, capsys: py
     assert "levels-00009.npy: is not of the data set" in line
 
 
+@pytest.mark.parametrize("flag", ["--force", "--resume"])
+@pytest.mark.parametrize("name", ["unfinished.jsonl", "manifest.json", "levels-00000.npy", "metrics-00000.npy"])
+@pytest.mark.parametrize("kind", ["pipe", "folder", "link to a device"])
+def test_a_data_set_keeps_and_waits_for_nothing_that_is_no_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, name: str, flag: str
+) -> None:
+    assert exit_code("dataset", *OBSTACLE, "--maps", "3", "-o", tmp_path / "set") == 0
+    path = tmp_path / "set" / name
+    path.unlink(missing_ok=True)
+    {"pipe": os.mkfifo, "folder": os.mkdir, "link to a device": lambda path: path.symlink_to("/dev/zero")}[kind](path)
+    refused(capsys, tmp_path, "dataset", *OBSTACLE, "--maps", "3", "-o", tmp_path / "set", flag)
+
+
+@pytest.mark.parametrize("flag", ["--force", "--resume"])
+def test_a_map_whose_recipe_is_a_pipe_is_refused_at_once(
+    world: Path, capsys: pytest.CaptureFixture[str], flag: str
+) -> None:
+    (world / RECORD).unlink()
+    (world / "recipe.json").unlink()
+    os.mkfifo(world / "recipe.json")
+    assert "rse_0000" in refused(capsys, world.parent, "generate", *OBSTACLE, "-o", world.parent, flag)
+
+
 @pytest.mark.parametrize("name", ["series.csv", "series.png"])
 def test_a_series_keeps_a_table_of_somebody_else(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
     command: list[str | Path] = ["series", *OBSTACLE, "--maps", "2", "-o", tmp_path / "out", "--force"]

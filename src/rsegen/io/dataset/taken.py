@@ -36,7 +36,7 @@ def refuse_taken(folder: Path, on_existing: OnExisting) -> None:
     own = own_names(folder)
     for path in (folder / name for name in names if _SHARDS.fullmatch(name)):
         refuse_link(path)
-        if path.name not in own:
+        if path.name not in own or not path.is_file():
             raise OutputError(f"{path}: is not of the data set in this folder; move it away, or give another folder")
 
 
