@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from rsegen.errors import FileError, ParameterError, pip_install
 from rsegen.field.metrics.batch import COLUMNS, Table
+from rsegen.io import npy_files
 from rsegen.io.dataset.layout import ROW
+from rsegen.io.input_files import open_regular
 
 
 def npy(array: NDArray[Any]) -> bytes:
@@ -42,12 +44,7 @@ def _parquet(maps: range, figures: Table) -> bytes:
 
 def mapped(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
     """The array in a file, mapped into memory; FileError if it has another shape or type, or does not exist."""
-    try:
-        found = np.lib.format.open_memmap(path, mode="r")
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
-    except Exception as error:  # numpy fails in many ways at files that are none of its own
-        raise FileError(f"{path}: not an array of numpy: {error}") from None
+    found = npy_files.mapped(path)
     if found.shape != shape or found.dtype != dtype:
         raise FileError(f"{path}: has shape {found.shape} of {found.dtype}; expected {shape} of {dtype}")
     return np.asarray(found)
@@ -57,13 +54,21 @@ def read_parquet(path: Path, maps: int) -> dict[str, NDArray[Any]]:
     """The columns of a Parquet table; FileError if it is another table, or does not exist."""
     pyarrow, parquet = arrow()
     try:
-        file = parquet.ParquetFile(path)
-        if file.metadata.num_rows != maps or set(file.schema_arrow.names) != set(ROW.names or ()):
-            raise FileError(f"{path}: is not the metrics of {maps} maps")
-        found = file.read()
+        with open_regular(path) as opened:
+            file = parquet.ParquetFile(opened)
+            types = {field.name: field.type for field in file.schema_arrow}
+            if file.metadata.num_rows != maps or types != _arrow_types(pyarrow):
+                raise FileError(f"{path}: is not the metrics of {maps} maps")
+            found = file.read()
     except (OSError, pyarrow.ArrowException) as error:
-        raise FileError(f"{path}: not a table in Parquet: {error}") from None
+        why = getattr(error, "strerror", None) or str(error).partition("\n")[0][:200]
+        raise FileError(f"{path}: not a table in Parquet: {why}") from None
     return {name: found[name].to_numpy() for name in ROW.names or ()}
+
+
+def _arrow_types(pyarrow: Any) -> dict[str, Any]:
+    """The types of the columns of metrics, by name."""
+    return {"map": pyarrow.int64(), **dict.fromkeys(COLUMNS, pyarrow.float32())}
 
 
 def arrow() -> tuple[Any, Any]:
