@@ -97,7 +97,7 @@ def test_a_data_set_that_is_there_or_unfinished(refused: Refused) -> None:
     assert "set: a data set exists there already; give --resume" in refused(*MADE, "-o", "set")
     Path("set/manifest.json").rename("set/unfinished.jsonl")
     assert "set: is not finished" in refused("info", "set#0")
-    assert "set: holds another data set" in refused(*MADE, "--resume", "-o", "set")
+    assert "set/unfinished.jsonl: was not written by rsegen" in refused(*MADE, "--resume", "-o", "set")
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from rsegen.io import writer
+from rsegen.io import staging
 from tests.support.complaints import (
     OBSTACLE,
     Refused,
@@ -31,7 +31,7 @@ def test_a_mistake_of_ours_is_one_line_that_asks_for_a_report(
     def broken(*_: object) -> None:
         raise ZeroDivisionError("of ours")
 
-    monkeypatch.setattr(writer, "_fill", broken)
+    monkeypatch.setattr(staging.Staging, "write", broken)
     assert exit_code("generate", *OBSTACLE, "-o", tmp_path / "out") == 1
     err = capsys.readouterr().err
     assert err.count("\n") == 1
@@ -45,7 +45,7 @@ def test_memory_that_runs_out_after_all_is_said_in_one_line(
     def full(*_: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(writer, "_fill", full)
+    monkeypatch.setattr(staging.Staging, "write", full)
     assert exit_code("generate", *OBSTACLE, "-o", tmp_path / "out") == 1
     assert "out of memory; give fewer chunks" in the_line(capsys.readouterr().err)
     assert list(tmp_path.iterdir()) == []
@@ -66,7 +66,7 @@ def test_an_impatient_second_ctrl_c_does_not_disturb_the_clearing_up(
         signal.raise_signal(signal.SIGINT)
         remove(*arguments, **options)
 
-    monkeypatch.setattr(writer, "_fill", stopped)
+    monkeypatch.setattr(staging.Staging, "write", stopped)
     monkeypatch.setattr(shutil, "rmtree", stopped_again)
     capsys.readouterr()
     flags = ["--force"] if force else ["--first-map", "1"]
@@ -92,7 +92,7 @@ def test_a_run_that_is_stopped_leaves_whole_maps_only(tmp_path: Path, name: str)
 
 def test_a_run_that_is_stopped_in_its_only_map_leaves_nothing(tmp_path: Path) -> None:
     process = started("generate", *OBSTACLE, "--chunks", "20", "--mesh-type", "multi", "-o", tmp_path / "a" / "b")
-    until_it_has(process, lambda: list(tmp_path.glob("a/b/.rse_*")))
+    until_it_has(process, lambda: list(tmp_path.glob("a/b/.rsegen.*")))
     process.send_signal(signal.SIGINT)
     code, err = ended(process)
     assert (code, the_line(err)) == (1, "rsegen: stopped; the maps that were complete are there, nothing else is")

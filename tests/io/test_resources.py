@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from rsegen import Recipe
+from rsegen import Placement, Random, Recipe
 from rsegen.errors import TooLarge
 from rsegen.io import resources
 from rsegen.io.resources import check_needs, format_bytes
@@ -38,3 +39,11 @@ def test_a_disk_that_is_too_small_is_refused_in_the_unit_that_fits(
     monkeypatch.setattr(resources, "_free_disk", lambda _: 200_000)
     with pytest.raises(TooLarge, match=r"maps: 106 maps need 1\.3 MB of disk or more, 200\.0 kB are free; give fewer"):
         check_needs([Recipe(seed=1)], 106, tmp_path)
+
+
+def test_more_obstacles_than_a_large_map_can_take_are_refused_before_the_work() -> None:
+    rows = (Placement(obstacle=Random(max_height=5)),) * 20_001
+    recipe = Recipe(seed=1, chunk_size=1000, boundary="none", obstacles=rows)
+    with pytest.raises(TooLarge, match=r"obstacles: 20,001 of them on .* cells .* give 20,000 or fewer"):
+        resources.refuse_too_large(recipe)
+    resources.refuse_too_large(replace(recipe, obstacles=rows[:-1]))

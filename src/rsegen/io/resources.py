@@ -35,6 +35,9 @@ BYTES_PER_WORKER = 50_000_000
 DISK_BYTES_PER_MAP = 3 * 4096
 """Of disk for a map at the very least: three files of one block each."""
 
+MOST_WORK = 2 * 10**10
+"""Obstacles times cells of one map: some minutes, if each obstacle covers the map."""
+
 _UNITS = ("bytes", "kB", "MB", "GB", "TB")
 
 
@@ -101,13 +104,19 @@ def format_bytes(size: float) -> str:
 
 
 def _checked_memory(recipe: Recipe, bytes_per_cell: int, free: int) -> int:
-    """The bytes of memory that one map needs; TooLarge if fewer are free."""
+    """The bytes of memory that one map needs; TooLarge if fewer are free, or if it would take hours."""
     needed = _memory(recipe, bytes_per_cell)
     if needed > free:
         n_x, n_y = _shape(recipe)
         raise TooLarge(
             f"chunks: a map of {n_x} x {n_y} cells needs about {format_bytes(needed)} of memory, "
             f"{format_bytes(free)} are free; give fewer chunks or a smaller chunk_size"
+        )
+    cells = prod(_shape(recipe))
+    if len(recipe.obstacles) * cells > MOST_WORK:
+        raise TooLarge(
+            f"obstacles: {len(recipe.obstacles):,} of them on a map of {cells:,} cells would take too long; "
+            f"give {MOST_WORK // cells:,} or fewer"
         )
     return needed
 

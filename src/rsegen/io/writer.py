@@ -131,7 +131,8 @@ def write_file(content: Iterable[bytes], path: Path, *, force: bool = False, syn
     If its folder has a record, that lists the file from then on.
     """
     refuse_taken_file(path, force=force)
-    write_files({path.name: content}, path.parent, record=recorded(path.parent), sync=sync)
+    with as_write_errors(path):
+        write_files({path.name: content}, path.parent, record=recorded(path.parent), sync=sync)
 
 
 def write_files(

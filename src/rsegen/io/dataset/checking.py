@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
 import random
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from rsegen.errors import DatasetDamaged
 from rsegen.io.dataset.layout import ShardLayout
-from rsegen.io.dataset.manifest import Shard, ShardFile
-from rsegen.io.input_files import open_regular
-
-_AT_ONCE = 2**20
+from rsegen.io.dataset.manifest import Shard
+from rsegen.io.record import WrittenFile, written_file
 
 
 def refuse_other_sizes(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
@@ -27,7 +24,7 @@ def refuse_other_sizes(folder: Path, layout: ShardLayout, shards: Iterable[Shard
 def refuse_other_checksums(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
     """Raise DatasetDamaged for the first file with a wrong checksum."""
     for path, part in _files(folder, layout, shards):
-        if shard_file(path) != part:
+        if written_file(path) != part:
             raise DatasetDamaged(
                 f"{path}: has changed, its checksum is wrong; "
                 "the command that made the data set repairs it with --resume"
@@ -39,19 +36,7 @@ def random_places(maps: int, wanted: int) -> list[int]:
     return sorted(random.SystemRandom().sample(range(maps), min(wanted, maps)))
 
 
-def shard_file(path: Path) -> ShardFile | None:
-    """The size and checksum of a file; None if it does not exist."""
-    try:
-        with open_regular(path) as file:
-            checksum = hashlib.sha256()
-            while piece := file.read(_AT_ONCE):
-                checksum.update(piece)
-            return ShardFile(bytes=file.tell(), sha256=checksum.hexdigest())
-    except FileNotFoundError:
-        return None
-
-
-def _files(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> Iterator[tuple[Path, ShardFile]]:
+def _files(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> Iterator[tuple[Path, WrittenFile]]:
     for shard in shards:
         names = layout.names(shard.number)
         yield from ((folder / names[what], part) for what, part in shard.files.items())

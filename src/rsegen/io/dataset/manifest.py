@@ -15,6 +15,7 @@ from typing import Any
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.recipe_file import content
+from rsegen.io.record import WrittenFile
 from rsegen.io.text_files import text_of
 from rsegen.params.sorts import Integer, Text
 from rsegen.recipe.codec import decode, encode
@@ -31,19 +32,11 @@ _SIZE = Integer(0, unit="bytes")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class ShardFile:
-    """The size and checksum of one file."""
-
-    bytes: int
-    sha256: str
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Shard:
     """The files of one shard by their content: levels and, unless there are none, metrics."""
 
     number: int
-    files: Mapping[str, ShardFile]
+    files: Mapping[str, WrittenFile]
 
 
 def header(layout: ShardLayout) -> dict[str, Any]:
@@ -172,7 +165,7 @@ def _shard(layout: ShardLayout, number: object, entry: object) -> Shard:
         found = entry.get(what) if isinstance(entry, Mapping) else None
         if not isinstance(found, Mapping) or found.get("file") != name:
             raise ParameterError(f"{where}.{what}", f"{shown(found)} is not the file {name}")
-        files[what] = ShardFile(
+        files[what] = WrittenFile(
             bytes=_SIZE.check(f"{where}.{what}.bytes", found.get("bytes")),
             sha256=_SHA256.check(f"{where}.{what}.sha256", found.get("sha256")),
         )

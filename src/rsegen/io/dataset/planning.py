@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rsegen.errors import OutputError
-from rsegen.io.dataset.checking import shard_file
 from rsegen.io.dataset.cluster import dask, on_cluster
 from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.dataset.manifest import MANIFEST, RECORD, Shard, read_manifest, read_record, same_maps
@@ -18,6 +17,7 @@ from rsegen.io.dataset.shards import ShardTask
 from rsegen.io.dataset.tables import arrow
 from rsegen.io.dataset.taken import refuse_taken
 from rsegen.io.existing import OnExisting
+from rsegen.io.record import written_file
 from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS, maps_in_memory, refuse_full, refuse_too_large
 from rsegen.io.work import WORKERS, run_each
 from rsegen.io.writer import refuse_not_a_folder
@@ -107,7 +107,7 @@ def _existing(task: ShardTask) -> Iterator[Shard]:
         )
     for shard in recorded:
         names = task.layout.names(shard.number)
-        if all(file == shard_file(task.folder / names[what]) for what, file in shard.files.items()):
+        if all(file == written_file(task.folder / names[what]) for what, file in shard.files.items()):
             yield shard
 
 

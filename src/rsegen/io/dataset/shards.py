@@ -17,8 +17,9 @@ import numpy as np
 from rsegen.field.metrics.batch import batch_metrics
 from rsegen.field.stepfield import Levels
 from rsegen.io.dataset.layout import ShardLayout
-from rsegen.io.dataset.manifest import Shard, ShardFile
+from rsegen.io.dataset.manifest import Shard
 from rsegen.io.dataset.tables import npy, table
+from rsegen.io.record import WrittenFile
 from rsegen.recipe.building import blocks
 
 
@@ -58,7 +59,7 @@ class ShardTask:
             raise OverflowError(f"a level of shard {number} is no {self.layout.dtype}")
         return found
 
-    def _written(self, name: str, content: bytes) -> ShardFile:
+    def _written(self, name: str, content: bytes) -> WrittenFile:
         """Write a file under a name of its own, then rename it: on a cluster two workers may make the same one."""
         hidden = self.folder / f"{name}.{secrets.token_hex(4)}"
         with open(hidden, "wb") as file:
@@ -67,4 +68,4 @@ class ShardTask:
                 file.flush()
                 os.fsync(file.fileno())
         hidden.replace(self.folder / name)
-        return ShardFile(bytes=len(content), sha256=hashlib.sha256(content).hexdigest())
+        return WrittenFile(bytes=len(content), sha256=hashlib.sha256(content).hexdigest())
