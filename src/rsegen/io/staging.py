@@ -83,13 +83,13 @@ class Staging:
 
 
 @contextmanager
-def staging(folder: Path, *, sync: bool = True) -> Iterator[Staging]:
+def staging(folder: Path, *, sync: bool = True, output: Path | None = None) -> Iterator[Staging]:
     """A hidden folder in `folder`, which is made if it does not exist; both are removed again if this fails.
 
-    sync: wait until the disk has the files, before they get their names and after it. Raises an OutputError if the
-    system allows no files there, WriteError if the disk fails.
+    sync: wait until the disk has the files, before they get their names and after it; output: the path in messages,
+    by default the folder. Raises an OutputError if the system allows no files there, WriteError if the disk fails.
     """
-    with as_write_errors(folder), parents_made(folder / "any", sync=sync):
+    with as_write_errors(output or folder), parents_made(folder / "any", sync=sync):
         home, lock = _made(folder)
         try:
             yield Staging(folder, home, sync=sync)

@@ -131,16 +131,23 @@ def write_file(content: Iterable[bytes], path: Path, *, force: bool = False, syn
     If its folder has a record, that lists the file from then on.
     """
     refuse_taken_file(path, force=force)
-    with as_write_errors(path):
-        write_files({path.name: content}, path.parent, record=recorded(path.parent), sync=sync)
+    write_files({path.name: content}, path.parent, record=recorded(path.parent), sync=sync, output=path)
 
 
 def write_files(
-    contents: Mapping[str, Iterable[bytes]], folder: Path, *, record: Record | None, sync: bool = True
+    contents: Mapping[str, Iterable[bytes]],
+    folder: Path,
+    *,
+    record: Record | None,
+    sync: bool = True,
+    output: Path | None = None,
 ) -> None:
-    """Write or replace files of a folder, each whole or not at all; its record lists them, if it is to have one."""
+    """Write or replace files of a folder, each whole or not at all; its record lists them, if it is to have one.
+
+    output: the path in messages, by default the folder.
+    """
     remove_leftovers(folder)
-    with staging(folder, sync=sync) as staged:
+    with staging(folder, sync=sync, output=output) as staged:
         files = {name: staged.write(name, pieces) for name, pieces in contents.items()}
         _move_in_together(staged, contents, record, files)
 
