@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 from rsegen.errors import FileError, ParameterError, shown
@@ -18,15 +19,23 @@ _MOST_LEVELS = 32767
 def inventory_in(path: Path, unit_cm: float) -> tuple[int, ...]:
     """How many blocks of level 1, 2, ... there are by a CSV file of heights and counts; a height may stand twice."""
     counts: Counter[int] = Counter()
-    rows = csv.reader(line for line in text_of(path, _MOST_MIB, "an inventory").splitlines() if line.strip())
-    if next(rows, None) != COLUMNS:
-        raise FileError(
-            f"{path}: does not begin with the line {','.join(COLUMNS)}; give levels in numbers, or such a file"
-        )
-    for row in rows:
-        level, count = _row(f"{path}: line {rows.line_num}", row, unit_cm)
+    for line, row in _rows(path):
+        level, count = _row(f"{path}: line {line}", row, unit_cm)
         counts[level] += count
     return tuple(counts[level] for level in range(1, max(counts, default=0) + 1)) or (0,)
+
+
+def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """The rows below the header, each with its line."""
+    rows = csv.reader(line for line in text_of(path, _MOST_MIB, "an inventory").splitlines() if line.strip())
+    try:
+        if next(rows, None) != COLUMNS:
+            raise FileError(
+                f"{path}: does not begin with the line {','.join(COLUMNS)}; give levels in numbers, or such a file"
+            )
+        yield from ((rows.line_num, row) for row in rows)
+    except csv.Error as error:
+        raise FileError(f"{path}: line {rows.line_num}: {error}") from None
 
 
 def _row(where: str, row: list[str], unit_cm: float) -> tuple[int, int]:

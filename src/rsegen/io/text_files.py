@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rsegen.errors import FileError, shown
+from rsegen.io.input_files import read_start
 
 if TYPE_CHECKING:
     import xml.etree.ElementTree as ET
@@ -15,8 +16,7 @@ if TYPE_CHECKING:
 def text_of(path: Path, mib: int, too_large: str) -> str:
     """The text of a file of at most `mib` MiB; FileError if it cannot be read, is larger, or is not UTF-8."""
     try:
-        with path.open("rb") as file:
-            content = file.read(mib * 2**20 + 1)
+        content = read_start(path, mib * 2**20 + 1)
     except OSError as error:
         raise FileError(f"{path}: {error.strerror or error}") from None
     except ValueError as error:  # a name with a null character

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rsegen.errors import FileError, ParameterError, pip_install
 from rsegen.field.metrics.batch import COLUMNS, Table
+from rsegen.io import npy_files
 from rsegen.io.dataset.layout import ROW
 
 
@@ -42,12 +43,7 @@ def _parquet(maps: range, figures: Table) -> bytes:
 
 def mapped(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
     """The array in a file, mapped into memory; FileError if it has another shape or type, or does not exist."""
-    try:
-        found = np.lib.format.open_memmap(path, mode="r")
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
-    except Exception as error:  # numpy fails in many ways at files that are none of its own
-        raise FileError(f"{path}: not an array of numpy: {error}") from None
+    found = npy_files.mapped(path)
     if found.shape != shape or found.dtype != dtype:
         raise FileError(f"{path}: has shape {found.shape} of {found.dtype}; expected {shape} of {dtype}")
     return np.asarray(found)

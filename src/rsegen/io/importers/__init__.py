@@ -9,6 +9,8 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
+
 from rsegen.errors import FileError, ParameterError
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.io.importers.base import IMPORTERS, Heights, Importer
@@ -30,7 +32,8 @@ def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_
     chunk_size: must divide both sides; by default that of the file, or 10 if it divides both sides, else the largest
     number up to 1000 that does
     """
-    heights = reading.read(path, unit_cm)
+    with np.errstate(all="ignore"):  # what is no number, or too large for one, is found in whole_units
+        heights = reading.read(path, unit_cm)
     matrix = Matrix.of(heights.levels)
     n_x, n_y = matrix.size
     side = _side(n_x, n_y, chunk_size or heights.recipe_values.get("chunk_size"))

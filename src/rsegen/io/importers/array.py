@@ -11,6 +11,7 @@ import numpy as np
 from rsegen.errors import FileError
 from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register, whole_units
 from rsegen.io.importers.table import centimetres
+from rsegen.io.npy_files import mapped
 from rsegen.params.sorts import Choice, Flag
 
 
@@ -27,14 +28,10 @@ class Saved(Importer):
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """The shape is looked at before anything else is."""
-        try:
-            found = np.load(path, mmap_mode="r", allow_pickle=False)
-        except OSError as error:
-            raise FileError(f"{path}: {error.strerror or error}") from None
-        except (ValueError, EOFError, TypeError):
-            raise FileError(f"{path}: not an array of numbers that numpy saved (.npy)") from None
-        if not isinstance(found, np.ndarray) or found.ndim != 2 or found.dtype.kind not in "biuf":
-            raise FileError(f"{path}: {found.ndim} axes of {found.dtype}; give an array of numbers with two axes")
+        found = mapped(path)
+        if found.ndim != 2 or found.dtype.kind not in "biuf":
+            sort = str(found.dtype)[:60]
+            raise FileError(f"{path}: {found.ndim} axes of {sort}; give an array of numbers with two axes")
         refuse_too_many_cells(path, *found.shape)
         unit = unit_cm or USUAL_UNIT_CM
         heights = np.asarray(found, dtype=np.float64) * centimetres(self.values, unit)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterable, Iterator
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +47,7 @@ def heights_cm(path: Path, text: str) -> Array:
         raise FileError(f"{path}: no cell below the header {','.join(COLUMNS)}")
     n_x, n_y = (max(cell[axis] for cell in cells) + 1 for axis in (0, 1))
     if len(cells) < n_x * n_y:
-        x, y = next(cell for cell in product(range(n_x), range(n_y)) if cell not in cells)
+        x, y = next((x, y) for x in range(n_x) for y in range(n_y) if (x, y) not in cells)
         raise FileError(
             f"{path}: the cell x {x}, y {y} of {n_x} x {n_y} is missing; a cell without a block has height 0"
         )
@@ -63,9 +62,10 @@ def _rows(path: Path, text: str) -> Iterator[tuple[int, Cell, float]]:
     if not head:
         return
     first = text.count("\n", 0, head.end()) + 2
+    rows = max(text.count(end, head.end()) for end in "\n\r")
+    if rows > _MOST_ROWS:
+        raise FileError(f"{path}: {rows:,} rows; up to {_MOST_ROWS:,} can be read")
     lines = text[head.end() :].splitlines()[1:]
-    if len(lines) > _MOST_ROWS:
-        raise FileError(f"{path}: {len(lines):,} rows; up to {_MOST_ROWS:,} can be read")
     for line, row in enumerate(_split_rows(path, lines, head[1]), first):
         if any(row) and not row[0].startswith("#"):
             yield line, *_cell(f"{path}: line {line}", row, head[1])

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
@@ -13,12 +10,15 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array, Ints
+from rsegen.io.image_files import opened_image
 from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
 from rsegen.params.places import Cell, Size2D
 from rsegen.params.sorts import Flag, Float, Integer
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+
+_WHITE_OF_16_BITS = 65535
 
 
 @register
@@ -52,36 +52,22 @@ class Picture(Importer):
 
 def brightness(path: Path, size: Cell | None = None) -> Array:
     """The brightness of an image, 0 black and 1 white, shape (n_x, n_y), resampled to a size if one is given."""
-    with _opened(path) as image:
+    with opened_image(path) as image:
         refuse_too_many_cells(path, *image.size)
         refuse_too_many_cells(path, *(size or image.size))
-        grey, white = _grey(image)
+        grey, white = _grey(path, image)
         grey = grey.resize(size, _box()) if size else grey
         return (np.asarray(grey, dtype=np.float64) / white)[::-1].T
 
 
-@contextmanager
-def _opened(path: Path) -> Iterator[Image]:
-    """An image of which only the header is read yet; any error in it, now or later, is a FileError."""
-    from PIL import Image, UnidentifiedImageError
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # its size is checked here
-            with Image.open(path) as image:
-                yield image
-    except UnidentifiedImageError:
-        raise FileError(f"{path}: not an image") from None
-    except Image.DecompressionBombError:
-        raise FileError(f"{path}: an image too large to be read") from None
-    except (OSError, SyntaxError, ValueError) as error:
-        raise FileError(f"{path}: {getattr(error, 'strerror', None) or f'not a whole image: {error}'}") from None
-
-
-def _grey(image: Image) -> tuple[Image, float]:
+def _grey(path: Path, image: Image) -> tuple[Image, float]:
     """The image as numbers, and the value of white. Resampling needs 32-bit integers or floats."""
     if image.mode.startswith("I"):
-        return image.convert("I").convert("F"), 65535.0
+        grey = image.convert("I")
+        low, high = grey.getextrema()
+        if not 0 <= low <= high <= _WHITE_OF_16_BITS:  # type: ignore[operator]  # one band has two numbers
+            raise FileError(f"{path}: grey values of {low}..{high}; give an image of 8 or 16 bits")
+        return grey.convert("F"), float(_WHITE_OF_16_BITS)
     if "A" in image.getbands() or "transparency" in image.info:
         from PIL import Image
 

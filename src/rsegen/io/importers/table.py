@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, ClassVar
@@ -12,9 +13,18 @@ import numpy as np
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.stepfield import Array
 from rsegen.io.importers import build_sheet
-from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register, whole_units
+from rsegen.io.importers.base import (
+    MOST_CELLS,
+    USUAL_UNIT_CM,
+    Heights,
+    Importer,
+    refuse_too_many_cells,
+    register,
+    whole_units,
+)
 from rsegen.io.text_files import text_of
-from rsegen.params.sorts import Choice, Flag
+from rsegen.params.sorts import Choice, Flag, parameters
+from rsegen.recipe.recipe import Recipe
 
 _MOST_MIB = 128
 _OURS = re.compile(r"# block levels in units of ([0-9.]{1,12}) cm")
@@ -40,7 +50,7 @@ class Table(Importer):
             return self._read_list(path, text, unit_cm)
         ours = _OURS.match(text)
         values = ("levels" if ours else "cm") if self.values == "auto" else self.values
-        unit = unit_cm or (float(ours[1]) if ours else USUAL_UNIT_CM)
+        unit = unit_cm or (_unit_cm(path, ours[1]) if ours else USUAL_UNIT_CM)
         heights = _numbers(path, text) * centimetres(values, unit)
         return Heights(levels=whole_units(path, heights, unit, rounded=self.rounded), unit_cm=unit)
 
@@ -58,37 +68,71 @@ def centimetres(values: str, unit_cm: float) -> float:
     return {"cm": 1.0, "m": 100.0, "levels": unit_cm}[values]
 
 
+def _unit_cm(path: Path, text: str) -> float:
+    """The unit in the first line of what rsegen wrote."""
+    sort = parameters(Recipe)["unit_cm"]
+    try:
+        found: float = sort.check("unit_cm", sort.parse(text))
+    except ParameterError as error:
+        raise FileError(f"{path}: line 1: {error}") from None
+    return found
+
+
 def _numbers(path: Path, text: str) -> Array:
     """The cells of all lines, shape (n_x, n_y)."""
-    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), 1)]
-    rows = [(number, _cells(line)) for number, line in lines if line and line[0] != "#"]
-    for number, cells in rows:
-        if len(cells) != len(rows[0][1]):
-            first = f"{len(rows[0][1])} in line {rows[0][0]}"
-            raise FileError(f"{path}: line {number}: {len(cells)} cells, and {first}")
-    refuse_too_many_cells(path, len(rows[0][1]) if rows else 0, len(rows))
-    try:
-        numbers = np.array([cells for _, cells in rows], dtype=np.float64)
-    except ValueError:
-        raise FileError(f"{path}: {_first_bad(rows)}") from None
-    return numbers[::-1].T
+    lines = _lines(path, text)
+    first, start = lines[0] if lines else (1, "")
+    width = _count(start)
+    refuse_too_many_cells(path, width, len(lines))
+    rows, bad = [], False
+    for number, line in lines:
+        cells = _cells(line, width)
+        if len(cells) != width:
+            raise FileError(f"{path}: line {number}: {_count(line)} cells, and {width} in line {first}")
+        try:
+            rows.append(np.array(cells, dtype=np.float64))
+        except ValueError:
+            bad = True
+    if bad:
+        raise FileError(f"{path}: {_first_bad(lines)}")
+    return np.array(rows)[::-1].T
 
 
-def _cells(line: str) -> list[str]:
-    """A line's cells; if semicolons separate them, a comma is a decimal point."""
-    if ";" in line:
-        return [cell.strip().replace(",", ".") for cell in line.split(";")]
-    delimiter = next((delimiter for delimiter in ",\t" if delimiter in line), None)
-    return [cell.strip() for cell in line.split(delimiter)]
+def _lines(path: Path, text: str) -> list[tuple[int, str]]:
+    """The lines with cells, each with its number."""
+    if max(text.count("\n"), text.count("\r")) > MOST_CELLS:
+        raise FileError(f"{path}: more lines than the {MOST_CELLS:,} cells that can be read")
+    lines = ((number, line.strip()) for number, line in enumerate(text.splitlines(), 1))
+    return [(number, line) for number, line in lines if line and line[0] != "#"]
 
 
-def _first_bad(rows: list[tuple[int, list[str]]]) -> str:
+def _delimiter(line: str) -> str | None:
+    """What separates the cells of a line; None for blanks."""
+    return next((delimiter for delimiter in ";,\t" if delimiter in line), None)
+
+
+def _count(line: str) -> int:
+    """The number of a line's cells, which are not made."""
+    delimiter = _delimiter(line)
+    return line.count(delimiter) + 1 if delimiter else sum(1 for _ in re.finditer(r"\S+", line))
+
+
+def _cells(line: str, most: int = MOST_CELLS) -> list[str]:
+    """A line's cells, or one more than `most`; if semicolons separate them, a comma is a decimal point."""
+    delimiter = _delimiter(line)
+    if delimiter == ";":
+        return [cell.strip().replace(",", ".") for cell in line.split(";", most)]
+    return [cell.strip() for cell in line.split(delimiter, most)]
+
+
+def _first_bad(lines: Iterable[tuple[int, str]]) -> str:
     """The first cell that is no number, and how many others there are."""
-    bad = [(line, column, cell) for line, cells in rows for column, cell in enumerate(cells, 1) if not _number(cell)]
-    line, column, cell = bad[0]
+    bad = ((line, at, cell) for line, text in lines for at, cell in enumerate(_cells(text), 1) if not _number(cell))
+    line, column, cell = next(bad)
+    others = sum(1 for _ in bad)
     amiss = f"{shown(cell)} is not a number" if cell else "is blank"
-    others = f" ({len(bad) - 1} more such cell{'s'[: len(bad) > 2]})" if len(bad) > 1 else ""
-    return f"line {line}, column {column}: {amiss}{others}"
+    said = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
+    return f"line {line}, column {column}: {amiss}{said}"
 
 
 def _number(cell: str) -> bool:

@@ -1,0 +1,78 @@
+"""Arrays in files of numpy (.npy): the header is checked against the file before anything is allocated."""
+
+from __future__ import annotations
+
+import math
+import os
+import warnings
+from io import BufferedReader, BytesIO
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from rsegen.errors import FileError
+from rsegen.io.input_files import open_regular
+
+_LONGEST_HEADER = 10_000
+"""Bytes: that of an array of numbers has 128, and numpy parses no more by itself."""
+
+_SIZE_BYTES = {(1, 0): 2, (2, 0): 4}
+"""Bytes of the length of a header, by the version of the format; version 3 is for names that Latin-1 cannot write."""
+
+
+class NpyHeader(NamedTuple):
+    """What the header of a file says of its array."""
+
+    shape: tuple[int, ...]
+    is_fortran: bool
+    dtype: np.dtype[Any]
+
+
+def mapped(path: Path) -> NDArray[Any]:
+    """The array in a file, mapped into memory, read-only; FileError if the file is not what its header says."""
+    try:
+        with open_regular(path) as file:
+            shape, is_fortran, dtype = _checked_header(file)
+            order = "F" if is_fortran else "C"
+            return np.memmap(file, dtype=dtype, shape=shape, order=order, mode="r", offset=file.tell())
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from None
+    except (EOFError, MemoryError, OverflowError, TypeError, ValueError) as error:
+        why = str(error).partition("\n")[0][:100]
+        raise FileError(f"{path}: not an array of numbers that numpy saved (.npy): {why}") from None
+
+
+def _checked_header(file: BufferedReader) -> NpyHeader:
+    """The header of a file, which is then read up to its end; ValueError if the file cannot hold its array."""
+    found = _header(file)
+    if found.dtype.hasobject or not found.dtype.itemsize:
+        raise ValueError(f"its values are {str(found.dtype)[:40]}")
+    if any(cells < 0 for cells in found.shape):
+        raise ValueError(f"a shape of {str(found.shape)[:60]}")
+    promised = math.prod(found.shape) * found.dtype.itemsize
+    there = os.fstat(file.fileno()).st_size - file.tell()
+    if promised > there:
+        raise ValueError(f"its header promises {str(promised)[:40]} bytes, {there} are there")
+    return found
+
+
+def _header(file: BufferedReader) -> NpyHeader:
+    """The header as numpy reads it, of no more bytes than a header has; ValueError if it is none."""
+    version = npy.read_magic(file)
+    if version not in _SIZE_BYTES:
+        raise ValueError(f"version {version[0]}.{version[1]} of the format")
+    start = file.read(_SIZE_BYTES[version])
+    length = int.from_bytes(start, "little")
+    if length > _LONGEST_HEADER:
+        raise ValueError(f"a header of {length} bytes")
+    text = BytesIO(start + file.read(length))
+    reader = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # headers that Python 2 wrote
+            return NpyHeader(*reader(text))
+    except Exception:  # numpy parses it as Python, which fails in many ways
+        raise ValueError("its header is damaged") from None
