@@ -8,7 +8,7 @@ import struct
 import zlib
 
 EXTREMES = (0, 1, 2, 0x7F, 0x80, 0xFF, 0x7FFF, 0xFFFF, 0x10000, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
-_TEXT_BITS = (
+_TEXT_BITS: tuple[bytes, ...] = (
     b"\x00",
     b"\xff",
     b"\xef\xbb\xbf",
@@ -44,7 +44,7 @@ def damaged_bytes(rng: random.Random, content: bytes) -> bytes:
     return content
 
 
-def _once(rng: random.Random, content: bytes) -> bytes:
+def _once(rng: random.Random, content: bytes) -> bytes:  # noqa: PLR0911  # one for each way
     at = rng.randrange(len(content) + 1)
     near = rng.randrange(min(64, len(content)) + 1)
     match rng.randrange(8):
@@ -68,7 +68,7 @@ def _once(rng: random.Random, content: bytes) -> bytes:
     return rng.choice((b"", b"\x00" * 100, content * 2, content[::-1], rng.randbytes(100)))
 
 
-def damaged_text(rng: random.Random, content: bytes) -> bytes:
+def damaged_text(rng: random.Random, content: bytes) -> bytes:  # noqa: PLR0911  # one for each way
     """Text with letters, numbers or lines that do not belong there, in another encoding, or damaged as any bytes."""
     at = rng.randrange(len(content) + 1)
     lines = content.split(b"\n")
@@ -115,7 +115,7 @@ def _other_number(rng: random.Random, content: bytes) -> bytes:
 
 
 def damaged_png(rng: random.Random, content: bytes) -> bytes:
-    """A PNG with another header, or with chunks lost, repeated, moved or too long; checksums are right where that is said."""
+    """A PNG with another header, or with chunks lost, repeated, moved or too long, all with the right checksums."""
     chunks, at = [], 8
     while at + 12 <= len(content):
         (size,) = struct.unpack(">I", content[at : at + 4])

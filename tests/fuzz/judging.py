@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import importlib
 import json
 import os
@@ -11,18 +12,21 @@ import sys
 import tempfile
 import traceback
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from tests.fuzz.case import Case
-from tests.fuzz.sandbox import CPU_SECONDS, Exceeded, Sandbox
+from tests.fuzz.readers import called
+from tests.fuzz.sandbox import Exceeded, Sandbox
 
 FREE_MEMORY = 64_000_000
 FREE_DISK = 400_000
 """Bytes that rsegen finds free: it refuses what is valid and large, so that a case takes milliseconds."""
 LONGEST_LINE = 1200
+SILENCE = 120
+"""Seconds after which a case hangs in a library, where no signal ends it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -74,7 +78,7 @@ class Judge:
         ):
             importlib.import_module(name)
         importlib.import_module("PIL.Image").init()
-        usual = cli.failed  # type: ignore[attr-defined]
+        usual = cli.failed
 
         def failed(error: BaseException) -> int:
             self._error = error
@@ -83,7 +87,8 @@ class Judge:
         cli.failed = failed  # type: ignore[attr-defined]
 
     def failure(self, case: Case) -> Failure | None:
-        """What is wrong with what a case does; None if nothing is."""
+        """What is wrong with what a case does; None if nothing is. If it hangs where Python is not asked, all ends."""
+        faulthandler.dump_traceback_later(SILENCE, exit=True, file=self._streams[0])
         return self._in_fork(case) if case.forked else self._here(case)
 
     def _in_fork(self, case: Case) -> Failure | None:
@@ -141,76 +146,13 @@ class Judge:
         )
         try:
             with self._sandbox.watched():
-                code = _called(case.argv)
+                code = called(case.argv)
         finally:
             for each in (sys.stdout, sys.stderr):
                 each.flush()
             sys.stdout, sys.stderr = usual
         out, err = (os.pread(number, 10_000_000, 0).decode("utf-8", "surrogateescape") for number in (1, 2))
         return _Ended(code=code, out=out, err=err, error=self._error, amiss=tuple(self._sandbox.amiss))
-
-
-def _called(argv: tuple[str, ...]) -> object:
-    """The exit code of a command, or of a reader."""
-    cli: Any = sys.modules["rsegen.cli"]
-    try:
-        if argv and argv[0] in READERS:
-            READERS[argv[0]](*argv[1:])
-            return 0
-        return cli.main(list(argv))
-    except SystemExit as end:
-        return end.code
-    except Exception as error:  # as the edge of the command line does
-        if argv and argv[0] in READERS:
-            return cli.failed(error)
-        raise
-
-
-def _read_robot(name: str) -> None:
-    from rsegen.simulation.robots.sdf_file import from_file
-
-    robot = from_file(name)
-    robot.model("r", "classic")
-    robot.command("r", 0.1, 0.2, robot.backend or "classic")
-
-
-def _read_plan(name: str) -> None:
-    from rsegen.simulation.experiment.plan import load_plan
-
-    plan = load_plan(name)
-    _ = [row.label for row in plan.rows], plan.cells, next(plan.order(), None)
-
-
-def _read_log(name: str) -> None:
-    from rsegen.simulation.experiment.results import ResultsLog
-    from tests.fuzz.seeds import PLAN
-
-    log = ResultsLog(path=Path(name))
-    log.begin(PLAN)
-    log.results()
-
-
-def _read_summary(name: str) -> None:
-    from rsegen.simulation.experiment.run import load_summary
-
-    load_summary(Path(name))
-
-
-def _read_data_set(name: str) -> None:
-    from rsegen import Dataset
-
-    found = Dataset(name)
-    _ = repr(found), len(found), found.levels[0], found.levels[[0, -1]], found.metrics, list(found)
-
-
-READERS: Mapping[str, Callable[[str], None]] = {
-    "@robot": _read_robot,
-    "@plan": _read_plan,
-    "@log": _read_log,
-    "@summary": _read_summary,
-    "@dataset": _read_data_set,
-}
-"""Readers that no command calls alone."""
 
 
 def _amiss(ended: _Ended) -> Failure | None:
@@ -224,7 +166,8 @@ def _misbehaved(ended: _Ended) -> Failure | None:
     if "internal error" in ended.err or "Traceback" in ended.err:
         where = _place(ended.error) if ended.error else ""
         return Failure(sort=f"internal error {where}", detail=f"{ended.err.strip()} {where}")
-    if ended.code not in (0, 2) and not (ended.code == 1 and isinstance(ended.error, DatasetDamaged)):
+    fails = isinstance(ended.error, DatasetDamaged) or ended.err.startswith("rsegen: plug-in ")
+    if ended.code not in (0, 2) and not (ended.code == 1 and fails):
         where = _place(ended.error) if ended.error else ""
         return Failure(sort=f"exit code {ended.code} {where}", detail=f"{ended.code}: {ended.err.strip()} {where}")
     lines = ended.err.splitlines()
@@ -306,6 +249,3 @@ def _quiet_libraries() -> None:
     """Warnings of numpy's arithmetic are errors: what is computed of what is not a number is wrong."""
     warnings.simplefilter("ignore")
     warnings.filterwarnings("error", category=RuntimeWarning)
-
-
-LIMITS = f"{CPU_SECONDS} s of CPU time"

@@ -89,5 +89,19 @@ def _code_and_words(error: BaseException) -> tuple[int, str]:
             return 2 if error.errno in REFUSED else 1, said
         case MemoryError():
             return 1, "out of memory; give fewer chunks or a smaller chunk_size"
+    if said := _of_plugin(error):
+        return 1, said
     said = f"{type(error).__name__}: {error}"
     return 1, f"internal error, please report it: {said} (python -X dev -m rsegen shows where)"
+
+
+def _of_plugin(error: BaseException) -> str:
+    """What went wrong in the code of a plug-in that is a file, which others wrote; an empty text if it was elsewhere."""
+    from rsegen.params.plugins import failure, plugins
+
+    files = {each.module.__file__: each.source for each in plugins() if each.module.__file__}
+    step, last = error.__traceback__, ""
+    while step:
+        file = step.tb_frame.f_code.co_filename
+        last, step = (file if file in files else last), step.tb_next
+    return f"plug-in {files[last]}: {failure(error, last)}" if last else ""

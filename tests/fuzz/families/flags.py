@@ -33,7 +33,7 @@ _PLACES = (
     "loop",
     "x" * 9000,
 )
-_TARGETS = (
+_TARGETS: tuple[str, ...] = (
     "peak",
     "r.yaml",
     "maps",
@@ -57,7 +57,7 @@ _TARGETS += (
     "..",
     "a\rb",
 )
-_VALUES = (
+_VALUES: tuple[str, ...] = (
     "1",
     "2",
     "3x2",
@@ -89,7 +89,7 @@ _VALUES += (
     "max",
     "add",
 )
-_OBSTACLES = (
+_OBSTACLES: tuple[str, ...] = (
     "random levels=5",
     "peak levels=5 softness=30 first=2,2 last=7,7",
     "horizontal_barrier levels=4 first=0,1 last=3,1",
@@ -175,4 +175,4 @@ def _files(rng: random.Random) -> dict[str, Content]:
         "t.csv": TABLES[0],
     }
     files |= {"taken": b"a file\n", "loop": Special(kind="link", target="loop")}
-    return files | map_folder() if rng.random() < 0.3 else files
+    return {**files, **map_folder()} if rng.random() < 0.3 else files

@@ -11,7 +11,7 @@ from tests.fuzz.damage import damaged_text
 from tests.fuzz.families.recipes import special_or, written
 from tests.fuzz.hostile import Tree
 
-_TAGS = (
+_TAGS: tuple[bytes, ...] = (
     b"<!DOCTYPE s [<!ENTITY a 'x'>]>",
     b"<?xml version='1.0' encoding='utf-16'?>",
     b"<model name='b'/>",
@@ -40,7 +40,9 @@ _OUTCOME = {
     "rtf_max": 1.1,
     "share": None,
 }
-_LINES = ({"cell": {"row": 0, "size": 10, "pace": "real"}, "repeat": 0, "outcome": _OUTCOME},)
+_LINES: tuple[dict[str, Tree], ...] = (
+    {"cell": {"row": 0, "size": 10, "pace": "real"}, "repeat": 0, "outcome": _OUTCOME},
+)
 _LINES += ({"cell": {"row": 1, "size": 20, "pace": "free"}, "repeat": 1, "outcome": _OUTCOME | {"rtf": None}},)
 
 
@@ -58,10 +60,8 @@ def robot(rng: random.Random) -> Case:
     """A model of a robot in SDF."""
     content = seeds.ROBOT
     at = rng.randrange(len(content))
-    if rng.random() < 0.4:
-        content = content[:at] + rng.choice(_TAGS) + content[at:]
-    else:
-        content = damaged_text(rng, content)
+    tagged = content[:at] + rng.choice(_TAGS) + content[at:]
+    content = tagged if rng.random() < 0.4 else damaged_text(rng, content)
     argv = ("@robot", "cart.sdf") if rng.random() < 0.7 else ("drive", "peak", "--robot", "cart.sdf")
     return Case(family="robot", argv=argv, files={"cart.sdf": special_or(rng, content)})
 
@@ -77,7 +77,7 @@ def results(rng: random.Random) -> Case:
     """The log of an experiment's results, or its summary."""
     plan_ = {"plan": seeds.PLAN}
     if rng.random() < 0.5:
-        cells = [{**line["cell"], "outcomes": [line["outcome"]]} for line in _LINES]  # type: ignore[dict-item]
+        cells = [{**line["cell"], "outcomes": [line["outcome"]]} for line in _LINES]
         tree: Tree = {"machine": {"simulator": "x"}, **plan_, "cells": cells}
         return Case(
             family="results",
