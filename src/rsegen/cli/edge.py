@@ -96,7 +96,7 @@ def _code_and_words(error: BaseException) -> tuple[int, str]:
 
 
 def _of_plugin(error: BaseException) -> str:
-    """What went wrong in the code of a plug-in that is a file, which others wrote; an empty text if it was elsewhere."""
+    """What went wrong in the code of a plug-in, which others wrote; an empty text if it was elsewhere."""
     from rsegen.params.plugins import failure, plugins
 
     files = {each.module.__file__: each.source for each in plugins() if each.module.__file__}
