@@ -229,7 +229,7 @@ def _place(error: BaseException) -> str:
 
 def _plain(text: str) -> str:
     """The words of a message without what differs from case to case."""
-    return " ".join(re.findall(r"[a-z]{3,}", text.partition("\n")[0]))[:80]
+    return " ".join(re.findall(r"[a-z]{3,}", re.sub(r"/tmp/\S*", "", text.partition("\n")[0])))[:80]
 
 
 def _small_machine(root: Path) -> None:

@@ -115,5 +115,5 @@ def _damaged_file(rng: random.Random, name: str, content: bytes) -> bytes:
 def _tree(content: bytes) -> object:
     try:
         return json.loads(content)
-    except ValueError:
+    except (ValueError, RecursionError):  # it is damaged already
         return {}
