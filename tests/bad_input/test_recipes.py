@@ -102,9 +102,29 @@ YAML: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
     "itself as a list": ("obstacles: &a [*a]\n", ["obstacles[0]: [[", "is not an obstacle"]),
     "deep nesting": (f"obstacles: {'[' * 600}{']' * 600}\n", ["nested too deeply"]),
     "deep nesting of keys": ("{a: " * 3000, ["nested too deeply"]),
-    "a bomb": (BOMB, ["description: invalid value [[", "expected one line of up to 500 characters"]),
-    "a bomb as a kind": (f"{BOMB}obstacles: [{{kind: *i, max_height: 3}}]\n", ["obstacles[0].kind", *KINDS]),
-    "a bomb as a place": (f"{BOMB}obstacles: [{{kind: peak, max_height: 3, first: *i}}]\n", ["obstacles[0].first"]),
+    "a bomb": (BOMB, ["recipe.yaml:1: the aliases up to ", " stand for more than 4 MiB"]),
+    "very many obstacles by one alias": (
+        "obstacles:\n- &a {kind: peak, levels: 5}\n" + "- *a\n" * 200_000,
+        ["recipe.yaml:64529: the aliases up to 'a' stand for more than 4 MiB"],
+    ),
+    "a matrix of very many rows by one alias": (
+        f"obstacles: [{{kind: matrix, levels: 2, rows: [&r '{'1 ' * 10_000}'{', *r' * 10_000}]}}]\n",
+        ["the aliases up to 'r' stand for more than 4 MiB"],
+    ),
+    "a number to the base of 60": (f"seed: 1{':1' * 200_000}\n", ["not YAML: a number of more than 4300 digits"]),
+    "a fraction to the base of 60": (f"unit_cm: 1{':1' * 200_000}.5\n", ["a number of more than 4300 digits"]),
+    "more weights than levels": (
+        f"obstacles: [{{kind: random, levels: 2, weights: [{'1,' * 40_000}]}}]\n",
+        ["obstacles[0].weights: 40,000 values; give up to 32,767"],
+    ),
+    "more counts than levels": (
+        f"obstacles: [{{kind: random, levels: 2, counts: [{'1,' * 40_000}]}}]\n",
+        ["obstacles[0].counts: 40,000 values; give up to 32,767"],
+    ),
+    "an inventory of too many levels": (
+        f"inventory: [{'1,' * 40_000}]\n",
+        ["inventory: 40,000 values; give up to 32,767"],
+    ),
     "any bytes": (bytes(range(256)), ["not a text in UTF-8"]),
     "another encoding": ("description: über".encode("latin-1"), ["not a text in UTF-8"]),
     "sixteen bits a letter": ("seed: 1\n".encode("utf-16"), ["not a text in UTF-8"]),
@@ -136,6 +156,14 @@ JSON: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
     "too many digits": (f'{{"seed": {"9" * 9000}}}', ["not a recipe", "4300"]),
     "deep nesting": ("[" * 100_000, ["nested too deeply"]),
     "deep nesting of keys": ('{"a":' * 100_000, ["nested too deeply"]),
+    "very many obstacles": (
+        f'{{"obstacles": [{"{}," * 200_000}{{}}]}}',
+        ["obstacles: 200,001 values; give up to 200,000"],
+    ),
+    "very many rows of a matrix": (
+        f'{{"obstacles": [{{"kind": "matrix", "levels": 2, "rows": [{"1," * 1_000_000}1]}}]}}',
+        ["obstacles[0].rows: 1,000,001 values; give up to 1,000,000"],
+    ),
     "half a letter": ('{"name": "\\ud800"}', ["name: invalid value '\\ud800': expected"]),
     "a new line after the name": ('{"name": "x\\n"}', ["name: invalid value 'x\\n': expected"]),
     "sixteen bits a letter": ("{}".encode("utf-16"), ["not a text in UTF-8"]),

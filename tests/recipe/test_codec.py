@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -101,3 +102,17 @@ def test_the_parts_of_a_recipe_are_those_that_decide_a_map_its_looks_and_its_run
     assert replace(recipe, seed=8).representation == recipe.representation
     assert replace(recipe, first_map=2).run != recipe.run
     assert build(recipe.design, 2) == build(recipe, 2)
+
+
+def test_an_anchor_stands_for_what_it_names(tmp_path: Path) -> None:
+    short, long = tmp_path / "short.yaml", tmp_path / "long.yaml"
+    short.write_text("seed: 3\nobstacles:\n- &hill {kind: peak, levels: 5, first: &a [2, 2], last: *a}\n- *hill\n")
+    long.write_text("seed: 3\nobstacles:\n" + "- {kind: peak, levels: 5, first: [2, 2], last: [2, 2]}\n" * 2)
+    assert rsegen.load(short) == rsegen.load(long)
+
+
+def test_many_plug_ins_are_looked_up_among_many_obstacles_in_a_moment() -> None:
+    start = time.process_time()
+    plugins = {f"k{number}": "x 1" for number in range(20_000)}
+    decode({"plugins": plugins, "obstacles": [{"kind": "peak", "levels": 5}] * 20_000})
+    assert time.process_time() - start < 8

@@ -36,8 +36,8 @@ def mapped(path: Path) -> NDArray[Any]:
     try:
         with open_regular(path) as file:
             shape, is_fortran, dtype = _checked_header(file)
-            order = "F" if is_fortran else "C"
-            return np.memmap(file, dtype=dtype, shape=shape, order=order, mode="r", offset=file.tell())
+            start = file.tell()
+            return np.memmap(path, dtype=dtype, shape=shape, order="F" if is_fortran else "C", mode="r", offset=start)
     except OSError as error:
         raise FileError(f"{path}: {error.strerror or error}") from None
     except (EOFError, MemoryError, OverflowError, TypeError, ValueError) as error:

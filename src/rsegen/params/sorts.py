@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import operator
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from types import MappingProxyType
@@ -195,17 +195,19 @@ class Text:
 
 @dataclass(frozen=True)
 class ListOf:
-    """A list of values of one type, `length` of them or any number; a single value is a list of one."""
+    """A list of values of one type, `length` of them or up to `most`; a single value is a list of one."""
 
     sort: Parameter
     length: int | None = None
     help: str = ""
+    most: int = 1_000_000
 
     def check(self, where: str, value: object) -> tuple[Any, ...]:
         if not isinstance(value, (list, tuple)) and not self.length:
             return (self.sort.check(where, value),)
         if not isinstance(value, (list, tuple)) or len(value) != (self.length or max(len(value), 1)):
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
+        refuse_longer(where, value, self.most)
         return tuple(self.sort.check(f"{where}[{number}]", one) for number, one in enumerate(value))
 
     def parse(self, text: str) -> object:
@@ -218,11 +220,17 @@ class ListOf:
         sort = self.sort.schema()
         if self.length:
             return {"type": "array", "items": sort, "minItems": self.length, "maxItems": self.length}
-        return {"anyOf": [sort, {"type": "array", "items": sort, "minItems": 1}]}
+        return {"anyOf": [sort, {"type": "array", "items": sort, "minItems": 1, "maxItems": self.most}]}
 
     def describe(self) -> str:
         sort = self.sort.describe()
         return f"a list of {self.length} of {sort}" if self.length else f"{sort}, or a list of such"
+
+
+def refuse_longer(where: str, values: Sequence[object], most: int) -> None:
+    """Raise a ParameterError for a list of more than `most` values, before they are looked at."""
+    if len(values) > most:
+        raise ParameterError(where, f"{len(values):,} values; give up to {most:,}")
 
 
 def parameters(owner: type) -> Mapping[str, Parameter]:

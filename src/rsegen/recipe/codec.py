@@ -16,7 +16,7 @@ from rsegen import __version__
 from rsegen.errors import ParameterError, refuse_unknown, shown
 from rsegen.field.obstacles import KINDS, Obstacle, kind
 from rsegen.params.registry import summary
-from rsegen.params.sorts import Integer, Json, Parameter, Text, parameters
+from rsegen.params.sorts import Integer, Json, Parameter, Text, parameters, refuse_longer
 from rsegen.recipe.plugin_record import PluginRecord, check_plugins, needed_plugins
 from rsegen.recipe.recipe import Placement, Recipe
 
@@ -29,6 +29,9 @@ _ENVELOPE: dict[str, Parameter] = {
     "$schema": Text(r"[^\x00-\x1f]{0,500}", "the address of a schema", help="for editors"),
 }
 
+
+MOST_OBSTACLES = 200_000
+"""In a file: some ten seconds to read."""
 
 OTHER_NAMES = {"levels": "max_height"}
 """Parameters of obstacles that have a second name in files and flags."""
@@ -52,6 +55,7 @@ def decode_placements(entries: object) -> tuple[Placement, ...]:
     """The placements of a file's list of obstacles."""
     if not isinstance(entries, (list, tuple)):
         raise ParameterError("obstacles", f"{shown(entries)} is not a list; start every obstacle with '- kind: '")
+    refuse_longer("obstacles", entries, MOST_OBSTACLES)
     return tuple(_placement(f"obstacles[{number}]", entry) for number, entry in enumerate(entries))
 
 

@@ -8,6 +8,7 @@ from typing import Annotated
 
 from rsegen.errors import ParameterError, shown
 from rsegen.field.obstacles import Grid
+from rsegen.field.obstacles.base import MOST_LEVELS
 from rsegen.field.robot_limits import RobotLimits
 from rsegen.params.places import Cell, Size2D
 from rsegen.params.sorts import Choice, Float, Integer, ListOf, validate
@@ -49,7 +50,11 @@ class MapDesign:
     ] = None
     inventory: Annotated[
         tuple[int, ...] | None,
-        ListOf(Integer(0, 10**9), help="number of blocks in stock of level 1, 2, ...: only these are used"),
+        ListOf(
+            Integer(0, 10**9),
+            help="number of blocks in stock of level 1, 2, ...: only these are used",
+            most=MOST_LEVELS,
+        ),
     ] = None
     seed: Annotated[
         int, Integer(0, SEEDS - 1, help="random seed; if none is given, one is drawn and saved in recipe.json")

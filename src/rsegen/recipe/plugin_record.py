@@ -54,7 +54,8 @@ def needed_plugins(recipe: Recipe) -> dict[str, str]:
 
 def check_plugins(recorded: Mapping[str, str], rows: object) -> None:
     """Raise a ParameterError for the first kind in a file's rows whose plug-in is missing; warn of other versions."""
-    used = [row.get("kind") for row in rows if isinstance(row, Mapping)] if isinstance(rows, (list, tuple)) else []
+    kinds = [row.get("kind") for row in rows if isinstance(row, Mapping)] if isinstance(rows, (list, tuple)) else []
+    used = {kind for kind in kinds if isinstance(kind, str)}
     for kind in (kind for kind in recorded if kind in used):
         if kind not in KINDS:
             raise ParameterError("", f"the obstacle kind {kind!r} {Source.parse(recorded[kind]).remedy}")

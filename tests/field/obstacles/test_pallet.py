@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 
 import rsegen
+from rsegen.field.obstacles.pallet import _Limits
 from rsegen.recipe.examples import EXAMPLES
 
 MEASURED = rsegen.load(EXAMPLES["red-diagonal-pallet"])
@@ -118,3 +121,33 @@ def test_full_cubic_ones_in_half_units() -> None:
     assert set(np.unique(levels(made(height=9, step=2)))) == {0, 2, 4, 6, 8}
     with pytest.raises(rsegen.UserError, match="step: 5 is more than the highest level, 4"):
         made(step=5)
+
+
+def test_a_small_pallet_of_very_many_levels_is_made_in_a_bounded_time() -> None:
+    start = time.process_time()
+    recipe = made(side=4, height=32767)
+    assert sorted(levels(recipe).ravel())[-4:] == [32766] * 4
+    assert time.process_time() - start < 60
+
+
+def limits_of_failures(limits: _Limits, pallets: int, least: int, top: int, posts: int) -> list[list[int]]:
+    """What is tried for each pallet if only the last limit gives an order."""
+    return [list(limits.of_a_pallet(least, top, posts)) for _ in range(pallets)]
+
+
+def test_limits_rise_one_by_one_as_long_as_people_need_them_and_end_at_the_top() -> None:
+    (tried,) = limits_of_failures(_Limits(), 1, least=2, top=32766, posts=16)
+    assert tried[:16] == list(range(2, 18))
+    assert tried[16:19] == [21, 37, 101]
+    assert tried[-1] == 32766
+    assert len(tried) < 30
+
+
+def test_after_many_failures_pallets_begin_where_the_others_ended() -> None:
+    tried = limits_of_failures(_Limits(), 100, least=2, top=5, posts=16)
+    assert tried[:80] == [[2, 3, 4, 5]] * 80
+    assert tried[-1] == [5]
+
+
+def test_a_pallet_is_tried_with_the_top_alone_if_that_is_the_least() -> None:
+    assert list(_Limits().of_a_pallet(4, 4, 100)) == [4]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 
 import numpy as np
 import pytest
 
 import rsegen
+from rsegen.errors import ParameterError
 
 COUNTS = (9, 27, 33, 21, 10)
 
@@ -65,3 +67,11 @@ def test_counts_and_cells_are_as_many() -> None:
 def test_the_order_is_the_same_for_the_same_seed() -> None:
     one, other = (rsegen.build(made(side=30, max_step=1), 7) for _ in (0, 1))
     assert np.array_equal(one.levels, other.levels)
+
+
+def test_levels_with_a_gap_above_the_largest_step_are_refused_before_any_order_is_tried() -> None:
+    start = time.process_time()
+    recipe = made(side=300, counts=(80_000, 0, 0, 0, 10_000), max_step=3)
+    with pytest.raises(ParameterError, match=r"max_step: 3: no order of these blocks was found"):
+        rsegen.build(recipe)
+    assert time.process_time() - start < 5

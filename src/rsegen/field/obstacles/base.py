@@ -19,6 +19,9 @@ from rsegen.params.registry import Registry
 from rsegen.params.sorts import Float, Integer, validate
 from rsegen.params.streams import randint
 
+MOST_LEVELS = 32767
+"""Of an obstacle: the heights of blocks are 16-bit integers."""
+
 
 @dataclass(frozen=True, slots=True)
 class Grid:
@@ -54,7 +57,7 @@ class Obstacle(ABC):
         int,
         Integer(
             2,
-            32767,
+            MOST_LEVELS,
             unit="units",
             help="number of levels, also called levels: 5 of 10 cm are the heights 0, 10, 20, 30, 40 cm",
         ),

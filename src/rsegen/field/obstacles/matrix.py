@@ -13,9 +13,10 @@ from rsegen.field.obstacles.base import Grid, Obstacle, Patch, register
 from rsegen.field.obstacles.random_ends import random_ends
 from rsegen.field.stepfield import Ints
 from rsegen.params.places import ANYWHERE, Cell, Place
-from rsegen.params.sorts import Json, as_int
+from rsegen.params.sorts import Json, as_int, refuse_longer
 
 _ROW = r"([0-9]{1,5}|\.)( ([0-9]{1,5}|\.))*"
+_MOST_ROWS = 1_000_000
 _SCHEMA_ROW = r"^[0-9. ,]*[0-9.][0-9. ,]*$"
 
 
@@ -28,6 +29,7 @@ class Rows:
     def check(self, where: str, value: object) -> tuple[str, ...]:
         if not isinstance(value, (list, tuple)) or not value:
             raise ParameterError(where, f"{shown(value)} is not a list of rows; give {self.describe()}")
+        refuse_longer(where, value, _MOST_ROWS)
         rows = tuple(self._row(f"{where}[{number}]", row) for number, row in enumerate(value))
         lengths = [row.count(" ") + 1 for row in rows]
         for number, length in enumerate(lengths):

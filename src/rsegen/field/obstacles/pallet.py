@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache, partial
+from itertools import count
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -17,6 +19,14 @@ from rsegen.params.sorts import Choice, Integer, ListOf
 
 _BEYOND = (9, 27, 24, 12)
 """Number of posts of each length in the measured pallet, outside its ridge of 4 units and the adjacent lines."""
+
+
+_ONE_BY_ONE = 16
+"""Limits of a pallet of up to 100 levels, nearly all of which need three or fewer: a third of a second each."""
+
+_FEW_POSTS = 1000
+_MOST_SPENT = 250 * _FEW_POSTS
+"""Posts that are rearranged in vain in one map, a minute and a half; a small pallet costs as much as one of 1000."""
 
 
 @register
@@ -68,15 +78,15 @@ class Pallet(Obstacle):
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """The levels of one pallet per square of chunk size, and of a smaller one for a rest at the end."""
         (x1, x2), (y1, y2) = (sorted(ends) for ends in zip(first, last, strict=True))
-        levels = np.zeros((x2 - x1 + 1, y2 - y1 + 1), dtype=np.int16)
+        levels, limits = np.zeros((x2 - x1 + 1, y2 - y1 + 1), dtype=np.int16), _Limits()
         for number, tile in enumerate(_tiles(levels.shape, grid.chunk_size)):
             pattern, turns = self.pattern[number % len(self.pattern)], self.turns[number % len(self.turns)]
             n_x, n_y = levels[tile].shape[:: -1 if turns % 2 else 1]
-            levels[tile] = np.rot90(self._pallet(pattern, (n_x, n_y), rng), turns)
+            levels[tile] = np.rot90(self._pallet(pattern, (n_x, n_y), limits, rng), turns)
         levels = np.floor(levels * self.step * (1 - self.softness / 100) + 1e-9).astype(np.int16)
         return Patch((slice(x1, x2 + 1), slice(y1, y2 + 1)), levels, np.ones(levels.shape, dtype=bool))
 
-    def _pallet(self, pattern: str, shape: Cell, rng: np.random.Generator) -> Levels:
+    def _pallet(self, pattern: str, shape: Cell, limits: _Limits, rng: np.random.Generator) -> Levels:
         """The levels of one pallet, unrotated, in multiples of `step`: always the same blocks in a random order."""
         top = (self.max_height - 1) // self.step
         limit = max(-(-top // 2), 1)
@@ -84,13 +94,38 @@ class Pallet(Obstacle):
         drawn = _half(pattern, shape) if self.symmetry == "symmetric" else np.ones(shape, dtype=bool)
         shoulders = dict.fromkeys(range(max(top - 2, top - limit), top), 1.0)
         levels = np.full(shape, -1)
-        for zone, wanted in enumerate(({top: 1.0}, shoulders, _beyond(top))):
+        ridge, beside = partial(_shared, {top: 1.0}), partial(_shared, shoulders)
+        for zone, shared in enumerate((ridge, beside, partial(_shared_beyond, top))):
             cells = np.flatnonzero(drawn & (zones == zone))
-            levels.flat[cells[np.argsort(rng.random(len(cells)), kind="stable")]] = _shared(len(cells), wanted)
+            levels.flat[cells[np.argsort(rng.random(len(cells)), kind="stable")]] = shared(len(cells))
         zones = np.where(drawn & (zones > 0), zones, -1)
-        orders = (rearranged(levels, most, rng, zones) for most in range(limit, top + 1))
+        orders = (rearranged(levels, most, rng, zones) for most in limits.of_a_pallet(limit, top, levels.size))
         found = next(order for order in orders if order is not None)  # small pallets of many levels have higher steps
         return np.asarray(np.where(drawn, found, _mirrored(pattern, found)))
+
+
+class _Limits:
+    """The largest steps with which the pallets of one map are tried, from the smoothest on.
+
+    One by one, as long as that is quick; after `_ONE_BY_ONE` of a pallet, or if the map has cost too much already, ever
+    further apart, and the next pallets begin where these ended.
+    """
+
+    def __init__(self) -> None:
+        self._spent, self._highest = 0, 0
+
+    def of_a_pallet(self, least: int, top: int, posts: int) -> Iterator[int]:
+        """Limits from `least` to `top`, with which every order is right; ask for the next one if there is no order."""
+        limit = max(least, min(self._highest, top)) if self._spent > _MOST_SPENT else least
+        apart = 1
+        for tried in count(1):
+            self._highest = max(self._highest, limit)
+            yield limit
+            if limit == top:
+                return
+            self._spent += max(posts, _FEW_POSTS)
+            apart = 1 if tried < _ONE_BY_ONE and self._spent <= _MOST_SPENT else 4 * apart
+            limit = min(limit + apart, top)
 
 
 def _tiles(shape: Cell, side: int) -> Iterator[tuple[slice, slice]]:
@@ -126,13 +161,14 @@ def _mirrored(pattern: str, levels: Levels) -> Levels:
     return levels.T if levels.shape[0] == levels.shape[1] else levels[::-1, ::-1]
 
 
-def _beyond(top: int) -> dict[int, float]:
-    """The frequency of each level outside the ridge and its shoulders, for posts of up to `top` steps."""
+@lru_cache(maxsize=64)
+def _shared_beyond(top: int, blocks: int) -> Ints:
+    """The levels of `blocks` blocks outside the ridge and its shoulders, for posts of up to `top` steps."""
     at = np.linspace(0, len(_BEYOND) - 1, top) if top > 1 else np.zeros(top)
-    return dict(enumerate(np.interp(at, range(len(_BEYOND)), _BEYOND).tolist()))
+    return _shared(dict(enumerate(np.interp(at, range(len(_BEYOND)), _BEYOND).tolist())), blocks)
 
 
-def _shared(blocks: int, wanted: dict[int, float]) -> Ints:
+def _shared(wanted: dict[int, float], blocks: int) -> Ints:
     """The levels of `blocks` blocks in the wanted proportions, by the method of largest remainders."""
     exact = np.array(list(wanted.values())) / sum(wanted.values()) * blocks
     counts = np.floor(exact + 1e-9).astype(np.int64)

@@ -10,11 +10,11 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Region, register
+from rsegen.field.obstacles.base import MOST_LEVELS, Grid, Obstacle, Patch, Region, register
 from rsegen.field.obstacles.rearranged import rearranged
 from rsegen.field.stepfield import Array, Levels
 from rsegen.params.places import Cell, Place
-from rsegen.params.sorts import Float, Integer, Json, parse_int
+from rsegen.params.sorts import Float, Integer, Json, parse_int, refuse_longer
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,7 @@ class Weights:
     def check(self, where: str, value: object) -> tuple[float, ...]:
         if not isinstance(value, (list, tuple)) or not value:
             raise ParameterError(where, f"{shown(value)} is not a list of weights; give {self.describe()}")
+        refuse_longer(where, value, MOST_LEVELS)
         weights = tuple(Float(0, 1e12).check(f"{where}[{level}]", one) for level, one in enumerate(value))
         if not any(weights):
             raise ParameterError(where, "all weights are 0; give at least one above 0")
@@ -38,7 +39,7 @@ class Weights:
         return ",".join(map(str, value))
 
     def schema(self) -> dict[str, Json]:
-        return {"type": "array", "items": Float(0, 1e12).schema(), "minItems": 1}
+        return {"type": "array", "items": Float(0, 1e12).schema(), "minItems": 1, "maxItems": MOST_LEVELS}
 
     def describe(self) -> str:
         return "one number from 0 on for each level, lowest level first, as in [1, 2, 2, 1, 1]"
@@ -51,6 +52,7 @@ class Counts(Weights):
     def check(self, where: str, value: object) -> tuple[int, ...]:
         if not isinstance(value, (list, tuple)) or not value:
             raise ParameterError(where, f"{shown(value)} is not a list of counts; give {self.describe()}")
+        refuse_longer(where, value, MOST_LEVELS)
         counts = tuple(Integer(0, 10**9).check(f"{where}[{level}]", one) for level, one in enumerate(value))
         if not any(counts):
             raise ParameterError(where, "all counts are 0; give at least one above 0")
@@ -60,7 +62,7 @@ class Counts(Weights):
         return [parse_int(part) for part in text.split(",")]
 
     def schema(self) -> dict[str, Json]:
-        return {"type": "array", "items": Integer(0, 10**9).schema(), "minItems": 1}
+        return {"type": "array", "items": Integer(0, 10**9).schema(), "minItems": 1, "maxItems": MOST_LEVELS}
 
     def describe(self) -> str:
         return "a number of blocks for each level, lowest level first, as in [9, 27, 33, 21, 10]"
@@ -118,7 +120,7 @@ class Random(Region):
             return patch
         levels = patch.levels if self.counts is None else self._shuffled(patch.levels.shape, rng)
         if self.max_step is not None:
-            order = rearranged(levels, self.max_step, rng)
+            order = rearranged(levels, self.max_step, rng) if _has_no_gap(levels, self.max_step) else None
             if order is None:
                 raise ParameterError(
                     "max_step",
@@ -139,3 +141,8 @@ class Random(Region):
         shares = np.array(list(accumulate(self.weights))) / math.fsum(self.weights)
         top = max(level for level, weight in enumerate(self.weights) if weight)
         return np.minimum(np.searchsorted(shares, f, side="right"), top).astype(np.int16)
+
+
+def _has_no_gap(levels: Levels, limit: int) -> bool:
+    """Whether no step between one level and the next higher one is above the limit: somewhere they are neighbours."""
+    return not (np.diff(np.unique(levels)) > limit).any()

@@ -90,9 +90,12 @@ class _Grid:
         chances = np.cumprod([1.0, *[worse] * 8])
         for cells in self._colours:
             one, other = self._pairs(cells, rng)
+            if not len(one):
+                continue
             was, is_to_be = self._levels[one], self._levels[other]
-            harm = self._amiss(one, is_to_be) + self._amiss(other, was) - self._amiss(one, was)
-            harm = np.clip(harm - self._amiss(other, is_to_be), 0, len(chances) - 1)
+            pairs, swaps = np.concatenate([one, other]), np.concatenate([is_to_be, was, was, is_to_be])
+            amiss = self._amiss(np.tile(pairs, 2), swaps).reshape(4, len(one))  # at once: most grids are small
+            harm = np.clip(amiss[0] + amiss[1] - amiss[2] - amiss[3], 0, len(chances) - 1)
             swapped = rng.random(len(one)) < chances[harm]
             self._levels[one[swapped]] = is_to_be[swapped]
             self._levels[other[swapped]] = was[swapped]

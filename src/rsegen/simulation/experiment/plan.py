@@ -46,6 +46,8 @@ class TableRow:
 
     def __post_init__(self) -> None:
         validate(self)
+        if not isinstance(self.recipe, Mapping | None):
+            raise ParameterError("recipe", f"{shown(self.recipe)} is not parameters of a recipe, such as {{chunks: 2}}")
         for size in self.sizes:
             if size % _BLOCKS:
                 raise ParameterError("sizes", f"{size} is no multiple of {_BLOCKS} blocks")
@@ -138,13 +140,19 @@ def _plan(path: Path) -> ExperimentPlan:
     if not isinstance(said, Mapping) or not isinstance(said.get("rows"), list):
         raise FileError(f"{path}: not a plan of an experiment; it has name: and a list of rows:")
     try:
-        known = [*parameters(ExperimentPlan), "rows"]
-        refuse_unknown("key", said, known)
-        rows = tuple(_row(number, row) for number, row in enumerate(said["rows"]))
-        values = {"name": path.stem, **{key: value for key, value in said.items() if key != "rows"}}
-        return ExperimentPlan(rows=rows, **values)
+        return read_plan(path.stem, said)
     except ParameterError as error:
         raise error.of(str(path)) from None
+
+
+def read_plan(name: str, said: Mapping[str, Json]) -> ExperimentPlan:
+    """The plan that a file's content stands for, called `name` if it says none; ParameterError for a wrong value."""
+    if not isinstance(said, Mapping) or not isinstance(said.get("rows"), list):
+        raise ParameterError("plan", f"{shown(said)} is not a plan, which has name: and a list of rows:")
+    known = [*parameters(ExperimentPlan), "rows"]
+    refuse_unknown("key", said, known)
+    rows = tuple(_row(number, row) for number, row in enumerate(said["rows"]))
+    return ExperimentPlan(rows=rows, **{"name": name, **{key: value for key, value in said.items() if key != "rows"}})
 
 
 def _row(number: int, said: object) -> TableRow:

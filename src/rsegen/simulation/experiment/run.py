@@ -9,12 +9,14 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from rsegen.errors import FileError, ParameterError
+from rsegen.io import recipe_file
 from rsegen.io.writer import write_file
 from rsegen.simulation.experiment.machine import description
-from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, TableRow, load_plan
+from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, load_plan, read_plan
 from rsegen.simulation.experiment.report import plot, report_page, trials_csv
-from rsegen.simulation.experiment.results import Results, ResultsLog
-from rsegen.simulation.experiment.trial import Outcome, run_trial
+from rsegen.simulation.experiment.results import Results, ResultsLog, read_cell, read_outcome
+from rsegen.simulation.experiment.trial import run_trial
 from rsegen.simulation.simulators.launching import choose_installation
 
 RESULTS_FILE = "results.jsonl"
@@ -67,14 +69,22 @@ def experiment(
 
 
 def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str]]:
-    """The plan, the outcomes and the machine of a summary.json that `experiment` wrote."""
-    content = json.loads(file.read_text("utf-8"))
-    plan = ExperimentPlan(**{**content["plan"], "rows": tuple(TableRow(**row) for row in content["plan"]["rows"])})
-    results = {
-        Cell(row=cell["row"], size=cell["size"], pace=cell["pace"]): [Outcome(**one) for one in cell["outcomes"]]
-        for cell in content["cells"]
-    }
-    return plan, results, content["machine"]
+    """The plan, the outcomes and the machine of a summary.json that `experiment` wrote; FileError if it is damaged."""
+    found = recipe_file.content(file)
+    try:
+        plan = read_plan(file.stem, found["plan"])  # type: ignore[index]  # a TypeError if it is no mapping
+        results = {
+            read_cell({key: cell[key] for key in ("row", "size", "pace")}, len(plan.rows)): [
+                read_outcome(one) for one in cell["outcomes"]
+            ]
+            for cell in found["cells"]  # type: ignore[index]
+        }
+        machine = {str(name): str(value) for name, value in found["machine"].items()}  # type: ignore[index]
+    except ParameterError as error:
+        raise error.of(str(file)) from None
+    except (AttributeError, KeyError, TypeError) as error:
+        raise FileError(f"{file}: not the summary of an experiment: {error}") from None
+    return plan, results, machine
 
 
 def _files(found: ExperimentResult) -> dict[str, bytes]:
