@@ -166,11 +166,11 @@ def _misbehaved(ended: _Ended) -> Failure | None:
     from rsegen.errors import DatasetDamaged
 
     if "internal error" in ended.err or "Traceback" in ended.err:
-        where = _place(ended.error) if ended.error else ""
+        where = _place(ended.error)
         return Failure(sort=f"internal error {where}", detail=f"{ended.err.strip()} {where}")
     fails = isinstance(ended.error, DatasetDamaged) or ended.err.startswith("rsegen: plug-in ")
     if ended.code not in (0, 2) and not (ended.code == 1 and fails):
-        where = _place(ended.error) if ended.error else ""
+        where = _place(ended.error)
         return Failure(sort=f"exit code {ended.code} {where}", detail=f"{ended.code}: {ended.err.strip()} {where}")
     lines = ended.err.splitlines()
     if ended.code != 0 and (len(lines) != 1 or not lines[0].startswith("rsegen")):
@@ -200,7 +200,9 @@ def _wrote(case: Case, ended: _Ended, before: Mapping[str, object], after: Mappi
             one in (".", name) or name.startswith(f"{one}{os.sep}") or one.startswith(name + os.sep) for one in outputs
         )
         if not inside:
-            return Failure(sort=f"wrote with exit code {ended.code} {_plain(ended.err)}", detail=f"{name}: {ended.err}")
+            return Failure(
+                sort=f"wrote with exit code {ended.code} {_place(ended.error)}", detail=f"{name}: {ended.err}"
+            )
         if os.path.basename(name).startswith(".") and name in after:
             return Failure(sort="left a hidden file", detail=name)
     return None
@@ -220,8 +222,10 @@ def _snapshot(folder: Path) -> dict[str, object]:
     return found
 
 
-def _place(error: BaseException) -> str:
+def _place(error: BaseException | None) -> str:
     """The last line of rsegen that an error came by, and the sort of error."""
+    if error is None:
+        return ""
     frames = [
         frame for frame in traceback.extract_tb(error.__traceback__) if f"{os.sep}rsegen{os.sep}" in frame.filename
     ]

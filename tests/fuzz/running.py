@@ -95,8 +95,9 @@ class Report:
         if line:
             CORPUS.mkdir(exist_ok=True)
             name = f"{read_case(line).family.replace(' ', '-')}-{hashlib.sha256(sort.encode()).hexdigest()[:8]}.json"
-            (CORPUS / name).write_text(f"{line}\n", "utf-8")
-            again = f"--replay {(CORPUS / name).relative_to(ROOT)}"
+            if not (CORPUS / name).exists():  # else it is another case of a failure that was mended once
+                (CORPUS / name).write_text(f"{line}\n", "utf-8")
+                again = f"--replay {(CORPUS / name).relative_to(ROOT)}"
         self.examples[sort] = f"{' '.join(detail.split())[:400]}\n    python -m tests.fuzz {again}"
 
     def end(self) -> None:
