@@ -3,6 +3,7 @@
 # make test-fast   the tests without a simulator, a window and all that is slow: within a minute on two cores
 # make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
 # make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
+# make crash    kills runs and fills disks at random moments; CRASH="--kills 200 --disks 20 --seed 7"
 # make check    lint, types, import contracts
 # make package  builds wheel and sdist into dist/ and tries the wheel
 # make docs     makes the generated parts of the manual and its pictures anew
@@ -17,8 +18,9 @@ ARGS ?= --numprocesses=auto
 FAST ?= --numprocesses=2
 MUTANTS ?=
 FUZZ ?=
+CRASH ?=
 
-.PHONY: worlds test test-fast mutants fuzz check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: worlds test test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in src/rsegen/recipe/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
@@ -34,6 +36,9 @@ mutants: $(VENV)/developer
 
 fuzz: $(VENV)/developer
 	$(BIN)/python -m tests.fuzz $(FUZZ)
+
+crash: $(VENV)/developer
+	$(BIN)/python -m tests.crash $(CRASH)
 
 check: $(VENV)/developer
 	$(BIN)/ruff check .

@@ -61,6 +61,8 @@ if TYPE_CHECKING:
     from rsegen.io.recipe_file import save as save
     from rsegen.io.series import Series as Series
     from rsegen.io.series import series as series
+    from rsegen.io.verifying import Verified as Verified
+    from rsegen.io.verifying import verify as verify
     from rsegen.io.worlds import Generated as Generated
     from rsegen.io.worlds import GeneratedMap as GeneratedMap
     from rsegen.io.worlds import generate as generate
@@ -107,6 +109,7 @@ _HOMES = {
     "rsegen.io.importers": ("imported",),
     "rsegen.io.recipe_file": ("load", "save"),
     "rsegen.io.series": ("Series", "series"),
+    "rsegen.io.verifying": ("Verified", "verify"),
     "rsegen.io.worlds": ("Generated", "GeneratedMap", "generate"),
     "rsegen.params.plugins": ("load_plugin",),
     "rsegen.recipe.building": ("build",),

@@ -12,7 +12,8 @@ RsegenError
 │   └── NothingRuns      no simulation runs that could be changed
 ├── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
 ├── WorkerLost           a worker was killed from outside; nothing half written is left; exit code 1
-├── DatasetDamaged       a data set on disk is not what was made; exit code 1
+├── FilesDamaged         files on disk are not what rsegen wrote; exit code 1
+│   └── DatasetDamaged   those of a data set
 └── SimulatorFailed      a simulator died, fell silent or did not load its world; exit code 1
 """
 
@@ -71,7 +72,11 @@ class WorkerLost(RsegenError):
     """A worker was killed from outside, by the system for want of memory or by a person."""
 
 
-class DatasetDamaged(RsegenError):
+class FilesDamaged(RsegenError):
+    """Files on disk are not what rsegen wrote."""
+
+
+class DatasetDamaged(FilesDamaged):
     """A data set on disk is not what was made."""
 
 

@@ -81,10 +81,10 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a picture of another ending": (["preview", "two.yaml", "-o", "p.bmp"], ["p.bmp: ", ".png, .svg, .pdf"]),
     "a picture of an ending only": (["preview", "two.yaml", "-o", ".png"], [".png: ", "not a picture's name"]),
     "a picture of no name": (["preview", "two.yaml", "-o", ""], ["not a picture's name"]),
-    "a picture that is there": (["preview", "two.yaml", "-o", "old.png"], ["old.png: is there already", "--force"]),
+    "a picture that is there": (["preview", "two.yaml", "-o", "old.png"], ["old.png: exists already", "--force"]),
     "a picture that is a folder": (
         ["preview", "two.yaml", "-o", "folder.png", "--force"],
-        ["folder.png: is there already and is not a file"],
+        ["folder.png: exists already and is not a file"],
     ),
     "a picture in a file": (["preview", "two.yaml", "-o", "file/p.png"], ["file/p.png: cannot be written"]),
     "a picture of a map beyond": (["preview", "two.yaml", "-o", "p.png", "--map", "2"], ["--map", "rse_0001"]),
@@ -130,10 +130,10 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         ["s.png: not a name of a build sheet", ".pdf or .csv"],
     ),
     "a sheet of no name": (["sheet", "two.yaml", "-o", ""], ["not a name of a build sheet"]),
-    "a sheet that is there": (["sheet", "two.yaml", "-o", "old.csv"], ["old.csv: is there already", "--force"]),
+    "a sheet that is there": (["sheet", "two.yaml", "-o", "old.csv"], ["old.csv: exists already", "--force"]),
     "a sheet beside a table that is there": (
         ["sheet", "two.yaml", "-o", "s.pdf", "--csv", "old.csv"],
-        ["old.csv: is there already", "--force"],
+        ["old.csv: exists already", "--force"],
     ),
     "a sheet of two tables": (
         ["sheet", "two.yaml", "-o", "s.csv", "--csv", "t.csv"],
@@ -201,7 +201,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "metrics drawn on a text": (["metrics", "two.yaml", "-o", "p.txt"], ["p.txt: ", ".png, .svg, .pdf"]),
     "metrics drawn on what is there": (
         ["metrics", "two.yaml", "--robot", "burger", "-o", "old.png"],
-        ["old.png: is there already", "--force"],
+        ["old.png: exists already", "--force"],
     ),
 }
 
@@ -246,33 +246,33 @@ def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, c
 def test_a_map_that_is_there_is_left_alone_and_no_other_is_begun(refused: Refused) -> None:
     assert exit_code("generate", *OBSTACLE, "--first-map", "2", "-o", "out") == 0
     line = refused("generate", *OBSTACLE, "--maps", "5", "-o", "out")
-    assert "out/rse_0002: is there already; give --force to replace it" in line
+    assert "out/rse_0002: exists already; give --force to replace it" in line
 
 
 @pytest.mark.parametrize("name", ["rse_0001", "series.csv", "series.png"])
 def test_a_series_that_meets_what_is_there_is_not_begun(refused: Refused, name: str) -> None:
     Path("out").mkdir()
     recipe("years of work", f"out/{name}")
-    assert f"out/{name}: is there already; give --force" in refused("series", *OBSTACLE, "--maps", "3", "-o", "out")
+    assert f"out/{name}: exists already; give --force" in refused("series", *OBSTACLE, "--maps", "3", "-o", "out")
 
 
 def test_force_spares_a_folder_in_the_place_of_a_table(refused: Refused) -> None:
     Path("out/series.csv").mkdir(parents=True)
     line = refused("series", *OBSTACLE, "--maps", "3", "--force", "-o", "out")
-    assert "out/series.csv: is there already and is not a file" in line
+    assert "out/series.csv: exists already and is not a file" in line
 
 
 def test_force_spares_a_folder_that_is_not_a_map(refused: Refused) -> None:
     Path("out/rse_0001").mkdir(parents=True)
     recipe("years of work", "out/rse_0001/thesis.tex")
     line = refused("generate", *OBSTACLE, "--maps", "2", "--force", "-o", "out")
-    assert "out/rse_0001: was not made by rsegen (it has no recipe.json)" in line
+    assert "out/rse_0001/thesis.tex: was not written by rsegen, and would be lost" in line
 
 
 def test_force_spares_a_file_in_the_place_of_a_map(refused: Refused) -> None:
     Path("out").mkdir()
     recipe("years of work", "out/rse_0000")
-    assert "out/rse_0000: was not made by rsegen" in refused("generate", *OBSTACLE, "--force", "-o", "out")
+    assert "out/rse_0000: is a file" in refused("generate", *OBSTACLE, "--force", "-o", "out")
 
 
 @pytest.mark.parametrize("target", ["elsewhere", "nowhere"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,6 +14,9 @@ import pytest
 
 from rsegen import Dataset
 from rsegen.errors import FileError
+from rsegen.io.dataset.layout import ROW
+from rsegen.io.dataset.manifest import read_record, record_header
+from rsegen.io.dataset.tables import read_parquet
 from tests.support.complaints import MANY_DIGITS, OBSTACLE, Refused, exit_code, the_line
 
 MADE = ["dataset", *OBSTACLE, "--maps", "10", "--shard-maps", "4"]
@@ -90,7 +94,7 @@ def test_a_map_beyond(refused: Refused) -> None:
 
 def test_a_data_set_that_is_there_or_unfinished(refused: Refused) -> None:
     assert exit_code(*MADE, "-o", "set") == 0
-    assert "set: a data set is there already; give --resume" in refused(*MADE, "-o", "set")
+    assert "set: a data set exists there already; give --resume" in refused(*MADE, "-o", "set")
     Path("set/manifest.json").rename("set/unfinished.jsonl")
     assert "set: is not finished" in refused("info", "set#0")
     assert "set: holds another data set" in refused(*MADE, "--resume", "-o", "set")
@@ -128,3 +132,38 @@ def test_more_than_the_disk_has(refused: Refused) -> None:
 
 def test_maps_larger_than_memory(refused: Refused) -> None:
     assert "chunks: a map of" in refused("dataset", *OBSTACLE, "--chunks", "1000000", "-o", "set")
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_record_of_deep_nesting(tmp_path: Path, first: bool) -> None:
+    assert exit_code(*MADE, "-o", tmp_path / "set") == 0
+    layout = Dataset(tmp_path / "set").layout
+    deep = "[" * 100_000 + "\n"
+    (tmp_path / "unfinished.jsonl").write_text(deep if first else record_header(layout) + deep)
+    if first:
+        assert read_record(tmp_path, layout) is None
+        return
+    with pytest.raises(FileError, match=r"unfinished\.jsonl: was changed by something else"):
+        read_record(tmp_path, layout)
+
+
+def test_a_table_of_metrics_with_other_types(tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    from pyarrow import parquet
+
+    names = [name for name in ROW.names or () if name != "map"]
+    parquet.write_table(pyarrow.table({"map": [0], **{name: ["x" * 1000] for name in names}}), tmp_path / "a.parquet")
+    with pytest.raises(FileError, match=r"a\.parquet: is not the metrics of 1 maps"):
+        read_parquet(tmp_path / "a.parquet", 1)
+
+
+@pytest.mark.parametrize("name", ["manifest.json", "unfinished.jsonl", "levels-00000.npy", "metrics-00000.npy"])
+def test_a_pipe_in_a_data_set_is_no_file_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+    folder = tmp_path / "set"
+    assert exit_code(*MADE, "-o", folder) == 0
+    (folder / name).unlink(missing_ok=True)
+    os.mkfifo(folder / name)
+    capsys.readouterr()
+    code = exit_code("dataset", "--verify", folder)
+    assert code == {"manifest.json": 2, "unfinished.jsonl": 0}.get(name, 1)
+    assert code == 0 or str(folder) in the_line(capsys.readouterr().err)

@@ -193,7 +193,7 @@ def test_closed_output_does_not_keep_a_map_from_being_made(tmp_path: Path, close
 
 @pytest.mark.slow
 def test_a_folder_that_cannot_be_printed_is_written_all_the_same(tmp_path: Path) -> None:
-    for code, words in ((0, ""), (2, "is there already")):
+    for code, words in ((0, ""), (2, "exists already")):
         process = started("generate", *OBSTACLE, "-o", tmp_path / "über", PYTHONIOENCODING="ascii")
         found, err = ended(process)
         assert found == code

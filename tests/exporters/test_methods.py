@@ -142,7 +142,7 @@ def test_what_cannot_be_exported_is_said_in_one_line_and_leaves_nothing(
 
 def test_a_file_is_replaced_by_force_alone(scene: Scene, tmp_path: Path) -> None:
     scene.export(tmp_path / "x.stl")
-    with pytest.raises(UserError, match="is there already"):
+    with pytest.raises(UserError, match="exists already"):
         scene.export(tmp_path / "x.stl")
     (tmp_path / "x.stl").write_bytes(b"")
     assert scene.export(tmp_path / "x.stl", force=True).path.stat().st_size > 100

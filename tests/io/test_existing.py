@@ -127,7 +127,7 @@ def test_a_map_of_another_recipe_is_refused_before_anything_is_written(
     before = snapshot(tmp_path)
     capsys.readouterr()
     assert generated(tmp_path, "--maps", "4", *other, "--resume") == 2
-    assert "rse_0002: is there already and is not this map" in the_line(capsys.readouterr().err)
+    assert "rse_0002: exists already and is not this map" in the_line(capsys.readouterr().err)
     assert snapshot(tmp_path) == before
 
 
@@ -146,18 +146,16 @@ def test_to_keep_and_to_replace_exclude_each_other(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_only_what_rsegen_itself_left_of_these_maps_is_cleared_away(tmp_path: Path) -> None:
-    left = [".rse_0000.0123abcd", ".rse_0001.ffffffff", ".rse_0001.00000000.old"]
-    spared = [".rse_0000.0123ABCD", ".rse_0000.0123abc", ".rse_0000.0123abcd.older", ".rse_0002.0123abcd", ".git"]
-    spared += [".rse_000.0123abcd", ".rse_00000.0123abcd", ".other_0000.0123abcd", "rse_0000.0123abcd"]
-    assert generated(tmp_path, "--first-map", "1") == 0
+def test_only_what_rsegen_itself_left_is_cleared_away(tmp_path: Path) -> None:
+    left = [".rsegen.0123abcd", ".rsegen.ffffffff"]
+    spared = [".rsegen.0123ABCD", ".rsegen.0123abc", ".rsegen.0123abcd.old", ".other.0123abcd", ".git"]
     for name in left + spared:
-        (tmp_path / name / "meshes").mkdir(parents=True)
-        (tmp_path / name / "recipe.json").write_text("{}")
-    (tmp_path / ".rse_0000.00000001").write_text("a file")
-    (tmp_path / ".rse_0000.00000002").symlink_to("rse_0001")
-    assert generated(tmp_path, "--maps", "2", "--resume") == 0
-    links = {".rse_0000.00000001", ".rse_0000.00000002"}
+        (tmp_path / name / "new").mkdir(parents=True)
+        (tmp_path / name / "new" / "recipe.json").write_text("{}")
+    (tmp_path / ".rsegen.00000001").write_text("a file")
+    (tmp_path / ".rsegen.00000002").symlink_to(".git")
+    assert generated(tmp_path, "--maps", "2") == 0
+    links = {".rsegen.00000001", ".rsegen.00000002"}
     assert {path.name for path in tmp_path.iterdir()} == {*spared, *links, "rse_0000", "rse_0001"}
 
 

@@ -16,7 +16,8 @@ from rsegen.errors import OutputError, ParameterError, TooLarge, UserError, Writ
 from rsegen.exporters.formats.arrays import Arrays
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
-from rsegen.io import resources, writer
+from rsegen.io import resources, staging
+from rsegen.io.record import RECORD
 from rsegen.recipe.codec import to_json
 from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.runs import contents
@@ -50,8 +51,8 @@ def test_a_format_added_to_a_world_makes_the_world_that_has_it_from_the_start(tm
     made = export_maps([RECIPE], tmp_path / "a", [Heightmap()])
     rsegen.generate(RECIPE, tmp_path / "b", formats=[Heightmap()])
     assert contents(tmp_path / "a") == contents(tmp_path / "b")
-    assert {path: path.stat().st_ino for path in stamps} == stamps
-    assert made[0].names == ("formats.json", "heightmap/heightmap.json", "heightmap/rse_0000.png")
+    assert all(path.stat().st_ino == stamps[path] for path in stamps if path.name != RECORD)
+    assert made[0].names == ("formats.json", "heightmap/heightmap.json", "heightmap/rse_0000.png", RECORD)
 
 
 def test_a_world_with_an_added_format_is_complete_for_resume(tmp_path: Path) -> None:
@@ -68,7 +69,11 @@ def test_the_command_adds_formats_to_a_folder_that_has_others(
     assert exit_code("export", "peak", "--to", "occupancy", "-o", tmp_path) == 0
     printed = capsys.readouterr().out.splitlines()
     home = tmp_path / "peak_0000"
-    assert printed == [str(home / "formats.json"), *sorted(map(str, (home / "occupancy").iterdir()))]
+    assert printed == [
+        str(home / "formats.json"),
+        *sorted(map(str, (home / "occupancy").iterdir())),
+        str(home / RECORD),
+    ]
     assert list(formats_of(home)) == ["heightmap", "occupancy"]
 
 
@@ -88,7 +93,7 @@ def test_a_format_that_a_map_has_is_replaced_by_force_alone(tmp_path: Path, caps
         tmp_path,
     ]
     assert exit_code(*command) == 2
-    assert "rse_0000/heightmap: is there already; give --force to replace it" in the_line(capsys.readouterr().err)
+    assert "rse_0000/heightmap: exists already; give --force to replace it" in the_line(capsys.readouterr().err)
     assert contents(tmp_path) == before
     assert exit_code(*command, "--force") == 0
     after = contents(tmp_path)
@@ -97,7 +102,7 @@ def test_a_format_that_a_map_has_is_replaced_by_force_alone(tmp_path: Path, caps
     assert changed == {
         f"rse_000{index}/{name}"
         for index in range(2)
-        for name in ("formats.json", f"heightmap/rse_000{index}.png", "heightmap/heightmap.json")
+        for name in ("formats.json", RECORD, f"heightmap/rse_000{index}.png", "heightmap/heightmap.json")
     }
     assert formats_of(tmp_path / "rse_0000")["heightmap"] == Heightmap(pixels=2).options
     assert formats_of(tmp_path / "rse_0000")["occupancy"] == Occupancy().options
@@ -142,7 +147,7 @@ def test_what_rsegen_did_not_export_is_never_replaced(tmp_path: Path, force: boo
     (home / "occupancy").mkdir()
     (home / "occupancy" / "thesis.tex").write_text("years of work")
     before = snapshot(tmp_path)
-    with pytest.raises(OutputError, match="rse_0001/occupancy: was not exported by rsegen"):
+    with pytest.raises(OutputError, match=r"rse_0001/occupancy(/thesis.tex)?: was not exported by rsegen"):
         export_maps([RECIPE], tmp_path, [Occupancy()], force=force)
     assert snapshot(tmp_path) == before
 
@@ -169,23 +174,23 @@ def test_a_format_that_fails_on_the_way_leaves_all_as_it_was(
     assert not list(tmp_path.rglob(".*"))
 
 
-@pytest.mark.parametrize("moves", [0, 1, 2, 3, 4])
+@pytest.mark.parametrize("moves", range(8))
 def test_a_run_that_is_stopped_between_two_renames_leaves_all_as_it_was(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moves: int
 ) -> None:
+    """The record twice, two formats of two renames each, formats.json."""
     rsegen.generate(RECIPE, tmp_path, formats=[Heightmap(), Occupancy()])
-    before, rename, done = contents(tmp_path), Path.rename, list[Path]()
+    before, rename, done = contents(tmp_path), staging._rename, list[Path]()
 
-    def stopped(self: Path, target: Path) -> Path:
-        if len(done) == moves:
-            done.append(self)
+    def stopped(source: Path, place: Path) -> None:
+        done.append(source)
+        if len(done) == moves + 1:
             raise KeyboardInterrupt
-        done.append(self)
-        return rename(self, target)
+        rename(source, place)
 
-    monkeypatch.setattr(Path, "rename", stopped)
+    monkeypatch.setattr(staging, "_rename", stopped)
     formats = [Heightmap(pixels=2), Occupancy(climb_cm=12)]
-    if moves < 4:
+    if moves < 7:
         with pytest.raises(KeyboardInterrupt):
             export_maps([replace(RECIPE, maps=1)], tmp_path, formats, force=True)
         assert contents(tmp_path) == before
@@ -198,9 +203,8 @@ def test_a_run_that_is_stopped_between_two_renames_leaves_all_as_it_was(
 def test_a_format_that_was_being_replaced_when_all_was_killed_comes_back(tmp_path: Path) -> None:
     export_maps([RECIPE], tmp_path / "a", [Heightmap(), Occupancy()])
     home = tmp_path / "a" / "rse_0000"
-    (home / "heightmap").rename(home / ".heightmap.0123abcd.old")
-    writer.add({}, home)
-    assert (home / ".heightmap.0123abcd.old").is_dir()
+    (home / ".rsegen.0123abcd" / "old").mkdir(parents=True)
+    (home / "heightmap").rename(home / ".rsegen.0123abcd" / "old" / "heightmap")
     export_maps([RECIPE], tmp_path / "a", [Heightmap()], force=True)
     export_maps([RECIPE], tmp_path / "b", [Heightmap(), Occupancy()])
     assert contents(tmp_path / "a") == contents(tmp_path / "b")
@@ -221,6 +225,7 @@ def refused_exports(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[t
     rsegen.generate(replace(RECIPE, seed=9), folder / "another")
     yield "another", OutputError
     (folder / "foreign" / "rse_0001").mkdir(parents=True)
+    (folder / "foreign" / "rse_0001" / "thesis.tex").write_text("years of work")
     yield "foreign", OutputError
     rsegen.generate(RECIPE, folder / "linked")
     shutil.move(folder / "linked" / "rse_0001", folder / "elsewhere")

@@ -112,7 +112,7 @@ def test_a_plan_of_worlds_says_what_is_made_what_exists_and_what_it_needs(tmp_pa
 
 def test_a_plan_does_not_make_the_folder(tmp_path: Path) -> None:
     plan_worlds(RECIPE, tmp_path / "a", Sidecars(), OnExisting.REFUSE)
-    plan_exports([RECIPE], tmp_path / "b", [Heightmap()])
+    plan_exports([RECIPE], tmp_path / "b", [Heightmap()], OnExisting.REFUSE)
     plan_series(SeriesPlan(recipe=RECIPE), tmp_path / "c", Sidecars(), OnExisting.KEEP)
     plan_dataset(ShardLayout(recipe=RECIPE), tmp_path / "d", OnExisting.KEEP)
     assert list(tmp_path.iterdir()) == []

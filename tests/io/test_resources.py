@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rsegen import Recipe
 from rsegen.errors import TooLarge
 from rsegen.io import resources
+from rsegen.io.importers import imported, importer_for
 from rsegen.io.resources import check_needs, format_bytes
 
 
@@ -38,3 +40,12 @@ def test_a_disk_that_is_too_small_is_refused_in_the_unit_that_fits(
     monkeypatch.setattr(resources, "_free_disk", lambda _: 200_000)
     with pytest.raises(TooLarge, match=r"maps: 106 maps need 1\.3 MB of disk or more, 200\.0 kB are free; give fewer"):
         check_needs([Recipe(seed=1)], 106, tmp_path)
+
+
+def test_heights_that_do_not_fit_into_memory_are_refused_before_they_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    np.save(tmp_path / "heights.npy", np.zeros((100, 200)))
+    monkeypatch.setattr(resources, "_free_memory", lambda: 1_000_000)
+    with pytest.raises(TooLarge, match=r"100 x 200 cells need about 1\.2 MB of memory, 1\.0 MB are free$"):
+        imported(tmp_path / "heights.npy", importer_for(tmp_path / "heights.npy")())

@@ -195,7 +195,7 @@ def test_ctrl_c_ends_all_workers_and_leaves_whole_maps(
 def test_ctrl_c_stops_in_the_middle_of_a_large_map(tmp_path: Path) -> None:
     flags = ["--chunks", "40", "--mesh-type", "multi", "--maps", "20", "--workers", "2"]
     process = started("generate", *OBSTACLE, *flags, "-o", tmp_path / "out")
-    until_it_has(process, lambda: list(tmp_path.glob("out/.rse_*/*.world")))
+    until_it_has(process, lambda: list(tmp_path.glob("out/.rsegen.*/new/*/*.world")))
     to_it_alone(process.pid)
     code, err = ended(process)
     assert code == 1

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import errno
+import json
 from collections.abc import Iterator
+from hashlib import sha256
 from pathlib import Path, PurePosixPath
 
 import pytest
 
 from rsegen.errors import OutputError, WriteError
-from rsegen.io.writer import remove_leftovers, write, write_file
+from rsegen.io.record import RECORD
+from rsegen.io.staging import remove_leftovers
+from rsegen.io.writer import folder_writer, write, write_file
 
 BUNDLE = {PurePosixPath("recipe.json"): [b"{", b"}"], PurePosixPath("meshes/a.obj"): [b"v 0 0 0\n"]}
 
@@ -30,8 +34,19 @@ def interrupted() -> Iterator[bytes]:
 
 def test_every_file_is_written(tmp_path: Path) -> None:
     names = write(BUNDLE, tmp_path / "above" / "map")
-    assert contents(tmp_path) == {"above/map/recipe.json": b"{}", "above/map/meshes/a.obj": b"v 0 0 0\n"}
-    assert names == ("meshes/a.obj", "recipe.json")
+    found = contents(tmp_path / "above" / "map")
+    assert found == {"recipe.json": b"{}", "meshes/a.obj": b"v 0 0 0\n", RECORD: found[RECORD]}
+    assert names == ("meshes/a.obj", "recipe.json", RECORD)
+
+
+def test_the_record_has_the_size_and_checksum_of_every_file(tmp_path: Path) -> None:
+    write(BUNDLE, tmp_path / "map")
+    files = json.loads((tmp_path / "map" / RECORD).read_text("utf-8"))["files"]
+    assert files == [
+        {"file": name, "bytes": len(content), "sha256": sha256(content).hexdigest()}
+        for name, content in sorted(contents(tmp_path / "map").items())
+        if name != RECORD
+    ]
 
 
 def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
@@ -44,13 +59,14 @@ def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
 def test_force_replaces_the_whole_folder(tmp_path: Path) -> None:
     write(BUNDLE, tmp_path / "map")
     write({PurePosixPath("recipe.json"): [b"new"]}, tmp_path / "map", force=True)
-    assert contents(tmp_path) == {"map/recipe.json": b"new"}
+    assert contents(tmp_path).keys() == {"map/recipe.json", f"map/{RECORD}"}
+    assert contents(tmp_path)["map/recipe.json"] == b"new"
 
 
 def test_force_spares_a_folder_that_rsegen_did_not_make(tmp_path: Path) -> None:
     (tmp_path / "map").mkdir()
     (tmp_path / "map" / "thesis.tex").write_text("years of work")
-    with pytest.raises(OutputError, match="not made by rsegen"):
+    with pytest.raises(OutputError, match=r"map/thesis\.tex: was not written by rsegen, and would be lost"):
         write(BUNDLE, tmp_path / "map", force=True)
     assert contents(tmp_path) == {"map/thesis.tex": b"years of work"}
 
@@ -84,7 +100,7 @@ def test_no_path_leaves_the_folder(tmp_path: Path, path: str) -> None:
 
 def test_a_single_file_is_replaced_only_by_force(tmp_path: Path) -> None:
     write_file([b"old"], tmp_path / "map.png")
-    with pytest.raises(OutputError, match="is there already"):
+    with pytest.raises(OutputError, match="exists already"):
         write_file([b"new"], tmp_path / "map.png")
     write_file([b"new"], tmp_path / "map.png", force=True)
     assert contents(tmp_path) == {"map.png": b"new"}
@@ -97,15 +113,37 @@ def test_a_single_file_that_fails_leaves_the_old_one(tmp_path: Path) -> None:
     assert contents(tmp_path) == {"map.png": b"old"}
 
 
+def left_by_a_killed_run(folder: Path, replaced: str) -> Path:
+    """What a run leaves that is killed while it replaces a folder."""
+    hidden = folder / ".rsegen.0123abcd"
+    (hidden / "new" / replaced).mkdir(parents=True)
+    (hidden / "old").mkdir()
+    (folder / replaced).rename(hidden / "old" / replaced)
+    return hidden
+
+
 def test_a_map_that_was_being_replaced_when_all_was_killed_comes_back(tmp_path: Path) -> None:
     write(BUNDLE, tmp_path / "map")
     before = contents(tmp_path)
-    (tmp_path / "map").rename(tmp_path / ".map.0123abcd.old")
-    (tmp_path / ".map.0123abcd").mkdir()
-    remove_leftovers(tmp_path, names=lambda name: name == "map")
+    left_by_a_killed_run(tmp_path, "map")
+    remove_leftovers(tmp_path)
     assert contents(tmp_path) == before
     assert [path.name for path in tmp_path.iterdir()] == ["map"]
 
 
+def test_the_next_run_that_writes_there_clears_what_a_killed_one_left(tmp_path: Path) -> None:
+    write(BUNDLE, tmp_path / "map")
+    left_by_a_killed_run(tmp_path, "map")
+    write_file([b"x"], tmp_path / "x.png")
+    assert {path.name for path in tmp_path.iterdir()} == {"map", "x.png"}
+
+
+def test_a_run_that_lives_keeps_its_hidden_folder(tmp_path: Path) -> None:
+    with folder_writer(tmp_path) as writer:
+        writer.write("map", BUNDLE)
+        write_file([b"x"], tmp_path / "x.png")
+    assert {path.name for path in tmp_path.iterdir()} == {"map", "x.png"}
+
+
 def test_where_there_is_no_folder_there_is_nothing_to_clear_away(tmp_path: Path) -> None:
-    remove_leftovers(tmp_path / "none", names=lambda _: True)
+    remove_leftovers(tmp_path / "none")

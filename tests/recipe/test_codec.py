@@ -63,7 +63,7 @@ def test_comments_and_a_schema_line_are_no_trouble(tmp_path: Path) -> None:
 def test_a_recipe_file_is_replaced_only_by_force(tmp_path: Path) -> None:
     path = tmp_path / "a.yaml"
     rsegen.save(Recipe(seed=3), path)
-    with pytest.raises(rsegen.UserError, match="is there already"):
+    with pytest.raises(rsegen.UserError, match="exists already"):
         rsegen.save(Recipe(seed=4), path)
     assert rsegen.load(path).seed == 3
     rsegen.save(Recipe(seed=4), path, force=True)

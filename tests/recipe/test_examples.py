@@ -32,7 +32,7 @@ def test_one_that_is_there_already_keeps_all_from_being_copied(
 ) -> None:
     (tmp_path / "turtlebot.yaml").write_text("mine")
     assert main(["examples", "-o", str(tmp_path)]) == 2
-    assert "turtlebot.yaml: is there already" in capsys.readouterr().err
+    assert "turtlebot.yaml: exists already" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["turtlebot.yaml"]
     assert main(["examples", "-o", str(tmp_path), "--force"]) == 0
     assert (tmp_path / "turtlebot.yaml").read_bytes() == EXAMPLES["turtlebot"].read_bytes()

@@ -97,6 +97,7 @@ def _made(recipe: Recipe, arguments: argparse.Namespace) -> Dataset:
             resume=arguments.resume,
             workers=workers_from(arguments),
             scheduler=arguments.scheduler,
+            sync=not arguments.no_sync,
             progress=progress,
             **said,
         )

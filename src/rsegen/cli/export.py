@@ -34,7 +34,13 @@ def add(commands: Subparsers) -> None:
     group.add_argument(
         "-o", "--output", type=folder, required=True, metavar="DIR", help="folder to write the maps into (required)"
     )
-    group.add_argument("--force", action="store_true", help="replace formats that the maps already have")
+    there = group.add_mutually_exclusive_group()
+    there.add_argument("--force", action="store_true", help="replace formats that the maps already have")
+    there.add_argument(
+        "--resume",
+        action="store_true",
+        help="continue a run that was stopped: keep formats that are complete and have the same options",
+    )
     group.add_argument("--json", action="store_true", help="print a summary for programs")
     add_workers_flag(group)
     add_target_recipe_flags(command)
@@ -51,13 +57,15 @@ def run(arguments: argparse.Namespace) -> None:
             arguments.output,
             formats,
             force=arguments.force,
+            resume=arguments.resume,
             workers=workers_from(arguments),
+            sync=not arguments.no_sync,
             progress=progress,
         )
     if arguments.json:
         print(json.dumps([_summary(one) for one in made], indent=2))
     else:
-        print("\n".join(_report(made)))
+        print("\n".join(_report(made, sum(recipe.maps for recipe in recipes) - len(made))))
 
 
 class _List(argparse.Action):
@@ -84,8 +92,12 @@ def _summary(one: ExportedMap) -> dict[str, object]:
     }
 
 
-def _report(made: tuple[ExportedMap, ...]) -> Iterator[str]:
+def _report(made: tuple[ExportedMap, ...], already: int) -> Iterator[str]:
     """Every file of one map; of many their folders."""
+    if already:
+        yield f"{already} map{'s'[: already > 1]} complete already"
+    if not made:
+        return
     if len(made) == 1:
         yield from (str(made[0].folder / name) for name in made[0].names)
         return

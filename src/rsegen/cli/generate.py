@@ -43,7 +43,7 @@ def add_output_flags(command: Parser) -> None:
         "-o", "--output", type=folder, required=True, metavar="DIR", help="folder to write the maps into (required)"
     )
     there = group.add_mutually_exclusive_group()
-    there.add_argument("--force", action="store_true", help="replace existing maps")
+    there.add_argument("--force", action="store_true", help="replace existing maps, if all their files are rsegen's")
     there.add_argument(
         "--resume",
         action="store_true",
@@ -62,7 +62,13 @@ def add_output_flags(command: Parser) -> None:
 
 
 def add_workers_flag(group: argparse._ArgumentGroup) -> None:
-    """How many processes work at the same time."""
+    """How many processes work at the same time, and whether they wait for the disk."""
+    group.add_argument(
+        "--no-sync",
+        action="store_true",
+        help="do not wait until the disk has the files: a little quicker for many small maps; after a power failure "
+        "some may be empty, which --resume makes again",
+    )
     text = f"{WORKERS.help} ({WORKERS.describe()}; default: the number of cores)"
     group.add_argument("--workers", metavar="N", help=text)
 
@@ -86,6 +92,7 @@ def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
             sheet=arguments.sheet,
             formats=formats,
             workers=workers_from(arguments),
+            sync=not arguments.no_sync,
             progress=progress,
         )
     if arguments.json:

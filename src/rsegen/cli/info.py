@@ -7,8 +7,10 @@ import json
 from collections.abc import Iterator
 
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags
-from rsegen.cli.targets import add_target_flags, scene_of
+from rsegen.cli.targets import add_target_flags, is_of_flags, scene_of
+from rsegen.errors import ParameterError
 from rsegen.exporters.map_summary import MapSummary, map_summary
+from rsegen.io.verifying import verify
 
 
 def add(commands: Subparsers) -> None:
@@ -18,15 +20,38 @@ def add(commands: Subparsers) -> None:
         description="Say how large a map is, how many blocks of each level it has, and its cost in faces and bytes.",
     )
     add_target_flags(command)
-    command.add_argument_group("output").add_argument("--json", action="store_true", help="print it for programs")
+    group = command.add_argument_group("output")
+    group.add_argument("--json", action="store_true", help="print it for programs")
+    group.add_argument(
+        "--verify",
+        action="store_true",
+        help="compare every file in DIR, and in the maps in it, with the sizes and checksums that rsegen recorded",
+    )
     add_target_recipe_flags(command)
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Print it."""
+    if arguments.verify:
+        _verify(arguments)
+        return
     found = map_summary(scene_of(arguments))
     print(json.dumps(_summary(found), indent=2) if arguments.json else "\n".join(_report(found)))
+
+
+def _verify(arguments: argparse.Namespace) -> None:
+    """Compare a folder with its records, and say what was compared."""
+    if arguments.target is None or arguments.map is not None or is_of_flags(arguments):
+        raise ParameterError("--verify", "needs a folder that rsegen wrote, and no recipe")
+    found = verify(arguments.target)
+    unlisted = [str(path) for path in found.unlisted]
+    if arguments.json:
+        print(json.dumps({"folders": found.folders, "files": found.files, "unlisted": unlisted}, indent=2))
+        return
+    print(f"{_many(found.files, 'file')} in {_many(found.folders, 'folder')} as rsegen wrote them")
+    for path in unlisted:
+        print(f"not written by rsegen: {path}")
 
 
 def _summary(found: MapSummary) -> dict[str, object]:

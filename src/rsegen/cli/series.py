@@ -57,6 +57,7 @@ def run(arguments: argparse.Namespace) -> None:
             sheet=arguments.sheet,
             formats=formats,
             workers=workers_from(arguments),
+            sync=not arguments.no_sync,
             progress=progress,
         )
     print(json.dumps(_summary(found), indent=2) if arguments.json else "\n".join(_report(found)))

@@ -1,6 +1,6 @@
 """The maps of a recipe that exist in a folder already, to the byte: a run that is resumed need not make them again.
 
-Folders appear whole or not at all, so a folder whose recipe.json is the one that would be written is that map.
+A folder whose recipe.json is the one that would be written, and whose files are as its record says, is that map.
 """
 
 from __future__ import annotations
@@ -9,9 +9,13 @@ import os
 import re
 from collections.abc import Callable
 from enum import Enum
+from hashlib import sha256
 from pathlib import Path
 
 from rsegen.errors import OutputError, ParameterError
+from rsegen.io.contents import compare, refuse_link, refuse_loss
+from rsegen.io.input_files import open_regular
+from rsegen.io.record import RECORD, WrittenFile, read_record
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
 
@@ -32,26 +36,50 @@ class OnExisting(Enum):
 
 
 def existing_maps(recipe: Recipe, folder: Path, is_complete: Callable[[str], bool]) -> list[int]:
-    """The indices of the maps in `folder` that are complete, by what `is_complete` says of a map's folder.
+    """The indices of the maps in `folder` that are kept: complete, by what `is_complete` says of a map's folder.
 
-    OutputError for the first folder that has a map's name and holds something else.
+    OutputError for the first folder that has a map's name and holds something else, or a file that was changed.
     """
-    found = []
-    for index in _taken(recipe, folder):
-        home = os.path.join(folder, recipe.map_name(index))
-        refuse_other_map(home, map_json(recipe, index))
-        if is_complete(home):
-            found.append(index)
-    return found
+    homes = ((index, os.path.join(folder, recipe.map_name(index))) for index in _taken(recipe, folder))
+    return [index for index, home in homes if is_kept(Path(home), map_json(recipe, index), is_complete)]
 
 
-def refuse_other_map(home: str, recipe_file: bytes) -> None:
-    """Raise an OutputError if the folder `home` does not hold the map of that recipe.json."""
-    if not has_content(os.path.join(home, "recipe.json"), recipe_file):
+def is_kept(home: Path, recipe_file: bytes, is_complete: Callable[[str], bool]) -> bool:
+    """Whether the map of that recipe.json in the folder `home` is kept; if not, the folder may be replaced.
+
+    OutputError if it holds something else than this map, or a file that was changed or would be lost.
+    """
+    refuse_link(home)
+    record = read_record(home)
+    if record is None and not _is_cut_off(home):
+        _refuse_other_map(home, is_this_map=has_content(str(home / "recipe.json"), recipe_file))
+    if record is not None:
+        expected = WrittenFile(bytes=len(recipe_file), sha256=sha256(recipe_file).hexdigest())
+        _refuse_other_map(home, is_this_map=expected in record.files.get("recipe.json", ()))
+        found = compare(home, record)
+        for name in found.changed:
+            raise OutputError(
+                f"{home / name}: was changed after rsegen wrote it; delete it to have the map made again, or give "
+                "another folder"
+            )
+        if not found.damaged and is_complete(str(home)):
+            return True
+    refuse_loss(home, "map")
+    return False
+
+
+def _refuse_other_map(home: Path, *, is_this_map: bool) -> None:
+    if not is_this_map:
         raise OutputError(
-            f"{home}: is there already and is not this map: its recipe.json is missing, or says another seed, "
+            f"{home}: exists already and is not this map: its recipe.json is missing, or says another seed, "
             "parameter or version of rsegen; give those of the run that was stopped, or another folder or --name"
         )
+
+
+def _is_cut_off(home: Path) -> bool:
+    """Whether a power failure left the record of a folder empty."""
+    path = home / RECORD
+    return path.is_file() and not path.stat().st_size
 
 
 def count_complete(recipe: Recipe, folder: Path, is_complete: Callable[[str], bool]) -> int:
@@ -67,7 +95,7 @@ def is_map_of(recipe: Recipe, name: str) -> bool:
 def has_content(path: str, content: bytes) -> bool:
     """Whether a file exists and has this content."""
     try:
-        with open(path, "rb") as file:
+        with open_regular(path) as file:
             return file.read(len(content) + 1) == content
     except OSError:
         return False

@@ -12,17 +12,18 @@ from dataclasses import dataclass
 from math import fsum, prod
 from pathlib import Path, PurePosixPath
 
-from rsegen.errors import OutputError, UserError
+from rsegen.errors import OutputError
 from rsegen.exporters.formats import Format, exported, options
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import compose
-from rsegen.io.existing import has_content, is_map_of
-from rsegen.io.recipe_file import load
+from rsegen.io.contents import refuse_link
+from rsegen.io.existing import OnExisting
+from rsegen.io.existing_formats import holds, missing_formats, refuse_other_map
+from rsegen.io.record import read_record
 from rsegen.io.resources import check_needs
 from rsegen.io.sidecars import FORMATS_FILE, Sidecars, listed_formats
 from rsegen.io.work import WORKERS, RunPlan, run
-from rsegen.io.writer import add, refuse_not_a_folder, refuse_not_ours, write
-from rsegen.recipe.codec import map_json
+from rsegen.io.writer import FolderWriter, add, folder_writer, refuse_not_a_folder
 from rsegen.recipe.recipe import Recipe
 
 _RECIPE = "recipe.json"
@@ -36,39 +37,50 @@ class ExportedMap:
     names: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, kw_only=True, slots=True)
 class MapExport:
-    """A map to export; `adds`: into its folder, which exists and keeps everything else."""
+    """A map to export in some formats; `adds`: into its folder, which exists and keeps everything else."""
 
     recipe: Recipe
     index: int
-    adds: bool
+    formats: tuple[Format, ...]
+    adds: bool = False
 
 
 ExportsPlan = RunPlan[MapExport, ExportedMap]
 
 
-def export_maps(
+def export_maps(  # noqa: PLR0913  # each is a flag of the command
     recipes: Sequence[Recipe],
     folder: str | Path,
     formats: Sequence[Format],
     *,
     force: bool = False,
+    resume: bool = False,
     workers: int = 1,
+    sync: bool = True,
     progress: Callable[[ExportedMap], None] | None = None,
 ) -> tuple[ExportedMap, ...]:
     """Write every map of some recipes in other formats as `folder/NAME_000k`, without its world.
 
-    If the map is there already, as a world or exported before, the formats are added and all else stays; `force`
-    replaces formats that it has. `workers` and `progress` are as in `generate`. Raises an OutputError before anything
-    is written if a folder of that name holds something else, a format is there already, or two maps have one name;
-    TooLarge if memory or disk space are too small.
+    If the map exists already, as a world or exported before, the formats are added and all else stays; `force`
+    replaces formats that it has, `resume` keeps those that are complete and have the same options. `workers`, `sync`
+    and `progress` are as in `generate`; gives the maps that were written. Raises an OutputError before anything is
+    written if a folder of that name holds something else, a format exists already, or two maps have one name; TooLarge
+    if memory or disk space are too small.
     """
-    return run(plan_exports(recipes, Path(folder), formats, force=force, workers=workers), progress)
+    on_existing = OnExisting.of(force=force, resume=resume)
+    return run(plan_exports(recipes, Path(folder), formats, on_existing, workers, sync=sync), progress)
 
 
 def plan_exports(
-    recipes: Sequence[Recipe], folder: Path, formats: Sequence[Format], *, force: bool = False, workers: int = 1
+    recipes: Sequence[Recipe],
+    folder: Path,
+    formats: Sequence[Format],
+    on_existing: OnExisting,
+    workers: int = 1,
+    *,
+    sync: bool = True,
 ) -> ExportsPlan:
     """Check that all maps can be exported into a folder, and plan it; nothing is written. Raises as `export_maps`."""
     workers, sidecars = WORKERS.check("workers", workers), Sidecars(formats=tuple(formats))
@@ -78,16 +90,32 @@ def plan_exports(
     needs = check_needs(recipes, sum(recipe.maps for recipe in recipes), folder, sidecars.bytes_per_cell)
     maps = [(recipe, index) for recipe in recipes for index in recipe.indices]
     _refuse_same_names(maps, folder)
-    seconds = _mean_seconds(recipes, sidecars)
-    task = ExportTask(folder=folder, formats=sidecars.formats, force=force, seconds=seconds)
+    planned = [planned_export(recipe, index, folder, sidecars.formats, on_existing) for recipe, index in maps]
+    replaces = on_existing is OnExisting.REPLACE
     return RunPlan(
         folder=folder,
-        task=task,
-        to_make=[task.planned(recipe, index) for recipe, index in maps],
-        makes=lambda name: any(is_map_of(recipe, name) for recipe in recipes),
+        task=ExportTask(folder=folder, replaces=replaces, seconds=_mean_seconds(recipes, sidecars), sync=sync),
+        to_make=[one for one in planned if one.formats],
+        existing=[one for one in planned if not one.formats],
         needs=needs,
         workers=min(workers, needs.maps_at_once),
     )
+
+
+def planned_export(
+    recipe: Recipe, index: int, folder: Path, formats: Sequence[Format], on_existing: OnExisting
+) -> MapExport:
+    """How a map is exported, in no format if it has them all; an OutputError if it cannot be."""
+    home = folder / recipe.map_name(index)
+    if not os.path.lexists(home):
+        return MapExport(recipe=recipe, index=index, formats=tuple(formats))
+    refuse_link(home)
+    record = read_record(home)
+    if not holds(home, recipe, index):
+        refuse_other_map(home, formats, on_existing)
+        return MapExport(recipe=recipe, index=index, formats=tuple(formats))
+    missing = missing_formats(home, record, formats, on_existing)
+    return MapExport(recipe=recipe, index=index, formats=missing, adds=True)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -95,78 +123,29 @@ class ExportTask:
     """Exports maps: all that a worker needs to know."""
 
     folder: Path
-    formats: Sequence[Format]
-    force: bool
+    replaces: bool
     seconds: float
-
-    def planned(self, recipe: Recipe, index: int) -> MapExport:
-        """How a map is exported; an OutputError if it cannot be."""
-        home, names = self.folder / recipe.map_name(index), [each.name for each in self.formats]
-        if not os.path.lexists(home):
-            return MapExport(recipe, index, adds=False)
-        refuse_not_ours(home)
-        if _holds(home, recipe, index):
-            _refuse_taken_formats(home, names, force=self.force)
-            return MapExport(recipe, index, adds=True)
-        _refuse_loss(home, names, force=self.force)
-        return MapExport(recipe, index, adds=False)
+    sync: bool
 
     def __call__(self, maps: Iterable[MapExport]) -> tuple[ExportedMap, ...]:
         """The maps, on disk."""
-        return tuple(map(self._export, maps))
+        with folder_writer(self.folder, force=self.replaces, sync=self.sync) as writer:
+            return tuple(self._export(one, writer) for one in maps)
 
-    def _export(self, one: MapExport) -> ExportedMap:
-        home = self.folder / one.recipe.map_name(one.index)
-        bundle = exported(compose(one.recipe, one.index), self.formats)
+    def _export(self, one: MapExport, writer: FolderWriter) -> ExportedMap:
+        name = one.recipe.map_name(one.index)
+        bundle, home = exported(compose(one.recipe, one.index), one.formats), self.folder / name
         if one.adds:
-            return ExportedMap(folder=home, names=add(self._added(bundle, home), home))
-        return ExportedMap(folder=home, names=write(bundle, home, force=self.force))
-
-    def _added(self, bundle: Bundle, home: Path) -> Bundle:
-        """What is added to a map that exists: its recipe.json stays, and formats.json lists the new formats too."""
-        listed = {**(listed_formats(str(home)) or {}), **options(self.formats)}
-        text = json.dumps(listed, indent=2) + "\n"
-        added = {path: content for path, content in bundle.items() if path != PurePosixPath(_RECIPE)}
-        return {**added, PurePosixPath(FORMATS_FILE): [text.encode()]}
+            return ExportedMap(folder=home, names=add(_added(bundle, home, one.formats), home, sync=self.sync))
+        return ExportedMap(folder=home, names=writer.write(name, bundle))
 
 
-def _holds(home: Path, recipe: Recipe, index: int) -> bool:
-    """Whether a folder holds this map, whatever version of rsegen wrote its recipe.json."""
-    if has_content(str(home / _RECIPE), map_json(recipe, index)):
-        return True
-    try:
-        return load(home / _RECIPE) == recipe.alone(index)
-    except UserError:
-        return False
-
-
-def _refuse_taken_formats(home: Path, names: Sequence[str], *, force: bool) -> None:
-    """Raise an OutputError if a map has one of the formats and may not lose it."""
-    listed = listed_formats(str(home))
-    if listed is None:
-        raise OutputError(f"{home / FORMATS_FILE}: is damaged, so no format is added; give another folder")
-    for name in (name for name in names if os.path.lexists(home / name)):
-        if name not in listed or (home / name).is_symlink() or not (home / name).is_dir():
-            raise OutputError(f"{home / name}: was not exported by rsegen, so it is not replaced; give another folder")
-        if not force:
-            raise OutputError(f"{home / name}: is there already; give --force to replace it, or another folder")
-
-
-def _refuse_loss(home: Path, names: Sequence[str], *, force: bool) -> None:
-    """Raise an OutputError unless another map in the folder may be replaced, and nothing is lost but these formats."""
-    others = sorted({path.name for path in home.iterdir()} - {_RECIPE, FORMATS_FILE, *names})
-    if f"{home.name}.world" in others:
-        raise OutputError(f"{home}: has the world of another map in it, so it is not replaced; give another folder")
-    if not force:
-        raise OutputError(
-            f"{home}: is there already and is another map, of another seed or parameter; "
-            "give --force to replace it, or another folder or --name"
-        )
-    if others:
-        raise OutputError(
-            f"{home}: has {others[0]} of another map in it, which would be lost; "
-            "name all of its formats to replace them, or give another folder"
-        )
+def _added(bundle: Bundle, home: Path, formats: Sequence[Format]) -> Bundle:
+    """What is added to a map that exists: its recipe.json stays, and formats.json lists the new formats too."""
+    listed = {**(listed_formats(str(home)) or {}), **options(formats)}
+    text = json.dumps(listed, indent=2) + "\n"
+    added = {path: content for path, content in bundle.items() if path != PurePosixPath(_RECIPE)}
+    return {**added, PurePosixPath(FORMATS_FILE): [text.encode()]}
 
 
 def _mean_seconds(recipes: Sequence[Recipe], sidecars: Sidecars) -> float:

@@ -6,9 +6,10 @@ import json
 from pathlib import Path
 
 from rsegen.errors import FileError, ParameterError
+from rsegen.io.parser_errors import parser_message, refuse_duplicates
 from rsegen.io.text_files import text_of
 from rsegen.io.writer import write_file
-from rsegen.io.yaml_files import parse_yaml, parser_message, refuse_duplicates
+from rsegen.io.yaml_files import parse_yaml
 from rsegen.params.sorts import Json
 from rsegen.recipe.codec import decode, encode, to_json
 from rsegen.recipe.recipe import Recipe

@@ -12,6 +12,7 @@ from pathlib import PurePosixPath
 from rsegen.exporters.formats import Format, added, bytes_a_cell, options, refuse_unready
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene
+from rsegen.io.input_files import open_regular
 from rsegen.params.sorts import Json
 from rsegen.recipe.recipe import Recipe
 
@@ -77,7 +78,7 @@ class Sidecars:
 def listed_formats(home: str) -> dict[str, Json] | None:
     """The formats in a map's folder with their options, from its formats.json; None if the file is damaged."""
     try:
-        with open(os.path.join(home, FORMATS_FILE), "rb") as file:
+        with open_regular(os.path.join(home, FORMATS_FILE)) as file:
             found = json.load(file)
     except FileNotFoundError:
         return {}

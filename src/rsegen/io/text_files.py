@@ -12,6 +12,9 @@ from rsegen.io.input_files import read_start
 if TYPE_CHECKING:
     import xml.etree.ElementTree as ET
 
+_DEEPEST = 200
+"""Levels of elements in each other; an SDF file has some ten."""
+
 
 def text_of(path: Path, mib: int, too_large: str) -> str:
     """The text of a file of at most `mib` MiB; FileError if it cannot be read, is larger, or is not UTF-8."""
@@ -36,6 +39,19 @@ def elements(text: str, where: str) -> ET.Element:
     if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
         raise FileError(f"{where}: has a document type or entities, which no SDF needs")
     try:
-        return ET.fromstring(text)  # noqa: S314  # without a document type it can only be plain elements
-    except ET.ParseError as error:
+        root = ET.fromstring(text)  # noqa: S314  # without a document type it can only be plain elements
+    except (ET.ParseError, LookupError, ValueError) as error:  # the last two for an encoding that is none
         raise FileError(f"{where}: not XML ({error})") from None
+    if _is_deeper(root, _DEEPEST):
+        raise FileError(f"{where}: nested too deeply, in more than {_DEEPEST} levels")
+    return root
+
+
+def _is_deeper(root: ET.Element, most: int) -> bool:
+    """Whether an element has more than `most` levels of others in it, which ElementTree could not write again."""
+    level = [root]
+    for _ in range(most):
+        level = [child for element in level for child in element]
+        if not level:
+            return False
+    return True

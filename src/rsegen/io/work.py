@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
 from rsegen.io.resources import Needs
-from rsegen.io.writer import as_write_errors, parents_made, remove_leftovers
+from rsegen.io.staging import as_write_errors, parents_made, remove_leftovers
 from rsegen.params.sorts import Integer
 
 WORTHWHILE = 1.0
@@ -52,19 +52,16 @@ class Task(Protocol[Item_contra, Made_co]):
 class RunPlan(Generic[Item, Made]):
     """What a run will make, how, what exists already and stays, and what it needs; nothing prevents it any more.
 
-    task: how a map is made   to_make: the maps, in order   makes: whether one of its maps has a name
+    task: how a map is made   to_make: the maps, in order
     existing: maps that exist and are kept   workers: how many processes take part, at the most
-    resumes: what a killed run left half done is removed first
     """
 
     folder: Path
     task: Task[Item, Made]
     to_make: Sequence[Item]
-    makes: Callable[[str], bool]
     existing: Sequence[Item] = ()
     needs: Needs
     workers: int
-    resumes: bool = False
 
 
 def run(plan: RunPlan[Item, Made], progress: Callable[[Made], object] | None = None) -> tuple[Made, ...]:
@@ -81,9 +78,12 @@ def run(plan: RunPlan[Item, Made], progress: Callable[[Made], object] | None = N
 def run_each(task: Task[Item, Made], items: Sequence[Item], workers: int) -> Generator[Made, None, None]:
     """The results of the items in their order, made here or, if that is quicker, by workers."""
     workers = min(workers, len(items))
+    if not items:
+        return
     if workers <= 1 or len(items) * task.seconds < WORTHWHILE:
-        for item in items:
-            yield from task([item])
+        batch = max(1, math.ceil(BATCH / task.seconds))
+        for start in range(0, len(items), batch):
+            yield from task(items[start : start + batch])
         return
     from rsegen.io.workers import run_in_workers  # multiprocessing takes longer to import than a small map to make
 
@@ -92,12 +92,11 @@ def run_each(task: Task[Item, Made], items: Sequence[Item], workers: int) -> Gen
 
 
 def _results(plan: RunPlan[Item, Made]) -> Generator[Made, None, None]:
-    """The results one by one; what workers leave half done when they are killed is removed."""
+    """The results one by one; what killed runs left half done, and workers that are killed, is removed."""
+    remove_leftovers(plan.folder)
     with as_write_errors(plan.folder), parents_made(plan.folder / "map"):
-        if plan.resumes:
-            remove_leftovers(plan.folder, plan.makes)
         try:
             yield from run_each(plan.task, plan.to_make, plan.workers)
         except BaseException:
-            remove_leftovers(plan.folder, plan.makes)
+            remove_leftovers(plan.folder)
             raise

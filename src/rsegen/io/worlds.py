@@ -9,18 +9,17 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from rsegen.exporters.formats import Format
 from rsegen.exporters.gazebo import export
 from rsegen.exporters.map_summary import warnings
 from rsegen.exporters.scene import Scene, compose
-from rsegen.io.existing import OnExisting, existing_maps, is_map_of
+from rsegen.io.existing import OnExisting, existing_maps
 from rsegen.io.resources import check_needs
 from rsegen.io.sidecars import Sidecars
 from rsegen.io.work import WORKERS, RunPlan, run
-from rsegen.io.writer import refuse_not_a_folder, refuse_taken, write
+from rsegen.io.writer import FolderWriter, folder_writer, refuse_not_a_folder, refuse_taken
 from rsegen.recipe.recipe import Recipe
 
 
@@ -76,6 +75,7 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
     sheet: bool = False,
     formats: Sequence[Format] = (),
     workers: int = 1,
+    sync: bool = True,
     progress: Callable[[GeneratedMap], None] | None = None,
 ) -> Generated:
     """Write every map of a recipe as `folder/NAME_000k`; `progress` is called with each that is done, in their order.
@@ -83,12 +83,15 @@ def generate(  # noqa: PLR0913  # each is a flag of the command
     `force` replaces maps that exist already; `resume` keeps them, if each is the one that would be made, and makes
     the others; `preview` adds a picture to each, `sheet` a build sheet, `formats` files for other programs. With
     `workers` beyond 1, other processes take a part if that is quicker; a script then needs
-    `if __name__ == "__main__":`. Raises, before anything is written, an OutputError if a map's folder is taken,
-    TooLarge if memory or disk space are too small, a ParameterError if maps are too large for build sheets.
+    `if __name__ == "__main__":`. `sync` waits until the disk has the files: without it many small maps are made a
+    little quicker, and a power failure may leave some of them empty, which `resume` makes again. Raises, before
+    anything is written, an OutputError if a map's folder is taken or has files that rsegen did not write, TooLarge if
+    memory or disk space are too small, a ParameterError if maps are too large for build sheets.
     """
     sidecars = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
     on_existing = OnExisting.of(force=force, resume=resume)
-    return make_worlds(recipe, plan_worlds(recipe, Path(folder), sidecars, on_existing, workers), progress)
+    plan = plan_worlds(recipe, Path(folder), sidecars, on_existing, workers, sync=sync)
+    return make_worlds(recipe, plan, progress)
 
 
 WorldsPlan = RunPlan[int, GeneratedMap]
@@ -96,7 +99,13 @@ WorldsPlan = RunPlan[int, GeneratedMap]
 
 
 def plan_worlds(
-    recipe: Recipe, folder: Path, sidecars: Sidecars, on_existing: OnExisting, workers: int = 1
+    recipe: Recipe,
+    folder: Path,
+    sidecars: Sidecars,
+    on_existing: OnExisting,
+    workers: int = 1,
+    *,
+    sync: bool = True,
 ) -> WorldsPlan:
     """Check that the worlds of a recipe can be made, and plan it; nothing is written. Raises as `generate` does."""
     workers, keep = WORKERS.check("workers", workers), on_existing is OnExisting.KEEP
@@ -110,13 +119,11 @@ def plan_worlds(
     replace = on_existing is not OnExisting.REFUSE
     return RunPlan(
         folder=folder,
-        makes=partial(is_map_of, recipe),
-        task=WorldTask(recipe=recipe, folder=folder, replace=replace, sidecars=sidecars),
+        task=WorldTask(recipe=recipe, folder=folder, replace=replace, sidecars=sidecars, sync=sync),
         to_make=_without(recipe.indices, existing),
         existing=existing,
         needs=needs,
         workers=min(workers, needs.maps_at_once),
-        resumes=keep,
     )
 
 
@@ -126,14 +133,14 @@ def make_worlds(recipe: Recipe, plan: WorldsPlan, progress: Callable[[GeneratedM
     return Generated(recipe=recipe, folder=plan.folder, maps=maps, already=tuple(plan.existing))
 
 
-def write_world(scene: Scene, folder: Path, sidecars: Sidecars, *, replace: bool) -> GeneratedMap:
-    """Write the world of one map, and its sidecars, into `folder`."""
+def write_world(scene: Scene, folder: Path, sidecars: Sidecars, writer: FolderWriter) -> GeneratedMap:
+    """Write the world of one map, and its sidecars, by a writer of folders into `folder`."""
     bundle, name = {**export(scene), **sidecars.files(scene)}, scene.name
     return GeneratedMap(
         name=name,
         index=scene.index,
         home=folder,
-        names=tuple(map(sys.intern, write(bundle, folder / name, force=replace))),
+        names=tuple(map(sys.intern, writer.write(name, bundle))),
         cells=scene.field.shape,
         extent=scene.field.extent,
         level_counts=scene.field.level_counts(),
@@ -155,6 +162,7 @@ class WorldTask:
     folder: Path
     replace: bool
     sidecars: Sidecars
+    sync: bool
 
     @property
     def seconds(self) -> float:
@@ -164,7 +172,8 @@ class WorldTask:
     def __call__(self, indices: Iterable[int]) -> tuple[GeneratedMap, ...]:
         """The maps of some indices, on disk."""
         scenes = (compose(self.recipe, index) for index in indices)
-        return tuple(write_world(scene, self.folder, self.sidecars, replace=self.replace) for scene in scenes)
+        with folder_writer(self.folder, force=self.replace, sync=self.sync) as writer:
+            return tuple(write_world(scene, self.folder, self.sidecars, writer) for scene in scenes)
 
 
 def _without(indices: Sequence[int], existing: Sequence[int]) -> Sequence[int]:

@@ -59,7 +59,7 @@ class World:
 
 def write_world(scene: Scene, folder: Path) -> Path:
     """The world file of a scene, written with all that it needs as `folder/NAME_000k`."""
-    write(export(scene), folder / scene.name)
+    write(export(scene), folder / scene.name, sync=False)
     return folder / scene.name / f"{scene.name}.world"
 
 

@@ -69,9 +69,9 @@ def test_few_maps_start_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 def until_made(process: subprocess.Popen[str], folder: Path, shards: int) -> None:
-    """Wait until the record has so many shards."""
+    """Wait until this many shards are in their places: the record has one more, which is about to follow."""
     record = folder / "unfinished.jsonl"
-    until_it_has(process, lambda: record.is_file() and record.read_text("utf-8").count("\n") > shards)
+    until_it_has(process, lambda: record.is_file() and record.read_text("utf-8").count("\n") > shards + 1)
 
 
 def end_by(signal_: signal.Signals) -> Callable[[Path], tuple[int, str]]:
@@ -144,7 +144,8 @@ def test_resume_mends_what_was_damaged_and_only_that(tmp_path: Path) -> None:
     before, stamps = contents(folder), {path.name: path.stat().st_ino for path in folder.iterdir()}
     (folder / "levels-00001.npy").write_bytes(b"nothing")
     (folder / "metrics-00002.npy").unlink()
-    (folder / ".levels-00003.npy.0123abcd").write_bytes(b"half")
+    (folder / ".rsegen.0123abcd" / "new").mkdir(parents=True)
+    (folder / ".rsegen.0123abcd" / "new" / "levels-00003.npy").write_bytes(b"half")
     make_dataset(RECIPE, folder, shard_maps=3, resume=True)
     assert contents(folder) == before
     kept = {path.name for path in folder.iterdir() if path.stat().st_ino == stamps[path.name]}
@@ -210,7 +211,7 @@ def test_another_recipe_does_not_go_on(tmp_path: Path, other: dict[str, int]) ->
 def test_force_replaces_a_data_set_and_spares_all_else(tmp_path: Path) -> None:
     make_dataset(RECIPE, tmp_path, shard_maps=1)
     (tmp_path / "thesis.tex").write_text("years of work")
-    with pytest.raises(OutputError, match="a data set is there already; give --resume"):
+    with pytest.raises(OutputError, match="a data set exists there already; give --resume"):
         make_dataset(RECIPE, tmp_path)
     make_dataset(RECIPE, tmp_path, force=True)
     names = {path.name for path in tmp_path.iterdir()}

@@ -69,3 +69,11 @@ def test_files_that_are_no_robot_are_refused_in_one_line(tmp_path: Path, text: s
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(FileError, match=r"none\.sdf: No such file"):
         from_file(tmp_path / "none.sdf")
+
+
+@pytest.mark.parametrize("levels", [300, 200_000])
+def test_a_robot_of_elements_nested_too_deeply_is_refused(tmp_path: Path, levels: int) -> None:
+    path = tmp_path / "deep.sdf"
+    path.write_text(f"<sdf><model name='r'><link/>{'<a>' * levels}{'</a>' * levels}</model></sdf>")
+    with pytest.raises(FileError, match=r"deep\.sdf: nested too deeply, in more than 200 levels"):
+        from_file(path)

@@ -10,6 +10,7 @@ from pathlib import Path
 from rsegen.errors import DatasetDamaged
 from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.dataset.manifest import Shard, ShardFile
+from rsegen.io.input_files import open_regular
 
 _AT_ONCE = 2**20
 
@@ -41,7 +42,7 @@ def random_places(maps: int, wanted: int) -> list[int]:
 def shard_file(path: Path) -> ShardFile | None:
     """The size and checksum of a file; None if it does not exist."""
     try:
-        with open(path, "rb") as file:
+        with open_regular(path) as file:
             checksum = hashlib.sha256()
             while piece := file.read(_AT_ONCE):
                 checksum.update(piece)

@@ -108,7 +108,7 @@ def read_record(folder: Path, layout: ShardLayout) -> list[Shard] | None:
     try:
         found = [json.loads(line) for line in lines[:-1]]
         return [_shard(layout, entry.get("shard"), entry) for entry in found]
-    except (AttributeError, ValueError) as error:
+    except (AttributeError, RecursionError, ValueError) as error:
         raise FileError(f"{path}: was changed by something else: {error}") from None
 
 
@@ -126,7 +126,7 @@ def _is_begun_by(line: str, layout: ShardLayout) -> bool:
     try:
         found = json.loads(line)
         begun = _layout({**found, "shards": []})
-    except (TypeError, ValueError):  # a ParameterError is one
+    except (RecursionError, TypeError, ValueError):  # a ParameterError is one
         return False
     return found["recipe"].get("generator") == encode(layout.recipe)["generator"] and same_maps(begun, layout)
 

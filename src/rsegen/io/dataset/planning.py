@@ -5,10 +5,8 @@ layout, folder --plan_dataset--> DatasetPlan
 
 from __future__ import annotations
 
-import os
-import re
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rsegen.errors import OutputError
@@ -18,16 +16,11 @@ from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.dataset.manifest import MANIFEST, RECORD, Shard, read_manifest, read_record, same_maps
 from rsegen.io.dataset.shards import ShardTask
 from rsegen.io.dataset.tables import arrow
+from rsegen.io.dataset.taken import refuse_taken
 from rsegen.io.existing import OnExisting
 from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS, maps_in_memory, refuse_full, refuse_too_large
 from rsegen.io.work import WORKERS, run_each
 from rsegen.io.writer import refuse_not_a_folder
-
-OURS = re.compile(r"(levels-[0-9]{5,}\.npy|metrics-[0-9]{5,}\.(npy|parquet)|manifest\.json)")
-"""The files of a data set."""
-
-HIDDEN = re.compile(rf"\.{OURS.pattern}\.[0-9a-f]{{8}}")
-"""The same while they are written."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -45,24 +38,36 @@ class DatasetPlan:
     workers: int
     scheduler: str | None = None
 
-    def shards(self) -> Generator[Shard, None, None]:
-        """The shards that are missing, made by a cluster, by workers if that is quicker, or here."""
+    @property
+    def folder(self) -> Path:
+        """Where the data set will be."""
+        return self.task.folder
+
+    def shards(self, hidden: Path) -> Generator[Shard, None, None]:
+        """The shards that are missing, made in a hidden folder by a cluster, by workers if that is quicker, or here."""
+        task = replace(self.task, folder=hidden)
         if self.scheduler is None or not self.to_make:
-            return run_each(self.task, self.to_make, self.workers)
+            return run_each(task, self.to_make, self.workers)
         workers = min(self.workers, len(self.to_make))
-        return on_cluster(self.task.make, self.to_make, scheduler=self.scheduler, workers=workers)
+        return on_cluster(task.make, self.to_make, scheduler=self.scheduler, workers=workers)
 
 
-def plan_dataset(
-    layout: ShardLayout, folder: Path, on_existing: OnExisting, *, workers: int = 1, scheduler: str | None = None
+def plan_dataset(  # each is a flag of the command
+    layout: ShardLayout,
+    folder: Path,
+    on_existing: OnExisting,
+    *,
+    workers: int = 1,
+    scheduler: str | None = None,
+    sync: bool = True,
 ) -> DatasetPlan:
     """Check that a data set can be made, and plan it; nothing is written. Raises as `make_dataset` does."""
     workers, recipe = WORKERS.check("workers", workers), layout.recipe
     _refuse_missing(layout, scheduler)
     refuse_too_large(recipe, 0 if layout.metrics == "none" else BYTES_PER_CELL_OF_METRICS)
     refuse_not_a_folder(folder)
-    _refuse_taken(folder, on_existing)
-    task = ShardTask(layout=layout, folder=folder.absolute())
+    refuse_taken(folder, on_existing)
+    task = ShardTask(layout=layout, folder=folder.absolute(), sync=sync)
     keeps = on_existing is OnExisting.KEEP
     existing = {shard.number: shard for shard in _existing(task)} if keeps else {}
     to_make = [number for number in range(layout.shards) if number not in existing]
@@ -90,19 +95,6 @@ def _refuse_missing(layout: ShardLayout, scheduler: str | None) -> None:
         arrow()
     if scheduler is not None:
         dask()
-
-
-def _refuse_taken(folder: Path, on_existing: OnExisting) -> None:
-    """Raise an OutputError if the folder holds anything that may be neither kept nor replaced."""
-    names = os.listdir(folder) if folder.is_dir() else []
-    if any(name in (MANIFEST, RECORD) for name in names):
-        if on_existing is OnExisting.REFUSE:
-            raise OutputError(
-                f"{folder}: a data set is there already; give --resume to go on with it, --force to replace it, or "
-                "another folder"
-            )
-    elif any(not HIDDEN.fullmatch(name) for name in names):
-        raise OutputError(f"{folder}: is not empty, and no data set of rsegen; give another folder")
 
 
 def _existing(task: ShardTask) -> Iterator[Shard]:

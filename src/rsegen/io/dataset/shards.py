@@ -1,8 +1,13 @@
-"""Makes one shard of a data set: the levels and metrics of some maps, each file whole or not at all."""
+"""Makes one shard of a data set in a hidden folder: the levels and metrics of some maps, each file whole or not at all.
+
+The process that runs the data set records the shard, and only then moves its files into their places.
+"""
 
 from __future__ import annotations
 
 import hashlib
+import os
+import secrets
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +19,6 @@ from rsegen.field.stepfield import Levels
 from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.dataset.manifest import Shard, ShardFile
 from rsegen.io.dataset.tables import npy, table
-from rsegen.io.writer import write_file
 from rsegen.recipe.building import blocks
 
 
@@ -24,6 +28,7 @@ class ShardTask:
 
     layout: ShardLayout
     folder: Path
+    sync: bool = True
 
     @property
     def seconds(self) -> float:
@@ -36,7 +41,7 @@ class ShardTask:
         return tuple(map(self.make, numbers))
 
     def make(self, number: int) -> Shard:
-        """One shard, on disk; its levels are written last."""
+        """One shard, on disk in the hidden folder."""
         layout, names = self.layout, self.layout.names(number)
         levels, files = self._levels(number), {}
         if layout.metrics != "none":
@@ -54,5 +59,12 @@ class ShardTask:
         return found
 
     def _written(self, name: str, content: bytes) -> ShardFile:
-        write_file([content], self.folder / name, force=True)
+        """Write a file under a name of its own, then rename it: on a cluster two workers may make the same one."""
+        hidden = self.folder / f"{name}.{secrets.token_hex(4)}"
+        with open(hidden, "wb") as file:
+            file.write(content)
+            if self.sync:
+                file.flush()
+                os.fsync(file.fileno())
+        hidden.replace(self.folder / name)
         return ShardFile(bytes=len(content), sha256=hashlib.sha256(content).hexdigest())

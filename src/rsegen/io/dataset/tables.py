@@ -13,6 +13,7 @@ from rsegen.errors import FileError, ParameterError, pip_install
 from rsegen.field.metrics.batch import COLUMNS, Table
 from rsegen.io import npy_files
 from rsegen.io.dataset.layout import ROW
+from rsegen.io.input_files import open_regular
 
 
 def npy(array: NDArray[Any]) -> bytes:
@@ -53,13 +54,21 @@ def read_parquet(path: Path, maps: int) -> dict[str, NDArray[Any]]:
     """The columns of a Parquet table; FileError if it is another table, or does not exist."""
     pyarrow, parquet = arrow()
     try:
-        file = parquet.ParquetFile(path)
-        if file.metadata.num_rows != maps or set(file.schema_arrow.names) != set(ROW.names or ()):
-            raise FileError(f"{path}: is not the metrics of {maps} maps")
-        found = file.read()
+        with open_regular(path) as opened:
+            file = parquet.ParquetFile(opened)
+            types = {field.name: field.type for field in file.schema_arrow}
+            if file.metadata.num_rows != maps or types != _arrow_types(pyarrow):
+                raise FileError(f"{path}: is not the metrics of {maps} maps")
+            found = file.read()
     except (OSError, pyarrow.ArrowException) as error:
-        raise FileError(f"{path}: not a table in Parquet: {error}") from None
+        why = getattr(error, "strerror", None) or str(error).partition("\n")[0][:200]
+        raise FileError(f"{path}: not a table in Parquet: {why}") from None
     return {name: found[name].to_numpy() for name in ROW.names or ()}
+
+
+def _arrow_types(pyarrow: Any) -> dict[str, Any]:
+    """The types of the columns of metrics, by name."""
+    return {"map": pyarrow.int64(), **dict.fromkeys(COLUMNS, pyarrow.float32())}
 
 
 def arrow() -> tuple[Any, Any]:

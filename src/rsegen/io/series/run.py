@@ -14,7 +14,9 @@ from pathlib import Path
 
 from rsegen.exporters.formats import Format
 from rsegen.exporters.scene import compose
-from rsegen.io.existing import OnExisting, refuse_other_map
+from rsegen.io.contents import refuse_loss_of_files
+from rsegen.io.existing import OnExisting, is_kept
+from rsegen.io.record import Record, recorded
 from rsegen.io.resources import BYTES_PER_CELL_OF_DIFFICULTY, BYTES_PER_CELL_OF_METRICS, check_needs
 from rsegen.io.series.plan import SeriesPlan
 from rsegen.io.series.table import SeriesRow, rows_as_csv, series_row
@@ -22,7 +24,14 @@ from rsegen.io.series.target import map_target, mean, rms_full
 from rsegen.io.sidecars import Sidecars
 from rsegen.io.work import WORKERS, RunPlan, run, run_each
 from rsegen.io.worlds import GeneratedMap, seconds_per_world, write_world
-from rsegen.io.writer import refuse_not_a_folder, refuse_taken, refuse_taken_file, write_file
+from rsegen.io.writer import (
+    FolderWriter,
+    folder_writer,
+    refuse_not_a_folder,
+    refuse_taken,
+    refuse_taken_file,
+    write_files,
+)
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.recipe import Recipe
 
@@ -64,6 +73,7 @@ def series(  # noqa: PLR0913  # each is a flag of the command
     sheet: bool = False,
     formats: Sequence[Format] = (),
     workers: int = 1,
+    sync: bool = True,
     progress: Callable[[SeriesRow], None] | None = None,
 ) -> Series:
     """Write maps of evenly rising difficulty, series.csv and series.png into a folder; as many as the recipe has.
@@ -75,10 +85,10 @@ def series(  # noqa: PLR0913  # each is a flag of the command
     series_plan = SeriesPlan(recipe=recipe, from_=from_, to=to, same_field=same_field)
     sidecars = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
     on_existing = OnExisting.of(force=force, resume=resume)
-    plan = plan_series(series_plan, Path(folder), sidecars, on_existing, workers)
+    plan = plan_series(series_plan, Path(folder), sidecars, on_existing, workers, sync=sync)
     results = run(plan, progress and (lambda result: progress(result[0])))
     rows, made = tuple(row for row, _ in results), tuple(made for _, made in results if made)
-    _write_both(series_plan, rows, plan.folder, replace=force or resume)
+    _write_both(series_plan, rows, plan.folder, sync=sync)
     return Series(plan=series_plan, folder=plan.folder, rows=rows, maps=made)
 
 
@@ -90,7 +100,13 @@ SeriesRun = RunPlan[int, RowAndMap]
 
 
 def plan_series(
-    plan: SeriesPlan, folder: Path, sidecars: Sidecars, on_existing: OnExisting, workers: int = 1
+    plan: SeriesPlan,
+    folder: Path,
+    sidecars: Sidecars,
+    on_existing: OnExisting,
+    workers: int = 1,
+    *,
+    sync: bool = True,
 ) -> SeriesRun:
     """Check that a series can be made in a folder, measure its fields, and plan it; nothing is written."""
     workers, numbers = WORKERS.check("workers", workers), range(plan.recipe.maps)
@@ -101,6 +117,7 @@ def plan_series(
     replaces, keeps = on_existing is not OnExisting.REFUSE, on_existing is OnExisting.KEEP
     for name in (TABLE, PICTURE):
         refuse_taken_file(folder / name, force=replaces)
+    refuse_loss_of_files(folder, (TABLE, PICTURE))
     if not keeps:
         refuse_taken((folder / plan.map_name(number) for number in numbers), force=replaces)
     rms = mean(tuple(run_each(_FieldTask(plan=plan), plan.fields, workers)))
@@ -108,14 +125,18 @@ def plan_series(
     return RunPlan(
         folder=folder,
         task=_SeriesTask(
-            plan=plan, folder=folder, sidecars=sidecars, mean=rms, existing=frozenset(existing), replaces=replaces
+            plan=plan,
+            folder=folder,
+            sidecars=sidecars,
+            mean=rms,
+            existing=frozenset(existing),
+            replaces=replaces,
+            sync=sync,
         ),
         to_make=numbers,
         existing=existing,
-        makes=lambda name: name in map(plan.map_name, numbers),
         needs=needs,
         workers=workers,
-        resumes=keeps,
     )
 
 
@@ -123,11 +144,11 @@ def _existing(plan: SeriesPlan, rms: float, folder: Path, sidecars: Sidecars) ->
     """The numbers of the maps that are complete; an OutputError if something else has the name of a map."""
     complete = []
     for number in range(plan.recipe.maps):
-        home = str(folder / plan.map_name(number))
-        if os.path.lexists(home):
-            refuse_other_map(home, to_json(map_target(plan, number, rms).recipe).encode())
-            if sidecars.complete_in(home):
-                complete.append(number)
+        home = folder / plan.map_name(number)
+        if not os.path.lexists(home):
+            continue
+        if is_kept(home, to_json(map_target(plan, number, rms).recipe).encode(), sidecars.complete_in):
+            complete.append(number)
     return complete
 
 
@@ -155,6 +176,7 @@ class _SeriesTask:
     mean: float
     existing: frozenset[int]
     replaces: bool
+    sync: bool
 
     @property
     def seconds(self) -> float:
@@ -162,19 +184,19 @@ class _SeriesTask:
         return seconds_per_world(self.plan.recipe, self.sidecars) + 3e-3 + n_x * n_y * 1e-6
 
     def __call__(self, numbers: Iterable[int], /) -> tuple[RowAndMap, ...]:
-        return tuple(map(self._row_and_map, numbers))
+        with folder_writer(self.folder, force=self.replaces, sync=self.sync) as writer:
+            return tuple(self._row_and_map(number, writer) for number in numbers)
 
-    def _row_and_map(self, number: int) -> RowAndMap:
+    def _row_and_map(self, number: int, writer: FolderWriter) -> RowAndMap:
         target = map_target(self.plan, number, self.mean)
         scene, made = compose(target.recipe, target.recipe.first_map), None
         if number not in self.existing:
-            made = write_world(scene, self.folder, self.sidecars, replace=self.replaces)
+            made = write_world(scene, self.folder, self.sidecars, writer)
         return series_row(number, self.plan.difficulty(number), scene, target.rms, target.rms_full), made
 
 
-def _write_both(plan: SeriesPlan, rows: tuple[SeriesRow, ...], folder: Path, *, replace: bool) -> None:
+def _write_both(plan: SeriesPlan, rows: tuple[SeriesRow, ...], folder: Path, *, sync: bool) -> None:
     from rsegen.io.series.chart import chart
 
-    content = {TABLE: rows_as_csv(rows), PICTURE: chart(plan, rows)}
-    for name, whole in content.items():
-        write_file([whole], folder / name, force=replace)
+    contents = {TABLE: [rows_as_csv(rows)], PICTURE: [chart(plan, rows)]}
+    write_files(contents, folder, record=recorded(folder) or Record(content="files", files={}), sync=sync)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rsegen.errors import ParameterError, shown
 from rsegen.exporters.scene import Scene
+from rsegen.io.writer import refuse_not_a_folder, refuse_taken
 from rsegen.params.sorts import Choice, Float, Integer, ListOf, Parameter
 from rsegen.params.streams import SEEDS, fresh_seed
 from rsegen.simulation.driving.contacts import contact_shares
@@ -60,7 +61,7 @@ def drive(  # noqa: PLR0913  # each is a flag of the command
     seed = fresh_seed() if seed is None else SEED.check("seed", seed)
     count, seconds = ROBOTS.check("robots", robots), DURATION.check("duration", duration)
     route = ROUTE.check("route", route)
-    _check_picture(output, picture=picture)
+    _check_output(output, picture=picture, force=force)
     world = world_of(target, map)
     here, scene = choose_installation(world.made_for, "classic"), world.scene()
     runs = robot_runs(scene.field, model, route, count=count, seed=seed)
@@ -94,11 +95,15 @@ def _robot(robot: str | os.PathLike[str] | DrivableRobot, given: Mapping[str, ob
     return robot_named(robot, "robot") if isinstance(robot, str) else robot
 
 
-def _check_picture(output: str | Path | None, *, picture: bool) -> None:
+def _check_output(output: str | Path | None, *, picture: bool, force: bool) -> None:
+    """Raise a UserError, before anything is driven, if the results could not be written."""
     if picture and output is None:
         raise ParameterError("picture", "needs a folder to write into; give an output folder, as in -o DIR")
     if picture and not has_screen():
         raise ParameterError("picture", "Gazebo's camera needs a screen, and there is none; run under xvfb-run -a")
+    if output is not None:
+        refuse_not_a_folder(Path(output))
+        refuse_taken([output], force=force, content="drive")
 
 
 def _driven(run: RobotRun, scene: Scene, recording: DriveRecording, route: str) -> DrivenRobot:

@@ -60,8 +60,8 @@ class DriveResult:
         }
 
     def write(self, folder: str | Path, *, force: bool = False) -> None:
-        """Write trajectories, contacts, metrics and pictures into a folder; `force` replaces the folder."""
-        write(self._files(), Path(folder), force=force)
+        """Write trajectories, contacts, metrics and pictures into a folder; `force` replaces an earlier drive."""
+        write(self._files(), Path(folder), "drive", force=force)
 
     def _files(self) -> dict[PurePosixPath, list[bytes]]:
         trajectories = {each.name: each.trajectory for each in self.robots}

@@ -11,11 +11,13 @@ from typing import Any
 
 from rsegen.errors import FileError, ParameterError, refuse_unknown, shown
 from rsegen.io.input_files import open_regular
+from rsegen.io.syncing import sync_folder
 from rsegen.io.text_files import text_of
 from rsegen.params.sorts import Choice, Float, Integer, Json, Parameter
 from rsegen.simulation.experiment.plan import PACES, Cell
 from rsegen.simulation.experiment.trial import Outcome
 
+_BEGIN = b'{"plan":'
 _MOST_MIB = 256
 
 _CELL: Mapping[str, Parameter] = {"row": Integer(0), "size": Integer(0), "pace": Choice(PACES)}
@@ -34,13 +36,17 @@ class ResultsLog:
     path: Path
 
     def begin(self, plan: Mapping[str, object]) -> None:
-        """Create it, or resume one of the same plan; FileError if it is of another plan."""
-        if not self.path.exists():
+        """Create it, or resume one of the same plan; FileError, and nothing is changed, if it is of another plan."""
+        if not self.path.exists() or self._is_beginning_of({"plan": plan}):
+            self.path.unlink(missing_ok=True)
             self._add({"plan": plan})
+            sync_folder(self.path.parent)
             return
-        self._mend()
         if self._first() != json.loads(json.dumps({"plan": plan})):
             raise FileError(f"{self.path}: has the outcomes of another plan; give another folder, or --force")
+        for _ in self.entries():
+            pass  # each is checked before anything is changed
+        self._mend()
 
     def add(self, cell: Cell, repeat: int, outcome: Outcome) -> None:
         """Append an outcome."""
@@ -69,14 +75,21 @@ class ResultsLog:
 
     def _mend(self) -> None:
         """Delete an incomplete last line, left by a run that was stopped."""
-        try:
-            with open_regular(self.path) as reading:
-                whole, _, broken = reading.read().rpartition(b"\n")
-        except OSError as error:
-            raise FileError(f"{self.path}: {error.strerror or error}") from None
+        whole, _, broken = self._content().rpartition(b"\n")
         if broken:
             with self.path.open("r+b") as file:
                 file.truncate(len(whole) + 1 if whole else 0)
+
+    def _is_beginning_of(self, entry: Mapping[str, object]) -> bool:
+        """Whether it has nothing but a part of its first line, as after a run that was killed when it wrote it."""
+        return json.dumps(entry).encode().startswith(self._content())
+
+    def _content(self) -> bytes:
+        try:
+            with open_regular(self.path) as reading:
+                return reading.read()
+        except OSError as error:
+            raise FileError(f"{self.path}: {error.strerror or error}") from None
 
     def _first(self) -> Json:
         return next(iter(self._lines()), None)
@@ -128,3 +141,13 @@ def _rows(first: Json) -> int:
     plan = first.get("plan") if isinstance(first, Mapping) else None
     rows = plan.get("rows") if isinstance(plan, Mapping) else None
     return len(rows) if isinstance(rows, Sequence) else 0
+
+
+def is_results_log(path: Path) -> bool:
+    """Whether a file is the results log of an experiment, as its beginning says; an empty one is."""
+    try:
+        with open_regular(path) as file:
+            start = file.read(len(_BEGIN))
+    except OSError:
+        return False
+    return start == _BEGIN[: len(start)]

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from rsegen.errors import FileError, ParameterError
+from rsegen.errors import FileError, OutputError, ParameterError
 from rsegen.io import recipe_file
-from rsegen.io.writer import write_file
+from rsegen.io.contents import refuse_link, refuse_loss_of_files
+from rsegen.io.record import Record, recorded
+from rsegen.io.writer import refuse_not_a_folder, write_files
 from rsegen.simulation.experiment.machine import description
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, load_plan, read_plan
 from rsegen.simulation.experiment.report import plot, report_page, trials_csv
-from rsegen.simulation.experiment.results import Results, ResultsLog, read_cell, read_outcome
+from rsegen.simulation.experiment.results import Results, ResultsLog, is_results_log, read_cell, read_outcome
 from rsegen.simulation.experiment.trial import run_trial
 from rsegen.simulation.simulators.launching import choose_installation
 
 RESULTS_FILE = "results.jsonl"
+REPORT_FILES = ("table.md", "trials.csv", "summary.json", "plot.png")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -47,13 +49,15 @@ def experiment(
     """Measure what maps cost Gazebo Classic while robots drive on them, and write tables and a plot into a folder.
 
     plan: the name of an included plan, a YAML file like these, or a Plan; output: the folder; if it has outcomes of
-    this plan, only the missing trials are run; `force` deletes them first. `progress` is called with the number of
-    trials that are done and the next cell. UserError if the plan is wrong or there is no Gazebo Classic.
+    this plan, only the missing trials are run; `force` deletes them first, and nothing else. `progress` is called with
+    the number of trials that are done and the next cell. UserError, before the first trial, if the plan is wrong,
+    there is no Gazebo Classic, or the folder has other files of these names.
     """
     plan, folder = plan if isinstance(plan, ExperimentPlan) else load_plan(os.fspath(plan)), Path(output)
     here = choose_installation("both", "classic")
-    if force and (folder / RESULTS_FILE).is_file():
-        shutil.rmtree(folder)
+    _refuse_loss(folder)
+    if force:
+        _remove(folder)
     log = ResultsLog(path=folder / RESULTS_FILE)
     log.begin(asdict(plan))
     done = {(cell, repeat) for cell, repeat, _ in log.entries()}
@@ -63,8 +67,8 @@ def experiment(
         if (cell, repeat) not in done:
             log.add(cell, repeat, run_trial(plan, cell, repeat, here))
     found = ExperimentResult(plan=plan, results=log.results(), machine=machine, folder=folder)
-    for name, content in _files(found).items():
-        write_file([content], folder / name, force=True)
+    files = {name: [content] for name, content in _files(found).items()}
+    write_files(files, folder, record=recorded(folder) or Record(content="files", files={}))
     return found
 
 
@@ -85,6 +89,21 @@ def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str]]:
     except (AttributeError, KeyError, TypeError) as error:
         raise FileError(f"{file}: not the summary of an experiment: {error}") from None
     return plan, results, machine
+
+
+def _refuse_loss(folder: Path) -> None:
+    """Raise an OutputError, before any trial, if a file of an experiment would replace one that is not rsegen's."""
+    refuse_not_a_folder(folder)
+    refuse_loss_of_files(folder, REPORT_FILES)
+    refuse_link(folder / RESULTS_FILE)
+    if os.path.lexists(folder / RESULTS_FILE) and not is_results_log(folder / RESULTS_FILE):
+        raise OutputError(f"{folder / RESULTS_FILE}: not the results log of an experiment; give another folder")
+
+
+def _remove(folder: Path) -> None:
+    """Remove the files of an experiment, which are rsegen's own."""
+    for name in (*REPORT_FILES, RESULTS_FILE):
+        (folder / name).unlink(missing_ok=True)
 
 
 def _files(found: ExperimentResult) -> dict[str, bytes]:

@@ -9,18 +9,21 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from rsegen.errors import FileError, NoSimulator, OutputError, ParameterError, RsegenError
+from rsegen.errors import NoSimulator, OutputError, ParameterError, RsegenError
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
 from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.io.recipe_file import load
 from rsegen.io.resources import refuse_too_large
 from rsegen.io.targets import found, map_index, recipe_files
+from rsegen.io.text_files import text_of
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.simulators import Simulator
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.spawned_map import SpawnedMap
 from rsegen.simulation.worlds import Target, write_world
+
+_MOST_MIB = 512
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,10 +65,7 @@ class MapModel:
         if not self.folder.is_dir():
             write_world(self.scene, self.folder.parent)
         file = self.folder / "model.sdf"
-        try:
-            text = file.read_text("utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise FileError(f"{file}: {getattr(error, 'strerror', None) or error}") from None
+        text = text_of(file, _MOST_MIB, "a model")
         renamed = text.replace(f'<model name="{self.name}">', f'<model name="{name}">', 1)
         return renamed.replace(f"model://{self.name}/", f"{self.folder.resolve()}/")
 
