@@ -2,6 +2,7 @@
 # make test     sets up, with a real Gazebo where this machine allows one, and runs the tests
 # make test-fast   the tests without a simulator, a window and all that is slow: within a minute on two cores
 # make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
+# make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
 # make crash    kills runs and fills disks at random moments; CRASH="--kills 200 --disks 20 --seed 7"
 # make check    lint, types, import contracts
 # make package  builds wheel and sdist into dist/ and tries the wheel
@@ -16,9 +17,10 @@ BIN := $(VENV)/bin
 ARGS ?= --numprocesses=auto
 FAST ?= --numprocesses=2
 MUTANTS ?=
+FUZZ ?=
 CRASH ?=
 
-.PHONY: worlds test test-fast mutants crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: worlds test test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in src/rsegen/recipe/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
@@ -31,6 +33,9 @@ test-fast: $(VENV)/developer
 
 mutants: $(VENV)/developer
 	$(BIN)/python -m tests.support.mutants $(MUTANTS)
+
+fuzz: $(VENV)/developer
+	$(BIN)/python -m tests.fuzz $(FUZZ)
 
 crash: $(VENV)/developer
 	$(BIN)/python -m tests.crash $(CRASH)

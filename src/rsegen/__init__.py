@@ -16,9 +16,11 @@ A name is imported when it is first used (PEP 562), so `import rsegen` takes no 
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
 from rsegen.params.moved import find_old_names
+
+TYPE_CHECKING = False
+"""As in `typing`, which takes longer to import than all of this."""
 
 if TYPE_CHECKING:
     from rsegen.errors import RsegenError as RsegenError
@@ -128,7 +130,7 @@ _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 if not TYPE_CHECKING:  # type checkers take what the block above imports, and know of no other name
     __all__ = ["__version__", *sorted(_HOME_OF)]  # noqa: PLE0604  # they are texts
 
-    def __getattr__(name: str) -> Any:
+    def __getattr__(name: str) -> object:
         """Import a public name when it is first used."""
         if name not in _HOME_OF:
             raise AttributeError(f"module 'rsegen' has no attribute {name!r}")

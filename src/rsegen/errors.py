@@ -146,6 +146,26 @@ def shown(value: object) -> str:
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
+def printable(text: str) -> str:
+    """`text` with escapes for what a terminal would obey or cannot show: control and bidi characters, surrogates."""
+    if text.translate(_LAYOUT).isprintable():
+        return text
+    return "".join(each if each.isprintable() or each in "\n\t" else repr(each)[1:-1] for each in text)
+
+
+def line_of(message: str) -> str:
+    """A message as one printable line that can be read: long paths, and what is too long altogether, without middle."""
+    words = " ".join(_without_middle(printable(word), _LONGEST_WORD) for word in message.split())
+    return _without_middle(words, _LONGEST_LINE)
+
+
+def _without_middle(text: str, most: int) -> str:
+    return text if len(text) <= most else f"{text[: most // 2]}...{text[-most // 2 + 3 :]}"
+
+
+_LAYOUT = {ord("\n"): None, ord("\t"): None}
+_LONGEST_LINE = 900
+_LONGEST_WORD = 300
 _LONGEST = 120
 _SHORT = reprlib.Repr()
 _SHORT.maxlevel = 3

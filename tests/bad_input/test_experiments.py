@@ -157,3 +157,19 @@ def test_a_summary_with_any_odd_value_is_read_or_refused(tmp_path: Path) -> None
     said = [refused_or_read(path, json.dumps(one), lambda: load_summary(path)) for one in changed(summary)]
     assert sum(map(bool, said)) > len(said) / 2
     assert refused_or_read(path, json.dumps(summary), lambda: load_summary(path)) == ""
+
+
+@pytest.mark.parametrize("left", ['{"plan": {"name": "y"}}\n{"cell', "x", '{"plan": {"name": "x"}}\n{}\n{"cell'])
+def test_a_log_that_is_refused_is_not_changed(tmp_path: Path, left: str) -> None:
+    (tmp_path / "results.jsonl").write_text(left)
+    with pytest.raises(FileError):
+        ResultsLog(path=tmp_path / "results.jsonl").begin({"name": "x"})
+    assert (tmp_path / "results.jsonl").read_text() == left
+
+
+@pytest.mark.parametrize("written", range(0, 25, 8))
+def test_a_log_of_a_run_that_was_killed_in_its_first_line_begins_anew(tmp_path: Path, written: int) -> None:
+    line = json.dumps({"plan": {"name": "some name"}})
+    (tmp_path / "results.jsonl").write_text(line[:written])
+    ResultsLog(path=tmp_path / "results.jsonl").begin({"name": "some name"})
+    assert (tmp_path / "results.jsonl").read_text() == f"{line}\n"

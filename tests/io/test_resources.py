@@ -6,11 +6,13 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rsegen import Placement, Random, Recipe
 from rsegen.errors import TooLarge
 from rsegen.io import resources
+from rsegen.io.importers import imported, importer_for
 from rsegen.io.resources import check_needs, format_bytes
 
 
@@ -47,3 +49,12 @@ def test_more_obstacles_than_a_large_map_can_take_are_refused_before_the_work() 
     with pytest.raises(TooLarge, match=r"obstacles: 20,001 of them on .* cells .* give 20,000 or fewer"):
         resources.refuse_too_large(recipe)
     resources.refuse_too_large(replace(recipe, obstacles=rows[:-1]))
+
+
+def test_heights_that_do_not_fit_into_memory_are_refused_before_they_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    np.save(tmp_path / "heights.npy", np.zeros((100, 200)))
+    monkeypatch.setattr(resources, "_free_memory", lambda: 1_000_000)
+    with pytest.raises(TooLarge, match=r"100 x 200 cells need about 1\.2 MB of memory, 1\.0 MB are free$"):
+        imported(tmp_path / "heights.npy", importer_for(tmp_path / "heights.npy")())

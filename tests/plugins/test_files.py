@@ -133,3 +133,11 @@ def test_two_files_of_one_name_are_refused(ramp: Path, tmp_path: Path) -> None:
         "obstacles", "--plugin", ramp, "--plugin", tmp_path / "other" / ramp.name
     )
     assert run("obstacles", "--plugin", ramp, "--plugin", ramp).returncode == 0
+
+
+def test_what_goes_wrong_in_the_code_of_a_file_is_said_to_be_there(ramp: Path, tmp_path: Path) -> None:
+    ramp.write_text(RAMP.replace("return 0.0", "return 1 / 0"))
+    found = run("--plugin", ramp, "generate", *FLAGS, "-o", tmp_path / "worlds")
+    line = f"rsegen: plug-in my ramp.py: line {RAMP[: RAMP.index('return 0.0')].count(chr(10)) + 1}: "
+    assert (found.returncode, found.stderr) == (1, f"{line}ZeroDivisionError: division by zero\n")
+    assert not (tmp_path / "worlds").exists()

@@ -5,13 +5,13 @@ Exit codes: 0 done, 2 the user's mistake (one line), 1 anything else.
 
 from __future__ import annotations
 
-import io
 import sys
 from collections.abc import Sequence
 
 from rsegen.cli.commands import COMMANDS, parser
-from rsegen.cli.edge import failed, short_warnings, stoppable
+from rsegen.cli.edge import failed, printable_output, short_warnings
 from rsegen.cli.plugins import load_plugins
+from rsegen.cli.stop import Stop, stoppable
 from rsegen.errors import RsegenError
 
 __all__ = ["COMMANDS", "main"]
@@ -19,20 +19,20 @@ __all__ = ["COMMANDS", "main"]
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; gives the exit code."""
-    with stoppable(), short_warnings():
+    with stoppable() as stop, short_warnings(), printable_output():
         try:
-            return _run(arguments)
+            return _run(arguments, stop)
         except (KeyboardInterrupt, Exception) as error:
-            if sys.flags.dev_mode and not isinstance(error, (RsegenError, KeyboardInterrupt, OSError)):
+            ours = not isinstance(error, (RsegenError, KeyboardInterrupt, OSError))
+            if ours and sys.flags.dev_mode:
                 raise
-            return failed(error)
+            return failed(KeyboardInterrupt() if ours and stop.happened else error)
 
 
-def _run(arguments: Sequence[str] | None) -> int:
-    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
-        sys.stdout.reconfigure(errors="backslashreplace")  # a folder may have a name that cannot be printed
+def _run(arguments: Sequence[str] | None, stop: Stop) -> int:
     try:
         parsed = parser().parse_args(load_plugins(sys.argv[1:] if arguments is None else arguments))
+        stop.heed()
         parsed.run(parsed)
         return 0
     finally:

@@ -19,6 +19,7 @@ from rsegen.cli.flags import (
     recipe_from,
 )
 from rsegen.cli.generate import add_workers_flag, workers_from
+from rsegen.cli.stop import how_to_go_on, told_what_is_left
 from rsegen.errors import ParameterError
 from rsegen.io.dataset import Dataset, make_dataset
 from rsegen.io.dataset.layout import ShardLayout
@@ -88,7 +89,7 @@ def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
 
 def _made(recipe: Recipe, arguments: argparse.Namespace) -> Dataset:
     said = given(ShardLayout, arguments)
-    with _told_how_to_go_on(recipe, arguments), _bar(recipe) as progress:
+    with told_what_is_left(lambda: _left(recipe, arguments)), _bar(recipe) as progress:
         return make_dataset(
             recipe,
             arguments.output,
@@ -102,19 +103,12 @@ def _made(recipe: Recipe, arguments: argparse.Namespace) -> Dataset:
         )
 
 
-@contextmanager
-def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace) -> Iterator[None]:
-    """Who stops a run hears how many maps are there, and how to make the others."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        there = complete_maps(ShardLayout(recipe=recipe, **given(ShardLayout, arguments)), arguments.output)
-        if not there:
-            raise KeyboardInterrupt("stopped; nothing was left there") from None
-        raise KeyboardInterrupt(
-            f"stopped; {there:,} of {recipe.maps:,} maps are there, in whole shards; "
-            f"the same command with --seed {recipe.seed} --resume makes the others"
-        ) from None
+def _left(recipe: Recipe, arguments: argparse.Namespace) -> str:
+    """What a run that is stopped leaves, and how to make the other maps."""
+    there = complete_maps(ShardLayout(recipe=recipe, **given(ShardLayout, arguments)), arguments.output)
+    if not there:
+        return "nothing was left there"
+    return f"{there:,} of {recipe.maps:,} maps are there, in whole shards; {how_to_go_on(recipe)}"
 
 
 @contextmanager

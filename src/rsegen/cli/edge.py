@@ -1,52 +1,59 @@
-"""The edge of the command line: what goes wrong becomes one line and an exit code; what is stopped leaves no mess."""
+"""The edge of the command line: what goes wrong becomes one line and an exit code; all that is shown is printable."""
 
 from __future__ import annotations
 
+import io
 import os
-import signal
 import sys
-import threading
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any, NoReturn
+from contextlib import contextmanager, redirect_stdout
+from typing import Any, TextIO
 
-from rsegen.errors import REFUSED, PluginWarning, RsegenError, UserError
+from rsegen.errors import REFUSED, PluginWarning, RsegenError, UserError, line_of, printable
+
+
+class _Printable:
+    """A text stream that shows what is written to it with escapes in place of what is not printable."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        """Write it, and say how much was given."""
+        self._stream.write(printable(text))
+        return len(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
 
 
 @contextmanager
-def stoppable() -> Iterator[None]:
-    """Ctrl-C, a polite kill and a closed terminal stop what runs here, once: what is half written goes, undisturbed."""
-    names = ("SIGINT", "SIGTERM", "SIGHUP")
-    found = [getattr(signal, name) for name in names if hasattr(signal, name)]
-    heeded = {each: signal.getsignal(each) for each in found if signal.getsignal(each) is not signal.SIG_IGN}
-    if threading.current_thread() is not threading.main_thread():
-        heeded = {}
-
-    def stop(signal_: int, frame: object) -> NoReturn:
-        for each in heeded:
-            signal.signal(each, signal.SIG_IGN)
-        raise KeyboardInterrupt
-
-    try:
-        for each in heeded:
-            signal.signal(each, stop)
+def printable_output() -> Iterator[None]:
+    """What is printed inside is printable whatever it names: a folder may have any name."""
+    if not sys.stdout:
         yield
-    finally:
-        for each, before in heeded.items():
-            signal.signal(each, before)
+        return
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="backslashreplace")  # letters that the terminal has not
+    with redirect_stdout(_Printable(sys.stdout)):
+        yield
 
 
 @contextmanager
 def short_warnings() -> Iterator[None]:
-    """What is wrong with plug-ins that are not needed is one line each on stderr."""
+    """What is wrong with plug-ins that are not needed is one line each on stderr.
+
+    Warnings of libraries are for developers: they are shown where Python was told which ones to show.
+    """
     usual = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *where: Any, **others: Any) -> None:
-        if not issubclass(category, PluginWarning):
+        if issubclass(category, PluginWarning):
+            if sys.stderr:
+                print(f"rsegen: warning: {line_of(str(message))}", file=sys.stderr)
+        elif sys.warnoptions or sys.flags.dev_mode:
             usual(message, category, *where, **others)
-        elif sys.stderr:
-            print(f"rsegen: warning: {' '.join(str(message).split())}", file=sys.stderr)
 
     warnings.showwarning = show
     try:
@@ -60,7 +67,7 @@ def failed(error: BaseException) -> int:
     exec("")  # noqa: S102  # CPython ends by SIGINT if one interrupted an `exec`, as of dataclasses; the next one forgets it
     code, message = _code_and_words(error)
     if sys.stderr and message:
-        print(f"rsegen: {' '.join(message.split())}", file=sys.stderr)
+        print(f"rsegen: {line_of(message)}", file=sys.stderr)
     try:
         if sys.stdout:
             sys.stdout.flush()
@@ -75,12 +82,26 @@ def _code_and_words(error: BaseException) -> tuple[int, str]:
         case RsegenError():
             return 2 if isinstance(error, UserError) else 1, str(error)
         case KeyboardInterrupt():
-            return 1, str(error) or "stopped; the maps that were complete are there, nothing else is"
+            return 1, str(error) or "stopped"
         case OSError():
             where = error.filename or "what was to be printed"
             said = "" if isinstance(error, BrokenPipeError) else f"{where}: {error.strerror or error}"
             return 2 if error.errno in REFUSED else 1, said
         case MemoryError():
             return 1, "out of memory; give fewer chunks or a smaller chunk_size"
+    if said := _of_plugin(error):
+        return 1, said
     said = f"{type(error).__name__}: {error}"
     return 1, f"internal error, please report it: {said} (python -X dev -m rsegen shows where)"
+
+
+def _of_plugin(error: BaseException) -> str:
+    """What went wrong in the code of a plug-in, which others wrote; an empty text if it was elsewhere."""
+    from rsegen.params.plugins import failure, plugins
+
+    files = {each.module.__file__: each.source for each in plugins() if each.module.__file__}
+    step, last = error.__traceback__, ""
+    while step:
+        file = step.tb_frame.f_code.co_filename
+        last, step = (file if file in files else last), step.tb_next
+    return f"plug-in {files[last]}: {failure(error, last)}" if last else ""

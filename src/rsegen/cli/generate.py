@@ -13,6 +13,7 @@ from rsegen.cli.bar import watched
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
 from rsegen.cli.formats import add_format_flags, formats_of
 from rsegen.cli.parser import Parser
+from rsegen.cli.stop import how_to_go_on, told_what_is_left
 from rsegen.io.existing import count_complete
 from rsegen.io.sidecars import Sidecars
 from rsegen.io.work import WORKERS, cores
@@ -81,7 +82,7 @@ def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
     """Write the maps of a recipe, and say what was made."""
     formats = formats_of("--formats", arguments.formats, arguments)
     sidecars = Sidecars(preview=arguments.preview, sheet=arguments.sheet, formats=formats)
-    with _told_how_to_go_on(recipe, arguments, sidecars), _bar(recipe) as progress:
+    with told_what_is_left(lambda: _left(recipe, arguments, sidecars)), _bar(recipe) as progress:
         made = generate(
             recipe,
             arguments.output,
@@ -106,19 +107,14 @@ def workers_from(arguments: argparse.Namespace) -> int:
     return cores() if given is None else WORKERS.check("--workers", WORKERS.parse(given))
 
 
-@contextmanager
-def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace, sidecars: Sidecars) -> Iterator[None]:
-    """Who stops a run hears how many maps are complete, and how to make the others."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        there = 0 if arguments.force else count_complete(recipe, arguments.output, sidecars.complete_in)
-        if not there:
-            raise
-        raise KeyboardInterrupt(
-            f"stopped; {there} of {recipe.maps} maps are complete, nothing else is there; "
-            f"the same command with --seed {recipe.seed} --resume makes the others"
-        ) from None
+def _left(recipe: Recipe, arguments: argparse.Namespace, sidecars: Sidecars) -> str:
+    """What a run that is stopped leaves, and how to make the other maps."""
+    if arguments.force:
+        return "the maps that were complete are there, nothing else is"
+    there = count_complete(recipe, arguments.output, sidecars.complete_in)
+    if not there:
+        return "no map is complete, nothing was left there"
+    return f"{there} of {recipe.maps} maps are complete, nothing else is there; {how_to_go_on(recipe)}"
 
 
 def _as_json(made: Generated) -> dict[str, object]:

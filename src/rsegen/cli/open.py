@@ -8,6 +8,7 @@ import sys
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags
 from rsegen.cli.simulation_flags import flags_in_errors
 from rsegen.cli.targets import target_of
+from rsegen.errors import printable
 from rsegen.simulation.open_world import SECONDS, OpenedWorld, launch_command
 from rsegen.simulation.open_world import open as open_world
 from rsegen.simulation.simulators import SIMULATORS
@@ -59,4 +60,4 @@ def _print_start(world: OpenedWorld) -> None:
 
 
 def _print_error(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
+    print(printable(line), file=sys.stderr, flush=True)

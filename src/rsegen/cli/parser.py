@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple, NoReturn
 
 from rsegen.cli.plugins import add_plugin_flag
-from rsegen.errors import UnknownName, shown
+from rsegen.errors import UnknownName, line_of, shown
 
 
 class HelpRow(NamedTuple):
@@ -61,7 +61,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """End with exit code 2."""
-        self.exit(2, f"{self.prog}: error: {' '.join(message.split())} (see {self.prog} --help)\n")
+        self.exit(2, f"{self.prog}: error: {line_of(message)} (see {self.prog} --help)\n")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """What is unknown is known to be so by the command itself, which has the flags to compare it with."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 
 from rsegen.cli.bar import counting
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, describe_flag, recipe_from
 from rsegen.cli.formats import formats_of
 from rsegen.cli.generate import add_output_flags, workers_from
+from rsegen.cli.stop import how_to_go_on, told_what_is_left
 from rsegen.exporters.numbers import decimal
 from rsegen.io.series import Series, SeriesPlan, SeriesRow, series
 from rsegen.params.sorts import parameters
@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> None:
     recipe = recipe_from(arguments)
     formats = formats_of("--formats", arguments.formats, arguments)
     from_, to = (_share(name, getattr(arguments, name)) for name in ("from_", "to"))
-    with _told_how_to_go_on(recipe, arguments), counting(recipe.maps) as progress:
+    with told_what_is_left(lambda: _left(recipe, arguments)), counting(recipe.maps) as progress:
         found = series(
             recipe,
             arguments.output,
@@ -63,18 +63,11 @@ def run(arguments: argparse.Namespace) -> None:
     print(json.dumps(_summary(found), indent=2) if arguments.json else "\n".join(_report(found)))
 
 
-@contextmanager
-def _told_how_to_go_on(recipe: Recipe, arguments: argparse.Namespace) -> Iterator[None]:
-    """Who stops a series hears how to make the rest of it; not where old maps may stand among the new ones."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        if arguments.force:
-            raise
-        raise KeyboardInterrupt(
-            "stopped; the maps that were complete are there, without table and picture; "
-            f"the same command with --seed {recipe.seed} --resume makes the rest"
-        ) from None
+def _left(recipe: Recipe, arguments: argparse.Namespace) -> str:
+    """What a series that is stopped leaves, and how to make the rest; not where old maps may be among the new ones."""
+    if arguments.force:
+        return "the maps that were complete are there, nothing else is"
+    return f"the maps that were complete are there, without table and picture; {how_to_go_on(recipe, 'the rest')}"
 
 
 def _share(name: str, text: str) -> float:

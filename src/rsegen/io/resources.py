@@ -26,6 +26,9 @@ BYTES_PER_CELL_OF_A_PIECE = {"merged": 1000, "blocks": 1000, "watertight": 3500}
 BYTES_PER_CELL_OF_METRICS = 300
 """Of memory while a map is measured: between 180 and 290 on random maps of 1000 x 1000 blocks, by the robot."""
 
+BYTES_PER_CELL_OF_HEIGHTS = 60
+"""Of memory while heights of a file are made into a matrix: measured on arrays of 1000 and 2000 cells per side."""
+
 BYTES_PER_MAP = 1500
 """Of memory for the result of each map until the run ends: measured on thousands of maps, rounded down."""
 
@@ -79,6 +82,15 @@ def check_needs(recipes: Sequence[Recipe], maps: int, folder: Path, bytes_per_ce
 def refuse_too_large(recipe: Recipe, bytes_per_cell: int = 0) -> None:
     """Raise TooLarge if one map needs more memory than is free, with `bytes_per_cell` more bytes for every cell."""
     _checked_memory(recipe, bytes_per_cell, _free_memory())
+
+
+def refuse_many_heights(where: str, n_x: int, n_y: int) -> None:
+    """Raise TooLarge if the heights of a file need more memory than is free."""
+    needed, free = n_x * n_y * BYTES_PER_CELL_OF_HEIGHTS, _free_memory()
+    if needed > free:
+        raise TooLarge(
+            f"{where}: {n_x} x {n_y} cells need about {format_bytes(needed)} of memory, {format_bytes(free)} are free"
+        )
 
 
 def maps_in_memory(recipe: Recipe, bytes_per_cell: int = 0) -> int:

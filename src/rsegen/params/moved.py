@@ -9,10 +9,13 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Sequence
 from importlib import import_module
 from importlib.machinery import ModuleSpec
-from types import ModuleType
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:  # every start of the command line waits for what is imported here
+    from collections.abc import Sequence
+    from types import ModuleType
 
 NEW_NAMES = {
     "account": "exporters.map_summary",

@@ -18,6 +18,7 @@ from rsegen.errors import FileError
 from rsegen.exporters.formats.base import FORMATS as WRITTEN
 from rsegen.exporters.formats.base import RESERVED
 from rsegen.field.stepfield import Array, Ints
+from rsegen.io.resources import refuse_many_heights
 from rsegen.params.contract import Contract, clash
 from rsegen.params.registry import Registry
 from rsegen.params.sorts import parameters, validate
@@ -59,6 +60,7 @@ def refuse_too_many_cells(path: Path, n_x: int, n_y: int) -> None:
     """Raise a FileError if a file has too many cells, or none; called before they are read."""
     if not 0 < n_x * n_y <= MOST_CELLS:
         raise FileError(f"{path}: {n_x} x {n_y} cells; from 1 up to {MOST_CELLS:,} can be read")
+    refuse_many_heights(str(path), n_x, n_y)
 
 
 def whole_units(path: Path, heights_cm: Array, unit_cm: float, *, rounded: bool) -> Ints:

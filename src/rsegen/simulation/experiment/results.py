@@ -36,14 +36,17 @@ class ResultsLog:
     path: Path
 
     def begin(self, plan: Mapping[str, object]) -> None:
-        """Create it, or resume one of the same plan; FileError if it is of another plan."""
-        if not self.path.exists():
+        """Create it, or resume one of the same plan; FileError, and nothing is changed, if it is of another plan."""
+        if not self.path.exists() or self._is_beginning_of({"plan": plan}):
+            self.path.unlink(missing_ok=True)
             self._add({"plan": plan})
             sync_folder(self.path.parent)
             return
-        self._mend()
         if self._first() != json.loads(json.dumps({"plan": plan})):
             raise FileError(f"{self.path}: has the outcomes of another plan; give another folder, or --force")
+        for _ in self.entries():
+            pass  # each is checked before anything is changed
+        self._mend()
 
     def add(self, cell: Cell, repeat: int, outcome: Outcome) -> None:
         """Append an outcome."""
@@ -72,14 +75,21 @@ class ResultsLog:
 
     def _mend(self) -> None:
         """Delete an incomplete last line, left by a run that was stopped."""
-        try:
-            with open_regular(self.path) as reading:
-                whole, _, broken = reading.read().rpartition(b"\n")
-        except OSError as error:
-            raise FileError(f"{self.path}: {error.strerror or error}") from None
+        whole, _, broken = self._content().rpartition(b"\n")
         if broken:
             with self.path.open("r+b") as file:
                 file.truncate(len(whole) + 1 if whole else 0)
+
+    def _is_beginning_of(self, entry: Mapping[str, object]) -> bool:
+        """Whether it has nothing but a part of its first line, as after a run that was killed when it wrote it."""
+        return json.dumps(entry).encode().startswith(self._content())
+
+    def _content(self) -> bytes:
+        try:
+            with open_regular(self.path) as reading:
+                return reading.read()
+        except OSError as error:
+            raise FileError(f"{self.path}: {error.strerror or error}") from None
 
     def _first(self) -> Json:
         return next(iter(self._lines()), None)

@@ -1,0 +1,71 @@
+"""Commands in this process, and readers of files that no command calls alone, by names such as @robot."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+
+def called(argv: tuple[str, ...]) -> object:
+    """The exit code of a command, or of a reader."""
+    cli: Any = sys.modules["rsegen.cli"]
+    try:
+        if argv and argv[0] in READERS:
+            READERS[argv[0]](*argv[1:])
+            return 0
+        return cli.main(list(argv))
+    except SystemExit as end:
+        return end.code
+    except Exception as error:  # as the edge of the command line does
+        if argv and argv[0] in READERS:
+            return cli.failed(error)
+        raise
+
+
+def _read_robot(name: str) -> None:
+    from rsegen.simulation.robots.sdf_file import from_file
+
+    robot = from_file(name)
+    robot.model("r", "classic")
+    robot.command("r", 0.1, 0.2, robot.backend or "classic")
+
+
+def _read_plan(name: str) -> None:
+    from rsegen.simulation.experiment.plan import load_plan
+
+    plan = load_plan(name)
+    _ = [row.label for row in plan.rows], plan.cells, next(plan.order(), None)
+
+
+def _read_log(name: str) -> None:
+    from rsegen.simulation.experiment.results import ResultsLog
+    from tests.fuzz.seeds import PLAN
+
+    log = ResultsLog(path=Path(name))
+    log.begin(PLAN)
+    log.results()
+
+
+def _read_summary(name: str) -> None:
+    from rsegen.simulation.experiment.run import load_summary
+
+    load_summary(Path(name))
+
+
+def _read_data_set(name: str) -> None:
+    from rsegen import Dataset
+
+    found = Dataset(name)
+    _ = repr(found), len(found), found.levels[0], found.levels[[0, -1]], found.metrics, list(found)
+
+
+READERS: Mapping[str, Callable[[str], None]] = {
+    "@robot": _read_robot,
+    "@plan": _read_plan,
+    "@log": _read_log,
+    "@summary": _read_summary,
+    "@dataset": _read_data_set,
+}
+"""Readers that no command calls alone."""

@@ -1,0 +1,209 @@
+"""Valid input of every sort, small, from which hostile input is made."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, redirect_stdout
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from rsegen import KINDS, Placement, Recipe
+from rsegen.cli import main
+from rsegen.params.sorts import parameters
+from rsegen.recipe.codec import encode
+from rsegen.recipe.examples import EXAMPLES
+from tests.support.samples import sample
+
+SMALL = {"chunk_size": 4, "chunks": 1, "seed": 7}
+
+
+@cache
+def recipes() -> tuple[dict[str, Any], ...]:
+    """Trees of recipes: the examples, one for every kind of obstacle, and one of every parameter of all maps."""
+    examples = [yaml.safe_load(path.read_text("utf-8")) for path in EXAMPLES.values()]
+    kinds = [SMALL | {"obstacles": [_obstacle(kind)]} for kind in KINDS if kind != "matrix"]
+    bare = Recipe(seed=0)
+    others = [SMALL | {name: _plain(parameter, getattr(bare, name))} for name, parameter in parameters(Recipe).items()]
+    written = encode(Recipe(seed=3, chunk_size=4))
+    return (*examples, *kinds, *others, written)
+
+
+def _obstacle(kind: str) -> dict[str, Any]:
+    """An obstacle with every parameter that has an own value."""
+    cls = KINDS[kind]
+    values = {"kind": kind, "levels": 3, "key": "k", "blend": "max"}
+    if "first" in parameters(Placement):
+        values |= {"first": [0, 0], "last": [3, 3]}
+    return values | {name: 3 for name in parameters(cls) if name == "softness"}
+
+
+def _plain(parameter: Any, default: object) -> Any:
+    return sample(parameter, default)
+
+
+@contextmanager
+def _elsewhere() -> Iterator[Path]:
+    before = Path.cwd()
+    with tempfile.TemporaryDirectory() as folder, redirect_stdout(io.StringIO()):
+        os.chdir(folder)
+        try:
+            yield Path(folder)
+        finally:
+            os.chdir(before)
+
+
+def _files(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+@cache
+def map_folder() -> Mapping[str, bytes]:
+    """Two maps as `generate` writes them, with files of other formats."""
+    with _elsewhere() as folder:
+        flags = ["--maps", "2", "--chunk-size", "4", "--seed", "7", "--formats", "heightmap,ply", "--workers", "1"]
+        assert main(["generate", "--obstacle", "random levels=3", *flags, "-o", "maps"]) == 0
+        return _files(folder)
+
+
+@cache
+def data_set(metrics: str) -> Mapping[str, bytes]:
+    """A data set of four maps in two shards."""
+    with _elsewhere() as folder:
+        flags = ["--maps", "4", "--chunk-size", "4", "--seed", "7", "--shard-maps", "2", "--workers", "1"]
+        assert main(["dataset", "--obstacle", "random levels=3", *flags, "--metrics", metrics, "-o", "set"]) == 0
+        return _files(folder)
+
+
+@cache
+def unfinished(metrics: str) -> Mapping[str, bytes]:
+    """The same after its run was stopped: a record in place of the manifest, and one shard less."""
+    whole = dict(data_set(metrics))
+    manifest = json.loads(whole.pop("set/manifest.json"))
+    shards = manifest.pop("shards")
+    lines = [manifest, {"shard": 0, **shards[0]}]
+    whole["set/unfinished.jsonl"] = "".join(f"{json.dumps(line)}\n" for line in lines).encode()
+    return {name: content for name, content in whole.items() if "00001" not in name}
+
+
+@cache
+def build_sheet() -> bytes:
+    """A build sheet in CSV."""
+    with _elsewhere() as folder:
+        assert (
+            main(["sheet", "--obstacle", "peak levels=3", "--chunk-size", "4", "--seed", "7", "-o", "sheet.csv"]) == 0
+        )
+        return (folder / "sheet.csv").read_bytes()
+
+
+@cache
+def images() -> Mapping[str, bytes]:
+    """Small images in every format and of many modes that heights are read from."""
+    from PIL import Image
+
+    grey = np.arange(0, 240, 15, dtype=np.uint8).reshape(4, 4)
+    found: dict[str, bytes] = {}
+
+    def add(name: str, image: Any, **options: Any) -> None:
+        stream = io.BytesIO()
+        form = {"jpg": "JPEG", "tif": "TIFF", "pgm": "PPM"}.get(name.rpartition(".")[2])
+        image.save(stream, form or name.rpartition(".")[2].upper(), **options)
+        found[name] = stream.getvalue()
+
+    base = Image.fromarray(grey)
+    add("grey.png", base)
+    add("deep.png", Image.fromarray(grey.astype(np.uint16) * 256))
+    add("one.png", base.convert("1"))
+    add("palette.png", base.convert("RGB").quantize(8), transparency=0)
+    add("clear.png", base.convert("LA"))
+    add("colours.png", base.convert("RGBA"))
+    add("grey.jpg", base, exif=b"Exif\0\0II*\0\x08\0\0\0\0\0")
+    add("grey.bmp", base)
+    add("colours.bmp", base.convert("RGB"))
+    add("grey.pgm", base)
+    found["plain.pgm"] = b"P2\n# a comment\n4 4\n255\n" + b" ".join(b"%d" % value for value in grey.flat) + b"\n"
+    found["deep.pgm"] = b"P5 4 4 65535\n" + (grey.astype(">u2") * 256).tobytes()
+    for name, compression in (("raw", None), ("lzw", "tiff_lzw"), ("zip", "tiff_deflate"), ("packed", "packbits")):
+        add(f"{name}.tif", base, compression=compression)
+    add("float.tif", Image.fromarray(grey.astype(np.float32) / 255))
+    add("deep.tif", Image.fromarray(grey.astype(np.uint16) * 256))
+    return found
+
+
+def array(values: Any) -> bytes:
+    """An array in a NPY file."""
+    stream = io.BytesIO()
+    np.save(stream, values)
+    return stream.getvalue()
+
+
+ROS_MAP = {"image": "grey.pgm", "resolution": 0.05, "origin": [0.0, 0.0, 0.0], "negate": 0, "occupied_thresh": 0.65}
+ROS_MAP |= {"free_thresh": 0.196, "mode": "trinary"}
+TABLES = (
+    b"0,10,20\n10,0,10\n20,30,0\n",
+    b"0;10;20\r\n10;0;10\r\n",
+    b"0\t10\n10\t0\n",
+    b"# levels\n0 1 2\n1 2 3\n",
+    b"x,y,height\n0,0,10\n0,1,0\n1,0,20\n1,1,10\n",
+    b"0,0,10\n0,1,0\n1,0,20\n1,1,10\n",
+)
+INVENTORY = b"height_cm,count\n10,100\n20,100\n30,50\n40,50\n"
+ROBOT = b"""<?xml version="1.0"?>
+<sdf version="1.6"><model name="cart"><pose>0 0 0.1 0 0 0</pose><link name="base"><inertial><mass>1</mass></inertial>
+<collision name="c"><geometry><box><size>0.4 0.3 0.1</size></box></geometry></collision></link>
+<plugin name="drive" filename="libDiffDrivePlugin.so"><robot_namespace>cart</robot_namespace></plugin>
+<plugin name="other" filename="libgz-sim-diff-drive-system.so"><topic>/model/{name}/cmd_vel</topic></plugin>
+</model></sdf>
+"""
+PLAN: dict[str, Any] = {
+    "name": "small",
+    "seconds": 5,
+    "repeats": 2,
+    "seed": 3,
+    "paces": ["real", "free"],
+    "rows": [
+        {
+            "robot": "burger",
+            "robots": 2,
+            "sizes": [0, 10],
+            "max_height": 3,
+            "unit_cm": 1.0,
+            "recipe": {"mesh": "merged"},
+        },
+        {"robot": "jackal", "robots": 1, "sizes": [20]},
+    ],
+}
+PLUGIN = b'''"""A kind of obstacle."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from rsegen import Obstacle
+from rsegen.field.obstacles.base import Region
+from rsegen.params.sorts import Integer
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Dune(Region):
+    """Sand."""
+
+    kind: ClassVar[str] = "dune"
+    grain: Annotated[int, Integer(1, 9, help="size of its grains")] = 2
+
+    def drawn(self, uniform):
+        return (uniform * self.max_height).astype("int16")
+'''
+
+
+def prepare() -> None:
+    """Make all that is made once, while nothing is watched."""
+    recipes(), map_folder(), build_sheet(), images()
+    for metrics in ("npy", "none", "parquet"):
+        data_set(metrics), unfinished(metrics)
