@@ -30,7 +30,7 @@ def main(arguments: Sequence[str]) -> int:
     from tests.fuzz.running import run
 
     first, last = (0, said.cases) if said.number is None else (said.number, said.number + 1)
-    return run(range(first, last), said.seed, said.processes, said.family)
+    return run(range(first, last), said.seed, said.processes, said.family, said.record)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -42,6 +42,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--processes", type=int, default=count, help=f"at the same time (default: {count})")
     parser.add_argument("--family", choices=list(FAMILIES), help="only cases of one sort of input")
     parser.add_argument("--number", type=int, help="only this case of the seed")
+    parser.add_argument("--record", type=Path, metavar="FILE", help="write the result into this JSON file")
     parser.add_argument("--replay", type=Path, nargs="*", metavar="FILE", help="the cases in files of the corpus")
     parser.add_argument("--worker", type=int, help=argparse.SUPPRESS)
     return parser

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import platform
 import subprocess
 import sys
 import time
@@ -23,8 +24,8 @@ EVERY = 20
 """Seconds between two lines that say how far it is."""
 
 
-def run(numbers: range, seed: int, processes: int, family: str | None) -> int:
-    """Run cases of a seed; 1 if any fails."""
+def run(numbers: range, seed: int, processes: int, family: str | None, record: Path | None = None) -> int:
+    """Run cases of a seed, and write how many failed into a JSON file `record`; 1 if any fails."""
     print(f"seed {seed}, {len(numbers):,} cases", flush=True)  # noqa: T201
     report = Report(seed=seed, family=family)
     count = min(processes, len(numbers))
@@ -33,6 +34,9 @@ def run(numbers: range, seed: int, processes: int, family: str | None) -> int:
     for part in parts:
         part.result()
     report.end()
+    if record:
+        found = {"python": platform.python_version(), "seed": seed, "cases": report.done, "fail": report.sorts.total()}
+        record.write_text(json.dumps(found, indent=2) + "\n", "utf-8")
     return int(bool(report.sorts))
 
 
