@@ -79,7 +79,7 @@ def test_a_handle_is_let_go_if_the_obstacle_was_moved_otherwise(window: Window, 
 
 
 def test_an_end_opposite_a_random_or_an_invalid_one_can_be_moved(window: Window) -> None:
-    entries = [
+    entries: list[dict[str, object]] = [
         {"kind": "horizontal_barrier", "max_height": "abc", "first": [1, 1], "last": "random"},
         {"kind": "horizontal_barrier", "max_height": "abc", "first": [1, 1]},
         {"kind": "horizontal_barrier", "max_height": 3, "first": [1, 1], "last": [4, "x"]},
@@ -126,7 +126,7 @@ def typing(window: Window, row: int, column: int, text: str) -> QLineEdit:
     """A text that is typed into a cell, without Enter."""
     table = window.views.table
     table.setCurrentCell(row, column)
-    table.editItem(table.item(row, column))
+    QTest.keyClick(table, Qt.Key.Key_F2)
     (field,) = table.viewport().findChildren(QLineEdit)
     field.selectAll()
     QTest.keyClicks(field, text)

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QBrush, QIcon, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
 from PySide6.QtWidgets import (
-    QAbstractItemDelegate,
     QAbstractItemView,
     QApplication,
     QHeaderView,
@@ -91,8 +90,8 @@ class ObstacleTable(QTableWidget):
     def finish_typing(self) -> None:
         """Take over a text that was typed into a cell and not yet finished with Enter."""
         for field in self.viewport().findChildren(QLineEdit):
-            self.commitData(field)
-            self.closeEditor(field, QAbstractItemDelegate.EndEditHint.NoHint)
+            if not field.isHidden():  # Qt deletes hidden ones soon
+                self.commitData(field)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Select the row that is pressed, and start to drag it."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os.path
 from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
@@ -21,7 +22,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from rsegen.errors import OutputError, RsegenError
+from rsegen.errors import OutputError, RsegenError, shown
 from rsegen.gui.model.jobs import Job
 from rsegen.gui.widgets.layouts import row_of
 from rsegen.gui.widgets.message_label import MessageLabel
@@ -64,7 +65,7 @@ class RunForm(QWidget):
     @property
     def folder(self) -> Path:
         """The output folder in the field."""
-        return Path(self._line.text().strip()).expanduser()
+        return Path(os.path.expanduser(self._line.text().strip()))  # pathlib's raises for ~nobody
 
     @folder.setter
     def folder(self, folder: Path) -> None:
@@ -146,6 +147,10 @@ class RunForm(QWidget):
     def _refuse(self) -> None:
         if not self._line.text().strip():
             raise OutputError(f"give a folder to write the {self._texts.what} into, such as {self._texts.default}")
+        if "\0" in self._line.text():
+            raise OutputError(
+                f"{shown(self._line.text())} is not a name of a folder; give one such as {self._texts.default}"
+            )
         refuse_not_a_folder(self.folder)
 
     def _choose_folder(self) -> None:
@@ -164,12 +169,12 @@ class RunForm(QWidget):
 
     def _show_state(self) -> None:
         """Show either the button or the progress bar, and the outcome of the last run if any."""
-        for widget, shown in (
+        for widget, is_shown in (
             *((widget, not self.busy) for widget in (self.start, *self._beside)),
             (self.cancel, self.busy),
             (self.bar, self.busy),
             (self._outcome, bool(self._outcome.text())),
             (self._open, bool(self._outcome.text()) and self.written is not None),
         ):
-            widget.setVisible(shown)
+            widget.setVisible(is_shown)
         self.changed.emit()
