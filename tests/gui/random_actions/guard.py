@@ -20,7 +20,7 @@ _DEVICES = ("/dev/", "/proc/")
 _OF_THE_SCREEN = (
     "This plugin does not support",  # offscreen
     "QXcbConnection",  # Xvfb has no extensions of a graphics card
-    "Wrong parent",
+    "QXcbClipboard",  # nor what keeps the clipboard
 )
 """What Qt says about a screen that is none."""
 

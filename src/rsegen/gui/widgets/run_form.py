@@ -149,7 +149,7 @@ class RunForm(QWidget):
             raise OutputError(f"give a folder to write the {self._texts.what} into, such as {self._texts.default}")
         if "\0" in self._line.text():
             raise OutputError(
-                f"{shown(self._line.text())} is not a name of a folder; give one such as {self._texts.default}"
+                f"{shown(self._line.text())} is not the name of a folder; give one such as {self._texts.default}"
             )
         refuse_not_a_folder(self.folder)
 
