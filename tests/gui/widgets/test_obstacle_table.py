@@ -16,6 +16,7 @@ from PySide6.QtWidgets import QApplication, QDoubleSpinBox, QSlider, QSpinBox
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
 from tests.support.clicking import find, shown
+from tests.support.waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
 KINDS = ["random", "peak", "diagonal_barrier"]
@@ -228,3 +229,13 @@ def test_a_row_that_is_dragged_while_the_rows_change_is_let_go(window: Window) -
     assert kinds(window) == []
     window.session.undo()
     assert kinds(window) == KINDS
+
+
+def test_a_row_is_selected_also_if_the_list_was_scrolled_over_a_long_text(window: Window) -> None:
+    edit(window, 0, 2, "x" * 600)
+    bar = window.views.table.horizontalScrollBar()
+    until(lambda: bar.maximum() > 0)
+    bar.setValue(bar.maximum())
+    window.document.open(Session.new())
+    window.document.add({"kind": "peak", "max_height": 3})
+    assert (window.document.selected, window.views.table.selected) == (0, 0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtCore import QItemSelectionModel, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QBrush, QIcon, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -85,7 +85,10 @@ class ObstacleTable(QTableWidget):
         if selected < 0:
             self.clearSelection()
         elif selected != self.selected:
-            self.selectRow(selected)
+            whole_row = QItemSelectionModel.SelectionFlag.ClearAndSelect | QItemSelectionModel.SelectionFlag.Rows
+            self.setCurrentCell(
+                selected, max(self.currentColumn(), 0), whole_row
+            )  # selectRow asks which column is at the left
 
     def finish_typing(self) -> None:
         """Take over a text that was typed into a cell and not yet finished with Enter."""
