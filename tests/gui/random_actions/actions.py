@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from random import Random
 
@@ -14,10 +13,11 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QLineEdit, QMenu, QPlainTextEdit, QWidget
 
 from rsegen.gui.window import Window
+from tests.gui.random_actions.targets import front_dialog, is_of_a_folder, is_there, name_of, point_on, targets
 from tests.gui.random_actions.texts import FILES, FOLDERS, TEXTS
 
 Act = Callable[[Window, Random], str]
-"""Does something, and says what."""
+"""Does something, and says what: said before, as the widget may be gone after."""
 
 _NEVER = {"Quit", "Open the folder"}
 """Quit is the action `close`; the folder would be shown by another program."""
@@ -38,10 +38,10 @@ _TYPED = 20
 
 def click(window: Window, random: Random) -> str:
     """Click or double-click anywhere on a widget."""
-    widget, button = random.choice(_targets(window)), random.choice(_BUTTONS)
-    where, modifier, twice = _point(widget, random), random.choice(_MODIFIERS), random.random() < 0.2
-    with _told(f"click{' twice' * twice} {_name(widget)} at {where.toTuple()}") as told:
-        (QTest.mouseDClick if twice else QTest.mouseClick)(widget, button, modifier, where)
+    widget, button = random.choice(targets(window)), random.choice(_BUTTONS)
+    where, modifier, twice = point_on(widget, random), random.choice(_MODIFIERS), random.random() < 0.2
+    told = f"click{' twice' * twice} {name_of(widget)} at {where.toTuple()}"
+    (QTest.mouseDClick if twice else QTest.mouseClick)(widget, button, modifier, where)
     return told
 
 
@@ -49,17 +49,17 @@ def press_button(window: Window, random: Random) -> str:
     """Click + (three times of four), -, C, Re-roll or Paint in their middle."""
     name = random.choice(["add", "add", "add", "remove", "clear", "reroll", "paint", "keep_seed", "default_ends"])
     for widget in window.findChildren(QWidget, name):
-        if widget in _targets(window):
+        if widget in targets(window):
             QTest.mouseClick(widget, _LEFT, pos=QPoint(8, widget.height() // 2))
     return f"press {name}"
 
 
 def drag(window: Window, random: Random) -> str:
     """Drag over a widget, and maybe press a shortcut or a key meanwhile, or never let go."""
-    often = [] if _dialog() else [window.views.plan] * 15 + [window.views.table.viewport()] * 5
-    widget = random.choice([*often, *_targets(window)])
-    points = [_point(widget, random) for _ in range(random.randint(2, 5))]
-    button, told = random.choice(_BUTTONS), [f"drag {_name(widget)} over {[point.toTuple() for point in points]}"]
+    often = [] if front_dialog() else [window.views.plan] * 15 + [window.views.table.viewport()] * 5
+    widget = random.choice([*often, *targets(window)])
+    points = [point_on(widget, random) for _ in range(random.randint(2, 5))]
+    button, told = random.choice(_BUTTONS), [f"drag {name_of(widget)} over {[point.toTuple() for point in points]}"]
     QTest.mousePress(widget, button, pos=points[0])
     for point in points[1:]:
         QTest.mouseMove(widget, point)
@@ -75,7 +75,7 @@ def drag(window: Window, random: Random) -> str:
 
 def type_text(window: Window, random: Random) -> str:
     """Replace the text of a field, and finish it with Enter, Tab, Escape or not."""
-    fields = [widget for widget in _targets(window) if isinstance(widget, (QLineEdit, QAbstractSpinBox))]
+    fields = [widget for widget in targets(window) if isinstance(widget, (QLineEdit, QAbstractSpinBox))]
     if not fields:
         return "type nowhere"
     return _typed(random.choice(fields), random)
@@ -84,7 +84,7 @@ def type_text(window: Window, random: Random) -> str:
 def type_cell(window: Window, random: Random) -> str:
     """Type into a cell of the list of obstacles."""
     table = window.views.table
-    if _dialog():
+    if front_dialog():
         return close(window, random)
     if not table.rowCount():
         return press_button(window, random)
@@ -97,22 +97,22 @@ def type_cell(window: Window, random: Random) -> str:
 
 def key(window: Window, random: Random) -> str:
     """Press keys in a widget, often the one that has the keyboard."""
-    front = _dialog() or window
-    often = [front.focusWidget()] * 20 + ([] if _dialog() else [window.views.plan] * 10)
-    widget = random.choice([*often, *_targets(window)]) or front
+    front = front_dialog() or window
+    often = [front.focusWidget()] * 20 + ([] if front_dialog() else [window.views.plan] * 10)
+    widget = random.choice([*often, *targets(window)]) or front
     pressed, modifier = [random.choice(_KEYS) for _ in range(random.randint(1, 4))], random.choice(_MODIFIERS)
-    with _told(f"keys {[each.name for each in pressed]} {modifier.name} in {_name(widget)}") as told:
-        for each in pressed:
-            if _is_there(widget):
-                QTest.keyClick(widget, each, modifier)
-                QApplication.processEvents()
+    told = f"keys {[each.name for each in pressed]} {modifier.name} in {name_of(widget)}"
+    for each in pressed:
+        if is_there(widget):
+            QTest.keyClick(widget, each, modifier)
+            QApplication.processEvents()
     return told
 
 
 def shortcut(window: Window, random: Random) -> str:
     """Choose an entry of the menus by its shortcut, or else by the menu."""
     action = random.choice([each for each in window.findChildren(QAction) if each.objectName() not in _NEVER])
-    blocked = _dialog() is not None
+    blocked = front_dialog() is not None
     if action.isEnabled() and not blocked and not action.menu():
         action.trigger()
     return f"{action.objectName() or action.text()!r}{' (not possible)' * (blocked or not action.isEnabled())}"
@@ -120,7 +120,7 @@ def shortcut(window: Window, random: Random) -> str:
 
 def change_history(window: Window, random: Random) -> str:
     """Press Ctrl+Z and Ctrl+Y a few times."""
-    if _dialog():
+    if front_dialog():
         return close(window, random)
     keys = [random.choice([Qt.Key.Key_Z, Qt.Key.Key_Z, Qt.Key.Key_Y]) for _ in range(random.randint(1, 5))]
     for each in keys:
@@ -131,21 +131,21 @@ def change_history(window: Window, random: Random) -> str:
 
 def paste(window: Window, random: Random) -> str:
     """Paste a text into what has the keyboard, or into a field."""
-    fields = [each for each in _targets(window) if isinstance(each, (QLineEdit, QAbstractSpinBox, QPlainTextEdit))]
-    front = _dialog() or window
+    fields = [each for each in targets(window) if isinstance(each, (QLineEdit, QAbstractSpinBox, QPlainTextEdit))]
+    front = front_dialog() or window
     widget, text = random.choice([front.focusWidget() or front, *fields]), random.choice(TEXTS)
-    if _is_of_a_folder(widget):
+    if is_of_a_folder(widget):
         text = random.choice(FOLDERS)
     QApplication.clipboard().setText(text)
-    with _told(f"paste {text!r} into {_name(widget)}") as told:
-        QTest.keyClick(widget, Qt.Key.Key_V, _CONTROL)
+    told = f"paste {text!r} into {name_of(widget)}"
+    QTest.keyClick(widget, Qt.Key.Key_V, _CONTROL)
     return told
 
 
 def scroll(window: Window, random: Random) -> str:
     """Turn the wheel over a widget."""
-    widget, turn = random.choice(_targets(window)), random.choice([-480, -120, 120, 480])
-    where, none = QPointF(_point(widget, random)), Qt.MouseButton.NoButton
+    widget, turn = random.choice(targets(window)), random.choice([-480, -120, 120, 480])
+    where, none = QPointF(point_on(widget, random)), Qt.MouseButton.NoButton
     event = QWheelEvent(
         where,
         widget.mapToGlobal(where),
@@ -156,14 +156,14 @@ def scroll(window: Window, random: Random) -> str:
         Qt.ScrollPhase.NoScrollPhase,
         False,  # noqa: FBT003  # whether it is inverted; Qt takes no name
     )
-    with _told(f"scroll {turn} over {_name(widget)}") as told:
-        QApplication.sendEvent(widget, event)
+    told = f"scroll {turn} over {name_of(widget)}"
+    QApplication.sendEvent(widget, event)
     return told
 
 
 def menu(window: Window, random: Random) -> str:
     """Open a menu, press a few keys in it, and close it."""
-    if _dialog():
+    if front_dialog():
         return close(window, random)
     found = random.choice(window.menuBar().findChildren(QMenu))
     found.popup(window.mapToGlobal(QPoint(20, 20)))
@@ -177,7 +177,7 @@ def menu(window: Window, random: Random) -> str:
 
 def drop(window: Window, random: Random) -> str:
     """Drop a file on the window."""
-    if _dialog():
+    if front_dialog():
         return close(window, random)
     name, data = random.choice(FILES), QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(Path(name).absolute()))])
@@ -192,7 +192,7 @@ def drop(window: Window, random: Random) -> str:
 
 def choose(window: Window, random: Random) -> str:
     """Choose an obstacle of the list, or none, or a kind in the form."""
-    if _dialog():
+    if front_dialog():
         return close(window, random)
     table, kinds = window.views.table, window.forms.obstacle.kind
     if random.random() < 0.4:
@@ -222,9 +222,9 @@ def wait(_: Window, random: Random) -> str:
 
 def close(window: Window, _random: Random) -> str:
     """Close what is in front: a dialog, or the window."""
-    front = _dialog() or window
-    with _told(f"close {_name(front)}") as told:
-        front.close()
+    front = front_dialog() or window
+    told = f"close {name_of(front)}"
+    front.close()
     return told
 
 
@@ -250,14 +250,14 @@ ACTIONS: dict[str, tuple[Act, int]] = {
 
 
 def _typed(field: QWidget, random: Random) -> str:
-    text = random.choice(FOLDERS if _is_of_a_folder(field) else TEXTS)
+    text = random.choice(FOLDERS if is_of_a_folder(field) else TEXTS)
     end = random.choice(_ENDS)
-    with _told(f"type {text!r} into {_name(field)}, {end.name if end else 'unfinished'}") as told:
-        field.setFocus()
-        field.selectAll()  # type: ignore[attr-defined]  # both sorts have it
-        _enter(field, text)
-        if end and _is_there(field):
-            QTest.keyClick(field, end)
+    told = f"type {text!r} into {name_of(field)}, {end.name if end else 'unfinished'}"
+    field.setFocus()
+    field.selectAll()  # type: ignore[attr-defined]  # both sorts have it
+    _enter(field, text)
+    if end and is_there(field):
+        QTest.keyClick(field, end)
     return told
 
 
@@ -268,48 +268,5 @@ def _enter(field: QWidget, text: str) -> None:
         QTest.keyClick(field, Qt.Key.Key_V, _CONTROL)
         return
     for letter in text:
-        if _is_there(field):
+        if is_there(field):
             QTest.keyClicks(field, letter)
-
-
-def _is_of_a_folder(widget: QWidget) -> bool:
-    return widget.objectName() == "folder"
-
-
-def _dialog() -> QWidget | None:
-    """The dialog that keeps the mouse and the keyboard from the window."""
-    return QApplication.activeModalWidget()
-
-
-def _targets(window: Window) -> list[QWidget]:
-    """The widgets that a mouse reaches: those of the modal dialog, or else of the window."""
-    inside = QApplication.activePopupWidget() or _dialog() or window
-    found = [each for each in inside.findChildren(QWidget) if each.isVisible() and each.isEnabled()]
-    usable = [each for each in found if not each.visibleRegion().isEmpty() and not _opens_a_folder(each)]
-    return usable or [inside]
-
-
-def _opens_a_folder(widget: QWidget) -> bool:
-    return widget.objectName() == "open_folder" or isinstance(widget, QMenu)
-
-
-def _point(widget: QWidget, random: Random) -> QPoint:
-    return QPoint(random.randrange(max(widget.width(), 1)), random.randrange(max(widget.height(), 1)))
-
-
-def _name(widget: QWidget) -> str:
-    parent = widget.parentWidget()
-    return widget.objectName() or f"{type(widget).__name__} in {_name(parent) if parent else 'nothing'}"
-
-
-def _is_there(widget: QWidget) -> bool:
-    """Whether Qt has not deleted it yet."""
-    from shiboken6 import isValid
-
-    return isValid(widget) and widget.isEnabled()
-
-
-@contextmanager
-def _told(text: str) -> Iterator[str]:
-    """The text, made before the widget may be gone."""
-    yield text

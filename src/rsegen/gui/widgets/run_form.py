@@ -54,6 +54,7 @@ class RunForm(QWidget):
         super().__init__()
         self.run: JobThread | None = None
         self.written: Path | None = None
+        self._is_running = False
         self._texts, self._beside, self._force = texts, beside, False
         self._make_widgets()
         self._lay_out()
@@ -75,7 +76,7 @@ class RunForm(QWidget):
     @property
     def busy(self) -> bool:
         """Whether files are being written."""
-        return self.run is not None and self.run.isRunning()
+        return self._is_running
 
     def may_write(self, job: Job) -> bool:
         """Whether a job may write into the folder: asks before files are replaced, and shows what is wrong."""
@@ -98,9 +99,10 @@ class RunForm(QWidget):
         run.succeeded.connect(self._show_outcome)
         run.cancelled.connect(self._show_outcome)
         run.failed.connect(self.error_label.show_message)
-        run.finished.connect(self._show_state)
+        run.finished.connect(self._end)  # after its outcome: a run that has ended has shown it
         self.error_label.show_message("")
         self._outcome.setText("")
+        self._is_running = True
         run.start()
         self._show_state()
 
@@ -162,6 +164,10 @@ class RunForm(QWidget):
     def _cancel(self) -> None:
         if self.run:
             self.run.requestInterruption()
+
+    def _end(self) -> None:
+        self._is_running = False
+        self._show_state()
 
     def _show_outcome(self, text: str) -> None:
         self.written = self.run.job.folder if self.run else None
