@@ -159,3 +159,14 @@ def test_nothing_is_made_of_the_last_valid_recipe(window: Window, tmp_path: Path
     assert window.findChildren(QDialog) == []
     assert window.status.currentMessage() == ""
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_text_that_is_typed_once_is_one_change(window: Window) -> None:
+    friction, steps = find(window, QLineEdit, "frame_friction_field"), len(window.session._done)
+    friction.setText("nan")
+    for _ in range(3):
+        friction.editingFinished.emit()
+        window.finish_typing()
+        window.document.add(PEAK)
+    assert find(window, QLabel, "frame_friction_error").text().startswith("nan is not a finite number")
+    assert len(window.session._done) == steps + 4

@@ -62,13 +62,15 @@ def drag(window: Window, random: Random) -> str:
     button, told = random.choice(_BUTTONS), [f"drag {name_of(widget)} over {[point.toTuple() for point in points]}"]
     QTest.mousePress(widget, button, pos=points[0])
     for point in points[1:]:
+        if not is_there(widget):
+            return f"{', '.join(told)}, which is gone"
         QTest.mouseMove(widget, point)
         QApplication.processEvents()
         if random.random() < 0.2:
             told.append(shortcut(window, random))
         if random.random() < 0.1:
             told.append(wait(window, random))
-    if random.random() < 0.9:
+    if random.random() < 0.9 and is_there(widget):
         QTest.mouseRelease(widget, button, pos=points[-1])
     return ", ".join(told)
 

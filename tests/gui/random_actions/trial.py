@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import traceback
 from collections.abc import Iterable, Iterator
 from itertools import count
 from pathlib import Path
@@ -163,7 +164,11 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--replay", default="")
     given = parser.parse_args()
-    wrong = run(given.folder.resolve(), replayed(given.replay) if given.replay else steps(given.seed, given.actions))
+    todo = replayed(given.replay) if given.replay else steps(given.seed, given.actions)
+    try:
+        wrong = run(given.folder.resolve(), todo)
+    except BaseException:  # the guard has Python's way to print it
+        wrong = [traceback.format_exc()]
     sys.stdout.write("\n".join(wrong))
     sys.stdout.flush()
     os._exit(bool(wrong))

@@ -49,15 +49,14 @@ class Editor(QWidget):
             title = f"{name.removesuffix('_cm').replace('_', ' ')}{part}"
             self._row.addWidget(named(widget, f"{name}_field", title=title, tip=tip))
         named(self, name)
-        self._given = self._shown = self._read()
+        self._given, self._shown = self._read(), self._content()
 
     def _widgets(self) -> tuple[QWidget, ...]:
         raise NotImplementedError
 
     def value(self) -> Json:
         """The value in the editor, unchecked: the one that it was given, until the user changes it."""
-        read = self._read()
-        return self._given if read == self._shown else read
+        return self._given if self._content() == self._shown else self._read()
 
     def show_value(self, value: Json) -> None:
         """Show a value without a signal."""
@@ -65,14 +64,18 @@ class Editor(QWidget):
             blockers = [QSignalBlocker(child) for child in self.findChildren(QWidget)]
             (self._put if self._can_show(value) else self._put_invalid)(value)
             del blockers
-            self._given, self._shown = value, self._read()
+            self._given, self._shown = value, self._content()
 
     def finish_typing(self) -> None:
         """Emit `edited` if a text was typed and not yet finished with Enter."""
 
     def _read(self) -> Json:
-        """What the widgets show now."""
+        """The value that the widgets show now."""
         raise NotImplementedError
+
+    def _content(self) -> object:
+        """What the widgets show now, to be compared."""
+        return self._read()
 
     def _put(self, value: Json) -> None:
         """Let the widgets show a valid value."""
@@ -185,8 +188,12 @@ class TextEditor(Editor):
 
     def finish_typing(self) -> None:
         """Emit `edited` if the text was changed and not yet finished with Enter."""
-        if self._read() != self._shown:
+        if self._content() != self._shown:
             self._emit()
+
+    def _content(self) -> object:
+        """The text: nan is a number that equals none."""
+        return self._line.text()
 
     def _read(self) -> Json:
         text = self._line.text()
