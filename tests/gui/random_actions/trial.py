@@ -38,6 +38,9 @@ _EVERY = 50
 _MOST_CELLS = 30_000
 """A map of more cells, if it is not refused as too large, is taken back: its previews take long."""
 
+_MOST_MEMORY = 6 * 2**30
+"""In bytes; a trial takes about two thousand million, of which a third is in use."""
+
 _MOST_MAPS = 20
 """A run of more steps is cancelled."""
 
@@ -156,6 +159,14 @@ def run(folder: Path, todo: Iterable[Step]) -> list[str]:
     return trial.try_history() or trial.end()
 
 
+def limit_memory() -> None:
+    """Let what takes very much memory fail here, with a traceback, and nothing else on this machine."""
+    if sys.platform != "win32":
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (_MOST_MEMORY, _MOST_MEMORY))
+
+
 def main() -> None:
     """Do the actions of the command line, and print what went wrong."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -164,6 +175,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--replay", default="")
     given = parser.parse_args()
+    limit_memory()
     todo = replayed(given.replay) if given.replay else steps(given.seed, given.actions)
     try:
         wrong = run(given.folder.resolve(), todo)
