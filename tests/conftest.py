@@ -28,6 +28,12 @@ for _name, _usual in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.
         signal.signal(getattr(signal, _name), _usual)
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("the window at random", "tests/gui/test_random_actions.py")
+    group.addoption("--window-actions", type=int, default=250, metavar="N", help="actions per seed")
+    group.addoption("--seed", type=int, metavar="S", help="one seed alone; by default several")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         for folder, marker in MARKED_FOLDERS.items():

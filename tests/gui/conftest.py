@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.support.screen import xvfb
+
 if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
@@ -26,6 +28,12 @@ def app(tmp_path_factory: pytest.TempPathFactory) -> QApplication:
     QSettings.setPath(QSettings.Format.NativeFormat, QSettings.Scope.UserScope, settings)
     found = QApplication.instance()
     return found if isinstance(found, QApplication) else QApplication([])
+
+
+@pytest.fixture(scope="session")
+def display() -> Iterator[str]:
+    """A display without a screen."""
+    yield from xvfb()
 
 
 @pytest.fixture(autouse=True)

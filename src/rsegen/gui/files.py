@@ -91,7 +91,11 @@ class Files:
 
     def read_heights(self, path: Path) -> None:
         """Open a new recipe with the heights of a file, read by the options that a dialog asks for."""
-        dialog = HeightsDialog(self._parent, path)
+        try:
+            dialog = HeightsDialog(self._parent, path)
+        except RsegenError as error:
+            self._show_error(error)
+            return
         if dialog.exec() and dialog.recipe:
             self._replace(partial(Session.imported, dialog.recipe))
 
@@ -102,23 +106,26 @@ class Files:
 
     def save(self) -> None:
         """Save the recipe to its file; ask for one if it has none."""
-        session = self._document.session
-        if session.path is None:
+        path = self._document.session.path
+        if path is None:
             self.save_as()
-            return
-        try:
-            session.save(session.path)
-            self.recent.remember(session.path)
-        except RsegenError as error:
-            self._show_error(error)
+        else:
+            self._save(path)
 
     def save_as(self) -> None:
         """Ask for a file, and save the recipe to it."""
         session = self._document.session
         name, _ = QFileDialog.getSaveFileName(self._parent, "Save the recipe", f"{session.recipe.name}.yaml", RECIPES)
         if name:
-            session.path = Path(name)
-            self.save()
+            self._save(Path(name))
+
+    def _save(self, path: Path) -> None:
+        """Save the recipe to a file, which is from then on its file; show why if it cannot be."""
+        try:
+            self._document.session.save(path)
+            self.recent.remember(path)
+        except RsegenError as error:
+            self._show_error(error)
 
     def _replace(self, make: Callable[[], Session]) -> bool:
         """Open another session if the present one may be left; gives whether it was opened."""

@@ -82,6 +82,6 @@ def fill_run_menu(
     simulators.add_to(menu)
     menus.add(
         menu,
-        Command("Spawn in the &running simulation", outputs.spawn, "F6"),
-        Command("Show &command line and Python code...", outputs.show_code, "Ctrl+E"),
+        Command("Spawn in the &running simulation", outputs.spawn, "F6", lambda: outputs.is_valid),
+        Command("Show &command line and Python code...", outputs.show_code, "Ctrl+E", lambda: outputs.is_valid),
     )

@@ -25,9 +25,14 @@ class Outputs:
         self.spawn_job = SpawnJob(parent)
 
     @property
+    def is_valid(self) -> bool:
+        """Whether the recipe is valid; else the last valid one is not what the window shows."""
+        return self._document.session.problem is None
+
+    @property
     def is_possible(self) -> bool:
         """Whether the recipe is valid and nothing is being written."""
-        return self._document.session.problem is None and not self._form.busy
+        return self.is_valid and not self._form.busy
 
     def start(self) -> None:
         """Write the maps into the folder of the form; first draw another seed, unless it is kept."""
@@ -43,8 +48,9 @@ class Outputs:
         self.start()
 
     def export(self) -> None:
-        """Open the dialog that exports the maps, or the one that is shown."""
-        ExportDialog(self._document.session.recipe, self._index(), self._parent).open()
+        """Open the dialog that exports the maps, or the one that is shown, if the recipe is valid."""
+        if self.is_possible:
+            ExportDialog(self._document.session.recipe, self._index(), self._parent).open()
 
     def build_sheet(self) -> None:
         """Open the dialog that writes the build sheet of the map that is shown."""

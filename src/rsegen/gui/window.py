@@ -34,7 +34,7 @@ class Window(QMainWindow):
         self.forms, self.views, self.status = RecipeForms(), MapViews(), MapStatusBar()
         self.previewer, self.simulators = Previewer(self), SimulatorActions(self)
         self.files = Files(self.document, self)
-        self.outputs = Outputs(self.document, self.forms.start_form, self.status.index.value, self)
+        self.outputs = Outputs(self.document, self.forms.start_form, self.status.shown_index, self)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE)
         self._lay_out()
         self._connect_forms()
@@ -50,6 +50,11 @@ class Window(QMainWindow):
     def session(self) -> Session:
         """The session of the document."""
         return self.document.session
+
+    def finish_typing(self) -> None:
+        """Take over a text that was typed into a field or a cell and not yet finished with Enter."""
+        self.views.table.finish_typing()
+        self.forms.finish_typing()
 
     def add_obstacle(self) -> None:
         """Add the obstacle of the form at the end of the list."""
@@ -72,8 +77,9 @@ class Window(QMainWindow):
         forms.add.clicked.connect(lambda: self.add_obstacle())
         forms.remove.clicked.connect(lambda: document.remove_last())
         forms.clear.clicked.connect(lambda: document.session.clear())
-        forms.start.clicked.connect(lambda: self.outputs.start())
-        forms.start_form.export.clicked.connect(lambda: self.outputs.export())
+        for button, run in ((forms.start, self.outputs.start), (forms.start_form.export, self.outputs.export)):
+            button.pressed.connect(self.finish_typing)  # some desktops leave the keyboard with the field
+            button.clicked.connect(lambda _=False, run=run: run())
         forms.start_form.changed.connect(lambda: self._menus.refresh())
 
     def _connect_views(self) -> None:
@@ -92,17 +98,17 @@ class Window(QMainWindow):
         self._pause.timeout.connect(self._preview)
         self.previewer.previewed.connect(self._show_preview)
         self.previewer.counted.connect(self._show_costs)
-        self.previewer.failed.connect(self.forms.error_label.show_message)
+        self.previewer.failed.connect(self.forms.show_failure)
         self.status.index_changed.connect(self._pause.start)
         self.status.robot_changed.connect(self._count)
         self.simulators.requested.connect(
-            lambda name: self.simulators.open(name, self.session.recipe, self.status.index.value())
+            lambda name: self.simulators.open(name, self.session.recipe, self.status.shown_index())
         )
         for each in (self.simulators, self.outputs.spawn_job):
             each.message.connect(self.status.showMessage)
 
     def _add_menus(self) -> None:
-        self._menus, bar, views = CommandMenus(self), self.menuBar(), self.views
+        self._menus, bar, views = CommandMenus(self, self.finish_typing), self.menuBar(), self.views
         fill_file_menu(self._menus, bar.addMenu("&File"), self.files, self.close)
         fill_edit_menu(self._menus, bar.addMenu("&Edit"), self.document, self.add_obstacle, views.brushes.paint.toggle)
         fill_view_menu(self._menus, bar.addMenu("&View"), views.view, self.outputs)
@@ -122,16 +128,17 @@ class Window(QMainWindow):
         self.forms.show_document(self.document)
         self.views.show_document(self.document)
         self.status.show_recipe(session.recipe)
-        self.simulators.show_recipe(session.recipe)
+        self.simulators.show_recipe(session.recipe, is_valid=session.problem is None)
         self.setWindowTitle(f"{session.path.name if session.path else 'untitled'}[*] - rsegen")
         self.setWindowModified(session.unsaved)
         self._menus.refresh()
         self._pause.start()
 
     def _preview(self) -> None:
-        self.previewer.preview(self.session.recipe, self.status.index.value())
+        self.previewer.preview(self.session.recipe, self.status.shown_index())
 
     def _show_preview(self, preview: Preview) -> None:
+        self.forms.show_failure("")
         self.views.show_preview(preview, self.document)
         self.status.show_preview(preview)
         self._count()
@@ -168,9 +175,11 @@ class Window(QMainWindow):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask if the recipe is not saved; then stop what is running, and wait for it."""
+        self.finish_typing()
         if not self.files.may_leave(discard=True):
             event.ignore()
             return
+        self._pause.stop()
         for dialog in self.findChildren(QDialog):
             dialog.close()
         for work in (self.outputs, self.previewer, self.simulators):

@@ -6,40 +6,20 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
-from shutil import which
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from rsegen.exporters.scene import FRAME_COLOUR, level_colour
+from tests.support.screen import ON_SCREEN, missing
 from tests.support.waiting import MINUTES
 
 HERE = Path(__file__).parent
 BOX = (0.95, 0.0, 0.75)
 Found = dict[str, Any]
-
-
-@pytest.fixture(scope="session")
-def display() -> Iterator[str]:
-    """A display without a screen, and software that draws on it."""
-    if not which("Xvfb"):
-        _missing("no Xvfb: apt-get install xvfb")
-    read, write = os.pipe()
-    server = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x800x24", "-nolisten", "tcp"],
-        pass_fds=[write],
-        stderr=subprocess.DEVNULL,
-    )
-    os.close(write)
-    with os.fdopen(read) as pipe:
-        number = pipe.readline().strip()
-    yield f":{number}" if number else _missing("Xvfb did not start")
-    server.terminate()
-    server.wait()
 
 
 @pytest.fixture(scope="session")
@@ -50,9 +30,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def found(display: str, folder: Path) -> Found:
     """What viewed.py says, with its pictures in the folder."""
-    said = viewed(folder, DISPLAY=display, QT_QPA_PLATFORM="xcb", LIBGL_ALWAYS_SOFTWARE="1")
+    said = viewed(folder, DISPLAY=display, **ON_SCREEN)
     if said["unavailable"]:
-        _missing(str(said["unavailable"]))
+        missing(str(said["unavailable"]))
     return said
 
 
@@ -62,16 +42,10 @@ def viewed(folder: Path, **environment: str) -> Found:
         command, env=os.environ | environment, capture_output=True, text=True, timeout=MINUTES / 1000, check=False
     )
     if "ModuleNotFoundError: No module named 'PySide6'" in run.stderr or "Could not load the Qt platform" in run.stderr:
-        _missing(run.stderr.strip().splitlines()[-1])
+        missing(run.stderr.strip().splitlines()[-1])
     assert run.returncode == 0, run.stderr
     said: Found = json.loads(run.stdout.splitlines()[-1])
     return said
-
-
-def _missing(why: str) -> NoReturn:
-    if os.environ.get("CI") == "true":
-        pytest.fail(why)
-    pytest.skip(why)
 
 
 def share(folder: Path, name: str, colour: tuple[float, float, float]) -> float:
@@ -138,7 +112,7 @@ def test_a_picture_that_cannot_be_written_is_refused_by_name(found: Found) -> No
 
 
 def test_the_window_shows_the_example_in_every_part(found: Found, display: str, folder: Path) -> None:
-    environment = {"DISPLAY": display, "QT_QPA_PLATFORM": "xcb", "LIBGL_ALWAYS_SOFTWARE": "1", "HOME": str(folder)}
+    environment = {"DISPLAY": display, **ON_SCREEN, "HOME": str(folder)}
     command = [sys.executable, "-m", "docs.window", str(folder / "window.png")]
     subprocess.run(command, cwd=HERE.parents[2], env=os.environ | environment, timeout=MINUTES / 1000, check=True)
     for colour in (FRAME_COLOUR, BOX, *(level_colour(level, 4) for level in range(1, 5))):

@@ -11,11 +11,12 @@ pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QAction, QPalette
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QDoubleSpinBox, QSlider, QSpinBox
 
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
-from tests.support.clicking import shown
+from tests.support.clicking import find, shown
+from tests.support.waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
 KINDS = ["random", "peak", "diagonal_barrier"]
@@ -126,3 +127,115 @@ def test_a_kind_that_there_is_not_is_an_error_and_can_be_corrected(window: Windo
     assert window.forms.error_label.isHidden()
     assert kinds(window)[0] == "peak"
     assert window.session.draft.rows[0].entry["max_height"] == 4
+
+
+@pytest.mark.parametrize(
+    ("column", "text", "message"),
+    [
+        (1, "peek", ".kind: unknown obstacle kind 'peek'; did you mean 'peak'?"),
+        (1, "", ".kind: unknown obstacle kind ''"),
+        (2, "abc", ".max_height: 'abc' is not a whole number; give 2..32767 units"),
+        (2, "5.5", ".max_height: '5.5' is not a whole number; give 2..32767 units"),
+        (2, "9" * 30, f".max_height: {'9' * 30} is outside 2..32767 units"),
+        (2, "", ".levels: is missing; give 2..32767 units"),
+        (3, "a,b", ".softness: 'a,b' is not a number; give 0..100 %"),
+        (3, "nan", ".softness: nan is not a finite number; give 0..100 %"),
+        (3, "<b>7</b>", ".softness: '<b>7</b>' is not a number; give 0..100 %"),
+        (4, "abc", ".first: 'abc' is not a place; give x and y"),
+        (4, "7", ".first: '7' is not a place; give x and y"),
+        (4, "a,b", ".first[0]: 'a' is not a coordinate"),
+        (5, "1,2,3", ".last: [1, 2, 3] is not a place; give x and y"),
+        (5, "2, 5.5", ".last[1]: '5.5' is not a coordinate"),
+        (5, "-1, 2", ".last[0]: -1 is not a coordinate"),
+        (5, f"2, {2**70}", f".last[1]: {2**70} is outside 0..9"),
+    ],
+)
+@pytest.mark.parametrize("selected", [-1, 1])
+def test_a_cell_that_is_wrong_is_marked_and_named_and_nothing_can_be_started(
+    window: Window, column: int, text: str, message: str, selected: int
+) -> None:
+    window.document.select(selected)
+    edit(window, 1, column, text)
+    assert window.forms.error_label.text().startswith(f"obstacles[1]{message}")
+    assert not window.forms.start.isEnabled()
+    item = window.views.table.item(1, column)
+    assert item is not None
+    assert item.text().replace(" ", "") == text.replace(" ", "")
+    marked = [(row, each) for row in range(3) for each in range(6) if has_icon(window, row, each)]
+    assert marked == [(1, column)]
+    window.session.undo()
+    assert window.forms.error_label.isHidden()
+    assert item.icon().isNull()
+
+
+def has_icon(window: Window, row: int, column: int) -> bool:
+    item = window.views.table.item(row, column)
+    return item is not None and not item.icon().isNull()
+
+
+@pytest.mark.parametrize("text", ["2, 3", "[2,3]", "[2, 3]"])
+def test_a_place_is_typed_with_brackets_or_without(window: Window, text: str) -> None:
+    edit(window, 1, 4, text)
+    assert window.session.draft.rows[1].entry["first"] == [2, 3]
+    assert window.session.problem is None
+
+
+def test_another_kind_that_is_typed_takes_over_what_it_has_too(window: Window) -> None:
+    window.session.change(0, {"kind": "matrix", "max_height": 3, "rows": ["1 2"], "softness": 10})
+    edit(window, 0, 1, "matrx")
+    edit(window, 0, 1, "matrix")
+    assert window.session.draft.rows[0].entry["rows"] == ["1 2"]
+    edit(window, 0, 1, "peak")
+    assert dict(window.session.draft.rows[0].entry) | {"key": ""} == {
+        "kind": "peak",
+        "max_height": 3,
+        "softness": 10,
+        "key": "",
+    }
+    assert window.session.problem is None
+
+
+def test_the_form_keeps_what_is_wrong_until_it_is_changed_there(window: Window) -> None:
+    window.document.select(1)
+    edit(window, 1, 2, "abc")
+    edit(window, 1, 5, "99, random")
+    find(window.forms.obstacle, QDoubleSpinBox, "softness_field").setValue(40)
+    entry = window.session.draft.rows[1].entry
+    assert (entry["max_height"], entry["last"], entry["softness"]) == ("abc", [99, "random"], 40)
+    height = find(window.forms.obstacle, QSpinBox, "max_height_field")
+    assert height.text() == "abc"
+    height.setValue(4)
+    assert height.text() == "4 units"
+    find(window.forms.obstacle, QSlider, "x_last").setValue(3)
+    assert window.session.problem is None
+    entry = window.session.draft.rows[1].entry
+    assert (entry["max_height"], entry["last"]) == (4, [3, "random"])
+
+
+def test_a_kind_that_is_wrong_is_replaced_in_the_form(window: Window) -> None:
+    window.document.select(0)
+    edit(window, 0, 1, "peek")
+    assert window.forms.obstacle.kind.currentIndex() == -1
+    assert window.forms.obstacle.kind.placeholderText() == "peek"
+    window.forms.obstacle.kind.setCurrentText("peak")
+    assert kinds(window)[0] == "peak"
+    assert window.session.problem is None
+
+
+def test_a_row_that_is_dragged_while_the_rows_change_is_let_go(window: Window) -> None:
+    held(window, 2.5, 0.2)
+    window.session.clear()
+    QTest.mouseRelease(window.views.table.viewport(), LEFT, pos=QPoint(60, 5))
+    assert kinds(window) == []
+    window.session.undo()
+    assert kinds(window) == KINDS
+
+
+def test_a_row_is_selected_also_if_the_list_was_scrolled_over_a_long_text(window: Window) -> None:
+    edit(window, 0, 2, "x" * 600)
+    bar = window.views.table.horizontalScrollBar()
+    until(lambda: bar.maximum() > 0)
+    bar.setValue(bar.maximum())
+    window.document.open(Session.new())
+    window.document.add({"kind": "peak", "max_height": 3})
+    assert (window.document.selected, window.views.table.selected) == (0, 0)

@@ -12,12 +12,12 @@ pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]
 
 from PySide6.QtCore import QObject, Qt, QUrl, Slot
 from PySide6.QtGui import QAction, QDesktopServices
-from PySide6.QtWidgets import QApplication, QCheckBox, QLineEdit, QMessageBox, QPushButton
+from PySide6.QtWidgets import QApplication, QCheckBox, QFileDialog, QLineEdit, QMessageBox, QPushButton
 
 from rsegen import load
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
-from tests.support.clicking import answer, click, said, shown, typed
+from tests.support.clicking import answer, click, find, said, shown, typed
 from tests.support.waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
@@ -60,6 +60,36 @@ def test_start_writes_the_maps_into_the_folder_that_is_typed(window: Window, tmp
     assert names(tmp_path / "new" / "worlds") == ["rse_0000", "rse_0001", "rse_0002"]
     seed = window.session.recipe.seed
     assert said(window, "outcome") == f"3 maps in {tmp_path / 'new' / 'worlds'}, seed {seed}"
+
+
+def test_a_tilde_of_nobody_is_a_name_like_any_other(
+    window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    typed(window, "folder", "~nobody-such")
+    monkeypatch.setattr(QFileDialog, "getExistingDirectory", staticmethod(lambda *_: ""))
+    click(window, "choose_folder")
+    started(window)
+    assert names(tmp_path) == ["~nobody-such"]
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("a\0b", "'a\\x00b' is not the name of a folder; give one such as worlds"),
+        ("x" * 300, f"{'x' * 300}: "),
+        ("  ", "give a folder to write the maps into, such as worlds"),
+    ],
+)
+def test_a_folder_that_cannot_be_is_one_line(
+    window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, message: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    find(window, QLineEdit, "folder").setText(name)
+    started(window)
+    until(lambda: said(window, "folder_error") != "")
+    assert said(window, "folder_error").startswith(message)
+    assert names(tmp_path) == []
 
 
 def test_the_folder_is_remembered(window: Window, tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 from rsegen.exporters.scene import compose
 from rsegen.gui.widgets.named import named
 from rsegen.gui.widgets.plan_painting import square_image
-from rsegen.gui.workers.latest_only import LatestOnly
+from rsegen.gui.workers.latest_only import LatestOnly, failure_text
 from rsegen.io.dataset.manifest import read_manifest
 from rsegen.io.resources import refuse_too_large
 
@@ -111,7 +111,7 @@ class DatasetDialog(QDialog):
         if isinstance(result, QImage):
             self._picture.setPixmap(QPixmap.fromImage(result))
         else:
-            self._picture.setText(str(result))
+            self._picture.setText(failure_text(result))
 
 
 def _line() -> QFrame:

@@ -210,14 +210,26 @@ class Session:
 
 def aligned(entry: Entry, end: str) -> Entry:
     """An entry with one end moved in line with the other if its kind must be axis-aligned; else the entry as it is."""
-    other = "first" if end == "last" else "last"
+    ends = [_cell(entry.get(name)) for name in (end, "first" if end == "last" else "last")]
+    if _is_valid(entry) or not all(ends):
+        return entry
+    (x, y), (other_x, other_y) = ends
+    in_line = {**entry, end: [x, other_y] if abs(x - other_x) >= abs(y - other_y) else [other_x, y]}
+    return in_line if _is_valid(in_line) else entry
+
+
+def _is_valid(entry: Entry) -> bool:
     try:
         decode_placement(entry)
     except ParameterError:
-        (x, y), (other_x, other_y) = entry[end], entry[other]
-        along_x = abs(x - other_x) >= abs(y - other_y)
-        return {**entry, end: [x, other_y] if along_x else [other_x, y]}
-    return entry
+        return False
+    return True
+
+
+def _cell(place: Json) -> tuple[int, ...]:
+    """A place of two numbers; empty for any other, such as a random one."""
+    known = isinstance(place, (list, tuple)) and len(place) == 2 and all(isinstance(at, int) for at in place)
+    return tuple(place) if known else ()
 
 
 def draft_of(recipe: Recipe) -> Draft:

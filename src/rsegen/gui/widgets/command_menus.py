@@ -23,10 +23,13 @@ class Command(NamedTuple):
 
 
 class CommandMenus:
-    """The commands of all menus as actions of a widget, in which their shortcuts work."""
+    """The commands of all menus as actions of a widget, in which their shortcuts work.
 
-    def __init__(self, parent: QWidget) -> None:
-        self._parent = parent
+    `before` is called before a command runs; it may make the command impossible, which is then not run.
+    """
+
+    def __init__(self, parent: QWidget, before: Callable[[], object] = lambda: None) -> None:
+        self._parent, self._before = parent, before
         self._actions: list[tuple[QAction, Callable[[], bool]]] = []
 
     def add(self, menu: QMenu, *commands: Command) -> None:
@@ -35,9 +38,14 @@ class CommandMenus:
             action = QAction(command.text, self._parent)
             action.setObjectName(command.text.replace("&", "").rstrip("."))
             action.setShortcut(QKeySequence(command.keys))
-            action.triggered.connect(lambda _=False, run=command.run: run())
+            action.triggered.connect(lambda _=False, command=command: self._run(command))
             menu.addAction(action)
             self._actions.append((action, command.is_possible))
+
+    def _run(self, command: Command) -> None:
+        self._before()
+        if command.is_possible():
+            command.run()
 
     def refresh(self) -> None:
         """Enable the commands that can be done now."""

@@ -18,16 +18,21 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from rsegen.errors import ParameterError
 from rsegen.field.obstacles.matrix import Rows
 from rsegen.gui.widgets.named import named
 from rsegen.params.places import Size2D
 from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, parameters
 
 _MOST = 2**31 - 1
+_LETTERS = 14
 
 
 class Editor(QWidget):
-    """Edits a parameter's value as a recipe file has it; `edited` is emitted when the user changes it."""
+    """Edits a parameter's value as a recipe file has it; `edited` is emitted when the user changes it.
+
+    A draft may have any value, also one that the widgets cannot show; it is kept until the user changes it.
+    """
 
     edited = Signal(object)
     _parts: tuple[str, ...] = ("",)
@@ -44,23 +49,47 @@ class Editor(QWidget):
             title = f"{name.removesuffix('_cm').replace('_', ' ')}{part}"
             self._row.addWidget(named(widget, f"{name}_field", title=title, tip=tip))
         named(self, name)
+        self._given, self._shown = self._read(), self._content()
 
     def _widgets(self) -> tuple[QWidget, ...]:
         raise NotImplementedError
 
     def value(self) -> Json:
-        """The value in the editor, unchecked."""
-        raise NotImplementedError
+        """The value in the editor, unchecked: the one that it was given, until the user changes it."""
+        return self._given if self._content() == self._shown else self._read()
 
     def show_value(self, value: Json) -> None:
         """Show a value without a signal."""
         if value != self.value():
             blockers = [QSignalBlocker(child) for child in self.findChildren(QWidget)]
-            self._put(value)
+            (self._put if self._can_show(value) else self._put_invalid)(value)
             del blockers
+            self._given, self._shown = value, self._content()
+
+    def finish_typing(self) -> None:
+        """Emit `edited` if a text was typed and not yet finished with Enter."""
+
+    def _read(self) -> Json:
+        """The value that the widgets show now."""
+        raise NotImplementedError
+
+    def _content(self) -> object:
+        """What the widgets show now, to be compared."""
+        return self._read()
 
     def _put(self, value: Json) -> None:
+        """Let the widgets show a valid value."""
         raise NotImplementedError
+
+    def _put_invalid(self, value: Json) -> None:
+        """Let the widgets show an invalid value if they can."""
+
+    def _can_show(self, value: Json) -> bool:
+        try:
+            self.parameter.check("", value)
+        except ParameterError:
+            return False
+        return True
 
     def _emit(self) -> None:
         self.edited.emit(self.value())
@@ -75,12 +104,14 @@ class ChoiceEditor(Editor):
         self._box.currentTextChanged.connect(self._emit)
         return (self._box,)
 
-    def value(self) -> Json:
-        """The chosen word."""
+    def _read(self) -> Json:
         return self._box.currentText()
 
     def _put(self, value: Json) -> None:
         self._box.setCurrentText(value)
+
+    def _put_invalid(self, value: Json) -> None:
+        self._box.setCurrentIndex(-1)
 
 
 class _PlainSpinBox(QDoubleSpinBox):
@@ -91,29 +122,40 @@ class _PlainSpinBox(QDoubleSpinBox):
 
 
 class NumberEditor(Editor):
-    """A spin box for an integer or a float."""
+    """A spin box for an integer or a float; a value that is none, or out of range, is shown as its text."""
 
     def _widgets(self) -> tuple[QWidget, ...]:
         sort = cast("Integer | Float", self.parameter)
-        high = _MOST if sort.high is None else min(sort.high, _MOST)
+        self._low, self._high = sort.low, _MOST if sort.high is None else min(sort.high, _MOST)
         self._box: QSpinBox | QDoubleSpinBox
         if isinstance(sort, Integer):
             self._box = QSpinBox()
-            self._box.setRange(sort.low, int(high))
         else:
             self._box = _PlainSpinBox(decimals=3)
-            self._box.setRange(sort.low, high)
             self._box.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
+        self._box.setRange(self._low, self._high)  # type: ignore[arg-type]  # integers in a QSpinBox
         self._box.setSuffix(f" {sort.unit}" if sort.unit else "")
         self._box.valueChanged.connect(self._emit)
         return (self._box,)
 
-    def value(self) -> Json:
-        """The number."""
+    def _read(self) -> Json:
         return self._box.value()
 
     def _put(self, value: Json) -> None:
+        self._show_special("", self._low)
         self._box.setValue(value)
+
+    def _put_invalid(self, value: Json) -> None:
+        """Show a text: Qt has one for the minimum, so that is one below the range for as long."""
+        self._show_special(shortened(value), self._low - 1)
+        self._box.setValue(self._low - 1)  # type: ignore[arg-type]  # an integer in a QSpinBox
+
+    def _show_special(self, text: str, minimum: float) -> None:
+        self._box.setSpecialValueText(text)
+        self._box.setMinimum(minimum)  # type: ignore[arg-type]  # an integer in a QSpinBox
+
+    def _can_show(self, value: Json) -> bool:
+        return super()._can_show(value) and value <= self._high
 
 
 class PairEditor(Editor):
@@ -124,35 +166,48 @@ class PairEditor(Editor):
     def _widgets(self) -> tuple[QWidget, ...]:
         self._boxes = (QSpinBox(prefix="x "), QSpinBox(prefix="y "))
         for box in self._boxes:
-            box.setRange(1, 10_000)
+            box.setRange(1, Size2D.high)
             box.valueChanged.connect(self._emit)
         return self._boxes
 
-    def value(self) -> Json:
-        """Both numbers."""
+    def _read(self) -> Json:
         return [box.value() for box in self._boxes]
 
     def _put(self, value: Json) -> None:
-        for box, number in zip(self._boxes, value, strict=True):
+        for box, number in zip(self._boxes, self.parameter.check("", value), strict=True):
             box.setValue(number)
 
 
 class TextEditor(Editor):
-    """A text field for everything else, written as on the command line."""
+    """A text field for everything else, written as on the command line; an empty one is None."""
 
     def _widgets(self) -> tuple[QWidget, ...]:
         self._line = QLineEdit(placeholderText=self.parameter.describe())
         self._line.editingFinished.connect(self._emit)
         return (self._line,)
 
-    def value(self) -> Json:
-        """The value of the text; None if it is empty."""
+    def finish_typing(self) -> None:
+        """Emit `edited` if the text was changed and not yet finished with Enter."""
+        if self._content() != self._shown:
+            self._emit()
+
+    def _content(self) -> object:
+        """The text: nan is a number that equals none."""
+        return self._line.text()
+
+    def _read(self) -> Json:
         text = self._line.text()
         return self.parameter.parse(text) if text else None
 
     def _put(self, value: Json) -> None:
         self._line.setText("" if value is None else self.parameter.format(value))
         self._line.setCursorPosition(0)
+
+    def _put_invalid(self, value: Json) -> None:
+        (self._line.setText if isinstance(value, str) else self._put)(value)
+
+    def _can_show(self, value: Json) -> bool:
+        return value is None or super()._can_show(value)
 
 
 class FlagEditor(Editor):
@@ -163,8 +218,7 @@ class FlagEditor(Editor):
         self._box.toggled.connect(self._emit)
         return (self._box,)
 
-    def value(self) -> Json:
-        """Whether it is ticked."""
+    def _read(self) -> Json:
         return self._box.isChecked()
 
     def _put(self, value: Json) -> None:
@@ -180,14 +234,17 @@ class RowsEditor(Editor):
         self._button.clicked.connect(self._ask)
         return (self._button,)
 
-    def value(self) -> Json:
-        """The rows."""
+    def _read(self) -> Json:
         return self._rows
 
     def _put(self, value: Json) -> None:
         self._rows = list(value)
         n_x = len(str(self._rows[0]).split()) if self._rows else 0
         self._button.setText(f"{n_x} x {len(self._rows)} cells...")
+
+    def _put_invalid(self, value: Json) -> None:
+        if isinstance(value, (list, tuple)):
+            self._put(value)
 
     def _ask(self) -> None:
         text, done = QInputDialog.getMultiLineText(
@@ -196,6 +253,12 @@ class RowsEditor(Editor):
         if done:
             self._put([line.strip() for line in text.splitlines() if line.strip()])
             self._emit()
+
+
+def shortened(value: Json) -> str:
+    """A value as a text of a few letters; None is a value that is missing."""
+    text = "missing" if value is None else str(value)
+    return text if len(text) <= _LETTERS else f"{text[: _LETTERS - 3]}..."
 
 
 def editor(owner: type, name: str) -> Editor:

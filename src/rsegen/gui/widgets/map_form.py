@@ -58,6 +58,11 @@ class MapForm(QWidget):
             about = problem and problem.where.partition("[")[0] == name
             self._error_labels[name].show_message(problem.problem if problem and about else "")
 
+    def finish_typing(self) -> None:
+        """Take over a text that was typed and not yet finished with Enter."""
+        for each in self._editors.values():
+            each.finish_typing()
+
     def _add(self, name: str) -> None:
         each, error_label = editor(Recipe, name), MessageLabel(f"{name}_error")
         each.edited.connect(lambda value: self.edited.emit(name, value))

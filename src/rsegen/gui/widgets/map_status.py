@@ -24,6 +24,7 @@ class MapStatusBar(QStatusBar):
     def __init__(self) -> None:
         super().__init__()
         self.index = named(QSpinBox(prefix="map "), "index", tip="which of the maps is shown")
+        self._first = 0
         self.levels, self.numbers = LevelBar(), named(QLabel(), "numbers")
         self.costs, self.cell = named(QLabel(indent=12), "costs"), named(QLabel(), "cell")
         self.robot = named(
@@ -37,14 +38,21 @@ class MapStatusBar(QStatusBar):
         self.index.valueChanged.connect(lambda: self.index_changed.emit())
         self.robot.currentIndexChanged.connect(lambda: self.robot_changed.emit())
 
+    def shown_index(self) -> int:
+        """The index of the map that is chosen."""
+        return self._first + self.index.value()
+
     @property
     def robot_name(self) -> str:
         """The robot that is chosen, empty if none is."""
         return self.robot.currentText() if self.robot.currentIndex() else ""
 
     def show_recipe(self, recipe: Recipe) -> None:
-        """Limit the index to the maps of a recipe."""
-        self.index.setRange(recipe.indices[0], min(recipe.indices[-1], _MOST))
+        """Limit the index to the maps of a recipe; indices that a spin box cannot show are counted from the first."""
+        low, high = recipe.indices[0], recipe.indices[-1]
+        self._first = low if high > _MOST else 0
+        self.index.setPrefix(f"map {self._first} + " if self._first else "map ")
+        self.index.setRange(low - self._first, min(high - self._first, _MOST))
 
     def show_preview(self, preview: Preview) -> None:
         """Show the numbers of a map; its costs follow."""

@@ -34,16 +34,21 @@ class MapViews(QSplitter):
         self.setSizes([380, 320])
 
     def show_document(self, document: Document) -> None:
-        """Show the obstacles of a document; plan and view follow with the next preview."""
+        """Show the obstacles of a document and their ends; the cells of plan and view follow with the preview."""
         session = document.session
+        if self.plan.cells:
+            self.plan.show_handles(document.handles(self.plan.cells), _selected(document))
         self.table.show_rows(session.draft.rows, document.selected, session.problem)
         self.brushes.show_unit(session.recipe.unit_cm)
 
     def show_preview(self, preview: Preview, document: Document) -> None:
         """Show a preview, the handles of the obstacles, and the cells of the selected one."""
-        selected = document.selected if document.selected >= 0 else None
         self.view.show_preview(preview, _selected_cells(preview.scene, document))
-        self.plan.show(preview.scene, document.handles(preview.scene.field.blocks.shape), selected)
+        self.plan.show(preview.scene, document.handles(preview.scene.field.blocks.shape), _selected(document))
+
+
+def _selected(document: Document) -> int | None:
+    return document.selected if document.selected >= 0 else None
 
 
 def _selected_cells(scene: Scene, document: Document) -> CellWindow | None:

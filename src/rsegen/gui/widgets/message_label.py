@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from html import escape
 from typing import Literal
 
-from PySide6.QtCore import QEvent
+from PySide6.QtCore import QEvent, Qt
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QLabel
 
@@ -22,11 +23,16 @@ def ink(tone: Tone, palette: QPalette) -> QColor:
     return QColor(on_dark if palette.color(QPalette.ColorRole.Base).lightness() < 128 else on_light)
 
 
+def plain_tooltip(text: str) -> str:
+    """A text as a tooltip that shows it letter by letter, also one that looks like HTML."""
+    return f"<p>{escape(text)}</p>" if "<" in text else text
+
+
 class MessageLabel(QLabel):
     """A message below a field, hidden while there is none."""
 
     def __init__(self, name: str, tone: Tone = "error") -> None:
-        super().__init__(wordWrap=True)
+        super().__init__(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
         self._tone: Tone = tone
         named(self, name)
         self._set_colour()

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from dataclasses import MISSING
 from itertools import pairwise
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QGridLayout, QLabel, QSlider, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QFormLayout, QLabel, QVBoxLayout, QWidget
 
-from rsegen.field.obstacles import KINDS, Grid
+from rsegen.field.obstacles import KINDS, Grid, Obstacle
 from rsegen.gui.model.session import Entry
-from rsegen.gui.widgets.editors import Editor, editor
+from rsegen.gui.widgets.editors import Editor, editor, shortened
+from rsegen.gui.widgets.ends_form import EndsForm
 from rsegen.gui.widgets.named import named
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Json, parameters
@@ -18,52 +19,15 @@ from rsegen.recipe.recipe import Placement
 
 DEFAULT = {"kind": "horizontal_barrier", "max_height": 5, "softness": 0}
 
-
-class Coordinate(QWidget):
-    """A slider for one coordinate, with its number below and a box that makes it random."""
-
-    edited = Signal()
-
-    def __init__(self, title: str) -> None:
-        super().__init__()
-        self.slider = named(QSlider(Qt.Orientation.Horizontal), title.lower().replace(" ", "_"), title=title)
-        self._number = QLabel("0", alignment=Qt.AlignmentFlag.AlignCenter)
-        self.random = named(QCheckBox("random"), f"{self.slider.objectName()}_random", tip="drawn anew for every map")
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 0, 0, 0)
-        grid.setVerticalSpacing(0)
-        grid.addWidget(QLabel(title), 0, 0)
-        grid.addWidget(self.random, 0, 1, alignment=Qt.AlignmentFlag.AlignRight)
-        grid.addWidget(self.slider, 1, 0, 1, 2)
-        grid.addWidget(self._number, 2, 0, 1, 2)
-        self.slider.valueChanged.connect(self._moved)
-        self.random.toggled.connect(self._moved)
-
-    def value(self) -> Json:
-        """The coordinate, or `random`."""
-        return "random" if self.random.isChecked() else self.slider.value()
-
-    def show_value(self, value: Json, cells: int) -> None:
-        """Show a value without a signal; the slider covers the map's cells."""
-        blockers = [QSignalBlocker(self.slider), QSignalBlocker(self.random)]
-        self.slider.setRange(0, cells - 1)
-        self.random.setChecked(value == "random")
-        if value != "random":
-            self.slider.setValue(value)
-        del blockers
-        self._label()
-
-    def _moved(self) -> None:
-        self._label()
-        self.edited.emit()
-
-    def _label(self) -> None:
-        self.slider.setEnabled(not self.random.isChecked())
-        self._number.setText(str(self.value()))
+_EXACTLY = Qt.MatchFlag.MatchExactly | Qt.MatchFlag.MatchCaseSensitive
+_LISTED = 12
 
 
 class ObstacleForm(QWidget):
-    """Edits one obstacle as an entry of a recipe file; `edited` is emitted when the user changes it."""
+    """Edits one obstacle as an entry of a recipe file; `edited` is emitted when the user changes it.
+
+    Values that it cannot show, such as those typed into the list, are kept until the user changes them.
+    """
 
     edited = Signal()
 
@@ -72,40 +36,52 @@ class ObstacleForm(QWidget):
         self.kind = named(QComboBox(), "kind", title="obstacle type")
         self.kind.addItems(list(KINDS))
         self.kind.currentTextChanged.connect(self._change_kind)
-        self.default_ends = named(QCheckBox(), "default_ends")
-        self.default_ends.toggled.connect(self._emit)
-        self.coordinates = [Coordinate(title) for title in ("X first", "Y first", "X last", "Y last")]
+        self.ends = EndsForm()
+        self.ends.edited.connect(self._emit)
+        self.default_ends = self.ends.default_ends
         self._heights = named(QLabel(wordWrap=True), "heights")
         self._editors: dict[str, Editor] = {}
         self._fields = QFormLayout()
-        for coordinate in self.coordinates:
-            coordinate.edited.connect(self._emit)
         self._lay_out()
+        self._given: Entry = DEFAULT
         self._grid, self._unit = Grid(10, 10, 10), 10.0
         self.show_entry(DEFAULT, self._grid, self._unit)
 
     def entry(self) -> dict[str, Json]:
         """The obstacle in the form, as a recipe file has it."""
         values = {name: each.value() for name, each in self._editors.items()}
-        found = {"kind": self.kind.currentText()} | {name: value for name, value in values.items() if value is not None}
-        if not self.default_ends.isChecked():
-            x1, y1, x2, y2 = (coordinate.value() for coordinate in self.coordinates)
-            found |= {"first": [x1, y1], "last": [x2, y2]}
-        return found
+        found = {name: value for name, value in values.items() if value is not None}
+        if self.kind.currentIndex() >= 0:
+            return {"kind": self.kind.currentText(), **found, **self.ends.value()}
+        others = {name: value for name, value in self._given.items() if name not in {*values, "first", "last"}}
+        return {**others, **found, **self.ends.value()}
 
     def show_entry(self, entry: Entry, grid: Grid, unit_cm: float) -> None:
-        """Show an obstacle without a signal; an unknown kind, typed into the table, leaves the form as it is."""
-        self._grid, self._unit = grid, unit_cm
-        if entry["kind"] not in KINDS:
-            return
+        """Show an obstacle without a signal; of an unknown kind, typed into the list, what all kinds have."""
+        self._given, self._grid, self._unit = entry, grid, unit_cm
         blocker = QSignalBlocker(self.kind)
-        self.kind.setCurrentText(entry["kind"])
+        self.kind.setPlaceholderText(shortened(entry["kind"]))
+        self.kind.setCurrentIndex(self.kind.findText(entry["kind"], _EXACTLY))
         del blocker
         self._make_fields()
         for name, each in self._editors.items():
-            each.show_value(entry.get(name, _default(entry["kind"], name)))
-        self._show_ends(entry)
+            each.show_value(entry.get(name, _default(self._class, name)))
+        self.ends.show_entry(entry, grid)
         self._describe()
+
+    def show_map(self, grid: Grid, unit_cm: float) -> None:
+        """Show the size and the unit of a map; ends beyond it are moved to its edge."""
+        self.show_entry({**self.entry(), **self.ends.inside(grid)}, grid, unit_cm)
+
+    def finish_typing(self) -> None:
+        """Take over a text that was typed and not yet finished with Enter."""
+        for each in list(self._editors.values()):
+            each.finish_typing()
+
+    @property
+    def _class(self) -> type[Obstacle]:
+        """The class of the kind; of an unknown kind what all have in common."""
+        return KINDS.get(self.kind.currentText(), Obstacle)
 
     def _lay_out(self) -> None:
         column = QVBoxLayout(self)
@@ -115,31 +91,19 @@ class ObstacleForm(QWidget):
         column.addLayout(top)
         column.addLayout(self._fields)
         column.addWidget(self._heights)
-        column.addWidget(self.default_ends)
-        ends = QGridLayout()
-        column.addLayout(ends)
-        for number, coordinate in enumerate(self.coordinates):
-            ends.addWidget(coordinate, number % 2, number // 2)
-
-    def _show_ends(self, entry: Entry) -> None:
-        blocker = QSignalBlocker(self.default_ends)
-        self.default_ends.setChecked("first" not in entry and "last" not in entry)
-        del blocker
-        ends = [*_pair(entry.get("first"), (0, 0)), *_pair(entry.get("last"), self._grid.shape, back=1)]
-        for coordinate, value, cells in zip(self.coordinates, ends, self._grid.shape * 2, strict=True):
-            coordinate.show_value(value, cells)
+        column.addWidget(self.ends)
 
     def _make_fields(self) -> None:
         """Replace the fields if another kind is chosen."""
-        names = list(_names(self.kind.currentText()))
-        if names == list(self._editors):
+        cls = self._class
+        sorts = {**parameters(cls), "blend": parameters(Placement)["blend"]}
+        if sorts == {name: each.parameter for name, each in self._editors.items()}:
             return
         while self._fields.rowCount():
             self._fields.removeRow(0)
         self._editors = {}
-        kind = KINDS[self.kind.currentText()]
-        for name in names:
-            self._editors[name] = each = editor(kind if name in parameters(kind) else Placement, name)
+        for name in sorts:
+            self._editors[name] = each = editor(cls if name in parameters(cls) else Placement, name)
             each.edited.connect(self._emit)
             self._fields.addRow(name.replace("_", " ").capitalize(), each)
         _tab_through(self.kind, *(field for each in self._editors.values() for field in each.fields), self.default_ends)
@@ -153,14 +117,10 @@ class ObstacleForm(QWidget):
         self.edited.emit()
 
     def _describe(self) -> None:
-        for coordinate in self.coordinates:
-            coordinate.setVisible(not self.default_ends.isChecked())
-        cls = KINDS[self.kind.currentText()]
-        self.kind.setToolTip(summary(cls))
-        self.default_ends.setText(cls.default_place)
+        self.kind.setToolTip(summary(self._class))
+        self.default_ends.setText(self._class.default_place)
         top = self._editors["max_height"].value()
-        shown = [f"{level * self._unit:g}" for level in range(min(top, 12))] + ["..."] * (top > 12)
-        self._heights.setText(f"Heights: {', '.join(shown)} cm")
+        self._heights.setText(f"Heights: {_heights(top, self._unit)} cm" if isinstance(top, int) and top > 0 else "")
 
 
 def _tab_through(*widgets: QWidget) -> None:
@@ -168,17 +128,12 @@ def _tab_through(*widgets: QWidget) -> None:
         QWidget.setTabOrder(one, next_)
 
 
-def _names(kind: str) -> Iterator[str]:
-    yield from parameters(KINDS[kind])
-    yield "blend"
+def _heights(top: int, unit_cm: float) -> str:
+    """The heights of the levels in centimetres; of many, the lowest."""
+    return ", ".join([f"{level * unit_cm:g}" for level in range(min(top, _LISTED))] + ["..."] * (top > _LISTED))
 
 
-def _default(kind: str, name: str) -> Json:
-    fields = {**KINDS[kind].__dataclass_fields__, **Placement.__dataclass_fields__}
-    return fields[name].default
-
-
-def _pair(place: Json, default: tuple[int, int], back: int = 0) -> list[Json]:
-    if place == "random":
-        return ["random", "random"]
-    return list(place) if place else [cells - back for cells in default]
+def _default(cls: type[Obstacle], name: str) -> Json:
+    """The default of a parameter; None if it has none."""
+    default = {**cls.__dataclass_fields__, **Placement.__dataclass_fields__}[name].default
+    return None if default is MISSING else default

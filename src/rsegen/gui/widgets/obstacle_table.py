@@ -4,17 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
-from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QTableWidget, QTableWidgetItem, QWidget
+from PySide6.QtCore import QItemSelectionModel, QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QBrush, QIcon, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QApplication,
+    QHeaderView,
+    QLineEdit,
+    QStyle,
+    QTableWidget,
+    QTableWidgetItem,
+    QWidget,
+)
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles import KINDS, Obstacle
 from rsegen.gui.model.session import ObstacleRow
-from rsegen.gui.widgets.message_label import ink
+from rsegen.gui.model.typed_cells import cell_text, with_typed, wrong_cell
+from rsegen.gui.widgets.message_label import ink, plain_tooltip
 from rsegen.gui.widgets.named import named
-from rsegen.params.sorts import Json, parameters
-from rsegen.recipe.recipe import Placement
 
 COLUMNS = ("ID", "Type", "Height", "Softness", "First", "Last")
 TIP = "drag a row to move it (Alt+Up, Alt+Down); Ctrl+D duplicates, Del removes; double click to edit"
@@ -58,23 +65,36 @@ class ObstacleTable(QTableWidget):
         return found[0].row() if found else -1
 
     def show_rows(self, rows: Sequence[ObstacleRow], selected: int, problem: ParameterError | None) -> None:
-        """Show the rows of a draft without a signal; a row with a problem is red and has it as tooltip."""
+        """Show the rows of a draft without a signal; a row with a problem is red and has it as tooltip.
+
+        A row that is being dragged is let go if the rows have changed.
+        """
+        if rows != self._rows:
+            self._end_drag()
         self._rows = rows
         blockers = [QSignalBlocker(self), QSignalBlocker(self.selectionModel())]
         self.setRowCount(len(rows))
+        wrong = wrong_cell(problem)
         for number, row in enumerate(rows):
-            wrong = problem.problem if problem and problem.where.startswith(f"obstacles[{number}]") else ""
+            text = problem.problem if problem and number == wrong[0] else ""
             for column, key in enumerate(KEYS):
-                item = _item(number, row, key)
-                if wrong:
-                    item.setForeground(ink("error", self.palette()))
-                    item.setToolTip(wrong)
-                self.setItem(number, column, item)
+                item = self._show_cell(number, column, row)
+                self._show_problem(item, text, marked=(number, key) == wrong)
         del blockers
+        self.viewport().update()
         if selected < 0:
             self.clearSelection()
         elif selected != self.selected:
-            self.selectRow(selected)
+            whole_row = QItemSelectionModel.SelectionFlag.ClearAndSelect | QItemSelectionModel.SelectionFlag.Rows
+            self.setCurrentCell(
+                selected, max(self.currentColumn(), 0), whole_row
+            )  # selectRow asks which column is at the left
+
+    def finish_typing(self) -> None:
+        """Take over a text that was typed into a cell and not yet finished with Enter."""
+        for field in self.viewport().findChildren(QLineEdit):
+            if not field.isHidden():  # Qt deletes hidden ones soon
+                self.commitData(field)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Select the row that is pressed, and start to drag it."""
@@ -137,34 +157,29 @@ class ObstacleTable(QTableWidget):
         self._show_gap(None)
 
     def _changed(self, item: QTableWidgetItem) -> None:
-        row, key = self._rows[item.row()], KEYS[item.column()]
+        number, key = item.row(), KEYS[item.column()]
+        if key:
+            self.edited.emit(number, with_typed(self._rows[number].entry, key, item.text()))
+            blocker = QSignalBlocker(self)
+            self._show_cell(number, item.column(), self._rows[number])  # also a text that changed nothing, such as " 5"
+            del blocker
+        else:
+            self.switched.emit(number, item.checkState() == Qt.CheckState.Checked)
+
+    def _show_cell(self, number: int, column: int, row: ObstacleRow) -> QTableWidgetItem:
+        """The item of one cell, which shows the value of a row."""
+        item, key = self.item(number, column), KEYS[column]
+        if item is None:
+            item = QTableWidgetItem()
+            self.setItem(number, column, item)
+        item.setText(cell_text(row.entry.get(key)) if key else str(number + 1))
         if not key:
-            self.switched.emit(item.row(), item.checkState() == Qt.CheckState.Checked)
-            return
-        entry = {name: value for name, value in row.entry.items() if name != key}
-        if item.text().strip():
-            entry[key] = _parsed(row.entry["kind"], key, item.text().strip())
-        self.edited.emit(item.row(), entry)
+            item.setFlags(item.flags() & ~Qt.ItemFlag.ItemIsEditable | Qt.ItemFlag.ItemIsUserCheckable)
+            item.setCheckState(Qt.CheckState.Checked if row.enabled else Qt.CheckState.Unchecked)
+        return item
 
-
-def _item(number: int, row: ObstacleRow, key: str) -> QTableWidgetItem:
-    item = QTableWidgetItem(_text(row.entry.get(key)) if key else str(number + 1))
-    if not key:
-        item.setFlags(item.flags() & ~Qt.ItemFlag.ItemIsEditable | Qt.ItemFlag.ItemIsUserCheckable)
-        item.setCheckState(Qt.CheckState.Checked if row.enabled else Qt.CheckState.Unchecked)
-    return item
-
-
-def _text(value: Json) -> str:
-    if value is None:
-        return ""
-    return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
-
-
-def _parsed(kind: str, key: str, text: str) -> Json:
-    """The value of a text that was typed into a cell; the kind may be unknown."""
-    if key == "kind":
-        return text
-    sort = {**parameters(KINDS.get(kind, Obstacle)), **parameters(Placement)}[key]
-    found = sort.parse(text.replace(" ", ""))
-    return list(found) if isinstance(found, tuple) else found
+    def _show_problem(self, item: QTableWidgetItem, text: str, *, marked: bool) -> None:
+        """Show a problem of a row as the tooltip of a cell; the one that is wrong is marked."""
+        item.setForeground(ink("error", self.palette()) if text else QBrush())
+        item.setToolTip(plain_tooltip(text))
+        item.setIcon(self.style().standardIcon(QStyle.StandardPixmap.SP_MessageBoxWarning) if marked else QIcon())

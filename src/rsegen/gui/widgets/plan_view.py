@@ -62,10 +62,19 @@ class PlanView(QWidget):
             return
         if scene is not self._scene:
             self._scene, self._cells_pixmap, self._layout = scene, None, None
-        self._handles, self._selected = tuple(handles), selected
+        self.show_handles(handles, selected)
+
+    @property
+    def cells(self) -> Cell | None:
+        """The number of block cells along x and y of the scene that is shown."""
+        return self._scene.recipe.grid.shape if self._scene else None
+
+    def show_handles(self, handles: Sequence[Handle], selected: int | None) -> None:
+        """Show the ends of the obstacles and the selected row; a handle that was moved by others is let go."""
+        before, self._handles, self._selected = self._handles, tuple(handles), selected
         if self._active_grip and (self._active_grip.row != selected or not cell_of(handles, self._active_grip)):
             self._active_grip = None
-        if self._dragged and not cell_of(handles, self._dragged):
+        if self._dragged and cell_of(handles, self._dragged) != cell_of(before, self._dragged):
             self._dragged = None
         self.update()
 

@@ -36,6 +36,7 @@ class RecipeForms(QWidget):
         for form in (self.basic, self.advanced):
             form.edited.connect(self.edited)
             form.reroll.connect(self.reroll)
+        self._problem, self._failure = "", ""
         self._lay_out()
 
     def show_document(self, document: Document) -> None:
@@ -43,16 +44,33 @@ class RecipeForms(QWidget):
         draft, problem, recipe = document.session.draft, document.session.problem, document.session.recipe
         for form in (self.basic, self.advanced):
             form.show_values(draft.values, problem)
-        self.obstacle.show_entry(document.selected_entry or self.obstacle.entry(), recipe.grid, recipe.unit_cm)
-        self.error_label.show_message(str(problem) if problem else "")
+        if entry := document.selected_entry:
+            self.obstacle.show_entry(entry, recipe.grid, recipe.unit_cm)
+        else:
+            self.obstacle.show_map(recipe.grid, recipe.unit_cm)
+        self._problem = str(problem) if problem else ""
+        self._show_error()
         for button in (self.start, self.start_form.export):
             button.setEnabled(problem is None)
         for button in (self.remove, self.clear):
             button.setEnabled(bool(draft.rows))
 
+    def show_failure(self, text: str) -> None:
+        """Show why there is no preview, unless the document has a problem; an empty text if there is one."""
+        self._failure = text
+        self._show_error()
+
+    def finish_typing(self) -> None:
+        """Take over a text that was typed into a field and not yet finished with Enter."""
+        for form in (self.basic, self.advanced, self.obstacle):
+            form.finish_typing()
+
     def show_warnings(self, warnings: tuple[str, ...]) -> None:
         """Show warnings about the map; none hides the label."""
         self.warning.show_message("\n".join(f"Warning: {text}" for text in warnings))
+
+    def _show_error(self) -> None:
+        self.error_label.show_message(self._problem or self._failure)
 
     def _lay_out(self) -> None:
         """The forms scroll; messages and Start stay in view."""

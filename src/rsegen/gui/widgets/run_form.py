@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os.path
 from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
@@ -21,7 +22,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from rsegen.errors import OutputError, RsegenError
+from rsegen.errors import OutputError, RsegenError, shown
 from rsegen.gui.model.jobs import Job
 from rsegen.gui.widgets.layouts import row_of
 from rsegen.gui.widgets.message_label import MessageLabel
@@ -53,6 +54,7 @@ class RunForm(QWidget):
         super().__init__()
         self.run: JobThread | None = None
         self.written: Path | None = None
+        self._is_running = False
         self._texts, self._beside, self._force = texts, beside, False
         self._make_widgets()
         self._lay_out()
@@ -64,7 +66,7 @@ class RunForm(QWidget):
     @property
     def folder(self) -> Path:
         """The output folder in the field."""
-        return Path(self._line.text().strip()).expanduser()
+        return Path(os.path.expanduser(self._line.text().strip()))  # pathlib's raises for ~nobody
 
     @folder.setter
     def folder(self, folder: Path) -> None:
@@ -74,7 +76,7 @@ class RunForm(QWidget):
     @property
     def busy(self) -> bool:
         """Whether files are being written."""
-        return self.run is not None and self.run.isRunning()
+        return self._is_running
 
     def may_write(self, job: Job) -> bool:
         """Whether a job may write into the folder: asks before files are replaced, and shows what is wrong."""
@@ -97,9 +99,10 @@ class RunForm(QWidget):
         run.succeeded.connect(self._show_outcome)
         run.cancelled.connect(self._show_outcome)
         run.failed.connect(self.error_label.show_message)
-        run.finished.connect(self._show_state)
+        run.finished.connect(self._end)  # after its outcome: a run that has ended has shown it
         self.error_label.show_message("")
         self._outcome.setText("")
+        self._is_running = True
         run.start()
         self._show_state()
 
@@ -146,6 +149,10 @@ class RunForm(QWidget):
     def _refuse(self) -> None:
         if not self._line.text().strip():
             raise OutputError(f"give a folder to write the {self._texts.what} into, such as {self._texts.default}")
+        if "\0" in self._line.text():
+            raise OutputError(
+                f"{shown(self._line.text())} is not the name of a folder; give one such as {self._texts.default}"
+            )
         refuse_not_a_folder(self.folder)
 
     def _choose_folder(self) -> None:
@@ -158,18 +165,22 @@ class RunForm(QWidget):
         if self.run:
             self.run.requestInterruption()
 
+    def _end(self) -> None:
+        self._is_running = False
+        self._show_state()
+
     def _show_outcome(self, text: str) -> None:
         self.written = self.run.job.folder if self.run else None
         self._outcome.setText(text)
 
     def _show_state(self) -> None:
         """Show either the button or the progress bar, and the outcome of the last run if any."""
-        for widget, shown in (
+        for widget, is_shown in (
             *((widget, not self.busy) for widget in (self.start, *self._beside)),
             (self.cancel, self.busy),
             (self.bar, self.busy),
             (self._outcome, bool(self._outcome.text())),
             (self._open, bool(self._outcome.text()) and self.written is not None),
         ):
-            widget.setVisible(shown)
+            widget.setVisible(is_shown)
         self.changed.emit()

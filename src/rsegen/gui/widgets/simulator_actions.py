@@ -21,7 +21,7 @@ from rsegen.gui.model.simulation import (
     simulator_titles,
     why_it_cannot_open,
 )
-from rsegen.gui.workers.latest_only import LatestOnly
+from rsegen.gui.workers.latest_only import LatestOnly, failure_text
 from rsegen.recipe.recipe import Recipe
 
 
@@ -40,6 +40,7 @@ class SimulatorActions(QObject):
         self._installed: Installed = {}
         self._folder = tempfile.TemporaryDirectory(prefix="rsegen-", ignore_cleanup_errors=True)
         self._recipe: Recipe | None = None
+        self._is_valid = True
         self._titles = simulator_titles()
         self.actions = {name: QAction(self) for name in self._titles}
         for name, action in self.actions.items():
@@ -55,9 +56,12 @@ class SimulatorActions(QObject):
         menu.aboutToShow.connect(self._find)
         menu.addActions(list(self.actions.values()))
 
-    def show_recipe(self, recipe: Recipe) -> None:
-        """Enable the simulators that can open the maps of a recipe; the text of the others says why they cannot."""
-        self._recipe = recipe
+    def show_recipe(self, recipe: Recipe, *, is_valid: bool = True) -> None:
+        """Enable the simulators that can open the maps of a recipe; the text of the others says why they cannot.
+
+        None can while what is shown is not valid, and `recipe` is the last one that was.
+        """
+        self._recipe, self._is_valid = recipe, is_valid
         for name, action in self.actions.items():
             reason = self._reason(name)
             action.setText(f"Open in {self._titles[name]}" + (f" ({reason})" if reason else ""))
@@ -81,7 +85,8 @@ class SimulatorActions(QObject):
         """Why a simulator cannot be opened; empty if it can."""
         if name not in self._installed:
             return "searching"
-        return why_it_cannot_open(self._installed[name], self._recipe)
+        reason = why_it_cannot_open(self._installed[name], self._recipe)
+        return reason or ("" if self._is_valid else "the recipe has an error")
 
     def _find(self) -> None:
         if not self._installed:
@@ -91,7 +96,7 @@ class SimulatorActions(QObject):
         if isinstance(result, Mapping):
             self._installed = result
         if self._recipe:
-            self.show_recipe(self._recipe)
+            self.show_recipe(self._recipe, is_valid=self._is_valid)
 
     def _launch(self, result: object) -> None:
         if isinstance(result, tuple):
@@ -101,7 +106,7 @@ class SimulatorActions(QObject):
                 f"{title} opens {world.stem}" if started else f"{title}: cannot start {launch.command[0]}"
             )
         else:
-            self.message.emit(str(result))
+            self.message.emit(failure_text(result))
 
 
 def _started(launch: LaunchCommand) -> bool:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from PySide6.QtCore import QThread, Signal
 
-from rsegen.errors import RsegenError
 from rsegen.gui.model.jobs import Job
+from rsegen.gui.workers.latest_only import failure_text
 
 
 class JobThread(QThread):
@@ -28,10 +28,8 @@ class JobThread(QThread):
             self.succeeded.emit(self.job.run(self._step, force=self._force))
         except _Cancelled:
             self.cancelled.emit(self.job.cancelled(self._done))
-        except RsegenError as error:
-            self.failed.emit(str(error))
-        except Exception as error:  # such as a library's: whoever waits for the files sees it
-            self.failed.emit(f"internal error, please report it: {error!r}")
+        except Exception as error:  # also a library's: whoever waits for the files sees it
+            self.failed.emit(failure_text(error))
 
     def _step(self, _: object) -> None:
         self._done += 1

@@ -7,6 +7,8 @@ from threading import Thread
 
 from PySide6.QtCore import QObject, Signal, Slot
 
+from rsegen.errors import RsegenError
+
 Task = Callable[[], object]
 
 
@@ -56,6 +58,11 @@ class LatestOnly(QObject):
             self._latest = None
             self.result.emit(result)
         self._start()
+
+
+def failure_text(error: object) -> str:
+    """What a task that failed shows: the message of an error that rsegen raises on purpose, or a request to report."""
+    return str(error) if isinstance(error, RsegenError) else f"internal error, please report it: {error!r}"
 
 
 def _result_of(task: Task) -> object:

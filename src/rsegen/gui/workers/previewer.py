@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, Signal
 from rsegen.exporters.scene import Scene
 from rsegen.gui.model.map_numbers import Costs, costs
 from rsegen.gui.model.preview import Preview, is_quick, preview
-from rsegen.gui.workers.latest_only import LatestOnly
+from rsegen.gui.workers.latest_only import LatestOnly, failure_text
 from rsegen.recipe.recipe import Recipe
 
 
@@ -54,7 +54,7 @@ class Previewer(QObject):
             self.scene = result.scene
             self.previewed.emit(result)
         else:
-            self.failed.emit(str(result))
+            self.failed.emit(failure_text(result))
 
     def _take_costs(self, result: object) -> None:
         if isinstance(result, Costs):

@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Signal
 
 from rsegen.gui.model.simulation import SpawnedMap, spawn
-from rsegen.gui.workers.latest_only import LatestOnly
+from rsegen.gui.workers.latest_only import LatestOnly, failure_text
 from rsegen.recipe.recipe import Recipe
 
 
@@ -45,4 +45,4 @@ class SpawnJob(QObject):
             self._before = result
             self.message.emit(f"{result.name} is in the simulation")
         else:
-            self.message.emit(str(result))
+            self.message.emit(failure_text(result))

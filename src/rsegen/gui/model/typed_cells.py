@@ -1,0 +1,52 @@
+"""Cells of the list of obstacles as text: what is shown in them, what is typed into them, and which one is wrong."""
+
+from __future__ import annotations
+
+from rsegen.errors import ParameterError
+from rsegen.field.obstacles import KINDS, Obstacle
+from rsegen.gui.model.session import Entry
+from rsegen.params.places import CellRef
+from rsegen.params.sorts import Json, parameters
+from rsegen.recipe.codec import OTHER_NAMES
+from rsegen.recipe.recipe import Placement
+
+
+def cell_text(value: Json) -> str:
+    """A value of an entry as the text of a cell; empty for a value that is missing."""
+    if value is None:
+        return ""
+    return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+
+
+def with_typed(entry: Entry, key: str, text: str) -> Entry:
+    """An entry after a text was typed into the cell of a key; an empty text removes the value.
+
+    What is typed may be invalid: the draft then says so. Another kind takes over the parameters that it has too.
+    """
+    text = text.strip()
+    if key == "kind":
+        return _with_kind(entry, text)
+    rest = {name: value for name, value in entry.items() if name != key}
+    return {**rest, key: _parsed(entry["kind"], key, text)} if text else rest
+
+
+def wrong_cell(problem: ParameterError | None) -> tuple[int, str]:
+    """The row and the key that a problem is about: -1 if it is about no row, an empty key if about the whole row."""
+    head, _, rest = (problem.where if problem else "").partition("obstacles[")
+    number, closing, after = rest.partition("]")
+    if head or not closing or not number.isdigit():
+        return -1, ""
+    key = after.removeprefix(".").partition("[")[0]
+    return int(number), OTHER_NAMES.get(key, key)
+
+
+def _with_kind(entry: Entry, kind: str) -> Entry:
+    known = {**parameters(KINDS[kind]), **parameters(Placement)} if kind in KINDS else entry
+    return {"kind": kind} | {name: value for name, value in entry.items() if name != "kind" and name in known}
+
+
+def _parsed(kind: str, key: str, text: str) -> Json:
+    """The value of a text; a place may be in brackets, as messages write it. The kind may be unknown."""
+    sort = {**parameters(KINDS.get(kind, Obstacle)), **parameters(Placement)}[key]
+    found = sort.parse(text.replace(" ", "").strip("[]") if isinstance(sort, CellRef) else text)
+    return list(found) if isinstance(found, tuple) else found
