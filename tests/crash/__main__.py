@@ -30,8 +30,6 @@ def main() -> int:
     rng, counts = random.Random(arguments.seed), Counter[str]()  # noqa: S311  # moments, not secrets
     with tempfile.TemporaryDirectory(prefix="rsegen-crash-") as folder:
         lost = [*_trials(Path(folder), arguments, rng, counts)]
-    for line in lost:
-        print(line)
     print(f"{dict(counts)}: {len(lost)} problems")
     if arguments.record:
         found = {"python": platform.python_version(), "seed": arguments.seed, **counts, "problems": len(lost)}
@@ -66,6 +64,7 @@ def _trials(folder: Path, arguments: argparse.Namespace, rng: random.Random, cou
                 found = experiment_killed(folder / "experiment", rng)
             name = "experiment" if kind == "experiments" else run.name
             problems += [f"{kind} {trial} ({name}): {line}" for line in found[:3]]
+            print("".join(f"\r{line}\n" for line in problems[-len(found[:3]) :] if found), end="", flush=True)
             print(f"\r{kind} {trial + 1} of {number}, {len(problems)} problems", end="", file=sys.stderr)
     print(file=sys.stderr)
     return problems

@@ -29,6 +29,7 @@ from rsegen.exporters.formats.arrays import Arrays
 from rsegen.gui.dialogs.export import ExportDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
+from rsegen.io.record import RECORD
 from rsegen.params.registry import summary
 from tests.support.clicking import active, answer, click, find, said, shown, typed
 from tests.support.waiting import exposed, until
@@ -208,7 +209,7 @@ def begun(window: Window, folder: Path) -> ExportDialog:
 def whole(folder: Path) -> int:
     """How many maps are there, each of them whole, and nothing else."""
     for home in folder.iterdir():
-        wanted = {"recipe.json", "formats.json", f"heightmap/{home.name}.png", "heightmap/heightmap.json"}
+        wanted = {"recipe.json", "formats.json", RECORD, f"heightmap/{home.name}.png", "heightmap/heightmap.json"}
         assert set(files(home)) == wanted
     return len(list(folder.iterdir()))
 

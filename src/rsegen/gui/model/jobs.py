@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os.path
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -38,8 +39,9 @@ class Job(ABC):
         return (self.folder / self.recipe.map_name(index) for index in self.recipe.indices)
 
     def cancelled(self, steps: int) -> str:
-        """The message if it is cancelled after some steps."""
-        return f"Cancelled: {steps} of {self.steps} maps are in {self.folder}"
+        """The message if it is cancelled after some steps: small maps are written in batches, so it counts them."""
+        made = sum(map(os.path.lexists, self.paths()))
+        return f"Cancelled: {max(made, steps)} of {self.steps} maps are in {self.folder}"
 
     @abstractmethod
     def refuse(self) -> None:
