@@ -133,6 +133,16 @@ def typing(window: Window, row: int, column: int, text: str) -> QLineEdit:
     return field
 
 
+def test_a_click_into_a_field_that_what_was_typed_replaces_is_a_click(window: Window) -> None:
+    active(window)
+    for kind in ("matrix", "peak", "random"):
+        typing(window, 1, 1, kind)
+        box = find(window.forms.obstacle, QSpinBox, "max_height_field")
+        QTest.mouseClick(find(box, QLineEdit, "qt_spinbox_lineedit"), LEFT)
+        assert window.session.draft.rows[1].entry["kind"] == kind
+        QTest.qWait(20)
+
+
 def test_start_takes_over_a_text_that_is_not_finished(window: Window, tmp_path: Path) -> None:
     window.forms.start_form.folder = tmp_path / "worlds"
     field = typing(window, 1, 2, "4")

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import psutil
 import pytest
 from hypothesis import given, settings
 
 from rsegen import Peak, Placement, Random, Recipe, compose
+from rsegen.errors import TooLarge
 from rsegen.exporters.map_summary import map_summary
 from rsegen.gui.model.colours import GROUND, cells, palette
 from rsegen.gui.model.map_numbers import COUNTED, costs, largest_step, shares, size_text
@@ -80,3 +82,10 @@ def test_small_maps_are_quick_and_large_ones_are_not() -> None:
 
 def test_a_look_at_a_recipe_is_that_at_its_scene() -> None:
     assert preview(ROUGH, 0).scene == compose(ROUGH)
+
+
+def test_a_map_that_needs_more_memory_than_is_free_is_refused_in_one_line() -> None:
+    free = psutil.virtual_memory().available
+    side = int((free / 30) ** 0.5) // 1000 + 1
+    with pytest.raises(TooLarge, match="memory"):
+        preview(Recipe(seed=1, chunk_size=1000, chunks=(side, side), boundary="none"), 0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from rsegen.errors import TooLarge
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.coarse import coarse, coarseness
 from rsegen.gui.model.colours import Rgb, legend
@@ -18,6 +19,10 @@ SHOWN_SIDE = 400
 
 QUICK_CELLS = 10_000
 """Maps of up to this many cells are previewed at once; larger ones in a thread."""
+
+
+BYTES_PER_CELL = 24
+"""Of memory for every cell beyond what its world needs: measured between 1000 x 1000 and 3000 x 3000, rounded up."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -41,8 +46,11 @@ def is_quick(recipe: Recipe) -> bool:
 
 def preview(recipe: Recipe, index: int) -> Preview:
     """The preview of one map of a recipe; TooLarge if there is too little memory for it."""
-    refuse_too_large(recipe)
-    return preview_of(compose(recipe, index))
+    refuse_too_large(recipe, BYTES_PER_CELL)
+    try:
+        return preview_of(compose(recipe, index))
+    except MemoryError:
+        raise TooLarge("this map needs more memory than is free; give fewer chunks or a smaller chunk_size") from None
 
 
 def preview_of(scene: Scene) -> Preview:

@@ -100,7 +100,7 @@ class ObstacleForm(QWidget):
         if sorts == {name: each.parameter for name, each in self._editors.items()}:
             return
         while self._fields.rowCount():
-            self._fields.removeRow(0)
+            _remove_later(self._fields.takeRow(0))
         self._editors = {}
         for name in sorts:
             self._editors[name] = each = editor(cls if name in parameters(cls) else Placement, name)
@@ -121,6 +121,15 @@ class ObstacleForm(QWidget):
         self.default_ends.setText(self._class.default_place)
         top = self._editors["max_height"].value()
         self._heights.setText(f"Heights: {_heights(top, self._unit)} cm" if isinstance(top, int) and top > 0 else "")
+
+
+def _remove_later(row: QFormLayout.TakeRowResult) -> None:
+    """Take the widgets of a row out, and delete them when Qt is done with them: one may be about to get the focus."""
+    for item in (row.labelItem, row.fieldItem):
+        if widget := item.widget():
+            widget.hide()
+            widget.setParent(None)
+            widget.deleteLater()
 
 
 def _tab_through(*widgets: QWidget) -> None:
