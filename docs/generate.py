@@ -18,7 +18,7 @@ from tempfile import TemporaryDirectory
 from benchmarks import datasets
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
-from docs import difficulty
+from docs import difficulty, reliability
 from rsegen import (
     FORMATS,
     KINDS,
@@ -48,6 +48,7 @@ from rsegen.simulation.robots import ROBOTS
 DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
 DATASETS = DOCS / "datasets.md"
+RELIABILITY = DOCS / "reliability.md"
 ROBOTS_PAGE = DOCS / "robots.md"
 FORMATS_PAGE = DOCS / "formats.md"
 README = DOCS.parent / "README.md"
@@ -77,6 +78,7 @@ def texts() -> dict[Path, str]:
         DOCS / "burgers.md": experiments.report_page(*load_summary(RESULTS / "burgers.json")),
         DOCS / "representations.md": experiments.report_page(*load_summary(RESULTS / "representations.json")),
         DIFFICULTY: filled(DIFFICULTY.read_text("utf-8"), difficulty.table()),
+        RELIABILITY: filled(RELIABILITY.read_text("utf-8"), reliability.table()),
         FORMATS_PAGE: filled(FORMATS_PAGE.read_text("utf-8"), _formats()),
         ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
     }

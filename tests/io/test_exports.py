@@ -210,6 +210,15 @@ def test_a_format_that_was_being_replaced_when_all_was_killed_comes_back(tmp_pat
     assert contents(tmp_path / "a") == contents(tmp_path / "b")
 
 
+def test_a_run_that_was_killed_after_its_last_rename_leaves_nothing_to_the_next(tmp_path: Path) -> None:
+    export_maps([RECIPE], tmp_path, [Heightmap()])
+    before = contents(tmp_path)
+    (tmp_path / "rse_0000" / ".rsegen.0123abcd" / "new").mkdir(parents=True)
+    assert export_maps([RECIPE], tmp_path, [Heightmap()], resume=True) == ()
+    assert contents(tmp_path) == before
+    assert not list(tmp_path.rglob(".*"))
+
+
 def test_workers_add_the_same_formats(tmp_path: Path) -> None:
     many = replace(RECIPE, maps=120)
     for workers in (1, 2):

@@ -99,6 +99,7 @@ def plan_exports(
         existing=[one for one in planned if not one.formats],
         needs=needs,
         workers=min(workers, needs.maps_at_once),
+        homes=[folder / one.recipe.map_name(one.index) for one in planned if one.adds],
     )
 
 

@@ -54,6 +54,7 @@ class RunPlan(Generic[Item, Made]):
 
     task: how a map is made   to_make: the maps, in order
     existing: maps that exist and are kept   workers: how many processes take part, at the most
+    homes: folders besides `folder` in which a killed run may have left something
     """
 
     folder: Path
@@ -62,6 +63,7 @@ class RunPlan(Generic[Item, Made]):
     existing: Sequence[Item] = ()
     needs: Needs
     workers: int
+    homes: Sequence[Path] = ()
 
 
 def run(plan: RunPlan[Item, Made], progress: Callable[[Made], object] | None = None) -> tuple[Made, ...]:
@@ -93,7 +95,8 @@ def run_each(task: Task[Item, Made], items: Sequence[Item], workers: int) -> Gen
 
 def _results(plan: RunPlan[Item, Made]) -> Generator[Made, None, None]:
     """The results one by one; what killed runs left half done, and workers that are killed, is removed."""
-    remove_leftovers(plan.folder)
+    for folder in (plan.folder, *plan.homes):
+        remove_leftovers(folder)
     with as_write_errors(plan.folder), parents_made(plan.folder / "map"):
         try:
             yield from run_each(plan.task, plan.to_make, plan.workers)
