@@ -136,11 +136,13 @@ def limits_of_failures(limits: _Limits, pallets: int, least: int, top: int, post
 
 
 def test_limits_rise_one_by_one_as_long_as_people_need_them_and_end_at_the_top() -> None:
-    (tried,) = limits_of_failures(_Limits(), 1, least=2, top=32766, posts=16)
-    assert tried[:16] == list(range(2, 18))
-    assert tried[16:19] == [21, 37, 101]
-    assert tried[-1] == 32766
-    assert len(tried) < 30
+    (tried,) = limits_of_failures(_Limits(), 1, least=2, top=200, posts=16)
+    assert tried == [*range(2, 18), 21, 37, 101, 200]
+
+
+def test_with_very_many_levels_few_limits_are_tried_and_pallets_begin_where_the_others_ended() -> None:
+    tried = limits_of_failures(_Limits(), 2, least=2, top=32766, posts=16)
+    assert tried == [[2, 18, 274, 4370, 32766], [32766]]
 
 
 def test_after_many_failures_pallets_begin_where_the_others_ended() -> None:

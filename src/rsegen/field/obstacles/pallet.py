@@ -21,6 +21,7 @@ _BEYOND = (9, 27, 24, 12)
 """Number of posts of each length in the measured pallet, outside its ridge of 4 units and the adjacent lines."""
 
 
+_MANY_LEVELS = 200
 _ONE_BY_ONE = 16
 """Limits of a pallet of up to 100 levels, nearly all of which need three or fewer: a third of a second each."""
 
@@ -108,7 +109,7 @@ class _Limits:
     """The largest steps with which the pallets of one map are tried, from the smoothest on.
 
     One by one, as long as that is quick; after `_ONE_BY_ONE` of a pallet, or if the map has cost too much already, ever
-    further apart, and the next pallets begin where these ended.
+    further apart, and the next pallets begin where these ended. So from the start if there are very many levels.
     """
 
     def __init__(self) -> None:
@@ -116,7 +117,8 @@ class _Limits:
 
     def of_a_pallet(self, least: int, top: int, posts: int) -> Iterator[int]:
         """Limits from `least` to `top`, with which every order is right; ask for the next one if there is no order."""
-        limit = max(least, min(self._highest, top)) if self._spent > _MOST_SPENT else least
+        many = top > _MANY_LEVELS
+        limit = max(least, min(self._highest, top)) if many or self._spent > _MOST_SPENT else least
         apart = 1
         for tried in count(1):
             self._highest = max(self._highest, limit)
@@ -124,7 +126,8 @@ class _Limits:
             if limit == top:
                 return
             self._spent += max(posts, _FEW_POSTS)
-            apart = 1 if tried < _ONE_BY_ONE and self._spent <= _MOST_SPENT else 4 * apart
+            one_by_one = tried < _ONE_BY_ONE and self._spent <= _MOST_SPENT and not many
+            apart = 1 if one_by_one else (16 if many else 4) * apart
             limit = min(limit + apart, top)
 
 
