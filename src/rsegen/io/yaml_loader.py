@@ -13,6 +13,9 @@ from rsegen.io.parser_errors import refuse_duplicates
 _MOST_DIGITS = 4300
 """Of a number to the base of 60 (1:30:00), as in Python of one to the base of 10: the work grows with their square."""
 
+_DEEPEST = 100
+"""Lists and mappings in each other: PyYAML's work grows with the square of them; a recipe has five."""
+
 _MOST_WEIGHT = 4 * 2**20
 _NODE = 10
 """Aliases may stand for what the largest file can say: its characters, and some for each value, list and key."""
@@ -24,7 +27,7 @@ class Loader(yaml.SafeLoader):
     def __init__(self, text: str, path: Path) -> None:
         super().__init__(text)
         self._path = path
-        self._weight = 0
+        self._depth = self._weight = 0
         self._weights: dict[str, int] = {}
 
     def compose_node(self, parent: Any, index: Any) -> Any:
@@ -35,7 +38,11 @@ class Loader(yaml.SafeLoader):
             return super().compose_node(parent, index)
         before, anchor = self._weight, event.anchor
         self._weight += _NODE + len(getattr(event, "value", ""))
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            raise FileError(f"{self._at(event)}: not YAML: nested too deeply")
         node = super().compose_node(parent, index)
+        self._depth -= 1
         if anchor is not None:
             self._weights[anchor] = self._weight - before
         return node
