@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rsegen.cli.bar import counting
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags, folder
 from rsegen.cli.formats import add_format_flags, formats_of, listed
 from rsegen.cli.generate import add_workers_flag, workers_from
+from rsegen.cli.stop import told_what_is_left
 from rsegen.cli.targets import add_target_flags, map_of_flags, recipes_of
 from rsegen.io.exports import ExportedMap, export_maps
 from rsegen.recipe.recipe import Recipe
@@ -51,7 +52,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Export, and say what was written."""
     formats = formats_of("--to", arguments.to, arguments)
     recipes = _recipes(arguments)
-    with counting(sum(recipe.maps for recipe in recipes)) as progress:
+    with told_what_is_left(lambda: _left(recipes)), counting(sum(recipe.maps for recipe in recipes)) as progress:
         made = export_maps(
             recipes,
             arguments.output,
@@ -66,6 +67,12 @@ def run(arguments: argparse.Namespace) -> None:
         print(json.dumps([_summary(one) for one in made], indent=2))
     else:
         print("\n".join(_report(made, sum(recipe.maps for recipe in recipes) - len(made))))
+
+
+def _left(recipes: Sequence[Recipe]) -> str:
+    """What an export that is stopped leaves, and how to make the rest."""
+    seed = f"--seed {recipes[0].seed} " if len(recipes) == 1 else ""
+    return f"the maps that were complete are there; the same command with {seed}--resume makes the others"
 
 
 class _List(argparse.Action):

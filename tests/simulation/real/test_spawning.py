@@ -33,6 +33,9 @@ COURSE = rsegen.Recipe(
     obstacles=(rsegen.Placement(obstacle=rsegen.Random(max_height=3)),),
 )
 
+SINKING = 1e-4
+"""Metres that ODE lets a hull sink into the block that it rests on."""
+
 
 EASY = replace(COURSE, obstacles=(rsegen.Placement(obstacle=rsegen.Random(max_height=2)),))
 """Its steps are of 1 cm, which the Burger climbs."""
@@ -95,9 +98,9 @@ def test_a_robot_drives_on_while_its_map_is_replaced(server: Server, capsys: Cap
             before, told = live.poses()["burger"], done(capsys, "respawn", "course.yaml")
             assert (told["name"], told["put_on_top"]) == (f"course_000{index}", ["burger"])
             assert set(live.poses()) == {"ground_plane", "burger", f"course_000{index}"}
-            assert ground_under(live, "burger", EASY) > -BURGER.clearance
+            assert ground_under(live, "burger", EASY) > -BURGER.clearance - SINKING
             assert comes_away(live, before)
-            assert ground_under(live, "burger", EASY) > -BURGER.clearance
+            assert ground_under(live, "burger", EASY) > -BURGER.clearance - SINKING
         assert not live.clock().paused
         done(capsys, "remove", "burger", "course_0003")
         assert set(live.poses()) == {"ground_plane"}

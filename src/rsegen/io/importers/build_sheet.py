@@ -62,7 +62,7 @@ def _rows(path: Path, text: str) -> Iterator[tuple[int, Cell, float]]:
     if not head:
         return
     first = text.count("\n", 0, head.end()) + 2
-    rows = max(text.count(end, head.end()) for end in "\n\r")
+    rows = max(text[head.end() :].rstrip("\r\n").count(end) for end in "\n\r")
     if rows > _MOST_ROWS:
         raise FileError(f"{path}: {rows:,} rows; up to {_MOST_ROWS:,} can be read")
     lines = text[head.end() :].splitlines()[1:]
