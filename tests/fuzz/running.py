@@ -25,7 +25,7 @@ EVERY = 20
 
 
 def run(numbers: range, seed: int, processes: int, family: str | None, record: Path | None = None) -> int:
-    """Run cases of a seed, and write how many failed into a JSON file `record`; 1 if any fails."""
+    """Run cases of a seed, and append how many failed to the list in a JSON file `record`; 1 if any fails."""
     print(f"seed {seed}, {len(numbers):,} cases", flush=True)  # noqa: T201
     report = Report(seed=seed, family=family)
     count = min(processes, len(numbers))
@@ -36,7 +36,8 @@ def run(numbers: range, seed: int, processes: int, family: str | None, record: P
     report.end()
     if record:
         found = {"python": platform.python_version(), "seed": seed, "cases": report.done, "fail": report.sorts.total()}
-        record.write_text(json.dumps(found, indent=2) + "\n", "utf-8")
+        before = json.loads(record.read_text("utf-8")) if record.exists() else []
+        record.write_text(json.dumps([*before, found], indent=2) + "\n", "utf-8")
     return int(bool(report.sorts))
 
 

@@ -113,8 +113,10 @@ def _decoded(found: Mapping[str, object]) -> Record:
         raise ValueError(found)
     files: dict[str, tuple[WrittenFile, ...]] = {}
     for entry in entries:
-        name, one = _inside(entry["file"]), WrittenFile(bytes=int(entry["bytes"]), sha256=str(entry["sha256"]))
-        files[name] = (*files.get(name, ()), one)
+        name, size = _inside(entry["file"]), entry["bytes"]
+        if not isinstance(size, int):
+            raise ValueError(entry)
+        files[name] = (*files.get(name, ()), WrittenFile(bytes=size, sha256=str(entry["sha256"])))
     return Record(content=content, files=files)
 
 

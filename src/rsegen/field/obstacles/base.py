@@ -12,6 +12,7 @@ from typing import Annotated, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 
+from rsegen.errors import PluginError
 from rsegen.field.stepfield import Array, Levels, Mask
 from rsegen.params.contract import Contract, clash
 from rsegen.params.places import ANYWHERE, Cell, Place
@@ -144,8 +145,15 @@ class Region(Obstacle):
         """The level of each cell from a random number of its own."""
         window = _window(grid, first, last, 0)
         width = window[1].stop - window[1].start
-        levels = _by_rows(window, lambda rows: self.drawn(rng.random((rows.stop - rows.start, width))))
+        levels = _by_rows(window, lambda rows: self._checked(rng.random((rows.stop - rows.start, width))))
         return Patch(window, levels, np.ones(levels.shape, dtype=bool))
+
+    def _checked(self, uniform: Array) -> Levels:
+        """What `drawn` gives; PluginError if that is not one level per number."""
+        levels = self.drawn(uniform)
+        if np.shape(levels) != uniform.shape:
+            raise PluginError(f"obstacle kind {self.kind}: drawn() must give an array of shape {uniform.shape}")
+        return levels
 
 
 def _window(grid: Grid, first: Cell, last: Cell, margin: int) -> tuple[slice, slice]:
