@@ -99,8 +99,10 @@ def refuse_loss_of_files(folder: Path, names: Iterable[str]) -> None:
         is_former = former_files(folder, "files")
         for name in present:
             refuse_link(folder / name)
-            listed = record is not None and name in record.files
-            ours = state_of(folder, name, record) is not State.CHANGED if record and listed else is_former(name)
+            if record and name in record.files:
+                ours = state_of(folder, name, record) is not State.CHANGED
+            else:
+                ours = is_former(name)
             if not ours:
                 raise OutputError(f"{folder / name}: was not written by rsegen, or changed since, {_LOST}")
 

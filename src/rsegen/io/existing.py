@@ -9,12 +9,11 @@ import os
 import re
 from collections.abc import Callable
 from enum import Enum
-from hashlib import sha256
 from pathlib import Path
 
 from rsegen.errors import OutputError, ParameterError
 from rsegen.io.contents import compare, refuse_link, refuse_loss
-from rsegen.io.input_files import open_regular
+from rsegen.io.input_files import regular_content
 from rsegen.io.record import RECORD, WrittenFile, read_record
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
@@ -54,7 +53,7 @@ def is_kept(home: Path, recipe_file: bytes, is_complete: Callable[[str], bool]) 
     if record is None and not _is_cut_off(home):
         _refuse_other_map(home, is_this_map=has_content(str(home / "recipe.json"), recipe_file))
     if record is not None:
-        expected = WrittenFile(bytes=len(recipe_file), sha256=sha256(recipe_file).hexdigest())
+        expected = WrittenFile.of(recipe_file)
         _refuse_other_map(home, is_this_map=expected in record.files.get("recipe.json", ()))
         found = compare(home, record)
         for name in found.changed:
@@ -94,11 +93,7 @@ def is_map_of(recipe: Recipe, name: str) -> bool:
 
 def has_content(path: str, content: bytes) -> bool:
     """Whether a file exists and has this content."""
-    try:
-        with open_regular(path) as file:
-            return file.read(len(content) + 1) == content
-    except OSError:
-        return False
+    return regular_content(path, len(content) + 1) == content
 
 
 def _taken(recipe: Recipe, folder: Path) -> list[int]:

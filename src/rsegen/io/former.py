@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from rsegen.io.input_files import open_regular
+from rsegen.io.input_files import regular_content
 from rsegen.io.record import Content
 
 _LARGEST = 64 * 2**20
@@ -29,18 +29,18 @@ def former_files(folder: Path, content: Content) -> Callable[[str], bool]:
 
 def _of_a_map(folder: Path) -> str | None:
     """The names of a map's files as a pattern; formats are those that formats.json lists. None if it is no map."""
-    recipe = _start(folder / "recipe.json")
+    recipe = regular_content(folder / "recipe.json", _LARGEST)
     if recipe is None or (folder / "drive.json").exists():
         return None
     if recipe and not str(_parsed(recipe).get("generator")).startswith("rsegen "):
         return None
     name = re.escape(folder.name)
-    formats = "|".join(re.escape(each) for each in _parsed(_start(folder / "formats.json") or b""))
+    formats = "|".join(re.escape(each) for each in _parsed(regular_content(folder / "formats.json", _LARGEST) or b""))
     return rf"{_OF_A_MAP}|{name}\.world|meshes/{name}[^/]*\.(obj|mtl)" + (rf"|({formats})/.*" if formats else "")
 
 
 def _of_a_drive(folder: Path) -> str | None:
-    robots = _parsed(_start(folder / "drive.json") or b"").get("robots")
+    robots = _parsed(regular_content(folder / "drive.json", _LARGEST) or b"").get("robots")
     if not isinstance(robots, list):
         return None
     names = "|".join(re.escape(str(each.get("name"))) for each in robots if isinstance(each, dict))
@@ -51,19 +51,10 @@ def _of_files(folder: Path) -> str | None:
     found = [
         re.escape(name)
         for mark, (begins, names) in _OF_FILES.items()
-        if (_start(folder / mark) or b"").startswith(begins)
+        if (regular_content(folder / mark, len(begins)) or b"").startswith(begins)
         for name in names
     ]
     return "|".join(found) or None
-
-
-def _start(path: Path) -> bytes | None:
-    """What a file says, None if there is no such regular file."""
-    try:
-        with open_regular(path) as file:
-            return file.read(_LARGEST)
-    except OSError:
-        return None
 
 
 def _parsed(text: bytes) -> Mapping[str, object]:

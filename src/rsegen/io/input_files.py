@@ -40,6 +40,15 @@ def read_start(path: str | Path, most: int) -> bytes:
         return file.read(most)
 
 
+def regular_content(path: str | Path, most: int) -> bytes | None:
+    """Up to `most` bytes of a regular file; None if there is none at the path, or it cannot be read."""
+    try:
+        with open_regular(path) as file:
+            return file.read(most)
+    except OSError:
+        return None
+
+
 def _opened(path: str | Path) -> BufferedReader:
     """Opened at once: without O_NONBLOCK the system waits until somebody writes to a pipe."""
     return open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0)))

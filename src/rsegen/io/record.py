@@ -5,6 +5,7 @@ Only files that a record lists, and that have not changed since, are ever replac
 
 from __future__ import annotations
 
+import builtins
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
@@ -32,6 +33,11 @@ class WrittenFile:
 
     bytes: int
     sha256: str
+
+    @classmethod
+    def of(cls, content: builtins.bytes) -> WrittenFile:
+        """Those of a file with this content."""
+        return cls(bytes=len(content), sha256=hashlib.sha256(content).hexdigest())
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -5,7 +5,6 @@ The process that runs the data set records the shard, and only then moves its fi
 
 from __future__ import annotations
 
-import hashlib
 import os
 import secrets
 from collections.abc import Iterable
@@ -68,4 +67,4 @@ class ShardTask:
                 file.flush()
                 os.fsync(file.fileno())
         hidden.replace(self.folder / name)
-        return WrittenFile(bytes=len(content), sha256=hashlib.sha256(content).hexdigest())
+        return WrittenFile.of(content)

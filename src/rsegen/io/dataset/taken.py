@@ -12,7 +12,7 @@ from rsegen.errors import OutputError
 from rsegen.io.contents import refuse_link
 from rsegen.io.dataset.manifest import MANIFEST, RECORD
 from rsegen.io.existing import OnExisting
-from rsegen.io.input_files import open_regular
+from rsegen.io.input_files import regular_content
 from rsegen.io.staging import HIDDEN
 
 _SHARDS = re.compile(r"levels-[0-9]{5,}\.npy|metrics-[0-9]{5,}\.(npy|parquet)")
@@ -69,11 +69,7 @@ def _names(found: object) -> Iterator[str]:
 
 
 def _content(path: Path) -> bytes:
-    try:
-        with open_regular(path) as file:
-            return file.read(_LARGEST)
-    except OSError:
-        return b""
+    return regular_content(path, _LARGEST) or b""
 
 
 def _parsed(text: bytes) -> object:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rsegen.errors import FileError, ParameterError, refuse_unknown, shown
-from rsegen.io.input_files import open_regular
+from rsegen.io.input_files import open_regular, regular_content
 from rsegen.io.syncing import sync_folder
 from rsegen.io.text_files import text_of
 from rsegen.params.sorts import Choice, Float, Integer, Json, Parameter
@@ -145,9 +145,5 @@ def _rows(first: Json) -> int:
 
 def is_results_log(path: Path) -> bool:
     """Whether a file is the results log of an experiment, as its beginning says; an empty one is."""
-    try:
-        with open_regular(path) as file:
-            start = file.read(len(_BEGIN))
-    except OSError:
-        return False
-    return start == _BEGIN[: len(start)]
+    start = regular_content(path, len(_BEGIN))
+    return start is not None and start == _BEGIN[: len(start)]
