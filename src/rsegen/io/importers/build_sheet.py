@@ -62,10 +62,11 @@ def _rows(path: Path, text: str) -> Iterator[tuple[int, Cell, float]]:
     if not head:
         return
     first = text.count("\n", 0, head.end()) + 2
-    rows = max(text[head.end() :].rstrip("\r\n").count(end) for end in "\n\r")
+    body = text[head.end() :]
+    rows = max(body.count(end) - body.endswith(end) for end in "\n\r")
     if rows > _MOST_ROWS:
         raise FileError(f"{path}: {rows:,} rows; up to {_MOST_ROWS:,} can be read")
-    lines = text[head.end() :].splitlines()[1:]
+    lines = body.splitlines()[1:]
     for line, row in enumerate(_split_rows(path, lines, head[1]), first):
         if any(row) and not row[0].startswith("#"):
             yield line, *_cell(f"{path}: line {line}", row, head[1])
