@@ -19,7 +19,7 @@ CPU_SECONDS = 5
 WALL_SECONDS = 30
 """Of one case; what waits for what never comes uses no CPU time."""
 HONEST_MAPS = 50
-"""Maps in a CPU second. A case that makes as many does what it was asked for: its time is that of how many it is asked."""
+"""Maps in a CPU second. A case that makes as many does what it was asked for, and is asked for many."""
 MEMORY = 1_500_000_000
 """Bytes that a case may need beyond those of the process before it."""
 LARGEST_FILE = 100_000_000
@@ -41,7 +41,7 @@ _STARTS = {
 
 
 class Exceeded(BaseException):
-    """More time than a case may use; or, if `honest`, than is spent on it, as it makes many maps and each of them quickly."""
+    """More time than a case may use; if `honest`, it needs it because it makes many maps, each of them quickly."""
 
     def __init__(self, what: str, *, honest: bool = False) -> None:
         super().__init__(what)
