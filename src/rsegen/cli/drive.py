@@ -18,11 +18,15 @@ from rsegen.simulation.driving.drive import DURATION, OF_A_FILE, ROBOTS, ROUTE, 
 from rsegen.simulation.driving.drive_metrics import DriveMetrics
 from rsegen.simulation.driving.drive_result import DriveResult
 from rsegen.simulation.robots import ROBOTS as KINDS
+from rsegen.simulation.simulators import SIMULATORS
 
 _PARTS = 5
 """The parts of a robot with the most contacts that are printed; drive.json has all."""
 
 _NUMBERS: Mapping[str, Parameter] = {"robots": ROBOTS, "duration": DURATION, "seed": SEED, **OF_A_FILE}
+
+_OWN = ("simulator",)
+"""Flags that say something else here than in a recipe."""
 
 
 def add(commands: Subparsers) -> None:
@@ -45,6 +49,8 @@ def add(commands: Subparsers) -> None:
     command.add_argument(
         "--robots", default="1", metavar="N", help=f"number of robots ({ROBOTS.describe()}, default: 1)"
     )
+    names = " or ".join(f"{name} ({each.title})" for name, each in SIMULATORS.items())
+    command.add_argument("--simulator", metavar="NAME", help=f"{names} (default: the newest that is installed)")
     command.add_argument(
         "--route", default="straight", help=f"{ROUTE.describe()}: across the map, or randomly on it (default: straight)"
     )
@@ -57,25 +63,26 @@ def add(commands: Subparsers) -> None:
     )
     command.add_argument("--force", action="store_true", help="replace DIR")
     command.add_argument("--json", action="store_true", help="print the metrics as JSON")
-    add_target_recipe_flags(command, ("seed",))
+    add_target_recipe_flags(command, ("seed", *_OWN))
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Drive, and print the metrics."""
     given = {name: getattr(arguments, name) for name in _NUMBERS}
-    with flags_in_errors(*_NUMBERS, "map", "robot", "route", "picture"):
+    with flags_in_errors(*_NUMBERS, "map", "robot", "route", "picture", "simulator"):
         numbers: dict[str, Any] = {
             name: _NUMBERS[name].check(name, _NUMBERS[name].parse(text))
             for name, text in given.items()
             if text is not None
         }
-        target = target_of(arguments, () if arguments.target is None else ("seed",))
+        target = target_of(arguments, _OWN if arguments.target is None else ("seed", *_OWN))
         with _bar(numbers["duration"]) as progress:
             result = drive(
                 target,
                 map=arguments.map,
                 robot=arguments.robot,
+                simulator=arguments.simulator,
                 route=arguments.route,
                 output=arguments.output,
                 picture=arguments.picture,
@@ -95,6 +102,7 @@ def _report(result: DriveResult) -> Iterator[str]:
         yield f"  {robot.name}: {found.distance:.2f} m in {found.seconds:g} s{crossed}, stuck {found.stuck:g} s{tipped}"
         if found.touched:
             yield "    contacts of " + ", ".join(f"{part} {share:.0%}" for part, share in _most(found.touched))
+    yield from (f"note: {line}" for line in result.notes)
     yield from (f"warning: {line}" for line in dict.fromkeys(result.errors))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,9 +19,11 @@ from rsegen.simulation.driving.recording import DriveRecording, RobotRun, record
 from rsegen.simulation.driving.robot_runs import ROUTES, driving_speed, finish_x, robot_runs
 from rsegen.simulation.driving.routes import Straight
 from rsegen.simulation.robots import robot as robot_named
-from rsegen.simulation.robots.base import DrivableRobot
+from rsegen.simulation.robots.base import DrivableRobot, Robot
+from rsegen.simulation.robots.drives import Tracks
 from rsegen.simulation.robots.sdf_file import from_file
 from rsegen.simulation.robots.solids import Vector
+from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.launching import choose_installation, has_screen
 from rsegen.simulation.worlds import Target, world_of
 
@@ -43,6 +45,7 @@ def drive(  # noqa: PLR0913  # each is a flag of the command
     speed: float | None = None,
     turn: float | None = None,
     robots: int = 1,
+    simulator: str | None = None,
     route: str = "straight",
     duration: float = 30.0,
     seed: int | None = None,
@@ -54,8 +57,9 @@ def drive(  # noqa: PLR0913  # each is a flag of the command
     """Drive robots over a map in a Gazebo server without a window, and give the metrics and trajectory of each.
 
     robot: a kind, the SDF file of a model, or a robot; size [m], speed [m/s] and turn [rad/s] are for an SDF file;
-    duration: seconds of simulation time, with which `progress` is called; output: a folder for the files of the result.
-    The same seed and simulator give the same trajectories. UserError if a value is wrong or no Gazebo is installed.
+    simulator: `sim` or `classic`, by default the newest that is installed; duration: seconds of simulation time, with
+    which `progress` is called; output: a folder for the files of the result. The same seed and simulator give the same
+    trajectories. UserError if a value is wrong or no Gazebo is installed.
     """
     model = _robot(robot, {"size": size, "speed": speed, "turn": turn})
     seed = fresh_seed() if seed is None else SEED.check("seed", seed)
@@ -63,10 +67,10 @@ def drive(  # noqa: PLR0913  # each is a flag of the command
     route = ROUTE.check("route", route)
     _check_output(output, picture=picture, force=force)
     world = world_of(target, map)
-    here, scene = choose_installation(world.made_for, "classic"), world.scene()
+    here, scene = choose_installation(world.made_for, simulator), world.scene()
     runs = robot_runs(scene.field, model, route, count=count, seed=seed)
     with world.on_disk() as file:
-        extent = scene.field.extent if picture else None
+        extent = scene.field.extent if picture and "pictures" not in here.simulator.drives_without else None
         recording = record_drive(here, file, runs, seconds, progress, camera_extent=extent)
     result = DriveResult(
         scene=scene,
@@ -75,6 +79,7 @@ def drive(  # noqa: PLR0913  # each is a flag of the command
         seed=seed,
         robots=tuple(_driven(run, scene, recording, route) for run in runs),
         errors=tuple(recording.errors),
+        notes=tuple(_notes(here, runs, recording, picture=picture)),
         contact_samples=recording.samples,
         image=recording.image,
     )
@@ -104,6 +109,17 @@ def _check_output(output: str | Path | None, *, picture: bool, force: bool) -> N
     if output is not None:
         refuse_not_a_folder(Path(output))
         refuse_taken([output], force=force, content="drive")
+
+
+def _notes(here: Installation, runs: Sequence[RobotRun], recording: DriveRecording, *, picture: bool) -> Iterator[str]:
+    """What the simulator does not give, in a sentence each."""
+    wanted = {"contacts", "pictures"} if picture else {"contacts"}
+    if missing := sorted(wanted & set(here.simulator.drives_without)):
+        yield f"{here} gives no {' and no '.join(missing)} of a drive"
+    tracked = [run.name for run in runs if isinstance(run.robot, Robot) and isinstance(run.robot.drive, Tracks)]
+    still = [name for name in tracked if recording.trajectories[name].is_still]
+    if still and here.backend != "classic":
+        yield f"{', '.join(still)} did not move: tracks need the physics engine DART 6.13 or later in {here}"
 
 
 def _driven(run: RobotRun, scene: Scene, recording: DriveRecording, route: str) -> DrivenRobot:

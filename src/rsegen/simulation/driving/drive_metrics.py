@@ -16,6 +16,9 @@ TIPPED = radians(75)
 SLOW = 0.1
 """A robot is stuck during a second in which it moves by less than this share of its speed."""
 
+STILL = 0.01
+"""Metres."""
+
 COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw")
 
 
@@ -34,6 +37,11 @@ class Trajectory:
     def has_tipped(self) -> bool:
         """Whether the robot has tipped over at the end."""
         return bool(self.tilt[-1] > TIPPED)
+
+    @property
+    def is_still(self) -> bool:
+        """Whether the robot has stayed within a centimetre of its first place."""
+        return bool(np.hypot(*(self.rows[:, 1:3] - self.rows[0, 1:3]).T).max() < STILL)
 
     def csv(self) -> Iterator[str]:
         """The lines of a CSV file."""

@@ -31,8 +31,9 @@ class DrivenRobot:
 class DriveResult:
     """What `rsegen.drive` gives.
 
-    scene: the map; simulator: title and version; errors: the simulator's error lines; contact_samples: simulated
-    seconds and the contacts at that time; image: a JPEG of Gazebo's own camera, empty without `picture`.
+    scene: the map; simulator: title and version; errors: the simulator's error lines; notes: what it does not give;
+    contact_samples: simulated seconds and the contacts at that time; image: a JPEG of Gazebo's own camera, empty
+    without `picture`.
     """
 
     scene: Scene
@@ -42,6 +43,7 @@ class DriveResult:
     robots: tuple[DrivenRobot, ...]
     errors: tuple[str, ...]
     contact_samples: ContactSamples
+    notes: tuple[str, ...] = ()
     image: bytes = b""
 
     def as_json(self) -> dict[str, object]:
@@ -57,6 +59,7 @@ class DriveResult:
             "seed": self.seed,
             "robots": robots,
             "errors": list(self.errors),
+            "notes": list(self.notes),
         }
 
     def write(self, folder: str | Path, *, force: bool = False) -> None:

@@ -63,7 +63,7 @@ def record_drive(
         frames = Path(folder, "frames")
         models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
         extra = [camera(camera_extent, frames)] if camera_extent else []
-        text = world_with_robots(world, [*models, *extra], unthrottled=True)
+        text = world_with_robots(world, [*models, *extra], unthrottled=True, backend=here.backend)
         file = Path(folder, world.name)
         file.write_text(text, "utf-8")
         attempt = _Attempt(file=file, models=world.absolute().parent.parent, runs=runs, step=time_step(text))
@@ -88,11 +88,12 @@ class _Attempt:
         options = simulator.record_options(PERIOD)
         with running_server(here, self.file, models=self.models, options=options, screen=screen) as server:
             with server.connect() as live:
+                live.record([run.name for run in self.runs])
                 samples = drive_in_steps(live, self.runs, seconds, self.step, progress, poses)
-                end = live.clock().simulated
+                end, recorded = live.clock().simulated, live.recorded()
             errors = server.errors
             server.stop()
-            record = simulator.read_record(server.home) or poses
+            record = simulator.read_record(server.home) or ([*poses[:1], *recorded] if recorded else poses)
         trajectories = {run.name: _trajectory(run.name, record, end) for run in self.runs}
         return DriveRecording(trajectories=trajectories, samples=samples, errors=errors)
 

@@ -20,15 +20,16 @@ class Usage:
 
 
 def usage(pid: int) -> Usage:
-    """The usage of a process; SimulatorFailed if it has ended."""
+    """The usage of a process with those that it has started; SimulatorFailed if it has ended."""
     import psutil
 
     try:
         process = psutil.Process(pid)
-        times, memory = process.cpu_times(), process.memory_info()
+        found = [(each.cpu_times(), each.memory_info()) for each in (process, *process.children(recursive=True))]
     except psutil.Error:
         raise SimulatorFailed("the simulator is gone") from None
-    return Usage(cpu=times.user + times.system, memory=memory.rss / 2**20)
+    cpu = sum(times.user + times.system for times, _ in found)
+    return Usage(cpu=cpu, memory=sum(memory.rss for _, memory in found) / 2**20)
 
 
 def description() -> dict[str, str]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from itertools import product
 from pathlib import Path
@@ -16,6 +16,7 @@ from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Text, para
 from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.robots import ROBOTS
+from rsegen.simulation.simulators import SIMULATORS
 
 PACES = ("real", "free", "beside")
 """In real time, as people simulate; as fast as the processor can, which shows what a map costs; so in turns, second by
@@ -43,6 +44,7 @@ class TableRow:
     max_height: Annotated[int, Integer(2, 1000, unit="units", help="number of levels")] = 5
     unit_cm: Annotated[float, Float(0.001, 1000, unit="cm", help="height discretization step")] = 1.0
     recipe: Mapping[str, Json] | None = None
+    simulator: Annotated[str | None, Choice(tuple(SIMULATORS), help="by default the newest that is installed")] = None
 
     def __post_init__(self) -> None:
         validate(self)
@@ -75,6 +77,10 @@ class TableRow:
         shape = ", ".join(f"{key} {value}" for key, value in (self.recipe or {}).items())
         what = f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm, {self.max_height} levels"
         return what + (f", {shape}" if shape else "")
+
+    def is_like(self, other: TableRow) -> bool:
+        """Whether both are the same but for the simulator."""
+        return replace(self, simulator=None) == replace(other, simulator=None)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -116,6 +122,22 @@ class ExperimentPlan:
             for pace, (number, row) in product(self.paces, enumerate(self.rows))
             for size in row.sizes
         )
+
+    def in_simulators(self, names: Sequence[str]) -> ExperimentPlan:
+        """The plan with a row for each of these simulators, where a row names none itself."""
+        rows = (
+            replace(row, simulator=name) for row in self.rows for name in ((row.simulator,) if row.simulator else names)
+        )
+        return replace(self, rows=tuple(rows))
+
+    @property
+    def tables(self) -> Sequence[Sequence[int]]:
+        """The numbers of the rows that go into one table each, as they differ by the simulator only."""
+        found: list[list[int]] = []
+        for number, row in enumerate(self.rows):
+            like = next((each for each in found if self.rows[each[0]].is_like(row)), None)
+            found.append([number]) if like is None else like.append(number)
+        return found
 
     def order(self) -> Iterator[tuple[Cell, int]]:
         """Each cell and the number of its repeat, mixed, so that a noisy hour does not favour one cell."""

@@ -12,6 +12,7 @@ from rsegen.simulation.experiment.plan import PACES, Cell, ExperimentPlan, Table
 from rsegen.simulation.experiment.published import COMPUTER, FIGURES
 from rsegen.simulation.experiment.results import Results
 from rsegen.simulation.experiment.trial import Outcome
+from rsegen.simulation.simulators import SIMULATORS
 
 _PACES = {
     "real": "in real time",
@@ -24,7 +25,7 @@ def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, st
     """The Markdown page: the machine, and a table per row of the plan with the paper's figures."""
     return (
         "\n".join(
-            [*_head(plan, machine), *(line for number in range(len(plan.rows)) for line in _row(plan, number, results))]
+            [*_head(plan, machine), *(line for numbers in plan.tables for line in _table(plan, numbers, results))]
         )
         + "\n"
     )
@@ -33,10 +34,10 @@ def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, st
 def trials_csv(plan: ExperimentPlan, results: Results) -> str:
     """The text of trials.csv, a line per trial."""
     names = [field.name for field in fields(Outcome)]
-    lines = [",".join(["robot", "robots", "size", "pace", *names])]
+    lines = [",".join(["simulator", "robot", "robots", "size", "pace", *names])]
     for cell, outcomes in results.items():
         row = plan.rows[cell.row]
-        start = [row.robot, str(row.robots), str(cell.size), cell.pace]
+        start = [row.simulator or "", row.robot, str(row.robots), str(cell.size), cell.pace]
         lines += [",".join([*start, *(_plain(getattr(one, name)) for name in names)]) for one in outcomes]
     return "\n".join(lines) + "\n"
 
@@ -54,7 +55,7 @@ def plot(plan: ExperimentPlan, results: Results) -> bytes:
         for number, row in enumerate(plan.rows):
             points = [(size, median_of(_of(results, number, size, _pace(plan)), name)) for size in row.sizes]
             known = [(size, value) for size, value in points if value is not None]
-            axes.plot(*zip(*known, strict=True), "o-", label=row.label) if known else None
+            axes.plot(*zip(*known, strict=True), "o-", label=_label(plan, row)) if known else None
         axes.set(xlabel="side of the map [blocks], 0: empty", title=title)
         axes.set_ylim(bottom=0)
         axes.grid(visible=True, alpha=0.3)
@@ -85,24 +86,41 @@ def _trials(plan: ExperimentPlan) -> str:
     return "one trial of each cell" if plan.repeats == 1 else f"medians of {plan.repeats} trials of each cell"
 
 
-def _row(plan: ExperimentPlan, number: int, results: Results) -> Iterator[str]:
-    row = plan.rows[number]
-    yield f"## {row.label}\n"
-    printed = {} if row.recipe else FIGURES.get(row.robot, {})
-    yield "| blocks | RTF min, mean, max | CPU | memory | load | simulated s a CPU s | of the empty world's |" + (
-        " paper: RTF | CPU | memory |" if printed else ""
+def _label(plan: ExperimentPlan, row: TableRow) -> str:
+    """The label of a row, with its simulator if the plan has several."""
+    several = len({each.simulator for each in plan.rows}) > 1
+    return row.label + (f", {_title(row)}" if several else "")
+
+
+def _title(row: TableRow) -> str:
+    return SIMULATORS[row.simulator].title if row.simulator in SIMULATORS else ""
+
+
+def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> Iterator[str]:
+    """The table of rows that differ by the simulator only; the paper's figures, which are of Gazebo Classic, beside."""
+    rows = [plan.rows[number] for number in numbers]
+    several = len(numbers) > 1
+    first = rows[0]
+    yield f"## {first.label}{'' if several or not _title(first) else f', in {_title(first)}'}\n"
+    printed = any(_published(row) for row in rows)
+    yield (
+        ("| simulator " if several else "")
+        + "| blocks | RTF min, mean, max | CPU | memory | load | simulated s a CPU s | of the empty world's |"
+        + (" paper: RTF | CPU | memory |" if printed else "")
     )
-    yield "|---|---|---|---|---|---|---|" + ("---|---|---|" if printed else "")
-    for size in row.sizes:
-        found = {pace: _of(results, number, size, pace) for pace in PACES}
-        if any(found.values()):
-            paper = printed.get(size, ("", "", ""))
-            yield (
-                "| "
-                + " | ".join([*_cells(size, found, _empty(plan, results, row)), *(paper if printed else ())])
-                + " |"
-            )
+    yield "|---" * several + "|---|---|---|---|---|---|---|" + ("---|---|---|" if printed else "")
+    for size in dict.fromkeys(size for row in rows for size in row.sizes):
+        for number, row in zip(numbers, rows, strict=True):
+            found = {pace: _of(results, number, size, pace) for pace in PACES}
+            if any(found.values()):
+                paper = _published(row).get(size, ("", "", "")) if printed else ()
+                cells = _cells(size, found, _empty(plan, results, row))
+                yield "| " + " | ".join([*([_title(row)] if several else []), *cells, *paper]) + " |"
     yield ""
+
+
+def _published(row: TableRow) -> Mapping[int, Sequence[str]]:
+    return {} if row.recipe or row.simulator == "sim" else FIGURES.get(row.robot, {})
 
 
 def _cells(size: int, found: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -> list[str]:
@@ -133,7 +151,11 @@ def _quotient(speed: float | None, usual: float | None) -> str:
 
 def _empty(plan: ExperimentPlan, results: Results, row: TableRow) -> Sequence[Outcome]:
     """The same robots in an empty world at full speed, in whichever row they were."""
-    alike = (number for number, each in enumerate(plan.rows) if (each.robot, each.robots) == (row.robot, row.robots))
+    alike = (
+        number
+        for number, each in enumerate(plan.rows)
+        if (each.robot, each.robots, each.simulator) == (row.robot, row.robots, row.simulator)
+    )
     return next((found for number in alike if (found := _of(results, number, 0, "free"))), ())
 
 

@@ -42,7 +42,7 @@ class ResultsLog:
             self._add({"plan": plan})
             sync_folder(self.path.parent)
             return
-        if self._first() != json.loads(json.dumps({"plan": plan})):
+        if _in_simulators(self._first()) != json.loads(json.dumps({"plan": plan})):
             raise FileError(f"{self.path}: has the outcomes of another plan; give another folder, or --force")
         for _ in self.entries():
             pass  # each is checked before anything is changed
@@ -134,6 +134,16 @@ def _checked(
         }
     except ParameterError as error:
         raise (error.inside(where) if where else error) from None
+
+
+def _in_simulators(first: Json) -> Json:
+    """The first line of a log, with the simulator of each row; up to rsegen 0.1 there was one."""
+    plan = first.get("plan") if isinstance(first, Mapping) else None
+    rows = plan.get("rows") if isinstance(plan, Mapping) else None
+    for row in rows if isinstance(rows, list) else ():
+        if isinstance(row, dict):
+            row.setdefault("simulator", "classic")
+    return first
 
 
 def _rows(first: Json) -> int:

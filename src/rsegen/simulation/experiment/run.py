@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -43,33 +43,46 @@ def experiment(
     plan: str | os.PathLike[str] | ExperimentPlan,
     output: str | Path,
     *,
+    simulator: str | Sequence[str] | None = None,
     force: bool = False,
     progress: Callable[[int, Cell], None] = lambda *_: None,
 ) -> ExperimentResult:
-    """Measure what maps cost Gazebo Classic while robots drive on them, and write tables and a plot into a folder.
+    """Measure what maps cost a simulator while robots drive on them, and write tables and a plot into a folder.
 
     plan: the name of an included plan, a YAML file like these, or a Plan; output: the folder; if it has outcomes of
-    this plan, only the missing trials are run; `force` deletes them first, and nothing else. `progress` is called with
-    the number of trials that are done and the next cell. UserError, before the first trial, if the plan is wrong,
-    there is no Gazebo Classic, or the folder has other files of these names.
+    this plan, only the missing trials are run; `force` deletes them first, and nothing else. simulator: `sim`,
+    `classic`, or both, which are compared; by default the newest that is installed. `progress` is called with the
+    number of trials that are done and the next cell. UserError, before the first trial, if the plan is wrong, a
+    simulator is not installed, or the folder has other files of these names.
     """
     plan, folder = plan if isinstance(plan, ExperimentPlan) else load_plan(os.fspath(plan)), Path(output)
-    here = choose_installation("both", "classic")
+    plan = in_simulators(plan, simulator)
+    names = dict.fromkeys(str(row.simulator) for row in plan.rows)
+    installed = {name: choose_installation("both", name) for name in names}
     _refuse_loss(folder)
     if force:
         _remove(folder)
     log = ResultsLog(path=folder / RESULTS_FILE)
     log.begin(asdict(plan))
     done = {(cell, repeat) for cell, repeat, _ in log.entries()}
-    machine = {"simulator": str(here), **description()}
+    machine = {"simulator": ", ".join(map(str, installed.values())), **description()}
     for number, (cell, repeat) in enumerate(plan.order()):
         progress(number, cell)
         if (cell, repeat) not in done:
-            log.add(cell, repeat, run_trial(plan, cell, repeat, here))
+            log.add(cell, repeat, run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)]))
     found = ExperimentResult(plan=plan, results=log.results(), machine=machine, folder=folder)
     files = {name: [content] for name, content in _files(found).items()}
     write_files(files, folder, record=recorded(folder) or Record(content="files", files={}))
     return found
+
+
+def in_simulators(plan: ExperimentPlan, simulator: str | Sequence[str] | None) -> ExperimentPlan:
+    """The plan with a row for each of these simulators, by default the newest that is installed."""
+    if simulator is not None:
+        return plan.in_simulators([simulator] if isinstance(simulator, str) else list(dict.fromkeys(simulator)))
+    if all(row.simulator for row in plan.rows):
+        return plan
+    return plan.in_simulators([choose_installation("both", None).simulator.name])
 
 
 def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str]]:

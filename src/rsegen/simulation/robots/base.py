@@ -19,7 +19,7 @@ from rsegen.simulation.robots.commands import BACKENDS, Command
 from rsegen.simulation.robots.drives import Drive
 from rsegen.simulation.robots.lidar import Lidar
 from rsegen.simulation.robots.links import ORIGIN, Joint, Link, PoseTuple
-from rsegen.simulation.robots.plugins import element, system
+from rsegen.simulation.robots.plugins import element, pose_publisher, system
 from rsegen.simulation.robots.servos import Servo, servo_plugins
 from rsegen.simulation.robots.solids import Vector
 
@@ -97,7 +97,7 @@ class Robot:
             *(joint.sdf for joint in self.joints),
             self.drive.plugins(_known(simulator)),
             servo_plugins(self.servos, simulator),
-            "" if simulator == "classic" else self._publishers(simulator),
+            "" if simulator == "classic" else self._publishers(name, simulator),
         )
         return f'    <model name="{_named(name)}">\n' + "".join(inside) + "    </model>\n"
 
@@ -130,11 +130,12 @@ class Robot:
         seeing = self.lidar.sdf(simulator) if self.lidar and lidar else ""
         return [seeing, *[""] * (len(self.links) - 1)]
 
-    def _publishers(self, simulator: str) -> str:
+    def _publishers(self, name: str, simulator: str) -> str:
         """Plug-ins that publish odometry and poses in Gazebo Sim; Classic needs none."""
-        frame = element("robot_base_frame", self.links[0].name) + element("dimensions", 3)
-        pose = element("publish_link_pose", "false") + element("publish_model_pose", "true")
-        return system("OdometryPublisher", simulator, frame) + system("PosePublisher", simulator, pose)
+        frames = element("odom_frame", f"{name}/odom") + element("robot_base_frame", self.links[0].name)
+        pose = pose_publisher(simulator)
+        odometry = system("OdometryPublisher", simulator, frames + element("dimensions", 3))
+        return odometry + pose
 
 
 _AWAKE = "      <allow_auto_disable>false</allow_auto_disable>\n"

@@ -17,6 +17,20 @@ def system(kind: str, simulator: str, inner: str = "") -> str:
     return f'      <plugin filename="{file}{words}-system" name="{space}::systems::{kind}">{inner}</plugin>\n'
 
 
+POSE_RATE = 20
+"""Poses of a robot in a simulated second, in Gazebo Sim."""
+
+
+def pose_publisher(simulator: str) -> str:
+    """The system of Gazebo Sim that publishes the pose of a model, from which drives are recorded.
+
+    It publishes a model's pose only if that of nested models is wanted too.
+    """
+    wanted = element("publish_nested_model_pose", "true") + element("publish_model_pose", "true")
+    what = wanted + element("publish_link_pose", "false") + element("update_frequency", POSE_RATE)
+    return system("PosePublisher", simulator, what)
+
+
 def element(tag: str, value: float | str) -> str:
     """<tag>value</tag>."""
     return f"<{tag}>{value if isinstance(value, str) else numbers([value])}</{tag}>"

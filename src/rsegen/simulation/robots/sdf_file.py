@@ -12,6 +12,7 @@ from rsegen.exporters.gazebo.sdf import numbers
 from rsegen.io.text_files import elements, text_of
 from rsegen.simulation.robots.commands import Command, pose_text, publish_command, twist_text
 from rsegen.simulation.robots.links import ORIGIN, PoseTuple
+from rsegen.simulation.robots.plugins import pose_publisher
 from rsegen.simulation.robots.solids import Vector
 
 MAX_MIB = 4
@@ -48,6 +49,8 @@ class SdfRobot:
         if pose not in list(model):
             model.insert(0, pose)
         pose.text = numbers(at)
+        if simulator != "classic":
+            model.append(ElementTree.fromstring(pose_publisher(simulator)))  # noqa: S314  # ours
         return _outer(model)
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:

@@ -99,7 +99,8 @@ class Simulator(ABC):
 
     name: as in a recipe's `simulator`; title: for people; generation: the newest is preferred; how_to_install: lines
     of advice; address_variables: the variables that select one server among others; harmless_messages: parts of error
-    lines that say nothing against a world; load_failures: parts of lines that say that the world was not loaded.
+    lines that say nothing against a world; load_failures: parts of lines that say that the world was not loaded;
+    drives_without: what a drive in it does not give, in words.
     """
 
     name: ClassVar[str]
@@ -109,6 +110,7 @@ class Simulator(ABC):
     address_variables: ClassVar[tuple[str, ...]]
     harmless_messages: ClassVar[tuple[str, ...]] = ()
     load_failures: ClassVar[tuple[str, ...]] = ()
+    drives_without: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
     def installation(self) -> Installation | None:
@@ -135,8 +137,8 @@ class Simulator(ABC):
         """The name of its message and plug-in types, one of `rsegen.simulation.robots.BACKENDS`."""
 
     @abstractmethod
-    def connect(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
-        """A connection to the world of the server at this address; SimulatorFailed if none answers."""
+    def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
+        """A connection to the world of the server at this address; SimulatorFailed if none answers in `timeout` s."""
 
     def record_options(self, period: float) -> tuple[str, ...]:
         """Options of a server that record poses with this period, seconds; none if it cannot."""

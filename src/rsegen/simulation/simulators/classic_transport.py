@@ -13,13 +13,16 @@ from __future__ import annotations
 import socket
 import threading
 import time
-from collections import defaultdict, deque
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Set
 from contextlib import contextmanager, suppress
+from functools import partial
 from typing import Any
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.simulators.classic_messages import Message, decode, encode
+from rsegen.simulation.simulators.classic_messages import CLASSIC
+from rsegen.simulation.simulators.inbox import Inbox
+from rsegen.simulation.simulators.wire import Message
 
 TIMEOUT = 20.0
 """Seconds for an answer."""
@@ -30,9 +33,6 @@ DISCONNECT_TIMEOUT = 2.0
 _QUIET_AFTER, _QUIET_TIME = 0.4, 0.05
 """Seconds after which all requests are answered, and after a message in which no other has been sent."""
 
-_KEPT = 64
-"""The number of messages of a topic that are kept."""
-
 _HEAD = 8
 """Hexadecimal digits of the length before each message."""
 
@@ -40,23 +40,22 @@ _HEAD = 8
 class TransportClient:
     """A client that publishes and subscribes topics below /gazebo/WORLD/, and keeps the last messages of each."""
 
-    def __init__(self, address: tuple[str, int]) -> None:
-        self._changed = threading.Condition()
-        self._messages: dict[str, deque[dict[str, Any]]] = defaultdict(lambda: deque(maxlen=_KEPT))
+    def __init__(self, address: tuple[str, int], timeout: float) -> None:
+        self._inbox = Inbox("Gazebo Classic")
         self._types: dict[str, str] = {}
         self._subscribers: dict[str, list[socket.socket]] = defaultdict(list)
         self._publishers: dict[socket.socket, str] = {}
         self._sockets: list[socket.socket] = []
         self._world = ""
         self._last = 0.0
-        self._master = self._registered(socket.create_connection(address, TIMEOUT))
+        self._master = self._registered(socket.create_connection(address, timeout))
         self._host = self._master.getsockname()[0]
         self._own = socket.create_server((self._host, 0))
         self._port = self._own.getsockname()[1]
         self._start_thread(self._read_master)
         self._start_thread(self._accept_subscribers)
         try:
-            self._wait("no world", lambda: bool(self._world))
+            self._wait("no world", lambda: bool(self._world), timeout)
         except SimulatorFailed:
             self.close()
             raise
@@ -80,20 +79,17 @@ class TransportClient:
             self._send_to_master("advertise", "Publish", publication)
             self._wait(f"no subscriber of {full}", lambda: bool(self._subscribers[full]))
         for subscriber in self._subscribers[full]:
-            _send(subscriber, encode(type_name, message))
+            _send(subscriber, CLASSIC.encode(type_name, message))
 
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float = TIMEOUT
     ) -> dict[str, Any]:
         """The last message of a topic that `wanted` accepts; waits for one if there is none yet."""
-        full = self._full_topic(topic)
-        self._wait(f"no message on {full}", lambda: any(map(wanted, self._messages[full])), timeout)
-        with self._changed:
-            return [message for message in self._messages[full] if wanted(message)][-1]
+        return self._inbox.wait_for_message(self._full_topic(topic), wanted, timeout)
 
     def clear(self, topic: str) -> None:
         """Delete the messages of a topic that were received until now."""
-        self._update(self._messages[self._full_topic(topic)].clear)
+        self._inbox.clear(self._full_topic(topic))
 
     @contextmanager
     def muted(self, topic: str) -> Iterator[None]:
@@ -156,13 +152,15 @@ class TransportClient:
 
     def _read_master(self) -> None:
         for content in _received(self._master):
-            packet = decode("Packet", content)
+            packet = CLASSIC.decode("Packet", content)
             kind, inside = packet["type"], packet["serialized_data"]
             if kind == "topic_namepaces_init":
-                names = decode("GzString_V", inside).get("data", [])
-                self._update(lambda: setattr(self, "_world", next((name for name in names if "/" not in name), "")))  # noqa: B023
+                names = CLASSIC.decode("GzString_V", inside).get("data", [])
+                self._inbox.update(
+                    lambda: setattr(self, "_world", next((name for name in names if "/" not in name), ""))
+                )
             elif kind in ("publisher_subscribe", "publisher_advertise", "publisher_add"):
-                self._connect_publisher(decode("Publish", inside))
+                self._connect_publisher(CLASSIC.decode("Publish", inside))
 
     def _connect_publisher(self, publisher: Mapping[str, Any]) -> None:
         """Connect to a publisher of a subscribed topic."""
@@ -172,13 +170,13 @@ class TransportClient:
     def _read_publisher(self, publisher: Mapping[str, Any]) -> None:
         topic = publisher["topic"]
         other = self._registered(socket.create_connection((publisher["host"], publisher["port"]), TIMEOUT))
-        self._update(lambda: self._publishers.update({other: topic}))
+        self._inbox.update(lambda: self._publishers.update({other: topic}))
         _send(other, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
         for content in _received(other):
-            message = decode(self._types[topic], content)
-            self._update(lambda: self._messages[topic].append(message))  # noqa: B023
+            message = CLASSIC.decode(self._types[topic], content)
+            self._inbox.add(topic, message)
             self._last = time.monotonic()
-        self._update(lambda: self._publishers.pop(other))
+        self._inbox.update(lambda: self._publishers.pop(other))
 
     def _accept_subscribers(self) -> None:
         """Accept subscribers of our topics."""
@@ -191,10 +189,10 @@ class TransportClient:
 
     def _read_subscriber(self, subscriber: socket.socket) -> None:
         for content in _received(subscriber):
-            packet = decode("Packet", content)
+            packet = CLASSIC.decode("Packet", content)
             if packet["type"] == "sub":
-                topic = decode("Subscribe", packet["serialized_data"])["topic"]
-                self._update(lambda: self._subscribers[topic].append(subscriber))  # noqa: B023
+                topic = CLASSIC.decode("Subscribe", packet["serialized_data"])["topic"]
+                self._inbox.update(lambda: self._subscribers[topic].append(subscriber))  # noqa: B023
 
     def _registered(self, other: socket.socket) -> socket.socket:
         other.settimeout(None)
@@ -205,22 +203,15 @@ class TransportClient:
     def _start_thread(self, run: Callable[[], None]) -> None:
         threading.Thread(target=run, daemon=True).start()
 
-    def _update(self, change: Callable[[], object]) -> None:
-        with self._changed:
-            change()
-            self._changed.notify_all()
-
     def _wait(self, why: str, until: Callable[[], bool], timeout: float = TIMEOUT) -> None:
-        with self._changed:
-            if not self._changed.wait_for(until, timeout):
-                raise SimulatorFailed(f"Gazebo Classic: {why}")
+        self._inbox.wait(why, until, timeout)
 
 
 @contextmanager
-def transport_client(address: tuple[str, int]) -> Iterator[TransportClient]:
+def transport_client(address: tuple[str, int], timeout: float) -> Iterator[TransportClient]:
     """A client of the master at a host and port; it disconnects when this ends."""
     try:
-        opened = TransportClient(address)
+        opened = TransportClient(address, timeout)
     except OSError as error:
         raise SimulatorFailed(
             f"Gazebo Classic: nobody answers at {address[0]}:{address[1]} ({error.strerror or error})"
@@ -238,7 +229,9 @@ def _full_type(name: str) -> str:
 def _packet(kind: str, type_name: str, message: Message) -> bytes:
     now = time.time_ns()
     stamp = {"sec": now // 10**9, "nsec": now % 10**9}
-    return encode("Packet", {"stamp": stamp, "type": kind, "serialized_data": encode(type_name, message)})
+    return CLASSIC.encode(
+        "Packet", {"stamp": stamp, "type": kind, "serialized_data": CLASSIC.encode(type_name, message)}
+    )
 
 
 def _send(other: socket.socket, content: bytes) -> None:

@@ -13,10 +13,11 @@ from typing import Any
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.robots.commands import Command
-from rsegen.simulation.simulators.classic_messages import decode, parse_text
+from rsegen.simulation.simulators.classic_messages import CLASSIC
 from rsegen.simulation.simulators.classic_transport import TIMEOUT, TransportClient, transport_client
 from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, model_name
 from rsegen.simulation.simulators.pose_messages import is_nearer, pose_message, pose_of
+from rsegen.simulation.simulators.wire import parse_text
 
 _DELIVERY_TIME = 0.03
 """Seconds that a message between two programs on one machine takes."""
@@ -164,7 +165,7 @@ class ClassicWorld(LiveWorld):
     def _models(self, *, hidden: bool = False) -> dict[str, dict[str, Any]]:
         """All models, without or with hidden ones."""
         content = self._asked("entity_list", "")["serialized_data"]
-        models = decode("Model_V", content).get("models", [])
+        models = CLASSIC.decode("Model_V", content).get("models", [])
         return {model["name"]: model for model in models if hidden or model["pose"]["position"]["z"] < _HIDDEN_HEIGHT}
 
     def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
@@ -176,9 +177,9 @@ class ClassicWorld(LiveWorld):
 
 
 @contextmanager
-def classic_world(address: tuple[str, int]) -> Iterator[ClassicWorld]:
+def classic_world(address: tuple[str, int], timeout: float) -> Iterator[ClassicWorld]:
     """A connection to the world of the server whose master is at a host and port."""
-    with transport_client(address) as opened:
+    with transport_client(address, timeout) as opened:
         opened.subscribe("world_stats", "WorldStatistics")
         opened.subscribe("response", "Response")
         yield ClassicWorld(client=opened)

@@ -10,6 +10,9 @@ from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.simulation.simulators.base import SIMULATORS, Simulator
 from rsegen.simulation.simulators.live_world import LiveWorld
 
+TIMEOUT = 2.0
+"""Seconds in which a server that runs must answer."""
+
 
 @contextmanager
 def connected(name: str | None) -> Iterator[tuple[Simulator, LiveWorld]]:
@@ -32,6 +35,6 @@ def _first(stack: ExitStack, simulators: list[Simulator]) -> tuple[Simulator, Li
 def _world_or_reason(stack: ExitStack, simulator: Simulator) -> LiveWorld | str:
     """Its world, or the reason why there is none."""
     try:
-        return stack.enter_context(simulator.connect(os.environ))
+        return stack.enter_context(simulator.connect(os.environ, TIMEOUT))
     except SimulatorFailed as error:
         return str(error)

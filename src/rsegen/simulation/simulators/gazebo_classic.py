@@ -88,9 +88,9 @@ class GazeboClassic(Simulator):
         """There is one."""
         return "classic"
 
-    def connect(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
+    def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
         """Through its own transport, so it may run on another machine, and need not be installed on this one."""
-        return classic_world(_address(environment.get("GAZEBO_MASTER_URI") or MASTER))
+        return classic_world(_address(environment.get("GAZEBO_MASTER_URI") or MASTER), timeout)
 
     def record_options(self, period: float) -> tuple[str, ...]:
         """The record is a text."""

@@ -73,6 +73,13 @@ class LiveWorld(ABC):
     def pause(self) -> None:
         """Stop simulation time."""
 
+    def record(self, names: Sequence[str]) -> None:  # noqa: B027  # not needed where the server keeps a record
+        """Record the poses of these robots from now on, as `recorded` gives them."""
+
+    def recorded(self) -> Record:
+        """The record of the robots; empty where the server keeps one."""
+        return []
+
     def stop_recording(self) -> None:  # noqa: B027  # not every server keeps one
         """Stop the server's record, which takes up to half of its time."""
 

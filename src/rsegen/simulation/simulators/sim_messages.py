@@ -1,44 +1,57 @@
-"""Parsing and formatting of the protobuf text of Gazebo Sim's commands."""
+"""The message types of Gazebo Sim that rsegen sends and receives; they are the same in all versions since Fortress."""
 
 from __future__ import annotations
 
-import json
-from collections import defaultdict
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from rsegen.simulation.simulators.wire import MessageTypes
 
-
-@dataclass(frozen=True, slots=True)
-class Message:
-    """Plain values by their name, and messages inside by theirs, in the order of the text."""
-
-    values: dict[str, str] = field(default_factory=dict)
-    parts: defaultdict[str, list[Message]] = field(default_factory=lambda: defaultdict(list))
-
-
-def parse(text: str) -> Message:
-    """The message in a text of lines `name: value`, `name {` and `}`; other lines are skipped."""
-    whole = Message()
-    open_messages = [whole]
-    for line in map(str.strip, text.splitlines()):
-        name, colon, value = line.partition(":")
-        if line.endswith("{"):
-            inner = Message()
-            open_messages[-1].parts[line[:-1].strip()].append(inner)
-            open_messages.append(inner)
-        elif line == "}" and len(open_messages) > 1:
-            open_messages.pop()
-        elif colon and name.isidentifier():
-            open_messages[-1].values[name] = value.strip().strip('"')
-    return whole
-
-
-def format_message(message: Mapping[str, object]) -> str:
-    """The text of a message of strings, numbers, booleans and messages."""
-    return " ".join(f"{name}{_value(value)}" for name, value in message.items())
-
-
-def _value(value: object) -> str:
-    if isinstance(value, Mapping):
-        return f" {{ {format_message(value)} }}"
-    return f": {json.dumps(value, ensure_ascii=False)}"
+SIM = MessageTypes(
+    {
+        "Time": {"sec": (1, int), "nsec": (2, int)},
+        "Header": {"stamp": (1, "Time")},
+        "Vector3d": {"x": (2, float), "y": (3, float), "z": (4, float)},
+        "Quaternion": {"x": (2, float), "y": (3, float), "z": (4, float), "w": (5, float)},
+        "Pose": {
+            "header": (1, "Header"),
+            "name": (2, str),
+            "id": (3, int),
+            "position": (4, "Vector3d"),
+            "orientation": (5, "Quaternion"),
+        },
+        "Pose_V": {"header": (1, "Header"), "pose": (2, "Pose[]")},
+        "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
+        "Double": {"data": (2, float)},
+        "Boolean": {"data": (2, bool)},
+        "Empty": {},
+        "StringMsg_V": {"data": (2, "text[]")},
+        "Entity": {"id": (2, int), "name": (3, str), "type": (4, int)},
+        "EntityFactory": {"sdf": (2, str), "pose": (7, "Pose"), "name": (8, str), "allow_renaming": (9, bool)},
+        "Model": {"name": (2, str), "id": (3, int), "pose": (5, "Pose")},
+        "Scene": {"name": (2, str), "model": (9, "Model[]")},
+        "WorldControl": {"pause": (2, bool), "step": (3, bool), "multi_step": (4, int)},
+        "WorldStatistics": {
+            "sim_time": (2, "Time"),
+            "real_time": (4, "Time"),
+            "paused": (5, bool),
+            "iterations": (6, int),
+        },
+        "Subscriber": {"topic": (1, str)},
+        "MessagePublisher": {"ctrl": (1, str), "msg_type": (2, str)},
+        "ServicePublisher": {"socket_id": (1, str), "request_type": (2, str), "response_type": (3, str)},
+        "Publisher": {
+            "topic": (1, str),
+            "address": (2, str),
+            "process_uuid": (3, str),
+            "node_uuid": (4, str),
+            "scope": (5, int),
+            "msg_pub": (6, "MessagePublisher"),
+            "srv_pub": (7, "ServicePublisher"),
+        },
+        "Discovery": {
+            "version": (2, int),
+            "process_uuid": (3, str),
+            "type": (4, int),
+            "sub": (6, "Subscriber"),
+            "pub": (7, "Publisher"),
+        },
+    }
+)

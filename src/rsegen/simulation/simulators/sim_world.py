@@ -1,85 +1,110 @@
-"""The world in a running Gazebo Sim, through its commands for services and topics.
+r"""The world in a running Gazebo Sim, through its transport.
 
-    gz service -s /world/NAME/control --reqtype gz.msgs.WorldControl --reptype gz.msgs.Boolean --timeout MS --req TEXT
-    gz topic -e -t /world/NAME/stats -n 1
-
-In Fortress the same with `ign` and ignition.msgs.
+/world/NAME/control, create, remove, set_pose, scene/info    services
+/world/NAME/stats                                            the clock, ten times a second
+/world/NAME/pose/info                                        poses with the simulation time, sixty times a second
+/model/NAME/pose                                             poses of a robot, as often as its plug-in publishes
 """
 
 from __future__ import annotations
 
-import re
 import time
-from collections.abc import Callable, Iterator, Mapping, Set
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import astuple, dataclass, field
+from typing import Any
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.robots.commands import Command, message_type
-from rsegen.simulation.simulators.base import LaunchCommand
-from rsegen.simulation.simulators.live_world import Clock, LiveWorld, Pose, model_name
+from rsegen.simulation.robots.commands import Command
+from rsegen.simulation.simulators.live_world import Clock, LiveWorld, Pose, Record, model_name
 from rsegen.simulation.simulators.pose_messages import is_nearer, pose_message, pose_of
-from rsegen.simulation.simulators.process import output_of
-from rsegen.simulation.simulators.sim_messages import Message, format_message, parse
+from rsegen.simulation.simulators.sim_transport import TIMEOUT, TransportClient, transport_client
+from rsegen.simulation.simulators.wire import parse_text
 
-TIMEOUT = 60.0
-"""Seconds for an answer."""
+WORLDS = "/gazebo/worlds"
+"""The service of every server that lists its worlds."""
+
+TOPICS = {"stats": "WorldStatistics", "pose/info": "Pose_V", "dynamic_pose/info": "Pose_V"}
+"""The topics of a world that are subscribed, and the types of their messages."""
+
+_BETWEEN_LOOKS = 0.02
+"""Seconds: poses are published as often."""
+
+_MODEL = 2
+"""The type of a model in a message Entity."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(kw_only=True, slots=True)
 class SimWorld(LiveWorld):
-    """The world in a Gazebo Sim server; every call runs a command, which takes about half a second."""
+    """The world in a Gazebo Sim server. A paused server answers, and publishes its clock and poses."""
 
-    program: Path
+    client: TransportClient
+    world: str
     backend: str
-    environment: Mapping[str, str]
-    world: str = ""
+    _names: Mapping[int, str] = field(default_factory=dict)
+    _ids: Set[int] = frozenset()
+    _recorded: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
+    _stopped: tuple[int, int] | None = None
+    """Steps, and nanoseconds of simulation time, at which our last step has ended; None if time ran since."""
 
     def send_command(self, command: Command) -> None:
-        """Publish the command on its topic."""
-        self.run("topic", "-t", command.topic, "-m", command.type, "-p", command.text)
+        """Publish the command, and wait until the server has received it: it reads a message before each request."""
+        self.client.publish(command.topic, command.type, parse_text(command.text))
+        self.client.request(WORLDS, "Empty", {})
 
     def step(self, steps: int) -> None:
-        """Step, and wait as long as steps are being done."""
-        target = self.clock().steps + steps
+        """Step, and wait until poses are published that are as late."""
+        if not steps:
+            return
+        done, now = self._stopped or self._steps_and_time()
         self._order("control", "WorldControl", {"pause": True, "multi_step": steps})
-        done, end = 0, time.monotonic() + TIMEOUT
-        while done < target:
-            before, done = done, self.clock().steps
-            end = time.monotonic() + TIMEOUT if done > before else end
-            if time.monotonic() > end:
-                raise SimulatorFailed(f"Gazebo Sim: stopped at step {done} of {target}")
+        if not done:  # how long a step takes is known after the first
+            done, now = self._wait_for_steps(steps)
+        else:
+            done, now = done + steps, now + steps * (now // done)
+            self._wait_for_time(now)
+        self._stopped = done, now
 
     def unpause(self) -> None:
         """Unpause, and wait until the server reports it."""
-        self._order("control", "WorldControl", {"pause": False})
-        self._wait("the world stays paused", lambda: not self.clock().paused)
+        self._pause(pause=False)
 
     def pause(self) -> None:
         """Pause, and wait until the server reports it."""
-        self._order("control", "WorldControl", {"pause": True})
-        self._wait("the world is not paused", lambda: self.clock().paused)
+        self._pause(pause=True)
 
     def clock(self) -> Clock:
-        """The next clock that the server publishes."""
-        now = self._topic("stats")
-        return Clock(
-            simulated=_seconds(now, "sim_time"),
-            real=_seconds(now, "real_time"),
-            steps=int(now.values.get("iterations", 0)),
-            paused=now.values.get("paused") == "true",
-        )
+        """The last clock that the server published, not before the end of our last step."""
+        reached = self._stopped[1] if self._stopped else 0
+        return _clock(self._message("stats", lambda message: _nanoseconds(message.get("sim_time")) >= reached))
 
     def poses(self) -> Mapping[str, Pose]:
-        """The scene lists the models and their first poses; a topic has their current poses."""
-        moved = {pose.values["id"]: pose for pose in self._topic("pose/info").parts["pose"]}
-        return {name: _pose(moved.get(model.values["id"]) or model.parts["pose"][0]) for name, model in self._models()}
+        """The poses of all models, not before the end of our last step."""
+        poses = self._poses("pose/info")
+        if poses.keys() != self._ids:
+            self._names, self._ids = self._models(), poses.keys()
+        return {name: pose_of(poses[number]) for number, name in self._names.items() if number in poses}
+
+    def record(self, names: Sequence[str]) -> None:
+        """Record the poses that the plug-ins of these robots publish from now on."""
+        for name in names:
+            self._recorded[name] = []
+            self.client.subscribe(f"/model/{name}/pose", "Pose", self._recorded[name].append)
+
+    def recorded(self) -> Record:
+        """The record of the robots, at the times that their plug-ins choose."""
+        states: dict[int, dict[str, list[float]]] = defaultdict(dict)
+        for name, messages in self._recorded.items():
+            for message in messages:
+                if message.get("name") == name:
+                    states[_stamp(message)][name] = list(astuple(pose_of(message)))
+        return [(at / 1e9, states[at]) for at in sorted(states)]
 
     def movable(self) -> Set[str]:
         """The models in the topic of poses that are not static."""
-        moving = {pose.values["id"] for pose in self._topic("dynamic_pose/info").parts["pose"]}
-        return frozenset(name for name, model in self._models() if model.values["id"] in moving)
+        moving = self._poses("dynamic_pose/info")
+        return frozenset(name for number, name in self._models().items() if number in moving)
 
     def move(self, name: str, pose: Pose) -> None:
         """Set the pose of a model by a service."""
@@ -93,59 +118,94 @@ class SimWorld(LiveWorld):
         """Spawn by a service, under the name in the text."""
         name = model_name(sdf)
         self._order("create", "EntityFactory", {"sdf": sdf, "pose": pose_message(pose)})
-        self._wait(f"{name} does not appear", lambda: name in dict(self._models()))
+        self._wait(f"{name} does not appear", lambda: name in self.poses())
 
     def delete(self, name: str) -> None:
         """Delete by a service."""
-        self._order("remove", "Entity", {"name": name, "type": 2})
-        self._wait(f"{name} is still there", lambda: name not in dict(self._models()))
+        self._order("remove", "Entity", {"name": name, "type": _MODEL})
+        self._wait(f"{name} is still there", lambda: name not in self.poses())
 
-    def run(self, *arguments: str) -> str:
-        """The output of its program."""
-        command = (str(self.program), *arguments)
-        return output_of(LaunchCommand(command=command, environment=self.environment, folder=Path.cwd()), TIMEOUT)
+    def _pause(self, *, pause: bool) -> None:
+        self._order("control", "WorldControl", {"pause": pause})
+        self.client.clear(self._topic("stats"))
+        self._stopped = None
+        self._message("stats", lambda message: bool(message.get("paused")) == pause)
 
-    def _models(self) -> list[tuple[str, Message]]:
-        scene = self._service("scene/info", "Empty", {}, "Scene")
-        return [(model.values["name"], model) for model in scene.parts["model"]]
+    def _steps_and_time(self) -> tuple[int, int]:
+        found = self._message("stats", lambda _: True)
+        return found.get("iterations", 0), _nanoseconds(found.get("sim_time"))
 
-    def _topic(self, name: str) -> Message:
-        return parse(self.run("topic", "-e", "-t", f"/world/{self.world}/{name}", "-n", "1"))
+    def _wait_for_steps(self, target: int) -> tuple[int, int]:
+        done = now = 0
+        while done < target:
+            self._message("stats", lambda message: message.get("iterations", 0) > done)  # noqa: B023
+            done, now = self._steps_and_time()
+        return done, now
 
-    def _order(self, name: str, type_name: str, message: Mapping[str, object]) -> None:
-        if self._service(name, type_name, message, "Boolean").values.get("data") != "true":
-            raise SimulatorFailed(f"Gazebo Sim: /world/{self.world}/{name} refuses")
+    def _wait_for_time(self, target: int) -> None:
+        """As long as poses of later times come."""
+        now = -1
+        while now < target:
+            now = _stamp(self._message("pose/info", lambda message: _stamp(message) > now))  # noqa: B023
 
-    def _service(self, name: str, asked: str, message: Mapping[str, object], answered: str) -> Message:
-        types = ("--reqtype", message_type(asked, self.backend), "--reptype", message_type(answered, self.backend))
-        wait = ("--timeout", f"{TIMEOUT / 2 * 1000:.0f}")
-        said = self.run("service", "-s", f"/world/{self.world}/{name}", *types, *wait, "--req", format_message(message))
-        if "timed out" in said:
-            raise SimulatorFailed(f"Gazebo Sim: /world/{self.world}/{name} does not answer")
-        return parse(said)
+    def _poses(self, topic: str) -> dict[int, dict[str, Any]]:
+        """The poses in a topic by the ids of their entities, not before the end of our last step."""
+        reached = self._stopped[1] if self._stopped else 0
+        found = self._message(topic, lambda message: _stamp(message) >= reached)
+        return {pose["id"]: pose for pose in found.get("pose", []) if "id" in pose}
+
+    def _models(self) -> dict[int, str]:
+        """The names of the models in the scene by their ids."""
+        scene = self.client.request(self._topic("scene/info"), "Empty", {})
+        return {model["id"]: model["name"] for model in scene.get("model", [])}
+
+    def _message(self, topic: str, wanted: Callable[[Mapping[str, Any]], bool]) -> dict[str, Any]:
+        """The last message of a topic of the world that `wanted` accepts."""
+        full = self._topic(topic)
+        self.client.subscribe(full, TOPICS[topic])
+        return self.client.wait_for_message(full, wanted)
+
+    def _order(self, name: str, type_name: str, message: Mapping[str, Any]) -> None:
+        if not self.client.request(self._topic(name), type_name, message).get("data"):
+            raise SimulatorFailed(f"Gazebo Sim: {self._topic(name)} refuses")
+
+    def _topic(self, name: str) -> str:
+        return f"/world/{self.world}/{name}"
 
     def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
         end = time.monotonic() + TIMEOUT
         while not until():
             if time.monotonic() > end:
                 raise SimulatorFailed(f"Gazebo Sim: {otherwise}")
+            time.sleep(_BETWEEN_LOOKS)
 
 
 @contextmanager
-def sim_world(program: Path, backend: str, environment: Mapping[str, str]) -> Iterator[SimWorld]:
-    """The first world that a program, `gz` or `ign`, finds with these variables."""
-    asking = SimWorld(program=program, backend=backend, environment=environment)
-    found = re.search(r"^/world/([^/\s]+)/control\s*$", asking.run("service", "-l"), re.MULTILINE)
-    if not found:
-        partition = environment.get("GZ_PARTITION") or environment.get("IGN_PARTITION")
-        raise SimulatorFailed("Gazebo Sim: no world is running" + f" in GZ_PARTITION={partition}" * bool(partition))
-    yield SimWorld(program=program, backend=backend, environment=environment, world=found[1])
+def sim_world(environment: Mapping[str, str], timeout: float) -> Iterator[SimWorld]:
+    """The world of the server at the address in environment variables; SimulatorFailed if none or several answer."""
+    with transport_client(environment) as client:
+        try:
+            offers = client.offers(WORLDS, timeout)
+        except SimulatorFailed:
+            raise SimulatorFailed(f"Gazebo Sim: no server answers in the partition {client.partition}") from None
+        worlds = client.request(WORLDS, "Empty", {}).get("data", [])
+        if len(offers) > 1 or not worlds:
+            what = f"{len(offers)} servers run" if worlds else "a server without a world runs"
+            raise SimulatorFailed(
+                f"Gazebo Sim: {what} in the partition {client.partition}; set GZ_PARTITION to that of one server"
+            )
+        backend = "fortress" if offers[0]["srv_pub"]["request_type"].startswith("ignition.") else "sim"
+        yield SimWorld(client=client, world=worlds[0], backend=backend)
 
 
-def _seconds(now: Message, name: str) -> float:
-    parts = now.parts[name]
-    return int(parts[0].values.get("sec", 0)) + int(parts[0].values.get("nsec", 0)) / 1e9 if parts else 0.0
+def _clock(message: Mapping[str, Any]) -> Clock:
+    simulated, real = (_nanoseconds(message.get(name)) / 1e9 for name in ("sim_time", "real_time"))
+    return Clock(simulated=simulated, real=real, steps=message.get("iterations", 0), paused=bool(message.get("paused")))
 
 
-def _pose(message: Message) -> Pose:
-    return pose_of({name: inner[0].values for name, inner in message.parts.items() if inner})
+def _stamp(message: Mapping[str, Any]) -> int:
+    return _nanoseconds(message.get("header", {}).get("stamp"))
+
+
+def _nanoseconds(time_: Mapping[str, int] | None) -> int:
+    return (time_ or {}).get("sec", 0) * 10**9 + (time_ or {}).get("nsec", 0)
