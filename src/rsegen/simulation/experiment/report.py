@@ -93,7 +93,7 @@ def _label(plan: ExperimentPlan, row: TableRow) -> str:
 
 
 def _title(row: TableRow) -> str:
-    return SIMULATORS[row.simulator].title if row.simulator in SIMULATORS else ""
+    return SIMULATORS[row.simulator].title if row.simulator else ""
 
 
 def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> Iterator[str]:

@@ -156,9 +156,8 @@ class TransportClient:
             kind, inside = packet["type"], packet["serialized_data"]
             if kind == "topic_namepaces_init":
                 names = CLASSIC.decode("GzString_V", inside).get("data", [])
-                self._inbox.update(
-                    lambda: setattr(self, "_world", next((name for name in names if "/" not in name), ""))
-                )
+                world = next((name for name in names if "/" not in name), "")
+                self._inbox.update(partial(setattr, self, "_world", world))
             elif kind in ("publisher_subscribe", "publisher_advertise", "publisher_add"):
                 self._connect_publisher(CLASSIC.decode("Publish", inside))
 

@@ -179,7 +179,7 @@ class TransportClient:
             if time.monotonic() >= beat:
                 self._beat()
                 beat = time.monotonic() + HEARTBEAT_PERIOD
-            for each, _ in poller.poll(max(0, beat - time.monotonic()) * 1000):
+            for each, _ in poller.poll(max(0, int((beat - time.monotonic()) * 1000))):
                 readers[files.get(each, each)]()
         self._close_sockets()
 
