@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
 
 from rsegen.cli import main
 from tests.simulation.simulators.standins import alone_on_path
+from tests.simulation.transport import transport_world
 
 
 @pytest.fixture
@@ -17,6 +19,16 @@ def programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in ("DISPLAY", "WAYLAND_DISPLAY", "GAZEBO_MASTER_URI", "GZ_PARTITION", "GZ_SIM_RESOURCE_PATH", "STAYS"):
         monkeypatch.delenv(name, raising=False)
     return folder
+
+
+@pytest.fixture
+def sim_address(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Mapping[str, str]]:
+    """The variables, which are set, of a world of Gazebo Sim's transport; the working folder is the test's own."""
+    monkeypatch.chdir(tmp_path)
+    with transport_world() as address:
+        for name, value in address.items():
+            monkeypatch.setenv(name, value)
+        yield address
 
 
 @pytest.fixture

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import _thread
 import os
-import sys
 import threading
 import time
 from collections.abc import Iterator, Mapping
@@ -14,8 +13,6 @@ from pathlib import Path
 from types import MappingProxyType
 
 import pytest
-
-from tests.simulation.simulators import fake_gz
 
 _SCRIPT = """\
 #!/bin/sh
@@ -85,13 +82,6 @@ def put_tools(folder: Path) -> None:
     tools.mkdir(exist_ok=True)
     for name in ("env", "mv", "sleep"):
         (tools / name).symlink_to(next(path for path in (Path("/bin", name), Path("/usr/bin", name)) if path.exists()))
-
-
-def play(programs: Path) -> None:
-    """Put the program that plays `gz` on PATH."""
-    program = programs / "gz"
-    program.write_text(f"#!{sys.executable} -S\n" + Path(fake_gz.__file__).read_text())
-    program.chmod(0o755)
 
 
 @contextmanager

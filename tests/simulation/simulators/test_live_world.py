@@ -27,29 +27,27 @@ BURGER = robot("burger")
 THERE, ELSEWHERE = Pose(x=1, y=-2, z=0.5, yaw=1.0), Pose(x=-1.5, y=0.25, z=1.0, yaw=-0.5)
 
 
-@pytest.fixture(params=["sim", "classic"])
+@pytest.fixture(params=["sim", "classic", "transport"])
 def live(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[LiveWorld]:
-    """A world with the ground alone, which stands still."""
-    if request.param == "sim":
-        programs = request.getfixturevalue("programs")
-        play(programs)
-        with SIMULATORS["sim"].connect({"GZ_PARTITION": "lab"}) as world:
+    """A world with the ground alone, which stands still: in a server, or in the transport of Gazebo Sim alone."""
+    if request.param == "transport":
+        with transport_world("rse_0000") as address, connected_to(address) as world:
             yield world
         return
-    here = SIMULATORS["classic"].installation() or missing("no Gazebo Classic 11: run scripts/gazebo-classic")
+    here = request.getfixturevalue("gazebo_sim" if request.param == "sim" else "gazebo")
     file = tmp_path / "ground.world"
     file.write_bytes(b"".join(sdf.utf8(sdf.world(rsegen.compose(rsegen.Recipe(seed=1)), ()))))
     with running_server(here, file) as server, server.connect() as world:
         yield world
 
 
-def model(name: str) -> str:
-    return BURGER.file(name)
+def model(name: str, live: LiveWorld) -> str:
+    return BURGER.file(name, live.backend)
 
 
 def test_a_model_is_put_moved_and_taken(live: LiveWorld) -> None:
-    live.spawn(model("one"), THERE)
-    live.spawn(model("other"), Pose(x=0, y=0, z=0))
+    live.spawn(model("one", live), THERE)
+    live.spawn(model("other", live), Pose(x=0, y=0, z=0))
     assert set(live.poses()) == {"ground_plane", "one", "other"}
     assert live.movable() == {"one", "other"}
     assert astuple(live.poses()["one"]) == pytest.approx(astuple(THERE))
@@ -73,12 +71,12 @@ def test_time_goes_by_steps_or_by_itself(live: LiveWorld) -> None:
 
 
 def test_a_model_of_the_worlds_own_name_is_taken_and_put_again(live: LiveWorld) -> None:
-    world = "rse_0000" if live.backend == "classic" else "lab"
-    live.spawn(model("other"), ELSEWHERE)
-    live.spawn(model(world), THERE)
+    world = "rse_0000"
+    live.spawn(model("other", live), ELSEWHERE)
+    live.spawn(model(world, live), THERE)
     live.delete(world)
     assert set(live.poses()) == {"ground_plane", "other"}
-    live.spawn(model(world), Pose(x=2, y=0, z=0))
+    live.spawn(model(world, live), Pose(x=2, y=0, z=0))
     assert live.poses()[world].x == pytest.approx(2)
     assert set(live.poses()) == {"ground_plane", "other", world}
 
@@ -86,39 +84,77 @@ def test_a_model_of_the_worlds_own_name_is_taken_and_put_again(live: LiveWorld) 
 # Gazebo Sim.
 
 
-def test_sim_tells_robots_by_their_topic(programs: Path) -> None:
-    play(programs)
-    with SIMULATORS["sim"].connect({}) as live:
-        assert live.backend == "sim"
-        live.send_command(BURGER.command("burger", 0.1, -0.5, live.backend))
-    ((topic, type_name, message),) = json.loads((programs / "gz.json").read_text())["told"]
-    assert (topic, type_name) == (BURGER.command("burger", 0, 0, "sim").topic, "gz.msgs.Twist")
-    assert (message["linear"]["x"], message["angular"]["z"]) == (0.1, -0.5)
+def test_a_command_is_received_when_it_has_been_sent(sim_address: Mapping[str, str]) -> None:
+    with connected_to(sim_address) as live:
+        assert live.backend == "fortress"
+        robots = [f"burger_{number}" for number in range(24)]
+        for name in robots:
+            live.spawn(model(name, live), THERE)
+        for number, name in enumerate(robots):
+            live.send_command(BURGER.command(name, 0.001 * number, -0.5, live.backend))
+        live.step(50)
+        assert [live.poses()[name].x for name in robots] == pytest.approx([0.001 * number for number in range(24)])
+
+
+def test_poses_are_recorded_as_often_as_a_robot_publishes_them(sim_address: Mapping[str, str]) -> None:
+    with connected_to(sim_address) as live:
+        live.spawn(model("burger", live), THERE)
+        live.record(["burger"])
+        live.step(500)
+        live.step(500)
+        record = live.recorded()
+    assert [second for second, _ in record] == pytest.approx([0.05 * (number + 1) for number in range(20)])
+    assert record[-1][1]["burger"] == pytest.approx(list(astuple(THERE)))
 
 
 def test_a_robot_and_a_map_are_spawned_respawned_and_removed_in_sim(
-    programs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    sim_address: Mapping[str, str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    play(programs)
-    monkeypatch.chdir(tmp_path)
     Path("course.yaml").write_text("name: course\nseed: 1\nchunk_size: 4\n")
     for words in (["spawn", "course.yaml"], ["spawn", "burger", "--at", "0,0"], ["respawn", "course.yaml"]):
         assert main([*words, "--simulator", "sim"]) == 0
     out = capsys.readouterr().out
     assert "course_0000 is in Gazebo Sim at 0 0 0" in out
     assert "course_0001 replaces course_0000, at 0 0 0; put on top of it: burger" in out
-    assert set(json.loads((programs / "gz.json").read_text())["models"]) == {"ground_plane", "burger", "course_0001"}
     assert main(["remove", "burger", "course_0001"]) == 0
-    assert set(json.loads((programs / "gz.json").read_text())["models"]) == {"ground_plane"}
+    with connected_to(sim_address) as live:
+        assert set(live.poses()) == {"ground_plane"}
 
 
-def test_where_no_world_is_it_says_so(programs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    put(programs, PROGRAMS["sim"])
+def test_a_map_of_many_boxes_is_spawned(sim_address: Mapping[str, str]) -> None:
+    recipe = rsegen.Recipe(
+        seed=1, chunks=(3, 3), collision="boxes", obstacles=(rsegen.Placement(obstacle=rsegen.Random(max_height=5)),)
+    )
+    assert rsegen.spawn(recipe, simulator="sim").name == "rse_0000"
+    assert Path("worlds/rse_0000/model.sdf").stat().st_size > 2**17
+
+
+def test_where_no_server_is_it_says_so() -> None:
     with (
-        pytest.raises(SimulatorFailed, match="no world is running in GZ_PARTITION=lab"),
-        SIMULATORS["sim"].connect({"GZ_PARTITION": "lab"}),
+        pytest.raises(SimulatorFailed, match="Gazebo Sim: no server answers in the partition no-lab$"),
+        SIMULATORS["sim"].connect({"GZ_PARTITION": "no-lab"}, 0.5),
     ):
         pass
+
+
+def test_of_two_servers_none_is_taken(sim_address: Mapping[str, str]) -> None:
+    partition = sim_address["GZ_PARTITION"]
+    with transport_world("other", partition) as address:
+        with pytest.raises(SimulatorFailed, match=f"2 servers run in the partition {partition}; set GZ_PARTITION"):
+            _wait_for_two(address)
+
+
+def _wait_for_two(address: Mapping[str, str]) -> None:
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        with connected_to(address):
+            pass
+
+
+def test_a_server_that_ends_is_an_error_within_its_time(sim_address: Mapping[str, str]) -> None:
+    with transport_world("short") as address, connected_to(address) as live:
+        assert set(live.poses()) == {"ground_plane"}
+        live.client.clear("/world/short/pose/info")  # type: ignore[attr-defined]  # of Gazebo Sim
 
 
 @pytest.mark.parametrize("words", [["spawn", "burger"], ["remove", "burger"]])
@@ -128,7 +164,7 @@ def test_where_nothing_runs_it_is_said_in_one_line(
     monkeypatch.setenv("GAZEBO_MASTER_URI", "http://127.0.0.1:1")
     assert main(words) == 2
     line = the_line(capsys.readouterr().err)
-    assert "no simulation runs (Gazebo Sim: none is installed here; Gazebo Classic: nobody answers at 127." in line
+    assert "no simulation runs (Gazebo Sim: no server answers in the partition no-lab; Gazebo Classic: nobody answers at 127." in line
 
 
 def test_an_address_that_is_none_is_said(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

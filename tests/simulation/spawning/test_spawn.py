@@ -1,9 +1,7 @@
-"""`rsegen.spawn`, `respawn` and `remove` in Python, in a Gazebo Sim that a program plays."""
+"""`rsegen.spawn`, `respawn` and `remove` in Python, in a world of Gazebo Sim's transport."""
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,25 +11,17 @@ import rsegen
 from rsegen.errors import NothingRuns, ParameterError, UnknownName
 from rsegen.simulation.robots import robot
 from rsegen.simulation.simulators.live_world import Pose
-from tests.simulation.simulators.standins import play
+from tests.simulation.transport import connected_to
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are programs by their first line")
 COURSE = rsegen.Recipe(name="course", seed=1, chunk_size=4, maps=3)
 
 
-@pytest.fixture
-def gz(programs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The state of a simulation with the ground alone; maps go into a folder of the test."""
-    play(programs)
-    monkeypatch.chdir(tmp_path)
-    return programs / "gz.json"
+def models(address: Mapping[str, str]) -> set[str]:
+    with connected_to(address) as live:
+        return set(live.poses())
 
 
-def models(gz: Path) -> set[str]:
-    return set(json.loads(gz.read_text())["models"])
-
-
-def test_a_recipe_and_a_robot_are_spawned_respawned_and_removed(gz: Path) -> None:
+def test_a_recipe_and_a_robot_are_spawned_respawned_and_removed(sim_address: Mapping[str, str]) -> None:
     spawned = rsegen.spawn(COURSE, simulator="sim")
     assert (spawned.name, spawned.simulator, spawned.at) == ("course_0000", "sim", Pose(x=0, y=0, z=0))
     assert Path("worlds", "course_0000", "model.sdf").is_file()
@@ -40,23 +30,23 @@ def test_a_recipe_and_a_robot_are_spawned_respawned_and_removed(gz: Path) -> Non
     assert placed.at.z > 0
     replaced = rsegen.respawn(COURSE, simulator="sim")
     assert (replaced.name, replaced.instead_of, replaced.put_on_top) == ("course_0001", "course_0000", ("scout",))
-    assert models(gz) == {"ground_plane", "scout", "course_0001"}
+    assert models(sim_address) == {"ground_plane", "scout", "course_0001"}
     removed = rsegen.remove("scout", "course_0001", "scout", simulator="sim")
     assert removed.removed == ("scout", "course_0001")
-    assert models(gz) == {"ground_plane"}
+    assert models(sim_address) == {"ground_plane"}
 
 
-def test_a_scene_is_spawned_with_its_own_blocks(gz: Path, tmp_path: Path) -> None:
+def test_a_scene_is_spawned_with_its_own_blocks(sim_address: Mapping[str, str], tmp_path: Path) -> None:
     scene = rsegen.compose(COURSE, 2)
     assert rsegen.spawn(scene, output=tmp_path / "own", simulator="sim").name == "course_0002"
     assert (tmp_path / "own" / "course_0002" / "recipe.json").is_file()
 
 
 @pytest.mark.parametrize("which", [1, "1", "course_0001"])
-def test_a_map_of_a_folder_is_chosen_by_index_or_name(which: int | str, gz: Path) -> None:
+def test_a_map_of_a_folder_is_chosen_by_index_or_name(which: int | str, sim_address: Mapping[str, str]) -> None:
     rsegen.generate(COURSE, "maps")
     assert rsegen.spawn("maps", map=which, at=[3, 4, 0, 0.5], simulator="sim").at == Pose(x=3, y=4, z=0, yaw=0.5)
-    assert models(gz) == {"ground_plane", "course_0001"}
+    assert models(sim_address) == {"ground_plane", "course_0001"}
     assert rsegen.respawn(Path("maps"), simulator="sim").name == "course_0002"
     assert rsegen.respawn("maps", simulator="sim").name == "course_0000"
 
@@ -74,16 +64,16 @@ def test_a_map_of_a_folder_is_chosen_by_index_or_name(which: int | str, gz: Path
         ("burgr", {}, "unknown folder, recipe, example or robot 'burgr'; did you mean 'burger'"),
     ],
 )
-def test_wrong_values_name_the_parameter(target: Any, given: dict[str, Any], message: str, gz: Path) -> None:
+def test_wrong_values_name_the_parameter(target: Any, given: dict[str, Any], message: str, sim_address: Mapping[str, str]) -> None:
     with pytest.raises(ParameterError, match=f"^{message}"):
         rsegen.spawn(target, **given)
 
 
-def test_a_model_that_does_not_exist_is_not_removed_nor_any_other(gz: Path) -> None:
+def test_a_model_that_does_not_exist_is_not_removed_nor_any_other(sim_address: Mapping[str, str]) -> None:
     rsegen.spawn("burger", simulator="sim")
     with pytest.raises(UnknownName, match="unknown model 'burgr'; did you mean 'burger'"):
         rsegen.remove("burger", "burgr", simulator="sim")
-    assert models(gz) == {"ground_plane", "burger"}
+    assert models(sim_address) == {"ground_plane", "burger"}
     with pytest.raises(ParameterError, match="names: nothing is given"):
         rsegen.remove()
 
