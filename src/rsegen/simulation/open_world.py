@@ -12,6 +12,7 @@ from pathlib import Path
 from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, shown
 from rsegen.params.sorts import Float
 from rsegen.simulation.simulators import Installation, LaunchCommand, OpenRequest
+from rsegen.simulation.simulators.error_relay import ErrorRelay
 from rsegen.simulation.simulators.launching import choose_installation, has_screen, run_until_end
 from rsegen.simulation.worlds import Target, world_of
 
@@ -29,7 +30,10 @@ class OpenedWorld:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class OpenResult:
-    """What `rsegen.open` gives: the world, the simulator's exit code, None if it was stopped, and its error lines."""
+    """What `rsegen.open` gives: the world, the simulator's exit code, None if it was stopped, and its error lines.
+
+    Error lines that differ in numbers alone are one, with their count.
+    """
 
     world: OpenedWorld
     exit_code: int | None
@@ -51,8 +55,9 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
 
     headless: the server alone, without a window; seconds: end after this many seconds of wall time; shared: at the
     default address, where other programs look, instead of one of its own. `on_start` is called once before the
-    simulator runs, `on_error` with each of its error lines. SimulatorFailed if the world is not loaded, or if a
-    headless server ends by itself or prints errors.
+    simulator runs, `on_error` with each of its error lines: of lines that differ in numbers alone with the first at
+    once, and in the end with their count. SimulatorFailed if the world is not loaded, or if a headless server ends by
+    itself or prints errors.
     """
     limit = math.inf if seconds is None else SECONDS.check("seconds", seconds)
     world = world_of(target, map)
@@ -121,18 +126,22 @@ def _run(
 
     A closed window is no failure, though Gazebo Classic may then exit with 255; nor are error lines of a window.
     """
-    errors: list[str] = []
-
-    def note(line: str) -> None:
-        errors.append(line)
-        on_error(line)
-
+    relay = ErrorRelay(on_error)
     try:
-        code = run_until_end(here, launch, seconds=seconds, on_error=note)
+        code = run_until_end(here, launch, seconds=seconds, on_error=relay.add)
     except KeyboardInterrupt:
         code = None
-    if code is not None and (headless or (code and errors)):
-        raise SimulatorFailed(f"{here} ended by itself, with exit code {code}")
-    if headless and errors:
-        raise SimulatorFailed(f"{here} printed an error: {errors[0]}")
-    return OpenResult(world=world, exit_code=code, errors=tuple(errors))
+    finally:
+        relay.finish()
+    if code is not None and (headless or (code and relay.first)):
+        raise SimulatorFailed(f"{here} ended by itself, {_why_ended(world.file, code)}")
+    if headless and relay.first:
+        raise SimulatorFailed(f"{here} printed an error: {relay.first}")
+    return OpenResult(world=world, exit_code=code, errors=relay.lines)
+
+
+def _why_ended(world: Path, code: int) -> str:
+    """Fortress ends without a word if its file is a model's, or of anything but a world."""
+    if world.is_file() and b"<world" not in world.read_bytes():
+        return f"because there is no <world> in {world}"
+    return f"with exit code {code}"

@@ -63,7 +63,7 @@ def record_drive(
         frames = Path(folder, "frames")
         models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
         extra = [camera(camera_extent, frames)] if camera_extent else []
-        text = world_with_robots(world, [*models, *extra], unthrottled=True)
+        text = world_with_robots(world, [*models, *extra], unthrottled=True, backend=here.backend)
         file = Path(folder, world.name)
         file.write_text(text, "utf-8")
         attempt = _Attempt(file=file, models=world.absolute().parent.parent, runs=runs, step=time_step(text))

@@ -9,15 +9,19 @@ from pathlib import Path
 
 from rsegen.errors import FileError
 from rsegen.io.text_files import elements, text_of
+from rsegen.simulation.robots.systems import add_systems
 
 _MOST_MIB = 512
 _SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:")
 
 
-def world_with_robots(world: Path, models: Iterable[str] = (), *, unthrottled: bool = False) -> str:
+def world_with_robots(
+    world: Path, models: Iterable[str] = (), *, unthrottled: bool = False, backend: str = "classic"
+) -> str:
     """The text of a world file with models added, each the text of a <model>; meshes have absolute paths.
 
-    unthrottled: simulated as fast as the machine can, else in real time. FileError if the file is not a world.
+    unthrottled: simulated as fast as the machine can, else in real time; backend: that of the installation, whose
+    systems are added where the world does not name them. FileError if the file is not a world.
     """
     root = elements(text_of(world, _MOST_MIB, "a world"), str(world))
     element = root.find("world")
@@ -27,6 +31,7 @@ def world_with_robots(world: Path, models: Iterable[str] = (), *, unthrottled: b
         element.append(ET.fromstring(model))  # noqa: S314  # ours
     for uri in root.iter("uri"):
         uri.text = _absolute(uri.text or "", world.absolute().parent)
+    add_systems(element, backend)
     if unthrottled:
         _unthrottle(element)
     return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"

@@ -97,7 +97,7 @@ class Robot:
             *(joint.sdf for joint in self.joints),
             self.drive.plugins(_known(simulator)),
             servo_plugins(self.servos, simulator),
-            "" if simulator == "classic" else self._publishers(simulator),
+            "" if simulator == "classic" else self._publishers(name, simulator),
         )
         return f'    <model name="{_named(name)}">\n' + "".join(inside) + "    </model>\n"
 
@@ -130,11 +130,12 @@ class Robot:
         seeing = self.lidar.sdf(simulator) if self.lidar and lidar else ""
         return [seeing, *[""] * (len(self.links) - 1)]
 
-    def _publishers(self, simulator: str) -> str:
+    def _publishers(self, name: str, simulator: str) -> str:
         """Plug-ins that publish odometry and poses in Gazebo Sim; Classic needs none."""
-        frame = element("robot_base_frame", self.links[0].name) + element("dimensions", 3)
+        frames = element("odom_frame", f"{name}/odom") + element("robot_base_frame", self.links[0].name)
         pose = element("publish_link_pose", "false") + element("publish_model_pose", "true")
-        return system("OdometryPublisher", simulator, frame) + system("PosePublisher", simulator, pose)
+        odometry = system("OdometryPublisher", simulator, frames + element("dimensions", 3))
+        return odometry + system("PosePublisher", simulator, pose)
 
 
 _AWAKE = "      <allow_auto_disable>false</allow_auto_disable>\n"

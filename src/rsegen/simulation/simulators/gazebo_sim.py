@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import secrets
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,6 +21,21 @@ from rsegen.simulation.simulators.sim_world import sim_world
 COMMANDS = (("gz", "sim"), ("ign", "gazebo"))
 """Program and verb. Programs of these names without the verb are Gazebo Classic's, or libsdformat's alone."""
 
+_SETTINGS = MappingProxyType(
+    {
+        "gz sim": (Path(".gz", "sim"), "GZ_SIM_SERVER_CONFIG_PATH"),
+        "ign gazebo": (Path(".ignition", "gazebo"), "IGN_GAZEBO_SERVER_CONFIG_PATH"),
+    }
+)
+"""Where its settings are below the user's home, and the variable that names another file of its default plug-ins."""
+
+_LOADED = "Publishing dynamic pose messages on ["
+"""What its scene broadcaster says last, in a message of level 3, in the first update after all entities are made."""
+
+_SDF_ERROR = re.compile(r"\[Server(Private)?\.cc:\d+\] Error Code \d+")
+"""An error of libsdformat in the world's own file, whatever it is: the server ends, with exit code 0. (Those in models
+that are spawned come from other files of its source.)"""
+
 
 @register
 class GazeboSim(Simulator):
@@ -29,14 +45,20 @@ class GazeboSim(Simulator):
     title: ClassVar[str] = "Gazebo Sim"
     generation: ClassVar[int] = 2
     how_to_install: ClassVar[tuple[str, ...]] = (
-        "Ubuntu: apt-get install gz-harmonic from packages.osrfoundation.org",
-        "all systems: https://gazebosim.org/docs/latest/install",
+        "Ubuntu 22.04, 24.04: apt-get install gz-harmonic from packages.osrfoundation.org",
+        "macOS: brew install osrf/simulation/gz-harmonic; conda: conda install -c conda-forge gz-sim8",
+        "all systems: https://gazebosim.org/docs/latest/install (Debian has its libraries only)",
     )
     address_variables: ClassVar[tuple[str, ...]] = ("GZ_PARTITION", "IGN_PARTITION")
+    harmless_messages: ClassVar[tuple[str, ...]] = (
+        # A second server's profiler finds its port taken.
+        "Error launching Remotery",
+    )
     load_failures: ClassVar[tuple[str, ...]] = (
         "Failed to find world [",
         "Unable to find or download file",
         "Failed to load a world",
+        "Library error: Problem running",
     )
 
     def installation(self) -> Installation | None:
@@ -54,16 +76,22 @@ class GazeboSim(Simulator):
         return _launch(here, opening).with_options("-r")
 
     def headless(self, here: Installation, opening: OpenRequest) -> LaunchCommand:
-        """The server alone."""
-        return _launch(here, opening).with_options("-s", "-r")
+        """The server alone; in a home of its own with the default plug-ins that the user has chosen in theirs."""
+        launch = _launch(here, opening).with_options("-s", "-r")
+        chosen = _server_config(here) if opening.home else {}
+        return replace(launch, environment=MappingProxyType({**launch.environment, **chosen}))
 
     def paused(self, here: Installation, opening: OpenRequest, home: Path) -> LaunchCommand:
-        """The server alone, which is not told to run, and tells what it has loaded."""
+        """The server alone, which is not told to run, and says what it has loaded."""
         return _launch(here, replace(opening, home=home)).with_options("-s", "-v", "3")
 
     def is_loaded(self, home: Path, log: str) -> bool:
-        """It says so of each world, in a message of level 3."""
-        return re.search(r"World \[[^]]*\] initialized with", log) is not None
+        """It says so; in its own log in its home at once, in what it prints perhaps 4096 bytes later."""
+        return _LOADED in log or any(_LOADED in text for text in _console_logs(home))
+
+    def load_failed(self, log: str) -> bool:
+        """Whether its log has such a message, or an error in the world's SDF."""
+        return super().load_failed(log) or any(_SDF_ERROR.search(line) for line in self.error_lines(log))
 
     def backend(self, here: Installation) -> str:
         """Up to Fortress, names begin with ignition."""
@@ -93,6 +121,21 @@ def _environment(opening: OpenRequest) -> dict[str, str]:
     own = {"GZ_PARTITION": partition, "IGN_PARTITION": partition, "GZ_IP": "127.0.0.1", "IGN_IP": "127.0.0.1"}
     names = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
     return {name: opening.model_path(name) for name in names} | ({} if opening.shared else own) | opening.home_variables
+
+
+def _server_config(here: Installation) -> dict[str, str]:
+    """The variable that names the user's own file of default plug-ins, if there is one and the variable is not set."""
+    ((words, _),) = here.commands.items()
+    folder, variable = _SETTINGS[words]
+    file = Path.home() / folder / here.version.partition(".")[0] / "server.config"
+    return {} if variable in os.environ or not file.is_file() else {variable: str(file)}
+
+
+def _console_logs(home: Path) -> Iterator[str]:
+    """The logs that servers have written in a home, in a folder for each start; they are flushed line by line."""
+    for folder, _ in _SETTINGS.values():
+        for file in (home / folder).glob("log/*/server_console.log"):
+            yield file.read_text(errors="replace")
 
 
 def _versions(words: Sequence[str]) -> Iterator[str]:

@@ -6,12 +6,12 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 from rsegen.errors import NoSimulator, SimulatorFailed
 from rsegen.simulation.simulators.base import SIMULATORS, Installation, LaunchCommand, Simulator, installations
-from rsegen.simulation.simulators.process import running
+from rsegen.simulation.simulators.output_files import OutputFiles
 
 
 def choose_installation(made_for: str, name: str | None) -> Installation:
@@ -40,26 +40,14 @@ def run_until_end(
     """
     end = time.monotonic() + seconds
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
-        log = Path(folder, "log")
-        with log.open("w") as output, running(launch, output) as program:
-            for line in _lines(log, lambda: program.exit_code is None and time.monotonic() < end):
+        output = OutputFiles(folder=Path(folder))
+        with output.running(launch) as program:
+            for line in output.lines(lambda: program.exit_code is None and time.monotonic() < end):
                 for error in here.simulator.error_lines(line):
                     on_error(error)
                 if here.simulator.load_failed(line):
                     raise SimulatorFailed(f"{here} did not load the world {launch.command[-1]}")
             return program.exit_code
-
-
-def _lines(log: Path, goes_on: Callable[[], bool]) -> Iterator[str]:
-    """The lines of a file as they are written, as long as its program goes on."""
-    rest, more = "", True
-    with log.open(errors="replace") as reading:
-        while more:
-            more = goes_on()
-            *whole, rest = (rest + reading.read()).split("\n")
-            yield from whole
-            time.sleep(0.1 if more else 0)
-    yield rest
 
 
 def _missing(*able: Simulator) -> Installation:

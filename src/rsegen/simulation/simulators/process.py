@@ -53,8 +53,10 @@ class RunningProgram:
 
 
 @contextmanager
-def running(launch: LaunchCommand, output: IO[str] | int) -> Iterator[RunningProgram]:
-    """A program that is ended when this ends; stdout and stderr go to `output`."""
+def running(
+    launch: LaunchCommand, output: IO[str] | int, errors: IO[str] | int = subprocess.STDOUT
+) -> Iterator[RunningProgram]:
+    """A program that is ended when this ends; stdout goes to `output`, stderr to `errors`, by default there too."""
     watch = subprocess.Popen(
         [sys.executable, str(_WATCH)],
         stdin=subprocess.PIPE,
@@ -64,7 +66,7 @@ def running(launch: LaunchCommand, output: IO[str] | int) -> Iterator[RunningPro
         start_new_session=True,
     )
     with _closed_at_end(watch):
-        started = RunningProgram(process=_started(launch, output, watch), watch=watch)
+        started = RunningProgram(process=_started(launch, output, errors, watch), watch=watch)
         try:
             yield started
         finally:
@@ -88,14 +90,16 @@ def command_output(command: Sequence[str | Path]) -> str:
         return ""
 
 
-def _started(launch: LaunchCommand, output: IO[str] | int, watch: subprocess.Popen[str]) -> subprocess.Popen[str]:
+def _started(
+    launch: LaunchCommand, output: IO[str] | int, errors: IO[str] | int, watch: subprocess.Popen[str]
+) -> subprocess.Popen[str]:
     return subprocess.Popen(
         (*_NAMED, *launch.command),
         env=os.environ | dict(launch.environment),
         cwd=launch.folder,
         stdin=watch.stdin,
         stdout=output,
-        stderr=subprocess.STDOUT,
+        stderr=errors,
         text=True,
         errors="replace",
         start_new_session=True,

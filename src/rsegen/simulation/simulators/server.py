@@ -13,7 +13,8 @@ from typing import TypeVar
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest
 from rsegen.simulation.simulators.live_world import LiveWorld
-from rsegen.simulation.simulators.process import RunningProgram, output_of, running
+from rsegen.simulation.simulators.output_files import OutputFiles
+from rsegen.simulation.simulators.process import RunningProgram, output_of
 
 TIMEOUT = 20.0
 """Seconds for a world to load, and for a server to answer."""
@@ -45,8 +46,8 @@ class Server:
 
     @property
     def log(self) -> str:
-        """The text of its log."""
-        return log_file(self.home).read_text(errors="replace")
+        """What it has printed until now, errors last."""
+        return OutputFiles(folder=self.home).text
 
     @property
     def errors(self) -> list[str]:
@@ -60,14 +61,15 @@ class Server:
     def wait_until_loaded(self, timeout: float = TIMEOUT) -> None:
         """Wait until its world is loaded; SimulatorFailed if the server dies, reports a failure, or takes too long."""
         end = time.monotonic() + timeout
-        while not self.here.simulator.is_loaded(self.home, self.log):
-            if self.running.exit_code is not None or time.monotonic() > end:
-                raise self.failure(
-                    "the server has died" if self.running.exit_code is not None else "it did not load in time"
-                )
-            time.sleep(0.02)
-        if self.here.simulator.load_failed(self.log):
-            raise self.failure("the world was not loaded")
+        is_loaded = False
+        while not is_loaded:
+            has_died, late = self.running.exit_code is not None, time.monotonic() > end
+            is_loaded = self.here.simulator.is_loaded(self.home, self.log)
+            if self.here.simulator.load_failed(self.log):
+                raise self.failure("the world was not loaded")
+            if has_died or (late and not is_loaded):
+                raise self.failure("the server has died" if has_died else "it did not load in time")
+            time.sleep(0 if is_loaded else 0.02)
 
     def run_command(self, name: str, *arguments: str, timeout: float = TIMEOUT) -> str:
         """The output of one of the installation's commands with this server's variables."""
@@ -105,7 +107,7 @@ def running_server(
         home = Path(name)
         opening = OpenRequest(world=world, models=models, screen=screen)
         launch = here.simulator.paused(here, opening, home).with_options(*options)
-        with log_file(home).open("w") as log, running(launch, log) as process:
+        with OutputFiles(folder=home).running(launch) as process:
             server = Server(here=here, launch=launch, home=home, running=process)
             server.wait_until_loaded(timeout)
             yield server
@@ -119,8 +121,3 @@ def retried(once: Callable[[], Result], attempts: int = ATTEMPTS) -> Result:
         if attempts == 1:
             raise
     return retried(once, attempts - 1)
-
-
-def log_file(home: Path) -> Path:
-    """The log of a server with this home."""
-    return home / "log"
