@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rsegen.simulation.simulators.error_relay import ErrorRelay
+from rsegen.simulation.simulators.error_relay import ErrorRelay, counted
 
 
 @pytest.mark.parametrize(
@@ -27,6 +27,12 @@ def test_lines_are_one_if_they_differ_in_numbers_that_stand_alone(one: str, othe
     assert passed == ([f"{one} (3 times)"] if is_one else [f"{one} (2 times)"])
     assert relay.first == one
     assert relay.lines == ((f"{one} (3 times)",) if is_one else (f"{one} (2 times)", other))
+
+
+def test_lines_are_counted() -> None:
+    lines = [f"[Err] no entity [{number}]" for number in range(5)]
+    assert counted([*lines, "[Err] no mesh"]) == ("[Err] no entity [0] (5 times)", "[Err] no mesh")
+    assert counted([]) == ()
 
 
 def test_a_line_that_came_once_is_not_said_again() -> None:

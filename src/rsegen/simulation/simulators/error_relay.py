@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 _NUMBER = re.compile(r"(?<!\w)[-+]?\d[\d.:]*(?:e[-+]?\d+)?(?!\w)")
 """A number that stands alone, as an id or a time does; those in names such as rse_0001.obj do not."""
@@ -26,7 +26,7 @@ class ErrorRelay:
     @property
     def lines(self) -> tuple[str, ...]:
         """Every line that was passed on, with the count of its like if there are several."""
-        return tuple(_counted(line, self._counts[kind]) for kind, line in self._first.items())
+        return tuple(_with_count(line, self._counts[kind]) for kind, line in self._first.items())
 
     def add(self, line: str) -> None:
         """Count a line, and pass it on if it is the first of its kind."""
@@ -40,8 +40,16 @@ class ErrorRelay:
         """Pass on every line that has come more than once again, with its count."""
         for kind, line in self._first.items():
             if self._counts[kind] > 1:
-                self._on_error(_counted(line, self._counts[kind]))
+                self._on_error(_with_count(line, self._counts[kind]))
 
 
-def _counted(line: str, count: int) -> str:
+def counted(lines: Iterable[str]) -> tuple[str, ...]:
+    """The first of all lines that differ in numbers alone, each with the count of its like if there are several."""
+    relay = ErrorRelay(lambda _: None)
+    for line in lines:
+        relay.add(line)
+    return relay.lines
+
+
+def _with_count(line: str, count: int) -> str:
     return f"{line} ({count} times)" if count > 1 else line
