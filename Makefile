@@ -85,6 +85,7 @@ bench-experiment: $(VENV)/developer gazebo
 # A real simulator for the tests, set up where it is missing; where that cannot be, the tests that need it say so.
 gazebo:
 	scripts/gazebo-classic || test $$? = 3
+	scripts/gazebo-sim || test $$? = 1
 	scripts/sdformat || test $$? = 3
 	scripts/gazebo-engine || test $$? = 3
 	scripts/ros2 || test $$? = 3

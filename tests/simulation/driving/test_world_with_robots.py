@@ -10,6 +10,7 @@ import pytest
 from rsegen import Placement, Random, Recipe, generate
 from rsegen.errors import FileError
 from rsegen.simulation.driving.world_with_robots import time_step, world_with_robots
+from rsegen.simulation.robots import robot
 
 MODEL = '<model name="one"><link name="l"/></model>'
 NAMES = ("real_time_update_rate", "real_time_factor")
@@ -37,6 +38,39 @@ def test_only_an_unthrottled_world_runs_as_fast_as_can_be(world: Path) -> None:
     assert rates(unthrottled=False) == ["1000", "1"]
     assert rates(unthrottled=True) == ["0", "0"]
     assert time_step(world_with_robots(world)) == 0.001
+
+
+@pytest.mark.parametrize(("backend", "prefix"), [("sim", "gz::sim"), ("fortress", "ignition::gazebo")])
+def test_gazebo_sims_systems_are_named_as_a_plugin_of_a_robot_keeps_old_servers_from_loading_theirs(
+    backend: str, prefix: str, world: Path
+) -> None:
+    def named(models: list[str]) -> list[str]:
+        root = ET.fromstring(world_with_robots(world, models, backend=backend))
+        return [plugin.get("name", "").removeprefix(f"{prefix}::systems::") for plugin in root.findall("world/plugin")]
+
+    always = ["Physics", "UserCommands", "SceneBroadcaster"]
+    assert named([]) == named([robot("burger").model("one", backend)]) == always
+    assert named([robot("burger").model("one", backend, lidar=True)]) == [*always, "Sensors"]
+    sensors = "".join(f'<sensor name="{kind}" type="{kind}"/>' for kind in ("imu", "contact", "camera", "sonar"))
+    assert named([f'<model name="a"><link name="l">{sensors}</link></model>']) == [
+        *always,
+        "Contact",
+        "Imu",
+        "Sensors",
+    ]
+
+
+def test_systems_that_a_world_names_are_not_named_again(world: Path) -> None:
+    once = world.with_name("once.world")
+    once.write_text(world_with_robots(world, [MODEL], backend="fortress"))
+    for backend, most in (("fortress", 3), ("sim", 3), ("classic", 3)):
+        assert len(ET.fromstring(world_with_robots(once, backend=backend)).findall("world/plugin")) == most
+    once.write_text(world_with_robots(world, [MODEL], backend="sim"))
+    assert len(ET.fromstring(world_with_robots(once, backend="sim")).findall("world/plugin")) == 3
+
+
+def test_a_world_for_classic_names_no_systems(world: Path) -> None:
+    assert "<plugin" not in world_with_robots(world, [MODEL])
 
 
 @pytest.mark.parametrize(

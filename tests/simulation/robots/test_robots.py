@@ -66,6 +66,15 @@ def test_plugins_are_the_simulators_own_and_name_what_is_there(robot: Robot, sim
 
 
 @ROBOT
+@pytest.mark.parametrize("simulator", ["sim", "fortress"])
+def test_odometry_in_gazebo_sim_names_both_its_frames(robot: Robot, simulator: str) -> None:
+    plugins = parsed(robot, simulator).findall("plugin")
+    (publisher,) = (each for each in plugins if each.get("name", "").endswith("::OdometryPublisher"))
+    assert publisher.findtext("odom_frame") == "one/odom"
+    assert publisher.findtext("robot_base_frame") == robot.links[0].name
+
+
+@ROBOT
 @SIMULATOR
 def test_commands_name_the_robot_and_its_speeds_are_bounded(robot: Robot, simulator: str) -> None:
     command = robot.command("one", robot.drive.speed, -robot.drive.turn, simulator)

@@ -1,4 +1,8 @@
-"""Programs that stand in for a simulator's: they tell a version, and write down how they were started."""
+"""Programs that stand in for a simulator's: they tell a version, and write down how they were started.
+
+They print the variable SAYS to stdout and COMPLAINS to stderr, write NOTES to Gazebo Sim's own log, and stay for STAYS
+seconds.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +23,12 @@ _SCRIPT = """\
 case "$*" in *--version*) printf '%b' '{told}'; exit 255 ;; esac
 {{ pwd; echo "$0"; for each; do echo "$each"; done; echo; env; }} >"$0.new"
 mv "$0.new" "$0.started"
+if [ "$NOTES" ]; then
+  mkdir -p "$HOME/.gz/sim/log/2026"
+  printf '%b' "$NOTES" >"$HOME/.gz/sim/log/2026/server_console.log"
+fi
 printf '%b' "$SAYS"
+printf '%b' "$COMPLAINS" >&2
 exec sleep "${{STAYS:-0}}"
 """
 
@@ -80,7 +89,7 @@ def put_tools(folder: Path) -> None:
     """What the stand-ins' shell needs, and no simulator."""
     tools = folder.parent / "tools"
     tools.mkdir(exist_ok=True)
-    for name in ("env", "mv", "sleep"):
+    for name in ("env", "mkdir", "mv", "sleep"):
         (tools / name).symlink_to(next(path for path in (Path("/bin", name), Path("/usr/bin", name)) if path.exists()))
 
 

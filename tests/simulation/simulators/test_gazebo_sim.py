@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
 import pytest
 
+import rsegen
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.simulators import SIMULATORS
+from rsegen.simulation.simulators import SIMULATORS, OpenRequest
 from rsegen.simulation.simulators.server import running_server
 from tests.simulation.simulators.standins import PROGRAMS, put, start
+from tests.support.patience import PATIENCE, until
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
 SIM = SIMULATORS["sim"]
-LOADED = "[Msg] World [rse_0000] initialized with [default_physics] physics profile.\\n"
+INITIALIZED = "[Msg] World [rse_0000] initialized with [default_physics] physics profile.\\n"
+LOADED = f"{INITIALIZED}[Msg] Publishing dynamic pose messages on [/world/rse_0000/dynamic_pose/info]\\n"
+UNREADABLE = "[Err] [Server.cc:183] Error Code 13: [/sdf/world[1]]: Msg: Unable to find uri[model://a]"
 
 
 @pytest.mark.parametrize("told", ["Invalid arguments\\n\\n", "The gz command\\n  sdf:  Utilities\\n 8\\n", ""])
@@ -39,10 +44,14 @@ def test_the_newest_of_all_its_versions_is_found(gz: str, ign: str, newest: str,
     assert (here.version, dict(here.commands)) == (newest, {words: programs / words.split(maxsplit=1)[0]})
 
 
-def test_a_server_has_loaded_when_it_says_so(programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("where", ["NOTES", "SAYS"])
+def test_a_server_has_loaded_when_it_prints_so_or_writes_it_to_its_own_log(
+    where: str, programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     put(programs, PROGRAMS["sim"])
     monkeypatch.setenv("STAYS", "60")
-    monkeypatch.setenv("SAYS", f"{LOADED}[Err] [a.cc:1] no such mesh\\n")
+    monkeypatch.setenv(where, LOADED)
+    monkeypatch.setenv("COMPLAINS", "[Err] [a.cc:1] no such mesh\\n")
     here = SIM.installation()
     assert here
     with running_server(here, world) as server:
@@ -52,25 +61,96 @@ def test_a_server_has_loaded_when_it_says_so(programs: Path, world: Path, monkey
         assert {did.variables[name] for name in ("GZ_PARTITION", "IGN_PARTITION")} == {
             server.environment["GZ_PARTITION"]
         }
-        assert server.errors == ["[Err] [a.cc:1] no such mesh"]
+        until(lambda: server.errors == ["[Err] [a.cc:1] no such mesh"])
     assert not server.home.exists()
+
+
+def test_lines_of_errors_are_not_cut_by_blocks_of_other_lines(
+    programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(programs, PROGRAMS["sim"])
+    monkeypatch.setenv("SAYS", "[Msg] Publishing sc")
+    monkeypatch.setenv("COMPLAINS", "[Err] [a.cc:1] no such mesh\\n")
+    lines: list[str] = []
+    with pytest.raises(SimulatorFailed, match="ended by itself"):
+        rsegen.open(world, headless=True, on_error=lines.append)
+    assert lines == ["[Err] [a.cc:1] no such mesh"]
 
 
 @pytest.mark.parametrize(
     ("stays", "says", "why"),
     [
-        ("0", "[Msg] Loading SDF world file\\n", "the server has died"),
-        ("60", "[Msg] Loading SDF world file\\n", "it did not load in time"),
+        ("0", "", r"the server has died; its log ends with:\n.*the last words$"),
+        ("0", f"{UNREADABLE}\\n", rf"the world was not loaded; its last errors are:\n{re.escape(UNREADABLE)}$"),
+        ("600", f"{UNREADABLE}\\n", rf"the world was not loaded; its last errors are:\n{re.escape(UNREADABLE)}$"),
     ],
 )
-def test_a_server_that_does_not_load_is_an_error_with_its_last_words(
+def test_a_server_that_does_not_load_is_an_error_with_its_errors_or_its_last_words(
     stays: str, says: str, why: str, programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     put(programs, PROGRAMS["sim"])
     monkeypatch.setenv("STAYS", stays)
+    monkeypatch.setenv("SAYS", f"{says}[Msg] the last words\\n")
+    here = SIM.installation()
+    assert here
+    with pytest.raises(SimulatorFailed, match=why), running_server(here, world, timeout=PATIENCE):
+        pass
+
+
+@pytest.mark.parametrize("says", ["", INITIALIZED])
+def test_a_server_that_never_tells_its_models_poses_has_not_loaded(
+    says: str, programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(programs, PROGRAMS["sim"])
+    monkeypatch.setenv("STAYS", "600")
     monkeypatch.setenv("SAYS", says)
     here = SIM.installation()
     assert here
-    with pytest.raises(SimulatorFailed, match=why) as error, running_server(here, world, timeout=0.5):
+    with pytest.raises(SimulatorFailed, match="it did not load in time"), running_server(here, world, timeout=0.5):
         pass
-    assert str(error.value).endswith("[Msg] Loading SDF world file")
+
+
+@pytest.mark.parametrize(
+    ("line", "failed"),
+    [
+        (UNREADABLE, True),
+        ("[Err] [ServerPrivate.cc:794] Error Code 1: Msg: Unable to read file[/a.world]", True),
+        ("[Err] [UserCommands.cc:970] Error Code 13: Msg: Unable to find uri[model://a]", False),
+    ],
+)
+def test_an_error_in_the_world_is_told_from_one_in_a_model_that_is_spawned(line: str, *, failed: bool) -> None:
+    assert SIM.load_failed(f"[Msg] Loading SDF world file\n\x1b[1;31m{line}\x1b[0m\n") == failed
+
+
+def test_the_profiler_of_a_second_server_is_no_error() -> None:
+    assert SIM.error_lines("[Err] [RemoteryProfilerImpl.cc:94] Error launching Remotery: Failed to bind\n") == []
+
+
+@pytest.mark.parametrize(
+    ("programs_here", "file", "variable"),
+    [
+        ({"gz": "8.9.0\\n"}, ".gz/sim/8/server.config", "GZ_SIM_SERVER_CONFIG_PATH"),
+        ({"ign": "6.16.0\\n"}, ".ignition/gazebo/6/server.config", "IGN_GAZEBO_SERVER_CONFIG_PATH"),
+    ],
+)
+def test_a_server_in_a_home_of_its_own_keeps_to_the_users_choice_of_plugins(
+    programs_here: dict[str, str],
+    file: str,
+    variable: str,
+    programs: Path,
+    world: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    put(programs, programs_here)
+    here = SIM.installation()
+    assert here
+    opening = OpenRequest(world=world, home=Path("/home/of/its/own"))
+    assert variable not in SIM.headless(here, opening).environment
+    chosen = Path.home() / file
+    chosen.parent.mkdir(parents=True)
+    chosen.touch()
+    assert SIM.headless(here, opening).environment[variable] == str(chosen)
+    assert variable not in SIM.headless(here, OpenRequest(world=world)).environment
+    assert variable not in SIM.paused(here, opening, Path("/home/of/its/own")).environment
+    monkeypatch.setenv(variable, "/another/server.config")
+    assert variable not in SIM.headless(here, opening).environment

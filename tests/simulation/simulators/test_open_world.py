@@ -78,6 +78,27 @@ def test_error_lines_are_passed_on_and_a_failure_of_a_server(
     assert lines == ["[Err] [a.cc:1] no such mesh"]
 
 
+def test_error_lines_that_differ_in_numbers_alone_are_passed_on_once_and_counted(
+    programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(programs, PROGRAMS["classic"])
+    monkeypatch.setenv("DISPLAY", ":7")
+    monkeypatch.setenv("COMPLAINS", "".join(f"[Err] [a.cc:1] no entity [{number}]\\n" for number in range(40)))
+    lines: list[str] = []
+    result = rsegen.open(world, simulator="classic", on_error=lines.append)
+    counted = "[Err] [a.cc:1] no entity [0] (40 times)"
+    assert lines == ["[Err] [a.cc:1] no entity [0]", counted]
+    assert (result.exit_code, result.errors) == (0, (counted,))
+
+
+def test_a_file_without_a_world_is_named(programs: Path, tmp_path: Path) -> None:
+    put(programs, PROGRAMS["sim"])
+    model = tmp_path / "model.sdf"
+    model.write_text('<sdf version="1.6"><model name="one"/></sdf>')
+    with pytest.raises(SimulatorFailed, match=r"ended by itself, because there is no <world> in .*model\.sdf"):
+        rsegen.open(model, headless=True)
+
+
 def test_wrong_values_name_the_parameter(programs: Path, world: Path) -> None:
     with pytest.raises(ParameterError, match=r"^seconds: -1 is outside"):
         rsegen.open(world, seconds=-1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +65,9 @@ def test_a_map_of_a_folder_is_chosen_by_index_or_name(which: int | str, sim_addr
         ("burgr", {}, "unknown folder, recipe, example or robot 'burgr'; did you mean 'burger'"),
     ],
 )
-def test_wrong_values_name_the_parameter(target: Any, given: dict[str, Any], message: str, sim_address: Mapping[str, str]) -> None:
+def test_wrong_values_name_the_parameter(
+    target: Any, given: dict[str, Any], message: str, sim_address: Mapping[str, str]
+) -> None:
     with pytest.raises(ParameterError, match=f"^{message}"):
         rsegen.spawn(target, **given)
 

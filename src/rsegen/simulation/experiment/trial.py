@@ -71,9 +71,8 @@ def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> I
             world = Path(folder, "empty.world")
             world.write_bytes(b"".join(sdf.utf8(sdf.world(scene, ()))))
         file = world.with_name("experiment.world")
-        file.write_text(
-            world_with_robots(world, models, unthrottled=cell.pace != "real", backend=here.backend), "utf-8"
-        )
+        text = world_with_robots(world, models, unthrottled=cell.pace != "real", backend=here.backend)
+        file.write_text(text, "utf-8")
         yield Setup(file=file, runs=runs, rest=RESTS[cell.pace])
 
 

@@ -133,9 +133,8 @@ class Robot:
     def _publishers(self, name: str, simulator: str) -> str:
         """Plug-ins that publish odometry and poses in Gazebo Sim; Classic needs none."""
         frames = element("odom_frame", f"{name}/odom") + element("robot_base_frame", self.links[0].name)
-        pose = pose_publisher(simulator)
         odometry = system("OdometryPublisher", simulator, frames + element("dimensions", 3))
-        return odometry + pose
+        return odometry + pose_publisher(simulator)
 
 
 _AWAKE = "      <allow_auto_disable>false</allow_auto_disable>\n"

@@ -12,7 +12,7 @@ BACKENDS = ("classic", "sim", "fortress")
 
 
 class Command(NamedTuple):
-    """One message, and the shell command that sends it."""
+    """One message, and the shell command that publishes it once, which in Gazebo Sim may be lost: repeat it there."""
 
     topic: str
     type: str

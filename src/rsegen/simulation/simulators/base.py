@@ -154,14 +154,18 @@ class Simulator(ABC):
 
     def error_lines(self, log: str) -> list[str]:
         """The error lines of a log, without harmless ones."""
-        lines = _COLOUR_CODE.sub("", log).splitlines()
-        found = (line.strip() for line in lines if any(mark in line for mark in _MARKS))
+        found = (line.strip() for line in plain_text(log).splitlines() if any(mark in line for mark in _MARKS))
         return [line for line in found if not any(known in line for known in self.harmless_messages)]
 
     def load_failed(self, log: str) -> bool:
         """Whether a log says that the world was not loaded."""
-        plain = _COLOUR_CODE.sub("", log)
+        plain = plain_text(log)
         return any(words in plain for words in self.load_failures)
+
+
+def plain_text(log: str) -> str:
+    """A log without the codes of its colours."""
+    return _COLOUR_CODE.sub("", log)
 
 
 def on_path(name: str, *elsewhere: Path) -> Path | None:

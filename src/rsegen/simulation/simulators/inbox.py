@@ -18,6 +18,7 @@ class Inbox:
 
     def __init__(self, title: str) -> None:
         self._title = title
+        self._failure = ""
         self._changed = threading.Condition()
         self._messages: dict[str, deque[dict[str, Any]]] = defaultdict(lambda: deque(maxlen=_KEPT))
 
@@ -35,11 +36,16 @@ class Inbox:
             change()
             self._changed.notify_all()
 
+    def fail(self, why: str) -> None:
+        """End all waiting, now and later, with a SimulatorFailed."""
+        self.update(lambda: setattr(self, "_failure", why))
+
     def wait(self, why: str, until: Callable[[], bool], timeout: float) -> None:
         """Wait until a condition holds; SimulatorFailed with the reason after `timeout` seconds."""
         with self._changed:
-            if not self._changed.wait_for(until, timeout):
-                raise SimulatorFailed(f"{self._title}: {why}")
+            found = self._changed.wait_for(lambda: bool(self._failure) or until(), timeout)
+            if self._failure or not found:
+                raise SimulatorFailed(f"{self._title}: {self._failure or why}")
 
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest
+from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest, plain_text
+from rsegen.simulation.simulators.error_relay import counted
 from rsegen.simulation.simulators.live_world import LiveWorld
 from rsegen.simulation.simulators.output_files import OutputFiles
 from rsegen.simulation.simulators.process import RunningProgram, output_of
@@ -51,8 +52,8 @@ class Server:
 
     @property
     def errors(self) -> list[str]:
-        """The error lines of its log, without the harmless ones."""
-        return self.here.simulator.error_lines(self.log)
+        """The error lines of its log, no harmless ones; those that differ in numbers alone are one, with a count."""
+        return list(counted(self.here.simulator.error_lines(self.log)))
 
     def connect(self) -> AbstractContextManager[LiveWorld]:
         """A connection to its world."""
@@ -84,8 +85,10 @@ class Server:
         self.running.end()
 
     def failure(self, why: str) -> SimulatorFailed:
-        """An error with the reason and the last lines of the log."""
-        return SimulatorFailed("\n".join([f"{self.here}: {why}; its log ends with:", *self.log.splitlines()[-20:]]))
+        """An error with the reason and the last error lines of the log, or its last lines if there is no error."""
+        errors, lines = self.errors[-5:], plain_text(self.log).splitlines()[-20:]
+        what = "its last errors are" if errors else "its log ends with"
+        return SimulatorFailed("\n".join([f"{self.here}: {why}; {what}:", *(errors or lines)]))
 
 
 @contextmanager

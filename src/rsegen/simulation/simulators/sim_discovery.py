@@ -75,11 +75,11 @@ class Discovery:
 
     def receive(self) -> dict[str, Any] | None:
         """The next message of another program of our version; None if it is something else."""
-        with suppress(OSError, *NO_MESSAGE):
+        with suppress(OSError, KeyError, *NO_MESSAGE):
             content = self.receiver.recv(2**16)
             if struct.unpack_from("<H", content)[0] == len(content) - 2:
                 message = SIM.decode("Discovery", content[2:])
-                if message.get("version") == _WIRE_VERSION and message.get("process_uuid") != self._process:
+                if message.get("version") == _WIRE_VERSION and message["process_uuid"] != self._process:
                     return message
         return None
 

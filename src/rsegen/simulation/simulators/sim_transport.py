@@ -37,6 +37,9 @@ from rsegen.simulation.simulators.wire import NO_MESSAGE, Message
 TIMEOUT = 20.0
 """Seconds for an answer."""
 
+_SILENCE = 5.0
+"""Seconds without a heartbeat after which a server has ended; other programs give it up after three."""
+
 _ASK_AGAIN = 0.2
 """Seconds after which a question of discovery that is not answered is asked again: a datagram may get lost."""
 
@@ -59,6 +62,8 @@ class TransportClient:
         self._services: dict[str, dict[str, Message]] = {}
         self._responses: dict[str, tuple[bytes, bool]] = {}
         self._connected: set[str] = set()
+        self._heard: dict[str, float] = {}
+        self._attended = ""
         self._work: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._wake, self._woken = socket.socketpair()
         self._topics = Discovery(TOPICS, self._process, environment)
@@ -67,6 +72,11 @@ class TransportClient:
         self._closing = False
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
+
+    def attend(self, process: str) -> None:
+        """Fail as soon as this program has ended."""
+        self._heard[process] = time.monotonic()
+        self._attended = process
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:
         """Subscribe to a topic, if it is not subscribed yet; `on_message` takes its messages, else they are kept."""
@@ -184,6 +194,8 @@ class TransportClient:
         self._close_sockets()
 
     def _beat(self) -> None:
+        if self._attended and time.monotonic() > self._heard[self._attended] + _SILENCE:
+            self._inbox.fail("the server does not answer any more")
         for each in (self._topics, self._offers):
             each.send(Event.HEARTBEAT)
         for publication in list(self._publications.values()):
@@ -202,6 +214,7 @@ class TransportClient:
         message = where.receive()
         if not message:
             return
+        self._heard[message["process_uuid"]] = time.monotonic()
         if message.get("type") == Event.ADVERTISE and "pub" in message:
             advertised(message["pub"])
         elif message.get("type") == Event.BYE:
@@ -223,6 +236,8 @@ class TransportClient:
 
     def _forget(self, process: str) -> None:
         """Nothing more comes from a program that has said goodbye."""
+        if process == self._attended:
+            self._inbox.fail("the server has ended")
         for offers in self._services.values():
             offers.pop(process, None)
         for topic, other in list(self._connections):

@@ -185,15 +185,15 @@ def sim_world(environment: Mapping[str, str], timeout: float) -> Iterator[SimWor
     """The world of the server at the address in environment variables; SimulatorFailed if none or several answer."""
     with transport_client(environment) as client:
         try:
-            offers = client.offers(WORLDS, timeout)
+            client.offers(WORLDS, timeout)
         except SimulatorFailed:
             raise SimulatorFailed(f"Gazebo Sim: no server answers in the partition {client.partition}") from None
-        worlds = client.request(WORLDS, "Empty", {}).get("data", [])
+        worlds, offers = client.request(WORLDS, "Empty", {}).get("data", []), client.offers(WORLDS)
         if len(offers) > 1 or not worlds:
             what = f"{len(offers)} servers run" if worlds else "a server without a world runs"
-            raise SimulatorFailed(
-                f"Gazebo Sim: {what} in the partition {client.partition}; set GZ_PARTITION to that of one server"
-            )
+            advice = "set GZ_PARTITION to that of one server"
+            raise SimulatorFailed(f"Gazebo Sim: {what} in the partition {client.partition}; {advice}")
+        client.attend(offers[0]["process_uuid"])
         backend = "fortress" if offers[0]["srv_pub"]["request_type"].startswith("ignition.") else "sim"
         yield SimWorld(client=client, world=worlds[0], backend=backend)
 

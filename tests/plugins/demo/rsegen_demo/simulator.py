@@ -44,6 +44,6 @@ class Paper(Simulator):
         """That of Gazebo Sim."""
         return "sim"
 
-    def connect(self, environment: Mapping[str, str]) -> AbstractContextManager[LiveWorld]:
+    def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
         """It is not."""
         raise NotImplementedError

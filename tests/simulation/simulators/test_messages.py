@@ -1,0 +1,74 @@
+"""Messages of both Gazebos as bytes and as the text of `gz topic`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rsegen.errors import SimulatorFailed
+from rsegen.simulation.robots import robot
+from rsegen.simulation.simulators.classic_messages import CLASSIC
+from rsegen.simulation.simulators.classic_transport import transport_client
+from rsegen.simulation.simulators.sim_messages import SIM
+from rsegen.simulation.simulators.wire import MessageTypes, parse_text
+
+PLAIN: dict[object, st.SearchStrategy[Any]] = {
+    int: st.integers(-(2**31), 2**31 - 1),
+    float: st.floats(allow_nan=False),
+    bool: st.booleans(),
+    str: st.text(),
+    "text": st.text(),
+    bytes: st.binary(),
+}
+
+
+def value_of(types: MessageTypes, kind: Any) -> st.SearchStrategy[Any]:
+    if isinstance(kind, str) and kind.endswith("[]"):
+        return st.lists(value_of(types, kind[:-2]), min_size=1, max_size=3)
+    return PLAIN[kind] if kind in PLAIN else message_of(types, str(kind))
+
+
+def message_of(types: MessageTypes, type_name: str) -> st.SearchStrategy[dict[str, Any]]:
+    optional = {name: value_of(types, kind) for name, (_, kind) in types.types[type_name].items()}
+    return st.fixed_dictionaries({}, optional=optional)
+
+
+EVERY = [(types, name) for types in (CLASSIC, SIM) for name in types.types]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("types", "type_name"), EVERY, ids=[name for _, name in EVERY])
+@given(data=st.data())
+def test_every_message_comes_back_from_its_bytes(types: MessageTypes, type_name: str, data: st.DataObject) -> None:
+    message = data.draw(message_of(types, type_name))
+    assert types.decode(type_name, types.encode(type_name, message)) == message
+
+
+def test_bytes_are_those_of_protocol_buffers() -> None:
+    assert CLASSIC.encode("Time", {"sec": 300, "nsec": 1}) == bytes([0x08, 0xAC, 0x02, 0x10, 0x01])
+    assert CLASSIC.encode("GzString", {"data": "rse"}) == b"\x0a\x03rse"
+    assert CLASSIC.encode("Vector3d", {"x": 1.0}) == b"\x09" + b"\0" * 6 + b"\xf0\x3f"
+
+
+def test_a_field_that_is_not_known_is_skipped() -> None:
+    content = CLASSIC.encode("Model", {"name": "one", "id": 3, "pose": {"position": {"z": 2.0}}})
+    assert CLASSIC.decode("GzString", content) == {"data": "one"}
+
+
+@given(v=st.floats(-0.2, 0.2), w=st.floats(-2, 2))
+def test_what_is_said_to_a_robot_is_a_message(v: float, w: float) -> None:
+    command = robot("burger").command("burger", v, w)
+    type_name = command.type.rpartition(".")[2]
+    message = CLASSIC.decode(type_name, CLASSIC.encode(type_name, parse_text(command.text)))
+    assert message["position"]["x"] == pytest.approx(v, abs=1e-6)
+
+
+def test_where_nobody_answers_it_is_said() -> None:
+    with (
+        pytest.raises(SimulatorFailed, match=r"nobody answers at 127.0.0.1:1 \(Connection refused\)"),
+        transport_client(("127.0.0.1", 1), 1),
+    ):
+        pass
