@@ -16,8 +16,15 @@ CHECKERS = (("ign", "sdf", "--check"), ("gz", "sdf", "--check"))
 """Commands of libsdformat 12 and later; Gazebo Classic's own `gz sdf` reads its old dialect and is not asked."""
 
 
+@pytest.fixture(scope="session", params=["classic", "sim"])
+def gazebo(request: pytest.FixtureRequest) -> Installation:
+    """Each Gazebo of this machine in turn."""
+    found: Installation = request.getfixturevalue(f"gazebo_{request.param}")
+    return found
+
+
 @pytest.fixture(scope="session")
-def gazebo() -> Installation:
+def gazebo_classic() -> Installation:
     """The Gazebo Classic 11 of this machine."""
     return SIMULATORS["classic"].installation() or missing("no Gazebo Classic 11: run scripts/gazebo-classic")
 

@@ -1,4 +1,4 @@
-"""rsegen drive and rsegen experiment in a real Gazebo Classic."""
+"""rsegen drive and rsegen experiment in real servers."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ def told(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
 
 
 @pytest.mark.parametrize(("unit_cm", "crosses"), [(1, True), (4, False)])
-def test_a_burger_crosses_steps_of_a_centimetre_and_no_higher_ones(
-    unit_cm: float, crosses: bool, gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_a_burger_crosses_steps_of_a_centimetre_and_no_higher_ones_in_classic(
+    unit_cm: float, crosses: bool, gazebo_classic: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ["drive", str(course(tmp_path, unit_cm)), "--duration", "15", "--json", "-o", str(tmp_path / "out")]
-    assert main(words) == 0
+    assert main([*words, "--simulator", "classic"]) == 0
     (robot,) = told(capsys)
     assert (robot["crossed"] is not None) == crosses
     assert (robot["stuck"] > 5) != crosses
@@ -64,16 +64,32 @@ def test_a_burger_crosses_steps_of_a_centimetre_and_no_higher_ones(
         assert picture.size == (800, 800)
 
 
+@pytest.mark.parametrize(
+    ("kind", "unit_cm", "crosses"), [("jackal", 1, True), ("jackal", 4, True), ("burger", 1, False)]
+)
+def test_wheels_cross_steps_and_a_small_caster_does_not(
+    kind: str, unit_cm: float, crosses: bool, gazebo_sim: Installation, tmp_path: Path
+) -> None:
+    """A caster of 5 mm radius is lifted over a step of a centimetre in Gazebo Classic alone."""
+    result = rsegen.drive(course(tmp_path, unit_cm), robot=kind, duration=15, simulator="sim")
+    (robot,) = result.robots
+    assert (robot.metrics.crossed is not None) == crosses
+    assert result.notes == (f"{gazebo_sim} gives no contacts of a drive",)
+    assert np.diff(robot.trajectory.rows[:-1, 0]) == pytest.approx(0.05)
+
+
 def test_python_gives_what_the_command_line_does(gazebo: Installation, tmp_path: Path) -> None:
     done: list[float] = []
     folder = course(tmp_path, 1)
-    result = rsegen.drive(folder, duration=4, seed=5, output=tmp_path / "python", progress=done.append)
-    assert main(["drive", str(folder), "--duration", "4", "--seed", "5", "-o", str(tmp_path / "command")]) == 0
+    name = gazebo.simulator.name
+    result = rsegen.drive(folder, duration=4, seed=5, simulator=name, output=tmp_path / "python", progress=done.append)
+    words = ["drive", str(folder), "--duration", "4", "--seed", "5", "--simulator", name]
+    assert main([*words, "-o", str(tmp_path / "command")]) == 0
     for file in ("burger_0.csv", "contacts.csv", "drive.json"):
         assert (tmp_path / "python" / file).read_bytes() == (tmp_path / "command" / file).read_bytes()
     (robot,) = result.robots
     assert json.loads((tmp_path / "python" / "drive.json").read_text()) == result.as_json()
-    assert robot.metrics.distance == pytest.approx(0.7, abs=0.3)
+    assert robot.metrics.distance == pytest.approx(0.7, abs=0.3 if name == "classic" else 0.5)
     assert robot.trajectory.rows[0, 1] == pytest.approx(robot.start.x, abs=0.01)
     assert done[-1] == 4
 
@@ -83,22 +99,25 @@ def test_the_same_seed_gives_the_same_tracks_and_another_seed_others(
 ) -> None:
     for name, seed in (("a", "5"), ("b", "5"), ("c", "6")):
         words = ["drive", "turtlebot", "--route", "random", "--robots", "2", "--duration", "4", "--seed", seed]
-        assert main([*words, "-o", str(tmp_path / name)]) == 0
-    for file in ("burger_1.csv", "contacts.csv"):
+        assert main([*words, "--simulator", gazebo.simulator.name, "-o", str(tmp_path / name)]) == 0
+    for file in ("burger_1.csv", "contacts.csv") if gazebo.backend == "classic" else ("burger_1.csv",):
         first, second, third = ((tmp_path / name / file).read_bytes() for name in "abc")
         assert first == second
         assert first != third
 
 
-def test_a_rest_that_is_less_than_a_step_is_left_out(gazebo: Installation, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["drive", "turtlebot", "--duration", "1.0004", "--seed", "1", "--json"]) == 0
+def test_a_rest_that_is_less_than_a_step_is_left_out(
+    gazebo_classic: Installation, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["drive", "turtlebot", "--duration", "1.0004", "--seed", "1", "--simulator", "classic", "--json"]) == 0
     (robot,) = told(capsys)
     assert robot["seconds"] == pytest.approx(1, abs=0.06)
     assert robot["touched"]["base::caster"] == 0.5
 
 
-def test_wheels_touch_the_map_at_the_heights_of_its_blocks(gazebo: Installation, tmp_path: Path) -> None:
-    assert main(["drive", str(course(tmp_path, 1)), "--duration", "15", "-o", str(tmp_path / "out")]) == 0
+def test_wheels_touch_the_map_at_the_heights_of_its_blocks(gazebo_classic: Installation, tmp_path: Path) -> None:
+    words = ["drive", str(course(tmp_path, 1)), "--simulator", "classic", "--duration", "15"]
+    assert main([*words, "-o", str(tmp_path / "out")]) == 0
     with (tmp_path / "out" / "contacts.csv").open() as stream:
         touched = [row for row in csv.DictReader(stream) if row["part"].endswith("tread")]
     levels = {round(100 * float(row["z"])) for row in touched if row["other"] == "rse_0000"}
@@ -112,13 +131,14 @@ def test_what_the_simulator_complains_of_is_told(
     folder = course(tmp_path, 1)
     for mesh in folder.glob("meshes/*.obj"):
         mesh.unlink()
-    assert main(["drive", str(folder), "--duration", "1"]) == 0
+    assert main(["drive", str(folder), "--duration", "1", "--simulator", gazebo.simulator.name]) == 0
     assert "warning: [Err]" in capsys.readouterr().out
 
 
 def test_a_robot_of_a_file_is_driven(gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "mine.sdf").write_text(ROBOTS["burger"].file("mine", "classic"))
-    words = ["drive", str(course(tmp_path, 1)), "--robot", str(tmp_path / "mine.sdf"), "--size", "0.14,0.18,0.19"]
+    (tmp_path / "mine.sdf").write_text(ROBOTS["jackal"].file("mine", gazebo.backend))
+    words = ["drive", str(course(tmp_path, 1)), "--robot", str(tmp_path / "mine.sdf"), "--size", "0.5,0.43,0.25"]
+    words += ["--simulator", gazebo.simulator.name]
     assert main([*words, "--speed", "0.2", "--duration", "14", "--json"]) == 0
     (robot,) = told(capsys)
     assert robot["crossed"] is not None
@@ -129,7 +149,7 @@ def test_an_experiment_goes_on_where_it_was_stopped(
 ) -> None:
     plan = tmp_path / "tiny.yaml"
     plan.write_text("seconds: 2\nrepeats: 1\nrows:\n  - {robot: burger, robots: 1, sizes: [0, 10]}\n")
-    words = ["experiment", str(plan), "-o", str(tmp_path / "out")]
+    words = ["experiment", str(plan), "--simulator", gazebo.simulator.name, "-o", str(tmp_path / "out")]
     assert main(words) == 0
     table, errors = capsys.readouterr()
     assert [line.split("|")[1].strip() for line in table.splitlines() if line.startswith(("| empty", "| 10"))] == [
@@ -164,11 +184,13 @@ def test_an_empty_world_in_turns_with_another_has_the_same_speed(gazebo: Install
     assert outcome.speed > 0
 
 
-def test_gazebo_s_own_camera_shows_the_map_in_its_colours(gazebo: Installation, tmp_path: Path) -> None:
+def test_gazebo_s_own_camera_shows_the_map_in_its_colours(gazebo_classic: Installation, tmp_path: Path) -> None:
     screen = shutil.which("xvfb-run") or missing("no virtual screen: run scripts/screen")
     words = [
         "drive",
         "diagonal-barrier",
+        "--simulator",
+        "classic",
         "--robot",
         "crawler",
         "--duration",

@@ -39,9 +39,9 @@ LANE = 0.6
 @pytest.mark.parametrize("others", [1.0, 0.25], ids=["lanes-in-a-random-field", "plain-with-few-other-cells"])
 @pytest.mark.parametrize("shape", SHAPES, ids=shape_name)
 def test_a_robot_goes_straight_over_equal_blocks(
-    shape: Shape, others: float, gazebo: Installation, tmp_path: Path
+    shape: Shape, others: float, gazebo_classic: Installation, tmp_path: Path
 ) -> None:
-    ways = driven(lanes(others), gazebo, tmp_path, shape)
+    ways = driven(lanes(others), gazebo_classic, tmp_path, shape)
 
     assert_full_way(ways)
     aside = [abs(way.aside) for way in ways.values()]
@@ -50,8 +50,8 @@ def test_a_robot_goes_straight_over_equal_blocks(
     assert max(aside) <= most, ways
 
 
-def test_the_same_robot_goes_straight_on_the_bare_ground(gazebo: Installation, tmp_path: Path) -> None:
-    ways = driven(np.zeros_like(lanes(0)), gazebo, tmp_path, {})
+def test_the_same_robot_goes_straight_on_the_bare_ground(gazebo_classic: Installation, tmp_path: Path) -> None:
+    ways = driven(np.zeros_like(lanes(0)), gazebo_classic, tmp_path, {})
 
     assert_full_way(ways)
     assert max(abs(way.aside) for way in ways.values()) <= 0.0005, ways
@@ -86,14 +86,14 @@ def lanes(others: float) -> Levels:
     return levels.reshape(-1, TILE).astype(np.int16)
 
 
-def driven(levels: Levels, gazebo: Installation, folder: Path, shape: Shape) -> dict[int, Way]:
+def driven(levels: Levels, gazebo_classic: Installation, folder: Path, shape: Shape) -> dict[int, Way]:
     """The way of a robot along each lane, by its heading in degrees."""
     ground = float(levels[levels.shape[0] // 2, TILE // 2]) * UNIT
     starts = {heading: start(square, ground) for square, heading in enumerate(HEADINGS)}
     world = furnished(
         written(levels, folder, shape), [burger(f"robot_{heading}", at) for heading, at in starts.items()]
     )
-    run = simulated(gazebo, world, steps=SECONDS * 1000)
+    run = simulated(gazebo_classic, world, steps=SECONDS * 1000)
     assert not run.errors
     return {heading: way(at, run.poses[f"robot_{heading}"]) for heading, at in starts.items()}
 

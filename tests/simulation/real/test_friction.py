@@ -15,7 +15,7 @@ from tests.simulation.simulated import simulated
 
 @pytest.mark.parametrize("recipe", [*slippery()], ids=map_name)
 def test_a_cube_that_is_pushed_slides_where_it_is_slippery_alone(
-    recipe: rsegen.Recipe, gazebo: Installation, tmp_path: Path
+    recipe: rsegen.Recipe, gazebo_classic: Installation, tmp_path: Path
 ) -> None:
     made = generated(recipe, tmp_path)
     beside = ("ground", (-made.scene.field.extent[0], 0.0, 0.0), False)
@@ -23,7 +23,7 @@ def test_a_cube_that_is_pushed_slides_where_it_is_slippery_alone(
     world = furnished(made.world, [body(name, "cube", place) for name, (place, _) in cubes.items()])
     tilt(world)
 
-    run = simulated(gazebo, world, steps=400)
+    run = simulated(gazebo_classic, world, steps=400)
 
     assert not run.errors
     assert {slides for _, slides in cubes.values()} == {True, False}

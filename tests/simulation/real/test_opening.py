@@ -55,7 +55,7 @@ def server_of(process: subprocess.Popen[str], mark: str) -> psutil.Process:
     raise AssertionError(ended(process))
 
 
-def test_a_recipe_is_opened_and_gone_after_its_seconds(gazebo: Installation, tmp_path: Path, mark: str) -> None:
+def test_a_recipe_is_opened_and_gone_after_its_seconds(gazebo_classic: Installation, tmp_path: Path, mark: str) -> None:
     home = tmp_path / "temporary"
     home.mkdir()
     process = opening(COURSE, "--seconds", "5", TMPDIR=str(home))
@@ -68,7 +68,7 @@ def test_a_recipe_is_opened_and_gone_after_its_seconds(gazebo: Installation, tmp
     assert list(home.iterdir()) == []
 
 
-def test_a_world_that_is_no_world_is_an_error_at_once(gazebo: Installation, tmp_path: Path, mark: str) -> None:
+def test_a_world_that_is_no_world_is_an_error_at_once(gazebo_classic: Installation, tmp_path: Path, mark: str) -> None:
     world = tmp_path / "broken.world"
     world.write_text('<sdf version="1.6"><world name="broken">')
 
@@ -77,11 +77,13 @@ def test_a_world_that_is_no_world_is_an_error_at_once(gazebo: Installation, tmp_
     assert code == 1
     *told, line = said.splitlines()
     assert any("Unable to read sdf file" in each for each in told)
-    assert line == f"rsegen: {gazebo} did not load the world broken.world"
+    assert line == f"rsegen: {gazebo_classic} did not load the world broken.world"
     assert left(mark) == []
 
 
-def test_a_mesh_that_is_missing_is_told_and_is_a_failure(gazebo: Installation, tmp_path: Path, mark: str) -> None:
+def test_a_mesh_that_is_missing_is_told_and_is_a_failure(
+    gazebo_classic: Installation, tmp_path: Path, mark: str
+) -> None:
     world = made(tmp_path, "course")
     for mesh in world.parent.glob("meshes/*.obj"):
         mesh.unlink()
@@ -91,12 +93,12 @@ def test_a_mesh_that_is_missing_is_told_and_is_a_failure(gazebo: Installation, t
     assert code == 1
     *told, line = said.splitlines()
     assert told
-    assert line == f"rsegen: {gazebo} printed an error: {told[0]}"
+    assert line == f"rsegen: {gazebo_classic} printed an error: {told[0]}"
 
 
 @pytest.mark.parametrize(("word", "code"), [("SIGINT", 0), ("SIGTERM", 0), ("SIGKILL", -9)])
 def test_nothing_is_left_of_a_command_that_is_stopped(
-    word: str, code: int, gazebo: Installation, tmp_path: Path, mark: str
+    word: str, code: int, gazebo_classic: Installation, tmp_path: Path, mark: str
 ) -> None:
     process = opening(made(tmp_path, "course"), TMPDIR=str(tmp_path))
     server_of(process, mark)
@@ -107,13 +109,15 @@ def test_nothing_is_left_of_a_command_that_is_stopped(
     assert left_in_the_end(mark) == []
 
 
-def test_two_servers_side_by_side_do_not_disturb_each_other(gazebo: Installation, tmp_path: Path, mark: str) -> None:
+def test_two_servers_side_by_side_do_not_disturb_each_other(
+    gazebo_classic: Installation, tmp_path: Path, mark: str
+) -> None:
     worlds = [made(tmp_path, name) for name in ("one", "other")]
 
     def both() -> None:
         with (
-            running_server(gazebo, worlds[0]) as one,
-            running_server(gazebo, worlds[1]) as other,
+            running_server(gazebo_classic, worlds[0]) as one,
+            running_server(gazebo_classic, worlds[1]) as other,
             one.connect() as in_one,
             other.connect() as in_other,
         ):
@@ -132,10 +136,10 @@ def test_two_servers_side_by_side_do_not_disturb_each_other(gazebo: Installation
     assert left(mark) == []
 
 
-def test_a_server_goes_on_when_it_is_told_to(gazebo: Installation, tmp_path: Path, mark: str) -> None:
+def test_a_server_goes_on_when_it_is_told_to(gazebo_classic: Installation, tmp_path: Path, mark: str) -> None:
     def resumed() -> int:
         with (
-            running_server(gazebo, made(tmp_path / str(time.monotonic_ns()), "course")) as server,
+            running_server(gazebo_classic, made(tmp_path / str(time.monotonic_ns()), "course")) as server,
             server.connect() as live,
         ):
             live.unpause()
@@ -149,8 +153,8 @@ def names(live: LiveWorld) -> set[str]:
     return set(live.poses())
 
 
-def test_a_record_is_kept_until_it_is_stopped(gazebo: Installation, tmp_path: Path) -> None:
-    with running_server(gazebo, made(tmp_path, "course")) as server, server.connect() as live:
+def test_a_record_is_kept_until_it_is_stopped(gazebo_classic: Installation, tmp_path: Path) -> None:
+    with running_server(gazebo_classic, made(tmp_path, "course")) as server, server.connect() as live:
 
         def kept() -> int:
             live.step(1000)

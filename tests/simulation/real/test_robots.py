@@ -32,11 +32,11 @@ def test_libsdformat_finds_nothing_against_it(
 
 
 @ROBOT
-def test_it_goes_straight_turns_and_stands(robot: Robot, gazebo: Installation, tmp_path: Path) -> None:
+def test_it_goes_straight_turns_and_stands(robot: Robot, gazebo_classic: Installation, tmp_path: Path) -> None:
     v, w = robot.drive.speed / 2, robot.drive.turn / 4
     course = Course(robots={"goes": robot, "turns": robot, "stands": robot})
     commands = {"goes": (v, 0.0), "turns": (0.0, w)}
-    early, late = driven(gazebo, tmp_path, course, commands, (1000, 1000))
+    early, late = driven(gazebo_classic, tmp_path, course, commands, (1000, 1000))
 
     assert late["goes"].x - early["goes"].x == pytest.approx(v, rel=0.01)
     assert abs(late["goes"].yaw) < 0.005
@@ -47,9 +47,9 @@ def test_it_goes_straight_turns_and_stands(robot: Robot, gazebo: Installation, t
     assert all(level(pose, 0) for pose in late.values() if pose != late["turns"])
 
 
-def test_wheels_stop_when_told(gazebo: Installation, tmp_path: Path) -> None:
+def test_wheels_stop_when_told(gazebo_classic: Installation, tmp_path: Path) -> None:
     course = Course(robots={"one": ROBOTS["burger"]})
-    _, early, late = driven(gazebo, tmp_path, course, {"one": (0.22, 0.0)}, (500, 500, 1000), stop_after=1)
+    _, early, late = driven(gazebo_classic, tmp_path, course, {"one": (0.22, 0.0)}, (500, 500, 1000), stop_after=1)
     assert off(early["one"], late["one"]) < 0.0002
 
 
@@ -67,20 +67,20 @@ def test_wheels_stop_when_told(gazebo: Installation, tmp_path: Path) -> None:
     ],
 )
 def test_it_climbs_what_it_should_and_no_more(
-    kind: str, heights: Sequence[float], climbed: bool, gazebo: Installation, tmp_path: Path
+    kind: str, heights: Sequence[float], climbed: bool, gazebo_classic: Installation, tmp_path: Path
 ) -> None:
     robot = ROBOTS[kind]
-    end = climbing(robot, heights, gazebo, tmp_path)
+    end = climbing(robot, heights, gazebo_classic, tmp_path)
     assert level(end, sum(heights)) == climbed
     assert climbed == (max(heights) <= robot.climbs)
 
 
-def test_flippers_and_arm_go_where_they_are_told(gazebo: Installation, tmp_path: Path) -> None:
+def test_flippers_and_arm_go_where_they_are_told(gazebo_classic: Installation, tmp_path: Path) -> None:
     angles = {"left_flipper_pivot": 0.6, "right_flipper_pivot": 0.9, "shoulder_joint": 0.8}
     course = Course(robots={"one": ROBOTS["crawler"].holding({"right_flipper_pivot": 0.9})})
 
     def moved() -> Mapping[str, Pose]:
-        with served(gazebo, course, tmp_path) as (server, live):
+        with served(gazebo_classic, course, tmp_path) as (server, live):
             for joint in ("left_flipper_pivot", "shoulder_joint"):
                 server.run_command(*ROBOTS["crawler"].servo_command("one", joint, angles[joint]).shell)
             live.step(2000)
@@ -96,11 +96,13 @@ def test_flippers_and_arm_go_where_they_are_told(gazebo: Installation, tmp_path:
     assert {joint: -links[f"one::{link}"].pitch for joint, link in turned.items()} == pytest.approx(angles, abs=0.05)
 
 
-def climbing(robot: Robot, heights: Sequence[float], gazebo: Installation, folder: Path) -> Pose:
+def climbing(robot: Robot, heights: Sequence[float], gazebo_classic: Installation, folder: Path) -> Pose:
     """Where it is after 1.2 m at an easy speed, with a stair 0.2 m before its front."""
     course = Course(robots={"one": robot}, stair=stair(0.2 + robot.size[0], heights))
     v = min(robot.drive.speed, 0.3)
-    return driven(gazebo, folder, course, {"one": (v, 0.0)}, (int(1000 * (1.2 + 2 * robot.size[0]) / v),))[-1]["one"]
+    return driven(gazebo_classic, folder, course, {"one": (v, 0.0)}, (int(1000 * (1.2 + 2 * robot.size[0]) / v),))[-1][
+        "one"
+    ]
 
 
 def off(early: Pose, late: Pose) -> float:

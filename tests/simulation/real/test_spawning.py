@@ -1,8 +1,9 @@
-"""Maps and robots put into a Gazebo Classic that runs, while a robot drives in it."""
+"""Maps and robots put into a Gazebo that runs, while a robot drives in it."""
 
 from __future__ import annotations
 
 import json
+import os
 import time
 from collections.abc import Iterator
 from dataclasses import astuple, replace
@@ -36,6 +37,8 @@ COURSE = rsegen.Recipe(
 SINKING = 1e-4
 """Metres that ODE lets a hull sink into the block that it rests on."""
 
+_REMOVED = "this entity does not exist. This create component request will be ignored."
+"""What Fortress says at every step of a model with plug-ins that was removed."""
 
 EASY = replace(COURSE, obstacles=(rsegen.Placement(obstacle=rsegen.Random(max_height=2)),))
 """Its steps are of 1 cm, which the Burger climbs."""
@@ -49,21 +52,23 @@ def server(gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     rsegen.save(COURSE, tmp_path / "course.yaml")
     monkeypatch.chdir(tmp_path)
     with running_server(gazebo, world) as running:
-        monkeypatch.setenv("GAZEBO_MASTER_URI", running.environment["GAZEBO_MASTER_URI"])
+        for name in ("GAZEBO_MASTER_URI", "GZ_PARTITION", "GZ_IP"):
+            monkeypatch.setenv(name, running.environment.get(name, "http://127.0.0.1:1"))
+        monkeypatch.setenv("SIMULATOR", gazebo.simulator.name)
         yield running
 
 
 def done(capture: Capture, *arguments: str) -> dict[str, object]:
     """What a command says that it has done."""
     capture.readouterr()
-    assert main([*arguments, "--simulator", "classic", "--json"]) == 0, capture.readouterr().err
+    assert main([*arguments, "--simulator", os.environ["SIMULATOR"], "--json"]) == 0, capture.readouterr().err
     told: dict[str, object] = json.loads(capture.readouterr().out)
     return told
 
 
 def refused(capture: Capture, *arguments: str) -> str:
     capture.readouterr()
-    assert main([*arguments, "--simulator", "classic"]) == 2
+    assert main([*arguments, "--simulator", os.environ["SIMULATOR"]]) == 2
     return the_line(capture.readouterr().err)
 
 
@@ -93,7 +98,7 @@ def test_a_robot_drives_on_while_its_map_is_replaced(server: Server, capsys: Cap
         live.unpause()
         assert done(capsys, "spawn", "course.yaml")["at"] == dict.fromkeys(("x", "y", "z", "roll", "pitch", "yaw"), 0.0)
         done(capsys, "spawn", "burger", "--at", "0,0")
-        live.send_command(BURGER.command("burger", 0.1, 0.8))
+        live.send_command(BURGER.command("burger", 0.1, 0.8, live.backend))
         for index in (1, 2, 3):
             before, told = live.poses()["burger"], done(capsys, "respawn", "course.yaml")
             assert (told["name"], told["put_on_top"]) == (f"course_000{index}", ["burger"])
@@ -104,7 +109,7 @@ def test_a_robot_drives_on_while_its_map_is_replaced(server: Server, capsys: Cap
         assert not live.clock().paused
         done(capsys, "remove", "burger", "course_0003")
         assert set(live.poses()) == {"ground_plane"}
-    assert server.errors == []
+    assert [line for line in server.errors if _REMOVED not in line] == []
 
 
 def test_what_stands_still_goes_on_standing_still(server: Server, capsys: Capture) -> None:

@@ -18,11 +18,11 @@ from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.server import running_server
 from rsegen.simulation.simulators.sim_transport import transport_client
-from tests.simulation.real.conftest import gazebo, gazebo_sim
+from tests.simulation.real.conftest import gazebo_classic, gazebo_sim
 from tests.simulation.transport import connected_to, transport_world
 from tests.support.complaints import the_line
 
-__all__ = ["gazebo", "gazebo_sim"]
+__all__ = ["gazebo_classic", "gazebo_sim"]
 
 BURGER = robot("burger")
 THERE, ELSEWHERE = Pose(x=1, y=-2, z=0.5, yaw=1.0), Pose(x=-1.5, y=0.25, z=1.0, yaw=-0.5)
@@ -35,7 +35,7 @@ def live(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[LiveWorld]:
         with transport_world("rse_0000") as address, connected_to(address) as world:
             yield world
         return
-    here = request.getfixturevalue("gazebo_sim" if request.param == "sim" else "gazebo")
+    here = request.getfixturevalue(f"gazebo_{request.param}")
     file = tmp_path / "ground.world"
     file.write_bytes(b"".join(sdf.utf8(sdf.world(rsegen.compose(rsegen.Recipe(seed=1)), ()))))
     with running_server(here, file) as server, server.connect() as world:

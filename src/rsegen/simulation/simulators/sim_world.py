@@ -11,7 +11,7 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import astuple, dataclass, field
 from typing import Any
 
@@ -30,6 +30,9 @@ TOPICS = {"stats": "WorldStatistics", "pose/info": "Pose_V", "dynamic_pose/info"
 
 _BETWEEN_LOOKS = 0.02
 """Seconds: poses are published as often."""
+
+_FIRST_RESPONSE = 1.0
+"""Seconds."""
 
 _MODEL = 2
 """The type of a model in a message Entity."""
@@ -188,7 +191,7 @@ def sim_world(environment: Mapping[str, str], timeout: float) -> Iterator[SimWor
             client.offers(WORLDS, timeout)
         except SimulatorFailed:
             raise SimulatorFailed(f"Gazebo Sim: no server answers in the partition {client.partition}") from None
-        worlds, offers = client.request(WORLDS, "Empty", {}).get("data", []), client.offers(WORLDS)
+        worlds, offers = _worlds(client), client.offers(WORLDS)
         if len(offers) > 1 or not worlds:
             what = f"{len(offers)} servers run" if worlds else "a server without a world runs"
             advice = "set GZ_PARTITION to that of one server"
@@ -196,6 +199,17 @@ def sim_world(environment: Mapping[str, str], timeout: float) -> Iterator[SimWor
         client.attend(offers[0]["process_uuid"])
         backend = "fortress" if offers[0]["srv_pub"]["request_type"].startswith("ignition.") else "sim"
         yield SimWorld(client=client, world=worlds[0], backend=backend)
+
+
+def _worlds(client: TransportClient) -> list[str]:
+    """The worlds of a server, asked again if it does not answer: its first response to a program may be lost.
+
+    It connects to the program, waits 0.1 s, and drops the response if the connection is not there by then.
+    """
+    for _ in range(int(TIMEOUT / _FIRST_RESPONSE)):
+        with suppress(SimulatorFailed):
+            return list(client.request(WORLDS, "Empty", {}, _FIRST_RESPONSE).get("data", []))
+    raise SimulatorFailed("Gazebo Sim: a server is there, and does not answer")
 
 
 def _clock(message: Mapping[str, Any]) -> Clock:
