@@ -142,6 +142,6 @@ def _run(
 
 def _why_ended(world: Path, code: int) -> str:
     """Fortress ends without a word if its file is a model's, or of anything but a world."""
-    if world.is_file() and b"<world" not in world.read_bytes():
+    if code == 0 and world.is_file() and b"<world" not in world.read_bytes():
         return f"because there is no <world> in {world}"
     return f"with exit code {code}"

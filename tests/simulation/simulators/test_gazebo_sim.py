@@ -50,6 +50,7 @@ def test_a_server_has_loaded_when_it_prints_so_or_writes_it_to_its_own_log(
 ) -> None:
     put(programs, PROGRAMS["sim"])
     monkeypatch.setenv("STAYS", "60")
+    monkeypatch.setenv("SAYS", "[Msg] Publishing sc")
     monkeypatch.setenv(where, LOADED)
     monkeypatch.setenv("COMPLAINS", "[Err] [a.cc:1] no such mesh\\n")
     here = SIM.installation()

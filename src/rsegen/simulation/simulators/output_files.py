@@ -29,8 +29,8 @@ class OutputFiles:
 
     @property
     def text(self) -> str:
-        """What has been printed until now: stdout, then stderr."""
-        return "".join(path.read_text(errors="replace") for path in self.paths)
+        """What has been printed until now: stdout, perhaps to the middle of a line, then stderr from a new line on."""
+        return "\n".join(path.read_text(errors="replace") for path in self.paths)
 
     @contextmanager
     def running(self, launch: LaunchCommand) -> Iterator[RunningProgram]:
