@@ -31,7 +31,8 @@ def _config(library: str, namespace: str) -> str:
     plugins = "".join(
         f"""\
     <plugin entity_name="*" entity_type="world"
-            filename="{library}-{system.library}-system" name="{namespace}::systems::{system.name}">{system.parameters}</plugin>
+            filename="{library}-{system.library}-system"
+            name="{namespace}::systems::{system.name}">{system.parameters}</plugin>
 """
         for system in _SYSTEMS
     )
