@@ -14,7 +14,8 @@ from rsegen.cli.generate import add_workers_flag, workers_from
 from rsegen.cli.stop import told_what_is_left
 from rsegen.cli.targets import add_target_flags, map_of_flags, recipes_of
 from rsegen.exporters.formats import Format
-from rsegen.io.exports import ExportedMap, export_maps
+from rsegen.io.exported_map import ExportedMap
+from rsegen.io.exports import export_maps
 from rsegen.recipe.recipe import Recipe
 
 _SHOWN = 10
@@ -53,10 +54,8 @@ def run(arguments: argparse.Namespace) -> None:
     """Export, and say what was written."""
     formats = formats_of("--to", arguments.to, arguments)
     recipes = _recipes(arguments)
-    with (
-        told_what_is_left(lambda: _left(recipes, formats)),
-        counting(sum(recipe.maps for recipe in recipes)) as progress,
-    ):
+    maps = sum(recipe.maps for recipe in recipes)
+    with told_what_is_left(lambda: _left(recipes, formats)), counting(maps) as progress:
         made = export_maps(
             recipes,
             arguments.output,

@@ -19,7 +19,7 @@ from rsegen.exporters.scene import compose
 from rsegen.io.contents import refuse_link
 from rsegen.io.existing import OnExisting
 from rsegen.io.existing_formats import holds, missing_formats, refuse_other_map
-from rsegen.io.joined_exports import ExportedMap as ExportedMap
+from rsegen.io.exported_map import ExportedMap
 from rsegen.io.joined_exports import joining, plan_joined_export, write_joined
 from rsegen.io.record import read_record
 from rsegen.io.resources import Needs, check_needs

@@ -19,21 +19,13 @@ from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import compose
 from rsegen.io.contents import compare, refuse_link
 from rsegen.io.existing import OnExisting
+from rsegen.io.exported_map import ExportedMap
 from rsegen.io.record import WrittenFile, read_record
 from rsegen.io.sidecars import FORMATS_FILE
 from rsegen.io.staging import as_write_errors, remove_leftovers
 from rsegen.io.writer import folder_writer, refuse_taken
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ExportedMap:
-    """One map in other formats on disk: its folder, and the names of the files that were written into it."""
-
-    folder: Path
-    names: tuple[str, ...]
-
 
 Progress = Callable[[ExportedMap], None]
 
