@@ -74,10 +74,10 @@ class FolderWriter:
         files: dict[str, tuple[WrittenFile, ...]] = {}
         with as_write_errors(self._staged.folder / name):
             for bundle in bundles:
-                new = {str(path): pieces for path, pieces in bundle.items() if str(path) not in files}
-                files |= {path: (self._staged.write(f"{name}/{path}", pieces),) for path, pieces in new.items()}
+                new = {path: pieces for path, pieces in bundle.items() if str(path) not in files}
+                files |= {str(path): (self._staged.write(name / path, pieces),) for path, pieces in new.items()}
                 if done:
-                    done(_sorted(map(PurePosixPath, new)))
+                    done(_sorted(new))
             self._staged.write(f"{name}/{RECORD}", [Record(content=self._content, files=files).text()])
             self._names.append(name)
 

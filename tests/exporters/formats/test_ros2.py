@@ -412,7 +412,7 @@ def test_maps_that_are_joined_are_one_package_in_which_map_chooses(tmp_path: Pat
 
 
 def test_a_joined_package_is_kept_or_replaced_whole(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    to = ["--to", "ros2 package=fields", "-o", tmp_path]
+    to = ["--to", "ros2 package=fields", "-o", str(tmp_path)]
     assert exit_code("export", "peak", "--seed", "3", "--maps", "2", *to) == 0
     before = contents(tmp_path)
     assert exit_code("export", "peak", "--seed", "3", "--maps", "2", *to, "--resume") == 0
