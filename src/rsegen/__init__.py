@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from rsegen.io.dataset import make_dataset as make_dataset
     from rsegen.io.export import Exported as Exported
     from rsegen.io.export import export as export
-    from rsegen.io.exports import ExportedMap as ExportedMap
+    from rsegen.io.exported_map import ExportedMap as ExportedMap
     from rsegen.io.exports import export_maps as export_maps
     from rsegen.io.importers import imported as imported
     from rsegen.io.recipe_file import load as load
@@ -105,7 +105,8 @@ _HOMES = {
     "rsegen.geometry": ("Boxes", "Mesh"),
     "rsegen.io.dataset": ("Dataset", "Tiles", "make_dataset"),
     "rsegen.io.export": ("Exported", "export"),
-    "rsegen.io.exports": ("ExportedMap", "export_maps"),
+    "rsegen.io.exported_map": ("ExportedMap",),
+    "rsegen.io.exports": ("export_maps",),
     "rsegen.io.importers": ("imported",),
     "rsegen.io.recipe_file": ("load", "save"),
     "rsegen.io.series": ("Series", "series"),

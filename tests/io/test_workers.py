@@ -18,7 +18,7 @@ from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.io import work
 from rsegen.io import workers as workers_module
-from rsegen.io.exports import ExportedMap
+from rsegen.io.exported_map import ExportedMap
 from rsegen.recipe.codec import decode
 from tests.support.complaints import exit_code, the_line
 from tests.support.patience import PATIENCE

@@ -13,7 +13,9 @@ from rsegen.cli.formats import add_format_flags, formats_of, listed
 from rsegen.cli.generate import add_workers_flag, workers_from
 from rsegen.cli.stop import told_what_is_left
 from rsegen.cli.targets import add_target_flags, map_of_flags, recipes_of
-from rsegen.io.exports import ExportedMap, export_maps
+from rsegen.exporters.formats import Format
+from rsegen.io.exported_map import ExportedMap
+from rsegen.io.exports import export_maps
 from rsegen.recipe.recipe import Recipe
 
 _SHOWN = 10
@@ -52,7 +54,8 @@ def run(arguments: argparse.Namespace) -> None:
     """Export, and say what was written."""
     formats = formats_of("--to", arguments.to, arguments)
     recipes = _recipes(arguments)
-    with told_what_is_left(lambda: _left(recipes)), counting(sum(recipe.maps for recipe in recipes)) as progress:
+    maps = sum(recipe.maps for recipe in recipes)
+    with told_what_is_left(lambda: _left(recipes, formats)), counting(maps) as progress:
         made = export_maps(
             recipes,
             arguments.output,
@@ -66,11 +69,13 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.json:
         print(json.dumps([_summary(one) for one in made], indent=2))
     else:
-        print("\n".join(_report(made, sum(recipe.maps for recipe in recipes) - len(made))))
+        print("\n".join(_report(made, maps - len(made))))
 
 
-def _left(recipes: Sequence[Recipe]) -> str:
+def _left(recipes: Sequence[Recipe], formats: Sequence[Format]) -> str:
     """What an export that is stopped leaves, and how to make the rest."""
+    if any(each.joins for each in formats):
+        return "no map was written, as all of them appear together; the same command starts again"
     seed = f"--seed {recipes[0].seed} " if len(recipes) == 1 else ""
     return f"the maps that were complete are there; the same command with {seed}--resume makes the others"
 
@@ -108,7 +113,8 @@ def _report(made: tuple[ExportedMap, ...], already: int) -> Iterator[str]:
     if len(made) == 1:
         yield from (str(made[0].folder / name) for name in made[0].names)
         return
+    folders = list(dict.fromkeys(one.folder for one in made))
     yield f"{len(made)} maps:"
-    yield from (f"  {one.folder}" for one in made[:_SHOWN])
-    if len(made) > _SHOWN:
-        yield f"  and {len(made) - _SHOWN} more in {made[0].folder.parent}"
+    yield from (f"  {folder}" for folder in folders[:_SHOWN])
+    if len(folders) > _SHOWN:
+        yield f"  and {len(folders) - _SHOWN} more in {folders[0].parent}"

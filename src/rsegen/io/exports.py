@@ -13,28 +13,22 @@ from math import fsum, prod
 from pathlib import Path, PurePosixPath
 
 from rsegen.errors import OutputError
-from rsegen.exporters.formats import Format, exported, options
+from rsegen.exporters.formats import Format, exported, options, refuse_unready
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import compose
 from rsegen.io.contents import refuse_link
 from rsegen.io.existing import OnExisting
 from rsegen.io.existing_formats import holds, missing_formats, refuse_other_map
+from rsegen.io.exported_map import ExportedMap
+from rsegen.io.joined_exports import joining, plan_joined_export, write_joined
 from rsegen.io.record import read_record
-from rsegen.io.resources import check_needs
+from rsegen.io.resources import Needs, check_needs
 from rsegen.io.sidecars import FORMATS_FILE, Sidecars, listed_formats
 from rsegen.io.work import WORKERS, RunPlan, run
 from rsegen.io.writer import FolderWriter, add, folder_writer, refuse_not_a_folder
 from rsegen.recipe.recipe import Recipe
 
 _RECIPE = "recipe.json"
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ExportedMap:
-    """One map in other formats on disk: its folder, and the names of the files that were written into it."""
-
-    folder: Path
-    names: tuple[str, ...]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -67,10 +61,17 @@ def export_maps(  # noqa: PLR0913  # each is a flag of the command
     replaces formats that it has, `resume` keeps those that are complete and have the same options. `workers`, `sync`
     and `progress` are as in `generate`; gives the maps that were written. Raises an OutputError before anything is
     written if a folder of that name holds something else, a format exists already, or two maps have one name; TooLarge
-    if memory or disk space are too small.
+    if memory or disk space are too small. A format that joins the maps, such as `ros2` with a `package`, is alone,
+    and writes them into one folder of that name: all of them or none.
     """
-    on_existing = OnExisting.of(force=force, resume=resume)
-    return run(plan_exports(recipes, Path(folder), formats, on_existing, workers, sync=sync), progress)
+    on_existing, folder = OnExisting.of(force=force, resume=resume), Path(folder)
+    together = joining(formats)
+    if together:
+        WORKERS.check("workers", workers)
+        refuse_unready(formats)
+        maps, _ = _checked_maps(recipes, folder, together.bytes_a_cell)
+        return write_joined(plan_joined_export(maps, folder, together, on_existing), progress, sync=sync)
+    return run(plan_exports(recipes, folder, formats, on_existing, workers, sync=sync), progress)
 
 
 def plan_exports(
@@ -86,10 +87,7 @@ def plan_exports(
     workers, sidecars = WORKERS.check("workers", workers), Sidecars(formats=tuple(formats))
     for recipe in recipes:
         sidecars.refuse(recipe)
-    refuse_not_a_folder(folder)
-    needs = check_needs(recipes, sum(recipe.maps for recipe in recipes), folder, sidecars.bytes_per_cell)
-    maps = [(recipe, index) for recipe in recipes for index in recipe.indices]
-    _refuse_same_names(maps, folder)
+    maps, needs = _checked_maps(recipes, folder, sidecars.bytes_per_cell)
     planned = [planned_export(recipe, index, folder, sidecars.formats, on_existing) for recipe, index in maps]
     replaces = on_existing is OnExisting.REPLACE
     return RunPlan(
@@ -101,6 +99,17 @@ def plan_exports(
         workers=min(workers, needs.maps_at_once),
         homes=[folder / one.recipe.map_name(one.index) for one in planned if one.adds],
     )
+
+
+def _checked_maps(
+    recipes: Sequence[Recipe], folder: Path, bytes_per_cell: int
+) -> tuple[Sequence[tuple[Recipe, int]], Needs]:
+    """Every map of some recipes, and what they need; raises as `export_maps` does."""
+    refuse_not_a_folder(folder)
+    needs = check_needs(recipes, sum(recipe.maps for recipe in recipes), folder, bytes_per_cell)
+    maps = [(recipe, index) for recipe in recipes for index in recipe.indices]
+    _refuse_same_names(maps, folder)
+    return maps, needs
 
 
 def planned_export(

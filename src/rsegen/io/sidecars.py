@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import PurePosixPath
 
+from rsegen.errors import ParameterError
 from rsegen.exporters.formats import Format, added, bytes_a_cell, options, refuse_unready
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene
@@ -31,6 +32,10 @@ class Sidecars:
     def refuse(self, recipe: Recipe) -> None:
         """Raise a UserError if they cannot be made of a recipe's maps, or need a package that is not installed."""
         refuse_unready(self.formats)
+        for each in self.formats:
+            if each.joins:
+                problem = f"{each.joins} would hold every map, which rsegen export alone writes"
+                raise ParameterError(f"formats: {each.name}", f"{problem}; export it, or leave out its name")
         if self.sheet:
             from rsegen.exporters.sheet import CutSettings, refuse_unbuildable
 

@@ -9,7 +9,7 @@ then only what rsegen wrote there is replaced.
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 
@@ -61,11 +61,25 @@ class FolderWriter:
 
     def write(self, name: str, bundle: Bundle) -> tuple[str, ...]:
         """Write the files of one folder, not yet at its place; gives their names inside it, sorted as paths are."""
+        self.write_together(name, [bundle])
+        return _sorted([*bundle, PurePosixPath(RECORD)])
+
+    def write_together(
+        self, name: str, bundles: Iterable[Bundle], done: Callable[[tuple[str, ...]], None] | None = None
+    ) -> None:
+        """Write the files of several bundles into one folder, as `write` does; those that an earlier one has, once.
+
+        `done` is called with the names that each bundle adds, when they are written.
+        """
+        files: dict[str, tuple[WrittenFile, ...]] = {}
         with as_write_errors(self._staged.folder / name):
-            files = {str(path): (self._staged.write(name / path, pieces),) for path, pieces in bundle.items()}
+            for bundle in bundles:
+                new = {path: pieces for path, pieces in bundle.items() if str(path) not in files}
+                files |= {str(path): (self._staged.write(name / path, pieces),) for path, pieces in new.items()}
+                if done:
+                    done(_sorted(new))
             self._staged.write(f"{name}/{RECORD}", [Record(content=self._content, files=files).text()])
             self._names.append(name)
-        return _sorted([*bundle, PurePosixPath(RECORD)])
 
     def finish(self) -> None:
         """Put all of them in their places; an OutputError if one exists and may not be replaced."""

@@ -111,6 +111,23 @@ def test_a_step_as_high_as_the_climb_is_free(climb_cm: float, free: int, tmp_pat
     assert list((tmp_path / "map.pgm").read_bytes()[-4:][::-1]) == [254] * free + [0] * (4 - free)
 
 
+@pytest.mark.parametrize(("margin_cm", "cells"), [(0, 0), (1, 1), (10, 1), (25, 3)])
+def test_a_margin_is_free_ground_of_whole_cells_around_the_map(margin_cm: float, cells: int, tmp_path: Path) -> None:
+    scene = of_levels([[2, 0, 2], [0, 2, 2]])
+    put(Occupancy(), scene, tmp_path)
+    map_alone = np.asarray(Image.open(tmp_path / "map.pgm"))
+    said = yaml.safe_load((tmp_path / "map.yaml").read_text())
+    put(Occupancy(margin_cm=margin_cm), scene, tmp_path)
+    assert (np.asarray(Image.open(tmp_path / "map.pgm")) == np.pad(map_alone, cells, constant_values=254)).all()
+    corner = [*(side - cells * scene.field.block_width for side in said["origin"][:2]), 0]
+    assert yaml.safe_load((tmp_path / "map.yaml").read_text())["origin"] == pytest.approx(corner, abs=1e-9)
+
+
+def test_a_margin_that_makes_a_huge_image_is_refused() -> None:
+    with pytest.raises(ParameterError, match=r"margin_cm: 100000 cm .* 20002 x 20003 pixels; give less"):
+        made(Occupancy(margin_cm=100_000), of_levels([[2, 0, 2], [0, 2, 2]]))
+
+
 def test_options_are_flags_of_both_commands(tmp_path: Path) -> None:
     (tmp_path / "recipe.yaml").write_text("seed: 1\nchunk_size: 2\n")
     flags = ["--pixels", "4", "--climb-cm", "20", "-o"]
@@ -119,4 +136,4 @@ def test_options_are_flags_of_both_commands(tmp_path: Path) -> None:
     assert main(["generate", recipe, "--formats", "heightmap, occupancy", *flags, str(tmp_path / "b")]) == 0
     for folder in (tmp_path / "a", tmp_path / "b"):
         said = json.loads((folder / "rse_0000" / "formats.json").read_text("utf-8"))
-        assert said == {"heightmap": {"pixels": 4}, "occupancy": {"climb_cm": 20, "pixels": 4}}
+        assert said == {"heightmap": {"pixels": 4}, "occupancy": {"climb_cm": 20, "margin_cm": 0, "pixels": 4}}

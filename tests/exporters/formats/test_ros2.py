@@ -1,37 +1,38 @@
-"""ROS 2's own tools judge the package; where colcon or ament_cmake are not there, CMake with a stand-in for it.
-
-The launch files are run with stand-ins for ROS's modules, which write down what they are asked.
-"""
+"""ROS 2's own tools judge the package; where colcon or ament_cmake are not there, CMake with a stand-in for it."""
 
 from __future__ import annotations
 
+import json
 import os
 import re
-import runpy
 import shutil
 import subprocess
-import sys
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from types import ModuleType
-from typing import Any
 
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+import rsegen
 from rsegen import Recipe, Scene, compose
 from rsegen.exporters.formats.ros2 import Ros2, package_name
 from rsegen.exporters.gazebo import single
-from tests.exporters.formats.maps import RECIPES, SCENES, made
+from rsegen.io.importers import imported
+from rsegen.io.importers.occupancy import Occupancy as ReadOccupancy
+from tests.exporters.formats.maps import RECIPES, SCENES
+from tests.exporters.formats.maps import made as made_files
 from tests.simulation.real.conftest import missing
 from tests.simulation.real.maps import slippery
+from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents
 
 SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))
 SLIPPERY = compose(next(slippery()))
 NAMED = compose(Recipe(name="2026.Pallet--A", seed=3, chunk_size=3))
+LINTERS = ("ament_flake8", "ament_pep257", "ament_lint_cmake", "ament_xmllint")
 VARIABLES = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
 
 AMENT = """\
@@ -49,7 +50,7 @@ endmacro()
 
 def written(scene: Scene, folder: Path) -> Path:
     """The folder of the package."""
-    for path, content in made(Ros2(), scene).items():
+    for path, content in made_files(Ros2(), scene).items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_bytes(content)
     return folder / package_name(scene.name)
@@ -76,10 +77,14 @@ def test_catkin_pkg_takes_the_package_for_valid(scene: Scene, tmp_path: Path) ->
     assert found.name == package_name(scene.name)
     assert found.package_format == 3
     assert found.get_build_type() == "ament_cmake"
-    for distribution, simulators in {"humble": {"gazebo_ros", "ros_gz_sim"}, "jazzy": {"ros_gz_sim"}}.items():
+    assert [(each.file, str(each)) for each in found.licenses] == [("LICENSE", "Apache-2.0")]
+    assert [each.type for each in found.urls] == ["website"]
+    for distribution, classic in {"humble": {"gazebo_ros"}, "jazzy": set()}.items():
         found.evaluate_conditions({"ROS_DISTRO": distribution})
         needed = {each.name for each in found.exec_depends if each.evaluated_condition}
-        assert needed == simulators | {"ament_index_python", "launch"}
+        launched = "".join(path.read_text() for path in Path(found.filename).parent.glob("launch/*.py"))
+        nodes = set(re.findall(r"(?:package='|Share\('|: \(')(\w+)'", launched)) - {"gazebo_ros"}
+        assert needed == nodes | classic | {"launch", "launch_ros"}
 
 
 @pytest.mark.slow
@@ -102,7 +107,7 @@ def test_cmake_installs_what_the_package_holds(scene: Scene, tmp_path: Path) -> 
     source = written(scene, tmp_path / "src")
     share = installed_by_cmake(source, tmp_path) / "share" / source.name
     there, held = contents(share), contents(source)
-    for part in ("launch", "models", "worlds"):
+    for part in ("LICENSE", "config", "launch", "maps", "models", "urdf", "worlds"):
         assert {name for name in there if name.startswith(part)} == {name for name in held if name.startswith(part)}
     hook = (share / "environment" / f"{source.name}.dsv").read_text().splitlines()
     assert hook == [f"prepend-non-duplicate;{variable};share/{source.name}/models" for variable in VARIABLES]
@@ -119,6 +124,7 @@ def test_colcon_builds_it_and_its_setup_says_where_the_models_are(tmp_path: Path
     for scene in (NAMED, SCENES["frames alone"]):
         written(scene, tmp_path / "src")
     subprocess.run([colcon, "build"], cwd=tmp_path, env=tools, check=True, capture_output=True)
+    _test_with_linters(colcon, tmp_path, tools)
     shell = ["bash", "-c", ". install/setup.bash && env"]
     bare = {name: value for name, value in tools.items() if name not in VARIABLES}
     environment = subprocess.run(shell, cwd=tmp_path, env=bare, check=True, capture_output=True, text=True).stdout
@@ -126,6 +132,19 @@ def test_colcon_builds_it_and_its_setup_says_where_the_models_are(tmp_path: Path
     for variable in VARIABLES:
         folders = {Path(folder).resolve() for folder in said[variable].split(os.pathsep)}
         assert {model.name for folder in folders for model in folder.iterdir()} == {NAMED.name, "rse_0000"}
+
+
+def _test_with_linters(colcon: str, workspace: Path, tools: Mapping[str, str]) -> None:
+    """The package's own tests: ament's linters, as many as CMake found."""
+    if not all(map(shutil.which, LINTERS)):
+        return
+    subprocess.run([colcon, "test"], cwd=workspace, env=tools, check=True, capture_output=True)
+    said = subprocess.run(
+        [colcon, "test-result", "--all"], cwd=workspace, env=tools, check=False, capture_output=True, text=True
+    )
+    assert said.returncode == 0, said.stdout
+    for linter in ("flake8", "lint_cmake", "pep257", "xmllint"):
+        assert re.search(rf"rse_0000/test_results/rse_0000/{linter}.xunit.xml: [1-9]", said.stdout), said.stdout
 
 
 @pytest.mark.parametrize("scene", [*SCENES.values(), SLIPPERY], ids=[*SCENES, "several frictions"])
@@ -138,64 +157,66 @@ def test_the_model_is_the_one_of_a_single_world(scene: Scene, tmp_path: Path) ->
     assert world.find("world/model[@name='ground_plane']") is not None
 
 
-class Stand:
-    """In place of any class of ROS's launch: what it was made of."""
-
-    def __init__(self, *arguments: Any, **named: Any) -> None:
-        self.arguments, self.named = arguments, {name: _plain(value) for name, value in named.items()}
-
-
-def _plain(value: Any) -> Any:
-    return dict(value) if isinstance(value, type({}.items())) else value
-
-
-@pytest.fixture
-def ros(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[Path], list[Stand]]:
-    """Runs a launch file, and gives what it launches."""
-    modules: Mapping[str, Mapping[str, object]] = {
-        "ament_index_python": {},
-        "ament_index_python.packages": {"get_package_share_directory": lambda name: str(tmp_path / "share" / name)},
-        "launch": {"LaunchDescription": list},
-        "launch.actions": dict.fromkeys(["DeclareLaunchArgument", "IncludeLaunchDescription"]),
-        "launch.conditions": dict.fromkeys(["IfCondition"]),
-        "launch.launch_description_sources": dict.fromkeys(["PythonLaunchDescriptionSource"]),
-        "launch.substitutions": dict.fromkeys(["LaunchConfiguration"]),
-    }
-    for name, members in modules.items():
-        module = ModuleType(name)
-        for member, value in members.items():
-            setattr(module, member, value or type(member, (Stand,), {}))
-        monkeypatch.setitem(sys.modules, name, module)
-    return lambda file: runpy.run_path(str(file))["generate_launch_description"]()
-
-
-def test_gazebo_classic_is_launched_with_the_world_and_a_window(
-    tmp_path: Path, ros: Callable[[Path], list[Stand]]
+@SCENE
+def test_the_occupancy_grid_has_free_ground_around_the_map_and_the_start_pose_on_it(
+    scene: Scene, tmp_path: Path
 ) -> None:
-    package = written(NAMED, tmp_path)
-    gui, server, window = ros(package / "launch" / "gazebo_classic.launch.py")
-    share = tmp_path / "share"
-    assert gui.arguments == ("gui",)
-    assert server.arguments[0].arguments == (str(share / "gazebo_ros" / "launch" / "gzserver.launch.py"),)
-    world = share / package.name / "worlds" / f"{NAMED.name}.world"
-    assert server.named["launch_arguments"] == {"world": str(world)}
-    assert window.arguments[0].arguments == (str(share / "gazebo_ros" / "launch" / "gzclient.launch.py"),)
-    assert window.named["condition"].arguments[0].arguments == ("gui",)
+    folder = written(scene, tmp_path) / "maps" / scene.name
+    grid, field = imported(folder / "map.yaml", ReadOccupancy()), scene.field
+    levels = rsegen.build(grid).levels
+    margin = round(2 / field.block_width + 0.499)
+    inside = levels[margin:-margin, margin:-margin]
+    assert (inside == (field.heights > field.unit)).all()
+    assert levels.sum() == inside.sum()
+    start = json.loads((folder / "start_pose.json").read_text())
+    corner = yaml.safe_load((folder / "map.yaml").read_text())["origin"]
+    assert corner[0] < start["x"] < -field.extent[0] / 2
+    assert start["y"] == start["yaw"] == 0
 
 
-def test_gazebo_sim_is_launched_with_the_world_and_options(tmp_path: Path, ros: Callable[[Path], list[Stand]]) -> None:
-    package = written(NAMED, tmp_path)
-    options, gazebo = ros(package / "launch" / "gazebo_sim.launch.py")
-    share = tmp_path / "share"
-    assert (options.arguments, options.named["default_value"]) == (("options",), "-r")
-    assert gazebo.arguments[0].arguments == (str(share / "ros_gz_sim" / "launch" / "gz_sim.launch.py"),)
-    first, space, world = gazebo.named["launch_arguments"]["gz_args"]
-    assert (first.arguments, space) == (("options",), " ")
-    assert world == str(share / package.name / "worlds" / f"{NAMED.name}.world")
+def test_a_joined_package_is_kept_or_replaced_whole(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    to = ["--to", "ros2 package=fields", "-o", str(tmp_path)]
+    assert exit_code("export", "peak", "--seed", "3", "--maps", "2", *to) == 0
+    before = contents(tmp_path)
+    assert exit_code("export", "peak", "--seed", "3", "--maps", "2", *to, "--resume") == 0
+    assert contents(tmp_path) == before
+    capsys.readouterr()
+    for flags, problem in (
+        (["--maps", "2"], "exists already; give --force"),
+        (["--maps", "3", "--resume"], "exists already and does not hold these maps and no others"),
+        (["--maps", "1", "--resume"], "exists already and does not hold these maps and no others"),
+        (["--maps", "2", "--to", "stl"], "puts all maps into one folder, fields, and stl each into its own"),
+    ):
+        assert exit_code("export", "peak", "--seed", "3", *flags, *to) == 2
+        assert problem in the_line(capsys.readouterr().err)
+        assert contents(tmp_path) == before
+    assert exit_code("export", "peak", "--seed", "4", *to, "--force") == 0
+    assert sorted(path.name for path in (tmp_path / "fields" / "models").iterdir()) == ["peak_0000"]
+    (tmp_path / "fields" / "package.xml").write_text("mine")
+    assert exit_code("export", "peak", "--seed", "4", *to, "--force") == 2
+    assert "was changed after rsegen wrote it" in the_line(capsys.readouterr().err)
+
+
+def test_worlds_have_no_joined_package_next_to_each(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert exit_code("generate", "peak", "--formats", "ros2 package=fields", "-o", tmp_path / "worlds") == 2
+    assert "rsegen export alone" in the_line(capsys.readouterr().err)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("linter", LINTERS)
+def test_ament_s_linters_find_nothing(linter: str, tmp_path: Path) -> None:
+    program = shutil.which(linter) or missing(f"no {linter}: run scripts/ros2")
+    found = subprocess.run([program, "."], cwd=written(NAMED, tmp_path), capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stdout + found.stderr
+
+
+def test_the_licence_is_that_of_rsegen(tmp_path: Path) -> None:
+    assert (written(NAMED, tmp_path) / "LICENSE").read_bytes() == (Path(__file__).parents[3] / "LICENSE").read_bytes()
 
 
 def test_maps_exported_into_a_workspace_are_packages_of_their_own_names(tmp_path: Path) -> None:
     names = [package_name(compose(recipe).name) for recipe in RECIPES.values()]
     assert set(names) == {"rse_0000"}
-    files = made(Ros2(), NAMED)
+    files = made_files(Ros2(), NAMED)
     assert {path.partition("/")[0] for path in files} == {package_name(NAMED.name)}

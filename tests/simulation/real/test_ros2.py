@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import rsegen
 from rsegen import compose
 from rsegen.exporters.formats.ros2 import Ros2
 from rsegen.simulation.simulators import Installation
+from rsegen.simulation.simulators.process import command_output
 from tests.simulation.real.bodies import SIZE, body
 from tests.simulation.real.maps import variants
 from tests.simulation.real.test_sdformat import said
@@ -48,3 +50,42 @@ def test_libsdformat_finds_the_model_that_the_world_includes(
     monkeypatch.setenv("SDF_PATH", str(folder / "models"))
 
     assert said(check_sdf(folder / "worlds" / f"{scene.name}.world")) == ["Valid."]
+
+
+SERVERS = (("gz", "sim", "GZ_SIM", "server"), ("ign", "gazebo", "IGN_GAZEBO", "fortress_server"))
+SYSTEMS = {"physics", "user-commands", "scene-broadcaster", "sensors", "imu", "contact"}
+
+
+def servers() -> Sequence[tuple[str, str, str, str]]:
+    return [one for one in SERVERS if re.search(r"^\d+\.\d+\.\d+$", command_output([*one[:2], "--versions"]), re.M)]
+
+
+def test_gazebo_sim_loads_the_systems_of_the_server_configuration(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each system is loaded, or named as missing where Gazebo was built without it, and the world is simulated."""
+    found = servers() or pytest.skip("no server of Gazebo Sim: Debian has none; install Fortress or later")
+    program, command, prefix, name = found[0]
+    scene, folder = package(tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("IGN_PARTITION", tmp_path.name)
+    monkeypatch.setenv("GZ_PARTITION", tmp_path.name)
+    monkeypatch.setenv(f"{prefix}_RESOURCE_PATH", str(folder / "models"))
+    for _, _, variable, config in SERVERS:
+        monkeypatch.setenv(f"{variable}_SERVER_CONFIG_PATH", str(folder / "config" / f"{config}.config"))
+    world = folder / "worlds" / f"{scene.name}.world"
+
+    text = command_output([program, command, "-s", "-r", "-v", "4", "--iterations", "200", world])
+
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", text)
+    assert f"{folder}/config/{name}.config" in plain
+    loaded = {_kebab(system) for system in re.findall(r"Loaded system \[\w+::\w+::systems::(\w+)\]", plain)}
+    absent = set(re.findall(r"Failed to load system plugin \[\w+-\w+-([\w-]+)-system\] : couldn't find", plain))
+    assert {"physics", "user-commands", "scene-broadcaster", "contact"} <= loaded
+    assert loaded | absent == SYSTEMS
+    harmless = re.compile("Failed to load system plugin|launching Remotery")  # the profiler, where two servers run
+    assert [line for line in plain.splitlines() if "[Err]" in line and not harmless.search(line)] == []
+
+
+def _kebab(name: str) -> str:
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "-", name).lower()

@@ -60,6 +60,11 @@ class Format(ABC):
         """The value of each option."""
         return {name: getattr(self, name) for name in parameters(type(self))}
 
+    @property
+    def joins(self) -> str:
+        """The folder at the top of its files, if an export of several maps joins them in one such; else empty."""
+        return ""
+
     @abstractmethod
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The files by their path in the format's folder, each to be read once; the same scene gives the same bytes."""

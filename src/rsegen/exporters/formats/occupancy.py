@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from math import ceil
 from typing import Annotated, ClassVar
 
 import numpy as np
 
+from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import NANOMETRE_DIGITS
+from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
 from rsegen.params.sorts import Float, Integer
 
 _OCCUPIED, _FREE = 0, 254
 """Grey values as map_server writes them."""
+
+_MOST_PIXELS = 100_000_000
+"""Of an image with a margin."""
 
 
 @register
@@ -29,6 +34,9 @@ class Occupancy(Format):
         float | None,
         Float(0, 100_000, unit="cm", help="cells higher than this are occupied; default: one unit"),
     ] = None
+    margin_cm: Annotated[
+        float, Float(0, 100_000, unit="cm", help="free ground around the map, rounded up to whole cells")
+    ] = 0.0
     pixels: Annotated[int, Integer(1, 100, help="pixels along each side of a cell")] = 1
 
     @property
@@ -38,12 +46,12 @@ class Occupancy(Format):
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The image, north up, and its YAML metadata; the centre of the map is the origin of the world."""
-        field = scene.field
+        field, margin = scene.field, self._margin(scene.field)
         climb = field.unit if self.climb_cm is None else self.climb_cm / 100
-        occupied = field.heights > round(climb, NANOMETRE_DIGITS)
+        occupied = np.pad(field.heights > round(climb, NANOMETRE_DIGITS), margin)
         grey = np.where(occupied, _OCCUPIED, _FREE).astype(np.uint8).T[::-1]
         rows = grey.repeat(self.pixels, axis=0).repeat(self.pixels, axis=1)
-        x, y = (decimal(-side / 2) for side in field.extent)
+        x, y = (decimal(-side / 2 - margin * field.block_width) for side in field.extent)
         lines = [
             f"# {scene.name}: cells higher than {decimal(climb)} m above the ground are occupied; made by rsegen",
             "image: map.pgm",
@@ -56,3 +64,12 @@ class Occupancy(Format):
         ]
         head = f"P5\n{rows.shape[1]} {rows.shape[0]}\n255\n"
         return {"map.yaml": ["\n".join([*lines, ""]).encode()], "map.pgm": [head.encode(), rows.tobytes()]}
+
+    def _margin(self, field: StepField) -> int:
+        """The cells of free ground on each side; a ParameterError if the image would be too large."""
+        margin = ceil(round(self.margin_cm / 100 / field.block_width, NANOMETRE_DIGITS))
+        width, height = ((n + 2 * margin) * self.pixels for n in field.shape)
+        if margin and width * height > _MOST_PIXELS:
+            problem = f"{decimal(self.margin_cm)} cm around the map make an image of {width} x {height} pixels"
+            raise ParameterError("margin_cm", f"{problem}; give less, so that it has up to {_MOST_PIXELS:,}")
+        return margin

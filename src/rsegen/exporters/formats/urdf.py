@@ -35,21 +35,26 @@ class Urdf(Format):
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The URDF file, and the visual meshes in the folder meshes."""
-        objs = coloured_objs(scene)
-        meshes = {_mesh(scene, material): content for material, content in objs.items()}
-        colours = {f"meshes/{scene.name}.mtl": mtl(scene)} if meshes else {}
-        return {f"{scene.name}.urdf": utf8(_robot(scene, objs)), **meshes, **colours}
+        return urdf_files(scene)
 
 
-def _robot(scene: Scene, materials: Iterable[int]) -> Iterator[str]:
+def urdf_files(scene: Scene, folder: str = "", root: str = "") -> dict[str, Iterable[bytes]]:
+    """The files of a map's URDF below `folder`; its mesh URIs start with `root`, else they are relative to the file."""
+    objs = coloured_objs(scene)
+    meshes = {folder + _mesh(scene, material): content for material, content in objs.items()}
+    colours = {f"{folder}meshes/{scene.name}.mtl": mtl(scene)} if meshes else {}
+    return {f"{folder}{scene.name}.urdf": utf8(_robot(scene, objs, root)), **meshes, **colours}
+
+
+def _robot(scene: Scene, materials: Iterable[int], root: str) -> Iterator[str]:
     """The URDF text: one link per friction coefficient; the first has the map's name and all visual meshes."""
+    hint = "" if root else "\n     In a ROS package, write package://PACKAGE/PATH/meshes/ for meshes/."
     yield f"""\
 <?xml version="1.0"?>
-<!-- made by rsegen: metres, z up, the middle of the map at 0 0 0, the ground at z = 0.
-     In a ROS package, write package://PACKAGE/PATH/meshes/ for meshes/. -->
+<!-- made by rsegen: metres, z up, the middle of the map at 0 0 0, the ground at z = 0.{hint} -->
 <robot name="{scene.name}">
 """
-    visuals = [_visual(scene, material) for material in materials]
+    visuals = [_visual(scene, material, root) for material in materials]
     for number, (friction, field) in enumerate(split_by_friction(scene, scene.field)):
         name = f"{scene.name}_friction_{decimal(friction)}" if number else scene.name
         yield from _link(name, friction, chain([] if number else visuals, _collisions(field)))
@@ -78,11 +83,11 @@ def _joint(parent: str, child: str) -> str:
 """
 
 
-def _visual(scene: Scene, material: int) -> str:
+def _visual(scene: Scene, material: int, root: str) -> str:
     rgba = numbers((*scene.colour(material), 1))
     return f"""\
     <visual name="{material_name(material)}">
-      <geometry><mesh filename="{_mesh(scene, material)}"/></geometry>
+      <geometry><mesh filename="{root}{_mesh(scene, material)}"/></geometry>
       <material name="{scene.name}_{material_name(material)}"><color rgba="{rgba}"/></material>
     </visual>
 """
