@@ -71,6 +71,7 @@ def test_odometry_in_gazebo_sim_names_both_its_frames(robot: Robot, simulator: s
     plugins = parsed(robot, simulator).findall("plugin")
     (publisher,) = (each for each in plugins if each.get("name", "").endswith("::OdometryPublisher"))
     assert publisher.findtext("odom_frame") == "one/odom"
+    assert publisher.findtext("odom_topic") == "/model/one/ground_truth"
     assert publisher.findtext("robot_base_frame") == robot.links[0].name
 
 

@@ -133,7 +133,8 @@ class Robot:
     def _publishers(self, name: str, simulator: str) -> str:
         """Plug-ins that publish odometry and poses in Gazebo Sim; Classic needs none."""
         frames = element("odom_frame", f"{name}/odom") + element("robot_base_frame", self.links[0].name)
-        odometry = system("OdometryPublisher", simulator, frames + element("dimensions", 3))
+        topic = element("odom_topic", f"/model/{name}/ground_truth")  # beside that of the drive's own odometry
+        odometry = system("OdometryPublisher", simulator, frames + topic + element("dimensions", 3))
         return odometry + pose_publisher(simulator)
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import astuple, dataclass, field
 from typing import Any
 
@@ -31,8 +31,8 @@ TOPICS = {"stats": "WorldStatistics", "pose/info": "Pose_V", "dynamic_pose/info"
 _BETWEEN_LOOKS = 0.02
 """Seconds: poses are published as often."""
 
-_FIRST_RESPONSE = 1.0
-"""Seconds."""
+_CLIENTS, _FIRST_RESPONSE = 10, 1.0
+"""How many clients are tried, and seconds within which a server must answer one."""
 
 _MODEL = 2
 """The type of a model in a message Entity."""
@@ -186,12 +186,9 @@ class SimWorld(LiveWorld):
 @contextmanager
 def sim_world(environment: Mapping[str, str], timeout: float) -> Iterator[SimWorld]:
     """The world of the server at the address in environment variables; SimulatorFailed if none or several answer."""
-    with transport_client(environment) as client:
-        try:
-            client.offers(WORLDS, timeout)
-        except SimulatorFailed:
-            raise SimulatorFailed(f"Gazebo Sim: no server answers in the partition {client.partition}") from None
-        worlds, offers = _worlds(client), client.offers(WORLDS)
+    with ExitStack() as stack:
+        client, worlds = _answered_client(stack, environment, timeout)
+        offers = client.offers(WORLDS)
         if len(offers) > 1 or not worlds:
             what = f"{len(offers)} servers run" if worlds else "a server without a world runs"
             advice = "set GZ_PARTITION to that of one server"
@@ -201,14 +198,25 @@ def sim_world(environment: Mapping[str, str], timeout: float) -> Iterator[SimWor
         yield SimWorld(client=client, world=worlds[0], backend=backend)
 
 
-def _worlds(client: TransportClient) -> list[str]:
-    """The worlds of a server, asked again if it does not answer: its first response to a program may be lost.
+def _answered_client(
+    stack: ExitStack, environment: Mapping[str, str], timeout: float
+) -> tuple[TransportClient, list[str]]:
+    """A client that a server has answered, and the server's worlds; one that is not answered is replaced.
 
-    It connects to the program, waits 0.1 s, and drops the response if the connection is not there by then.
+    A server's response to a new program is lost if the connection takes it more than 0.1 s; and always, if the program
+    has the port of an earlier one, whose name the server goes on to use.
     """
-    for _ in range(int(TIMEOUT / _FIRST_RESPONSE)):
-        with suppress(SimulatorFailed):
-            return list(client.request(WORLDS, "Empty", {}, _FIRST_RESPONSE).get("data", []))
+    for _ in range(_CLIENTS):
+        with ExitStack() as attempt:
+            client = attempt.enter_context(transport_client(environment))
+            try:
+                client.offers(WORLDS, timeout)
+            except SimulatorFailed:
+                raise SimulatorFailed(f"Gazebo Sim: no server answers in the partition {client.partition}") from None
+            with suppress(SimulatorFailed):
+                worlds = client.request(WORLDS, "Empty", {}, _FIRST_RESPONSE).get("data", [])
+                stack.enter_context(attempt.pop_all())
+                return client, worlds
     raise SimulatorFailed("Gazebo Sim: a server is there, and does not answer")
 
 
