@@ -167,6 +167,15 @@ def test_a_log_that_is_refused_is_not_changed(tmp_path: Path, left: str) -> None
     assert (tmp_path / "results.jsonl").read_text() == left
 
 
+def test_a_log_from_before_there_were_two_simulators_is_gone_on_with_in_classic(tmp_path: Path) -> None:
+    row = {"robot": "burger", "sizes": [0, 10]}
+    path = tmp_path / "results.jsonl"
+    path.write_text(json.dumps({"plan": {"rows": [row]}}) + "\n")
+    ResultsLog(path=path).begin({"rows": [{**row, "simulator": "classic"}]})
+    with pytest.raises(FileError, match="has the outcomes of another plan"):
+        ResultsLog(path=path).begin({"rows": [{**row, "simulator": "sim"}]})
+
+
 @pytest.mark.parametrize("written", range(0, 25, 8))
 def test_a_log_of_a_run_that_was_killed_in_its_first_line_begins_anew(tmp_path: Path, written: int) -> None:
     line = json.dumps({"plan": {"name": "some name"}})

@@ -50,6 +50,20 @@ def test_a_map_is_random_in_the_levels_that_the_row_says() -> None:
     assert not build(TableRow().map_of(0, seed=3)).levels.any()
 
 
+def test_a_plan_in_two_simulators_has_each_row_in_both_and_a_table_of_both() -> None:
+    plan = ExperimentPlan(name="p", rows=(TableRow(), TableRow(robot="jackal", simulator="classic"), TableRow()))
+    both = plan.in_simulators(["sim", "classic"])
+    assert [(row.robot, row.simulator) for row in both.rows] == [
+        ("burger", "sim"),
+        ("burger", "classic"),
+        ("jackal", "classic"),
+        ("burger", "sim"),
+        ("burger", "classic"),
+    ]
+    assert both.tables == [[0, 1], [2], [3, 4]]
+    assert both.in_simulators(["sim"]) == both
+
+
 def test_a_plan_of_a_file_is_named_after_it(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text(ROWS, "utf-8")
     assert load_plan(str(tmp_path / "mine.yaml")).name == "mine"

@@ -63,6 +63,20 @@ def test_a_row_without_an_empty_world_is_held_against_that_of_the_same_robots(re
         assert "on the wall, at full speed." in report_page(plan, outcomes, MACHINE)
 
 
+def test_rows_in_two_simulators_are_one_table(results: Results) -> None:
+    both = PLAN.in_simulators(["sim", "classic"])
+    outcomes = {cell: [outcome(1.0 + cell.row, 0.9)] for cell in both.cells}
+    text = report_page(both, outcomes, MACHINE)
+    assert text.count("## ") == 2
+    table = [line for line in text.splitlines() if line.startswith("| Gazebo ") and "80 x 80" in line]
+    assert [[cell.strip() for cell in line.split("|")[1:9]] for line in table] == [
+        ["Gazebo Sim", "80 x 80", "0.90, 0.90, 0.90", "20 % of a core", "170 MB", "1.0 s", "1.0", "1.00"],
+        ["Gazebo Classic", "80 x 80", "0.90, 0.90, 0.90", "20 % of a core", "170 MB", "1.0 s", "2.0", "1.00"],
+    ]
+    assert [line.count(FIGURES["burger"][80].cpu) for line in table] == [0, 1]
+    assert next(reading.reader(trials_csv(both, outcomes).splitlines()[1:]))[0] == "sim"
+
+
 def test_a_world_in_turns_with_an_empty_one_is_told_with_its_error(results: Results) -> None:
     def beside(*contact_shares: float) -> str:
         outcomes = [replace(outcome(4.0), share=share) for share in contact_shares]

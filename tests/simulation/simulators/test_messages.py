@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import select
+import socket
+from contextlib import suppress
 from typing import Any
 
 import pytest
@@ -12,8 +15,9 @@ from rsegen.errors import SimulatorFailed
 from rsegen.simulation.robots import robot
 from rsegen.simulation.simulators.classic_messages import CLASSIC
 from rsegen.simulation.simulators.classic_transport import transport_client
+from rsegen.simulation.simulators.sim_discovery import TOPICS, Discovery, Event
 from rsegen.simulation.simulators.sim_messages import SIM
-from rsegen.simulation.simulators.wire import MessageTypes, parse_text
+from rsegen.simulation.simulators.wire import NO_MESSAGE, MessageTypes, parse_text
 
 PLAIN: dict[object, st.SearchStrategy[Any]] = {
     int: st.integers(-(2**31), 2**31 - 1),
@@ -72,3 +76,36 @@ def test_where_nobody_answers_it_is_said() -> None:
         transport_client(("127.0.0.1", 1), 1),
     ):
         pass
+
+
+@given(content=st.binary(max_size=80))
+def test_bytes_that_are_no_message_raise_one_of_the_errors_that_are_named(content: bytes) -> None:
+    for types, name in ((SIM, "Discovery"), (SIM, "Pose_V"), (CLASSIC, "Packet")):
+        with suppress(*NO_MESSAGE):
+            assert isinstance(types.decode(name, content), dict)
+
+
+def test_datagrams_of_others_are_passed_over() -> None:
+    port = str(free_udp_port())
+    environment = {"GZ_IP": "127.0.0.1", "GZ_DISCOVERY_MSG_PORT": port}
+    ours, theirs = (Discovery(TOPICS, name, environment) for name in ("us", "them"))
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+            for junk in (b"", b"x", b"\xff\xff", b"\x02\x00\x1a\xff", b"\x03\x00abc"):
+                other.sendto(junk, ("127.0.0.1", int(port)))
+        ours.send(Event.HEARTBEAT)
+        theirs.send(Event.ADVERTISE, pub={"topic": "@/p@/t"})
+        messages: list[dict[str, Any]] = []
+        while not messages:
+            select.select([ours.receiver], [], [], 5)
+            messages += [message] if (message := ours.receive()) else []
+        assert messages[0]["pub"] == {"process_uuid": "them", "scope": 2, "topic": "@/p@/t"}
+    finally:
+        ours.close()
+        theirs.close()
+
+
+def free_udp_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])

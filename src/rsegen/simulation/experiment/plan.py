@@ -78,9 +78,9 @@ class TableRow:
         what = f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm, {self.max_height} levels"
         return what + (f", {shape}" if shape else "")
 
-    def is_like(self, other: TableRow) -> bool:
-        """Whether both are the same but for the simulator."""
-        return replace(self, simulator=None) == replace(other, simulator=None)
+    def differs_by_simulator(self, other: TableRow) -> bool:
+        """Whether both differ, and only by the simulator."""
+        return self.simulator != other.simulator and replace(self, simulator=other.simulator) == other
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -135,8 +135,11 @@ class ExperimentPlan:
         """The numbers of the rows that go into one table each, as they differ by the simulator only."""
         found: list[list[int]] = []
         for number, row in enumerate(self.rows):
-            like = next((each for each in found if self.rows[each[0]].is_like(row)), None)
-            found.append([number]) if like is None else like.append(number)
+            like = (each for each in found if all(self.rows[other].differs_by_simulator(row) for other in each))
+            if (there := next(like, None)) is None:
+                found.append([number])
+            else:
+                there.append(number)
         return found
 
     def order(self) -> Iterator[tuple[Cell, int]]:
