@@ -32,6 +32,7 @@ from rsegen.simulation.simulators.sim_discovery import (
     partition_of,
 )
 from rsegen.simulation.simulators.sim_messages import SIM
+from rsegen.simulation.simulators.sim_sockets import Sockets
 from rsegen.simulation.simulators.wire import NO_MESSAGE, Message
 
 TIMEOUT = 20.0
@@ -48,9 +49,6 @@ class TransportClient:
     """A client in a partition, which publishes, subscribes, and requests services."""
 
     def __init__(self, environment: Mapping[str, str]) -> None:
-        import zmq
-
-        self._zmq = zmq
         self.partition = partition_of(environment)
         self._process, self._node = (str(uuid.uuid4()) for _ in range(2))
         self._inbox = Inbox("Gazebo Sim")
@@ -61,14 +59,13 @@ class TransportClient:
         self._connections: dict[tuple[str, str], Message] = {}
         self._services: dict[str, dict[str, Message]] = {}
         self._responses: dict[str, tuple[bytes, bool]] = {}
-        self._connected: set[str] = set()
         self._heard: dict[str, float] = {}
         self._attended = ""
-        self._work: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._work: SimpleQueue[Callable[[], object]] = SimpleQueue()
         self._wake, self._woken = socket.socketpair()
         self._topics = Discovery(TOPICS, self._process, environment)
         self._offers = Discovery(SERVICES, self._process, environment)
-        self._open_sockets(interfaces(environment)[0])
+        self._sockets = Sockets(interfaces(environment)[0], self._process)
         self._closing = False
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
@@ -85,7 +82,7 @@ class TransportClient:
             return
         self._types[full] = type_name
         self._takers[full] = on_message or partial(self._inbox.add, full)
-        self._do(lambda: self._subscriber.setsockopt(self._zmq.SUBSCRIBE, full.encode()))
+        self._do(lambda: self._sockets.subscribe(full))
         self._do(lambda: self._topics.send(Event.SUBSCRIBE, sub={"topic": full}))
 
     def publish(self, topic: str, type_name: str, message: Message) -> None:
@@ -94,15 +91,15 @@ class TransportClient:
         if full not in self._subscribed:
             self._publications[full] = {
                 "topic": full,
-                "address": self._own_address,
+                "address": self._sockets.publisher_address,
                 "node_uuid": self._node,
                 "msg_pub": {"ctrl": "", "msg_type": type_name},
             }
             self._do(lambda: self._topics.send(Event.ADVERTISE, pub=self._publications[full]))
             self._inbox.wait(f"no subscriber of {topic}", lambda: full in self._subscribed, TIMEOUT)
         content = SIM.encode(type_name.rpartition(".")[2], message)
-        parts = [part.encode() for part in (full, self._own_address)]
-        self._do(lambda: self._publisher.send_multipart([*parts, content, type_name.encode()]))
+        parts = [part.encode() for part in (full, self._sockets.publisher_address)]
+        self._do(lambda: self._sockets.publisher.send_multipart([*parts, content, type_name.encode()]))
 
     def offers(self, service: str, timeout: float = TIMEOUT) -> list[Message]:
         """Who offers a service: the publications of all programs that answer; SimulatorFailed if none does."""
@@ -119,7 +116,7 @@ class TransportClient:
         """The response of a service to a message of a type; SimulatorFailed if it refuses or does not answer."""
         offer, number = self.offers(service, timeout)[0], str(uuid.uuid4())
         found = offer["srv_pub"]
-        parts = [found["socket_id"], offer["topic"], self._reply_address, self._process, self._node, number]
+        parts = [found["socket_id"], offer["topic"], self._sockets.responder_address, self._process, self._node, number]
         types = [found["request_type"].encode(), found["response_type"].encode()]
         content = [*(part.encode() for part in parts), SIM.encode(type_name, message), *types]
         self._do(lambda: self._send_request(offer["address"], content, time.monotonic() + timeout))
@@ -147,51 +144,31 @@ class TransportClient:
     def _full_name(self, topic: str) -> str:
         return f"@/{self.partition.strip('/')}@{topic}"
 
-    def _open_sockets(self, host: str) -> None:
-        zmq = self._zmq
-        self._context = zmq.Context()
-        self._subscriber = self._context.socket(zmq.SUB)
-        self._subscriber.setsockopt(zmq.RCVHWM, 0)
-        self._publisher = self._context.socket(zmq.XPUB)
-        self._requester, self._responder = (self._context.socket(zmq.ROUTER) for _ in range(2))
-        self._requester.setsockopt(zmq.ROUTER_MANDATORY, 1)
-        self._responder.setsockopt(zmq.ROUTING_ID, self._process.encode())
-        for each in (self._subscriber, self._publisher, self._requester, self._responder):
-            each.setsockopt(zmq.LINGER, 0)
-        self._own_address, self._reply_address = (
-            self._bound(each, host) for each in (self._publisher, self._responder)
-        )
-
-    def _bound(self, own: Any, host: str) -> str:
-        own.bind(f"tcp://{host}:*")
-        return str(own.getsockopt(self._zmq.LAST_ENDPOINT).rstrip(b"\0").decode())
-
-    def _do(self, work: Callable[[], None]) -> None:
+    def _do(self, work: Callable[[], object]) -> None:
         """Hand work to the thread that owns the sockets."""
         self._work.put(work)
         self._wake.send(b"!")
 
     def _run(self) -> None:
+        sockets, others = self._sockets, (self._woken, self._topics.receiver, self._offers.receiver)
         readers: dict[Any, Callable[[], None]] = {
-            self._woken: self._read_work,
-            self._topics.receiver: lambda: self._read_discovery(self._topics, self._note_publisher),
-            self._offers.receiver: lambda: self._read_discovery(self._offers, self._note_service),
-            self._subscriber: self._read_message,
-            self._publisher: self._read_subscription,
-            self._responder: self._read_response,
+            self._woken.fileno(): self._read_work,
+            self._topics.receiver.fileno(): lambda: self._read_discovery(self._topics, self._note_publisher),
+            self._offers.receiver.fileno(): lambda: self._read_discovery(self._offers, self._note_service),
+            sockets.subscriber: self._read_message,
+            sockets.publisher: self._read_subscription,
+            sockets.responder: self._read_response,
         }
-        poller = self._zmq.Poller()
-        for each in readers:
-            poller.register(each, self._zmq.POLLIN)
-        files = {each.fileno(): each for each in readers if isinstance(each, socket.socket)}
-        beat = 0.0
+        poller, beat = sockets.poller(*others), 0.0
         while not self._closing:
             if time.monotonic() >= beat:
                 self._beat()
                 beat = time.monotonic() + HEARTBEAT_PERIOD
             for each, _ in poller.poll(max(0, int((beat - time.monotonic()) * 1000))):
-                readers[files.get(each, each)]()
-        self._close_sockets()
+                with suppress(KeyError, ValueError, sockets.Error):  # what others send may be anything
+                    readers[each]()
+        for other in (sockets, self._topics, self._offers, self._wake, self._woken):
+            other.close()
 
     def _beat(self) -> None:
         if self._attended and time.monotonic() > self._heard[self._attended] + _SILENCE:
@@ -225,7 +202,7 @@ class TransportClient:
         topic, process = found["topic"], found["process_uuid"]
         if topic not in self._types or (topic, process) in self._connections:
             return
-        self._connect(self._subscriber, found["address"])
+        self._sockets.connect(self._sockets.subscriber, found["address"])
         kind = {"ctrl": process, "msg_type": found.get("msg_pub", {}).get("msg_type", "")}
         own = {"topic": topic, "address": found["address"], "node_uuid": self._node, "msg_pub": kind}
         self._connections[topic, process] = own
@@ -238,19 +215,13 @@ class TransportClient:
         """Nothing more comes from a program that has said goodbye."""
         if process == self._attended:
             self._inbox.fail("the server has ended")
-        for offers in self._services.values():
-            offers.pop(process, None)
+        self._inbox.update(lambda: [offers.pop(process, None) for offers in self._services.values()])
         for topic, other in list(self._connections):
             if other == process:
                 del self._connections[topic, other]
 
-    def _connect(self, own: Any, address: str) -> None:
-        if address not in self._connected:
-            self._connected.add(address)
-            own.connect(address)
-
     def _read_message(self) -> None:
-        full, _, content, kind = self._subscriber.recv_multipart()[:4]
+        full, _, content, kind = self._sockets.subscriber.recv_multipart()[:4]
         topic = full.decode(errors="replace")
         name = self._types.get(topic)
         if name and kind.decode(errors="replace").rpartition(".")[2] == name:
@@ -259,20 +230,20 @@ class TransportClient:
 
     def _read_subscription(self) -> None:
         """A first byte of 1 says that somebody has subscribed, of 0 that nobody is left."""
-        content = self._publisher.recv()
+        content = self._sockets.publisher.recv()
         change = self._subscribed.add if content[:1] == b"\1" else self._subscribed.discard
         self._inbox.update(lambda: change(content[1:].decode(errors="replace")))
 
     def _read_response(self) -> None:
-        *_, number, content, result = self._responder.recv_multipart()
+        *_, number, content, result = self._sockets.responder.recv_multipart()
         self._inbox.update(lambda: self._responses.update({number.decode(): (content, result == b"1")}))
 
     def _send_request(self, address: str, content: list[bytes], end: float) -> None:
         """Send a request; while the connection is being made, try again."""
-        self._connect(self._requester, address)
+        self._sockets.connect(self._sockets.requester, address)
         try:
-            self._requester.send_multipart(content)
-        except self._zmq.ZMQError:
+            self._sockets.requester.send_multipart(content)
+        except self._sockets.Error:
             if time.monotonic() < end:
                 time.sleep(0.002)
                 self._do(lambda: self._send_request(address, content, end))
@@ -283,13 +254,6 @@ class TransportClient:
         for each in (self._topics, self._offers):
             each.send(Event.BYE)
         self._closing = True
-
-    def _close_sockets(self) -> None:
-        for each in (self._subscriber, self._publisher, self._requester, self._responder):
-            each.close()
-        self._context.term()
-        for other in (self._topics, self._offers, self._wake, self._woken):
-            other.close()
 
 
 @contextmanager
