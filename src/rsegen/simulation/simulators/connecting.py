@@ -10,8 +10,8 @@ from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.simulation.simulators.base import SIMULATORS, Simulator
 from rsegen.simulation.simulators.live_world import LiveWorld
 
-TIMEOUT = 2.0
-"""Seconds in which a server that runs must answer."""
+TIMEOUTS = 0.3, 2.0
+"""Seconds in which a server must answer; first each is asked for a moment, as most simulators do not run."""
 
 
 @contextmanager
@@ -23,18 +23,20 @@ def connected(name: str | None) -> Iterator[tuple[Simulator, LiveWorld]]:
 
 
 def _first(stack: ExitStack, simulators: list[Simulator]) -> tuple[Simulator, LiveWorld]:
-    reasons = []
-    for simulator in simulators:
-        world = _world_or_reason(stack, simulator)
-        if isinstance(world, LiveWorld):
-            return simulator, world
-        reasons.append(world)
+    reasons: list[str] = []
+    for timeout in TIMEOUTS:
+        reasons.clear()
+        for simulator in simulators:
+            world = _world_or_reason(stack, simulator, timeout)
+            if isinstance(world, LiveWorld):
+                return simulator, world
+            reasons.append(world)
     raise NothingRuns(f"no simulation runs ({'; '.join(reasons)}); start one, as with rsegen open --shared")
 
 
-def _world_or_reason(stack: ExitStack, simulator: Simulator) -> LiveWorld | str:
+def _world_or_reason(stack: ExitStack, simulator: Simulator, timeout: float) -> LiveWorld | str:
     """Its world, or the reason why there is none."""
     try:
-        return stack.enter_context(simulator.connect(os.environ, TIMEOUT))
+        return stack.enter_context(simulator.connect(os.environ, timeout))
     except SimulatorFailed as error:
         return str(error)

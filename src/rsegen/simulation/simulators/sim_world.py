@@ -31,7 +31,7 @@ TOPICS = {"stats": "WorldStatistics", "pose/info": "Pose_V", "dynamic_pose/info"
 _BETWEEN_LOOKS = 0.02
 """Seconds: poses are published as often."""
 
-_CLIENTS, _FIRST_RESPONSE = 10, 1.0
+_CLIENTS, _FIRST_RESPONSE = 5, 1.0
 """How many clients are tried, and seconds within which a server must answer one."""
 
 _MODEL = 2
