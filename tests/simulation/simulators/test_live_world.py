@@ -88,13 +88,13 @@ def test_a_model_of_the_worlds_own_name_is_taken_and_put_again(live: LiveWorld) 
 def test_a_command_is_received_when_it_has_been_sent(sim_address: Mapping[str, str]) -> None:
     with connected_to(sim_address) as live:
         assert live.backend == "fortress"
-        robots = [f"burger_{number}" for number in range(24)]
+        robots = [f"burger_{number}" for number in range(8)]
         for name in robots:
             live.spawn(model(name, live), THERE)
         for number, name in enumerate(robots):
             live.send_command(BURGER.command(name, 0.001 * number, -0.5, live.backend))
         live.step(50)
-        assert [live.poses()[name].x for name in robots] == pytest.approx([0.001 * number for number in range(24)])
+        assert [live.poses()[name].x for name in robots] == pytest.approx([0.001 * number for number in range(8)])
 
 
 def test_poses_are_recorded_as_often_as_a_robot_publishes_them(sim_address: Mapping[str, str]) -> None:
@@ -144,7 +144,9 @@ def test_of_two_servers_none_is_taken(sim_address: Mapping[str, str]) -> None:
         with transport_client(address) as client:
             client.offers("/world/other/control")
         with pytest.raises(SimulatorFailed, match=f"2 servers run in the partition {partition}; set GZ_PARTITION"):
-            connected_to(address).__enter__()
+            for _ in range(10):  # on a busy machine an answer may be late
+                with connected_to(address):
+                    pass
 
 
 def test_a_server_that_ends_is_an_error() -> None:

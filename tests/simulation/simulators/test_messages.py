@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rsegen.errors import SimulatorFailed
@@ -45,6 +45,7 @@ EVERY = [(types, name) for types in (CLASSIC, SIM) for name in types.types]
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("types", "type_name"), EVERY, ids=[name for _, name in EVERY])
+@settings(max_examples=20)
 @given(data=st.data())
 def test_every_message_comes_back_from_its_bytes(types: MessageTypes, type_name: str, data: st.DataObject) -> None:
     message = data.draw(message_of(types, type_name))

@@ -55,7 +55,7 @@ class TransportClient:
         self._start_thread(self._read_master)
         self._start_thread(self._accept_subscribers)
         try:
-            self._wait("no world", lambda: bool(self._world), timeout)
+            self._wait("no world", lambda: bool(self._world))
         except SimulatorFailed:
             self.close()
             raise

@@ -112,6 +112,13 @@ class TransportClient:
                 self._inbox.wait("", lambda: bool(self._services.get(full)), _ASK_AGAIN)
         return list(self._services[full].values())
 
+    def all_offers(self, service: str) -> list[Message]:
+        """The same of all programs that answer within a moment, once one has answered."""
+        full = self._full_name(service)
+        self._do(lambda: self._offers.send(Event.SUBSCRIBE, sub={"topic": full}))
+        time.sleep(_ASK_AGAIN / 2)
+        return self.offers(service)
+
     def request(self, service: str, type_name: str, message: Message, timeout: float = TIMEOUT) -> dict[str, Any]:
         """The response of a service to a message of a type; SimulatorFailed if it refuses or does not answer."""
         offer, number = self.offers(service, timeout)[0], str(uuid.uuid4())

@@ -188,7 +188,7 @@ def sim_world(environment: Mapping[str, str], timeout: float) -> Iterator[SimWor
     """The world of the server at the address in environment variables; SimulatorFailed if none or several answer."""
     with ExitStack() as stack:
         client, worlds = _answered_client(stack, environment, timeout)
-        offers = client.offers(WORLDS)
+        offers = client.all_offers(WORLDS)
         if len(offers) > 1 or not worlds:
             what = f"{len(offers)} servers run" if worlds else "a server without a world runs"
             advice = "set GZ_PARTITION to that of one server"
