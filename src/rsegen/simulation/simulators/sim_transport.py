@@ -85,6 +85,12 @@ class TransportClient:
         self._do(lambda: self._sockets.subscribe(full))
         self._do(lambda: self._topics.send(Event.SUBSCRIBE, sub={"topic": full}))
 
+    def wait_for_publisher(self, topic: str) -> None:
+        """Wait until a topic that is subscribed has a publisher, which knows of it."""
+        full = self._full_name(topic)
+        known = self._connections
+        self._inbox.wait(f"no publisher of {topic}", lambda: any(name == full for name, _ in list(known)), TIMEOUT)
+
     def publish(self, topic: str, type_name: str, message: Message) -> None:
         """Send a message, of the full name of a type, to all subscribers of a topic; the first time, wait for one."""
         full = self._full_name(topic)
@@ -212,8 +218,8 @@ class TransportClient:
         self._sockets.connect(self._sockets.subscriber, found["address"])
         kind = {"ctrl": process, "msg_type": found.get("msg_pub", {}).get("msg_type", "")}
         own = {"topic": topic, "address": found["address"], "node_uuid": self._node, "msg_pub": kind}
-        self._connections[topic, process] = own
         self._topics.send(Event.NEW_CONNECTION, pub=own)
+        self._inbox.update(lambda: self._connections.update({(topic, process): own}))
 
     def _note_service(self, found: Message) -> None:
         self._inbox.update(lambda: self._services.setdefault(found["topic"], {}).update({found["process_uuid"]: found}))

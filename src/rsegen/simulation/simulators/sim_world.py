@@ -31,6 +31,9 @@ TOPICS = {"stats": "WorldStatistics", "pose/info": "Pose_V", "dynamic_pose/info"
 _BETWEEN_LOOKS = 0.02
 """Seconds: poses are published as often."""
 
+_CONNECTION_TIME = 0.1
+"""Seconds in which a publisher that has been told of a subscriber is connected with it."""
+
 _CLIENTS, _FIRST_RESPONSE = 5, 1.0
 """How many clients are tried, and seconds within which a server must answer one."""
 
@@ -94,6 +97,9 @@ class SimWorld(LiveWorld):
         for name in names:
             self._recorded[name] = []
             self.client.subscribe(f"/model/{name}/pose", "Pose", self._recorded[name].append)
+        for name in names:
+            self.client.wait_for_publisher(f"/model/{name}/pose")
+        time.sleep(_CONNECTION_TIME)
 
     def recorded(self) -> Record:
         """The record of the robots, at the times that their plug-ins choose."""
