@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import shutil
 from collections.abc import Iterator
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
@@ -147,3 +148,20 @@ def test_a_run_that_lives_keeps_its_hidden_folder(tmp_path: Path) -> None:
 
 def test_where_there_is_no_folder_there_is_nothing_to_clear_away(tmp_path: Path) -> None:
     remove_leftovers(tmp_path / "none")
+
+
+def test_ctrl_c_while_the_hidden_folder_is_removed_leaves_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rmtree, calls = shutil.rmtree, list[object]()
+
+    def stopped(path: Path, *, ignore_errors: bool) -> None:
+        calls.append(path)
+        if len(calls) == 1:
+            raise KeyboardInterrupt
+        rmtree(path, ignore_errors=ignore_errors)
+
+    monkeypatch.setattr(shutil, "rmtree", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        write(BUNDLE, tmp_path / "map")
+    assert [path.name for path in tmp_path.iterdir()] == ["map"]
+    write(BUNDLE, tmp_path / "other")
+    assert {path.name for path in tmp_path.iterdir()} == {"map", "other"}

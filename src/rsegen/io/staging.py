@@ -94,8 +94,13 @@ def staging(folder: Path, *, sync: bool = True, output: Path | None = None) -> I
         try:
             yield Staging(folder, home, sync=sync)
         finally:
-            _remove(home, folder)
-            unlock(lock)
+            try:
+                _remove(home, folder)
+            except KeyboardInterrupt:  # the first is the last: stop.py ignores those that follow
+                _remove(home, folder)
+                raise
+            finally:
+                unlock(lock)
 
 
 def remove_leftovers(folder: Path) -> None:
