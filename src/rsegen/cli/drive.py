@@ -11,14 +11,13 @@ from typing import Any
 
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags
-from rsegen.cli.simulation_flags import flags_in_errors
+from rsegen.cli.simulation_flags import flags_in_errors, simulator_names
 from rsegen.cli.targets import target_of
 from rsegen.params.sorts import Parameter
 from rsegen.simulation.driving.drive import DURATION, OF_A_FILE, ROBOTS, ROUTE, SEED, drive
 from rsegen.simulation.driving.drive_metrics import DriveMetrics
 from rsegen.simulation.driving.drive_result import DriveResult
 from rsegen.simulation.robots import ROBOTS as KINDS
-from rsegen.simulation.simulators import SIMULATORS
 
 _PARTS = 5
 """The parts of a robot with the most contacts that are printed; drive.json has all."""
@@ -49,8 +48,8 @@ def add(commands: Subparsers) -> None:
     command.add_argument(
         "--robots", default="1", metavar="N", help=f"number of robots ({ROBOTS.describe()}, default: 1)"
     )
-    names = " or ".join(f"{name} ({each.title})" for name, each in SIMULATORS.items())
-    command.add_argument("--simulator", metavar="NAME", help=f"{names} (default: the newest that is installed)")
+    text = f"{simulator_names()} (default: the newest that is installed)"
+    command.add_argument("--simulator", metavar="NAME", help=text)
     command.add_argument(
         "--route", default="straight", help=f"{ROUTE.describe()}: across the map, or randomly on it (default: straight)"
     )

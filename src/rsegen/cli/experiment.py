@@ -10,7 +10,7 @@ from pathlib import Path
 
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import Subparsers
-from rsegen.cli.simulation_flags import flags_in_errors
+from rsegen.cli.simulation_flags import flags_in_errors, simulator_names
 from rsegen.simulation.experiment.plan import PLANS, Cell, ExperimentPlan, load_plan
 from rsegen.simulation.experiment.run import experiment, in_simulators
 from rsegen.simulation.simulators import SIMULATORS
@@ -28,8 +28,7 @@ def add(commands: Subparsers) -> None:
     names = ", ".join(sorted(PLANS))
     command.add_argument("plan", metavar="PLAN", help=f"{names}, or a YAML file like these")
     command.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results")
-    names = " or ".join(f"{name} ({each.title})" for name, each in SIMULATORS.items())
-    text = f"{names}, or both as {','.join(SIMULATORS)}, which are compared (default: the newest that is installed)"
+    text = f"{simulator_names()}, or both as {','.join(SIMULATORS)}, which are compared (default: the newest that is installed)"
     command.add_argument("--simulator", metavar="NAME[,NAME]", help=text)
     command.add_argument("--force", action="store_true", help="delete results in DIR and start again")
     command.set_defaults(run=run)

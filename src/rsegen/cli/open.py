@@ -6,12 +6,11 @@ import argparse
 import sys
 
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags
-from rsegen.cli.simulation_flags import flags_in_errors
+from rsegen.cli.simulation_flags import flags_in_errors, simulator_names
 from rsegen.cli.targets import target_of
 from rsegen.errors import printable
 from rsegen.simulation.open_world import SECONDS, OpenedWorld, launch_command
 from rsegen.simulation.open_world import open as open_world
-from rsegen.simulation.simulators import SIMULATORS
 
 _OWN = ("simulator",)
 """Flags that say something else here than in a recipe."""
@@ -28,8 +27,7 @@ def add(commands: Subparsers) -> None:
     where = "a world file, the folder of a map or of maps, or a recipe, of which a temporary world is made"
     command.add_argument("target", nargs="?", metavar="WORLD-or-DIR-or-RECIPE", help=where)
     command.add_argument("--map", metavar="INDEX", help="map, by its index or name (default: the first)")
-    names = " or ".join(f"{name} ({each.title})" for name, each in SIMULATORS.items())
-    command.add_argument("--simulator", metavar="NAME", help=f"{names} (default: the newest)")
+    command.add_argument("--simulator", metavar="NAME", help=f"{simulator_names()} (default: the newest)")
     command.add_argument("--headless", action="store_true", help="run the server alone, without a window")
     command.add_argument("--seconds", metavar="N", help="end after N seconds")
     command.add_argument(

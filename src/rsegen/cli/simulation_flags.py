@@ -11,10 +11,14 @@ from rsegen.errors import ParameterError
 from rsegen.simulation.simulators import SIMULATORS
 
 
+def simulator_names() -> str:
+    """What --simulator takes, for its help."""
+    return " or ".join(f"{name} ({each.title})" for name, each in SIMULATORS.items())
+
+
 def add_running_flags(command: argparse.ArgumentParser) -> None:
     """Add --simulator and --json."""
-    names = " or ".join(f"{name} ({each.title})" for name, each in SIMULATORS.items())
-    command.add_argument("--simulator", metavar="NAME", help=f"{names} (default: whichever runs)")
+    command.add_argument("--simulator", metavar="NAME", help=f"{simulator_names()} (default: whichever runs)")
     command.add_argument("--json", action="store_true", help="print the result as JSON")
 
 

@@ -65,8 +65,9 @@ class Server:
         is_loaded = False
         while not is_loaded:
             has_died, late = self.running.exit_code is not None, time.monotonic() > end
-            is_loaded = self.here.simulator.is_loaded(self.home, self.log)
-            if self.here.simulator.load_failed(self.log):
+            log = self.log
+            is_loaded = self.here.simulator.is_loaded(self.home, log)
+            if self.here.simulator.load_failed(log):
                 raise self.failure("the world was not loaded")
             if has_died or (late and not is_loaded):
                 raise self.failure("the server has died" if has_died else "it did not load in time")

@@ -83,7 +83,7 @@ class TransportClient:
         self._types[full] = type_name
         self._takers[full] = on_message or partial(self._inbox.add, full)
         self._do(lambda: self._sockets.subscribe(full))
-        self._do(lambda: self._topics.send(Event.SUBSCRIBE, sub={"topic": full}))
+        self._ask(self._topics, full)
 
     def wait_for_publisher(self, topic: str) -> None:
         """Wait until a topic that is subscribed has a publisher, which knows of it."""
@@ -113,15 +113,14 @@ class TransportClient:
         while not self._services.get(full):
             if time.monotonic() > end:
                 raise SimulatorFailed(f"Gazebo Sim: nobody offers {service}")
-            self._do(lambda: self._offers.send(Event.SUBSCRIBE, sub={"topic": full}))
+            self._ask(self._offers, full)
             with suppress(SimulatorFailed):
                 self._inbox.wait("", lambda: bool(self._services.get(full)), _ASK_AGAIN)
         return list(self._services[full].values())
 
     def all_offers(self, service: str) -> list[Message]:
         """The same of all programs that answer within a moment, once one has answered."""
-        full = self._full_name(service)
-        self._do(lambda: self._offers.send(Event.SUBSCRIBE, sub={"topic": full}))
+        self._ask(self._offers, self._full_name(service))
         time.sleep(_ASK_AGAIN / 2)
         return self.offers(service)
 
@@ -156,6 +155,10 @@ class TransportClient:
 
     def _full_name(self, topic: str) -> str:
         return f"@/{self.partition.strip('/')}@{topic}"
+
+    def _ask(self, where: Discovery, full: str) -> None:
+        """Ask all programs who has a topic, or offers a service, of this full name."""
+        self._do(lambda: where.send(Event.SUBSCRIBE, sub={"topic": full}))
 
     def _do(self, work: Callable[[], object]) -> None:
         """Hand work to the thread that owns the sockets."""
