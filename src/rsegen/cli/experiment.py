@@ -28,7 +28,8 @@ def add(commands: Subparsers) -> None:
     names = ", ".join(sorted(PLANS))
     command.add_argument("plan", metavar="PLAN", help=f"{names}, or a YAML file like these")
     command.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results")
-    text = f"{simulator_names()}, or both as {','.join(SIMULATORS)}, which are compared (default: the newest that is installed)"
+    both = f"or both as {','.join(SIMULATORS)}, which are compared"
+    text = f"{simulator_names()}, {both} (default: the newest that is installed)"
     command.add_argument("--simulator", metavar="NAME[,NAME]", help=text)
     command.add_argument("--force", action="store_true", help="delete results in DIR and start again")
     command.set_defaults(run=run)

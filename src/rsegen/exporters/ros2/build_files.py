@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-URL = "https://pypi.org/project/rsegen/"
-
 _EXEC_DEPENDS = (
     "launch",
     "launch_ros",
@@ -30,7 +28,7 @@ def package_xml(package: str) -> str:
   <description>Random Step Environments as worlds and models for Gazebo, RViz and Nav2; made by rsegen.</description>
   <maintainer email="you@example.com">you</maintainer>
   <license file="LICENSE">Apache-2.0</license>
-  <url type="website">{URL}</url>
+  <url type="website">https://example.com</url>
   <buildtool_depend>ament_cmake</buildtool_depend>
 {_depends("exec_depend", _EXEC_DEPENDS)}\
   <exec_depend condition="$ROS_DISTRO == humble or $ROS_DISTRO == iron">gazebo_ros</exec_depend>
