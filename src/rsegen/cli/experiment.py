@@ -21,8 +21,8 @@ def add(commands: Subparsers) -> None:
     command = commands.add_parser(
         "experiment",
         description="Repeat the paper's experiment in a Gazebo server: robots drive randomly over maps of several "
-        "sizes; real-time factor, CPU, memory and load time go into DIR as table.md, trials.csv, summary.json and "
-        "plot.png.",
+        "sizes; real-time factor, CPU, memory, load time and how far the robots drove go into DIR as table.md, "
+        "trials.csv, summary.json and plot.png, and where each robot was into DIR/tracks.",
         epilog="If it was stopped, the same command runs the trials that are missing.",
     )
     names = ", ".join(sorted(PLANS))

@@ -173,12 +173,19 @@ def test_an_experiment_goes_on_where_it_was_stopped(
         "trials.csv",
         "summary.json",
         "plot.png",
+        "tracks",
     }
+    tracks = tmp_path / "out" / "tracks"
+    assert {path.name for path in tracks.glob("*.csv")} == {
+        f"row1-{size}-{pace}-0.csv" for size in (0, 10) for pace in ("real", "free")
+    }
+    assert len(list(tracks.glob("*.png"))) == 4
+    assert "experiment " + str(plan) in table
 
 
 def test_an_empty_world_in_turns_with_another_has_the_same_speed(gazebo: Installation) -> None:
     plan = ExperimentPlan(name="null", rows=(TableRow(robots=1, sizes=(0,)),), paces=("beside",), seconds=4)
-    outcome = run_trial(plan, plan.cells[0], 0, gazebo)
+    outcome = run_trial(plan, plan.cells[0], 0, gazebo).outcome
     assert outcome.share == pytest.approx(1, abs=0.3)
     assert outcome.cpu is outcome.rtf is None
     assert outcome.speed > 0

@@ -22,6 +22,9 @@ PACES = ("real", "free", "beside")
 """In real time, as people simulate; as fast as the processor can, which shows what a map costs; so in turns, second by
 second, with an empty world, which tells the two apart on a noisy machine too."""
 
+IN_REAL_TIME = ("real",)
+"""The paces in real time."""
+
 PLANS = {
     path.name.removesuffix(".yaml"): path for path in files("rsegen.simulation.experiment").joinpath("plans").iterdir()
 }

@@ -71,6 +71,10 @@ class TransportClient:
         self._types[full] = type_name
         self._send_to_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
 
+    def is_subscribed(self, topic: str) -> bool:
+        """Whether a topic was ever subscribed."""
+        return self._full_topic(topic) in self._types
+
     def publish(self, topic: str, type_name: str, message: Message) -> None:
         """Send a message to all subscribers of a topic; the first time, wait for one."""
         full = self._full_topic(topic)
@@ -86,6 +90,10 @@ class TransportClient:
     ) -> dict[str, Any]:
         """The last message of a topic that `wanted` accepts; waits for one if there is none yet."""
         return self._inbox.wait_for_message(self._full_topic(topic), wanted, timeout)
+
+    def last(self, topic: str) -> dict[str, Any] | None:
+        """The last message of a topic; None if there is none yet."""
+        return self._inbox.last(self._full_topic(topic))
 
     def clear(self, topic: str) -> None:
         """Delete the messages of a topic that were received until now."""
