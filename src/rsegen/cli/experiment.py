@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> None:
     with flags_in_errors("simulator"):
         plan = in_simulators(load_plan(arguments.plan), names)
     with _bar(plan) as progress:
-        result = experiment(plan, arguments.output, force=arguments.force, progress=progress)
+        result = experiment(arguments.plan, arguments.output, simulator=names, force=arguments.force, progress=progress)
     print(result.table)
 
 

@@ -53,6 +53,9 @@ def plot(plan: ExperimentPlan, results: Results) -> bytes:
     names = [*zip(handles, labels, strict=True), *extra]
     if names:
         figure.legend(*zip(*names, strict=True), loc="outside lower center", ncols=2)
+    figure.suptitle(
+        "bars: the least and the most of all trials; hollow: robots that rested, stuck for most of the time"
+    )
     stream = io.BytesIO()
     figure.savefig(stream, format="png")
     return stream.getvalue()
@@ -89,7 +92,12 @@ def _curve(axes: Axes, number: int, plan: ExperimentPlan, points: Sequence[_Poin
 
 def _draw_published(axes: Axes, plan: ExperimentPlan) -> None:
     """The paper's least and most real-time factor, for the rows that are the paper's."""
-    found = {(size, figures.rtf_limits) for row in plan.rows for size, figures in published_figures(row).items()}
+    found = {
+        (size, figures.rtf_limits)
+        for row in plan.rows
+        for size, figures in published_figures(row).items()
+        if size in row.sizes
+    }
     if found:
         sizes, limits = zip(*sorted(found), strict=True)
         middle = [fmean(each) for each in limits]
@@ -102,6 +110,7 @@ def _draw_published(axes: Axes, plan: ExperimentPlan) -> None:
 def _finish(axes: Axes, title: str) -> None:
     """Axes from zero, with room around every point."""
     axes.set(xlabel="side of the map [blocks], 0: empty", title=title)
-    axes.margins(x=0.06, y=0.08)
-    axes.set_ylim(bottom=0)
+    axes.margins(x=0.06)
+    if axes.has_data():
+        axes.set_ylim(0, 1.08 * axes.dataLim.ymax)
     axes.grid(visible=True, alpha=0.3)

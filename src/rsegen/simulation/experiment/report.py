@@ -181,10 +181,10 @@ def _quotient(speed: float | None, usual: float | None) -> str:
 
 
 def _empty(plan: ExperimentPlan, results: Results, row: TableRow) -> Sequence[Outcome]:
-    """The same robots in an empty world at full speed, in whichever row they were."""
+    """The same robots in an empty world at full speed, in this row or, if it has none, in whichever they were."""
     alike = (
         number
-        for number, each in enumerate(plan.rows)
+        for number, each in sorted(enumerate(plan.rows), key=lambda numbered: numbered[1] is not row)
         if (each.robot, each.robots, each.simulator) == (row.robot, row.robots, row.simulator)
     )
     return next((found for number in alike if (found := outcomes_of(results, number, 0, "free"))), ())
