@@ -59,7 +59,7 @@ class DriveMetrics:
 
     distance: length of the trajectory seen from above, metres; crossed: seconds until the whole robot was beyond the
     map, None if never; stuck: seconds; tipped: how often it tipped over; tilt: largest angle between its upright and
-    the vertical, radians; climbed: its highest place above the one on which it stood after the fall at the start, metres
+    the vertical, radians; climbed: its highest place above the one on which it stood after the fall at the start, m
     touched: for each part, LINK::COLLISION, the share of samples with contacts; empty if the simulator reports none
     """
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from statistics import median
 
+from rsegen.simulation.experiment.frames import SOURCES
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, PACES, ExperimentPlan, TableRow
 from rsegen.simulation.experiment.published import COMPUTER, published_figures
 from rsegen.simulation.experiment.results import Results
@@ -76,7 +77,7 @@ def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], co
     yield "trials, in the simulated seconds of one. All else: medians of the trials."
     if len(mixed := [pace for pace in plan.paces if pace in _LINES[""]]) > 1:
         yield f"Where a cell has several figures, they are {' / '.join(_TITLES[pace] for pace in mixed)}."
-    if not set(plan.paces) & set(IN_REAL_TIME[1:]):
+    if not set(plan.paces) & set(SOURCES):
         yield "No window and no camera, so no frames per second."
     yield "\n| machine | |\n|---|---|"
     yield from (f"| {name} | {value} |" for name, value in machine.items())
@@ -98,7 +99,7 @@ def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> It
     rows = [plan.rows[number] for number in numbers]
     several, first = len(numbers) > 1, rows[0]
     yield f"## {first.label}{'' if several or not _title(first) else f', in {_title(first)}'}\n"
-    rendering = bool({"camera", "window"} & set(plan.paces)) or any(known(each, "gpu") for each in results.values())
+    rendering = bool(set(SOURCES) & set(plan.paces)) or any(known(each, "gpu") for each in results.values())
     printed = any(published_figures(row) for row in rows)
     columns = [*_COLUMNS, *(_RENDERING if rendering else ()), *_AT_FULL_SPEED, *_ROBOTS, *(_PAPER if printed else ())]
     yield _line([*(["simulator"] if several else []), *columns])

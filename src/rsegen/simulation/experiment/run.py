@@ -15,6 +15,7 @@ from rsegen.io.contents import refuse_link, refuse_loss_of_files
 from rsegen.io.record import Record, recorded
 from rsegen.io.writer import refuse_not_a_folder, write_files
 from rsegen.params.sorts import Text
+from rsegen.simulation.experiment.frames import refuse_without_frames
 from rsegen.simulation.experiment.machine import description
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, load_plan, read_plan
 from rsegen.simulation.experiment.plot import plot
@@ -70,6 +71,7 @@ def experiment(
     plan = in_simulators(plan, simulator)
     names = dict.fromkeys(str(row.simulator) for row in plan.rows)
     installed = {name: choose_installation("both", name) for name in names}
+    refuse_without_frames(plan, installed)
     _refuse_loss(plan, folder)
     if force:
         _remove(folder)

@@ -18,7 +18,8 @@ from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.driving.routes import Wandering
 from rsegen.simulation.driving.world_with_robots import world_with_robots
 from rsegen.simulation.experiment.driving_figures import driving_figures, trajectories
-from rsegen.simulation.experiment.plan import Cell, ExperimentPlan
+from rsegen.simulation.experiment.frames import SOURCES, camera_model
+from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan
 from rsegen.simulation.experiment.trial_server import Setup, Span, total, trial_server
 from rsegen.simulation.robots import robot
 from rsegen.simulation.simulators import Installation
@@ -39,6 +40,7 @@ class Outcome:
     cpu: processors that the server used while robots drove; machine: load of all processors of the machine, 0..1;
     gpu: load of the GPU, 0..1, None where there is none; rtf_min, rtf, rtf_max: real-time factors; all of these in
     real time, else None
+    fps: frames per second that the camera or the window drew, at the paces `camera` and `window`, else None
     share: speed divided by that of the empty world at the pace `beside`, else None
     simulated: seconds; driven, stuck, tipped, covered: as in DrivingFigures; None in what rsegen 0.1 measured
     """
@@ -53,6 +55,7 @@ class Outcome:
     share: float | None = None
     machine: float | None = None
     gpu: float | None = None
+    fps: float | None = None
     simulated: float | None = None
     driven: float | None = None
     stuck: float | None = None
@@ -85,7 +88,9 @@ def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> I
     scene = compose(recipe)
     runs = robot_runs(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed)
     models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
-    real = cell.pace == "real"
+    real = cell.pace in IN_REAL_TIME
+    frames = cell.pace if cell.pace in SOURCES else None
+    models += [camera_model(scene.field.extent)] if frames == "camera" else []
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         if cell.size:
             world = generate(recipe, folder).maps[0].world
@@ -95,7 +100,8 @@ def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> I
         file = world.with_name("experiment.world")
         text = world_with_robots(world, models, unthrottled=not real, backend=here.backend)
         file.write_text(text, "utf-8")
-        yield Setup(file=file, scene=scene, runs=runs, rest=REST if real else REST_AT_FULL_SPEED, real=real)
+        rest = REST if real else REST_AT_FULL_SPEED
+        yield Setup(file=file, scene=scene, runs=runs, rest=rest, real=real, frames=frames)
 
 
 def _trial(setups: Sequence[Setup], seconds: float, here: Installation, *, is_empty: bool) -> Trial:
@@ -114,20 +120,21 @@ def _trial(setups: Sequence[Setup], seconds: float, here: Installation, *, is_em
             speed=round(ours.speed, 3),
             share=round(ours.speed / others[0].speed, 4) if others else None,
             simulated=round(ours.simulated, 3),
-            **_in_real_time(ours, real=first.setup.real),
+            **_in_real_time(ours, first.setup),
             **figures._asdict(),
         )
     return Trial(outcome=outcome, scene=first.setup.scene, trajectories=tracks)
 
 
-def _in_real_time(span: Span, *, real: bool) -> dict[str, float | None]:
+def _in_real_time(span: Span, setup: Setup) -> dict[str, float | None]:
     """The figures that only a trial in real time has."""
-    if not real:
-        return dict.fromkeys(("cpu", "machine", "gpu", "rtf_min", "rtf", "rtf_max"))
+    if not setup.real:
+        return dict.fromkeys(("cpu", "machine", "gpu", "fps", "rtf_min", "rtf", "rtf_max"))
     return {
         "cpu": round(span.cpu / span.real, 4),
         "machine": round(min(span.busy / span.real, 1.0), 4),
         "gpu": round(fmean(span.gpu), 3) if span.gpu else None,
+        "fps": round(span.frames / span.real, 2) if setup.frames else None,
         "rtf_min": round(min(span.factors), 3),
         "rtf": round(fmean(span.factors), 3),
         "rtf_max": round(max(span.factors), 3),

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import astuple, dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -13,6 +13,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.exporters.scene import Scene
 from rsegen.simulation.driving.recording import RobotRun, send_commands
 from rsegen.simulation.driving.routes import Route
+from rsegen.simulation.experiment.frames import wait_for_frames, window_of
 from rsegen.simulation.experiment.machine import busy, gpu_load, usage
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
@@ -25,6 +26,9 @@ SETTLED = 2.0
 """Simulated seconds before measuring begins, in which robots fall to the ground and start to drive."""
 
 
+REST = 1.0
+"""Seconds between two looks for the first frame."""
+
 LOOKS = 0.05
 """Seconds between two looks at the poses of robots."""
 
@@ -34,26 +38,30 @@ PERIOD = 0.1
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Setup:
-    """A world file with robots on a map, their runs, the seconds between commands, and whether in real time."""
+    """A world file with robots on a map, their runs, the seconds between commands, whether in real time, and by what
+    frames are drawn, if by anything.
+    """
 
     file: Path
     scene: Scene
     runs: Sequence[RobotRun]
     rest: float
     real: bool
+    frames: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Span:
     """Seconds of simulation, wall and CPU time; real-time factors and loads of the GPU, 0..1, between commands.
 
-    busy: seconds of CPU time of the whole machine, by its number of processors
+    busy: seconds of CPU time of the whole machine, by its number of processors; frames: those that were drawn
     """
 
     simulated: float
     real: float
     cpu: float
     busy: float
+    frames: int
     factors: Sequence[float]
     gpu: Sequence[float]
 
@@ -70,6 +78,7 @@ def total(spans: Sequence[Span]) -> Span:
         real=sum(span.real for span in spans),
         cpu=sum(span.cpu for span in spans),
         busy=sum(span.busy for span in spans),
+        frames=sum(span.frames for span in spans),
         factors=[factor for span in spans for factor in span.factors],
         gpu=[load for span in spans for load in span.gpu],
     )
@@ -84,6 +93,7 @@ class TrialServer:
     load: float
     setup: Setup
     routes: Mapping[str, Route]
+    frames: Callable[[], int]
     record: Record = field(default_factory=list)
 
     @property
@@ -93,7 +103,7 @@ class TrialServer:
 
     def measure(self, seconds: float) -> Span:
         """The span of this many wall seconds, paused only before and after, so that all clocks are exact."""
-        start, cpu, machine = self.live.clock(), usage(self.pid).cpu, busy()
+        start, cpu, machine, frames = self.live.clock(), usage(self.pid).cpu, busy(), self.frames()
         samples = self.run_robots("real", seconds, self.record)
         end = self.live.clock()
         return Span(
@@ -101,6 +111,7 @@ class TrialServer:
             real=end.real - start.real,
             cpu=usage(self.pid).cpu - cpu,
             busy=busy() - machine,
+            frames=self.frames() - frames,
             factors=[factor for factor, _ in samples],
             gpu=[load for _, load in samples if load is not None],
         )
@@ -127,6 +138,11 @@ class TrialServer:
         self.live.pause()
         return samples
 
+    def run_a_second(self) -> float:
+        """Let robots drive for a second; gives the seconds."""
+        self.run_robots("real", REST)
+        return REST
+
     def _rest(self, record: Record | None) -> None:
         """Wait until the next command, and add the poses of robots to a record as they come."""
         end = time.monotonic() + self.setup.rest
@@ -147,10 +163,25 @@ class TrialServer:
 def trial_server(setup: Setup, here: Installation) -> Iterator[TrialServer]:
     """A server of a trial in which the robots have fallen to the ground and started to drive."""
     began = time.monotonic()
-    with running_server(here, setup.file, timeout=TIMEOUT) as server, server.connect() as live:
+    with ExitStack() as stack:
+        screen = setup.frames == "camera"
+        server = stack.enter_context(running_server(here, setup.file, timeout=TIMEOUT, screen=screen))
+        live = stack.enter_context(server.connect())
         live.stop_recording()
         load, routes = time.monotonic() - began, {run.name: run.route() for run in setup.runs}
-        trial = TrialServer(live=live, pid=server.pid, load=load, setup=setup, routes=routes)
+        frames = live.frame_counter(setup.frames) if setup.frames else lambda: 0
+        trial = TrialServer(live=live, pid=server.pid, load=load, setup=setup, routes=routes, frames=frames)
+        if setup.frames == "window":
+            stack.enter_context(window_of(server))
+            wait_for_frames(frames, setup.frames, _paused)
         live.last_poses()
         trial.run_robots("simulated", SETTLED)
+        if setup.frames == "camera":
+            wait_for_frames(frames, setup.frames, trial.run_a_second)
         yield trial
+
+
+def _paused() -> float:
+    """A window draws a paused world too."""
+    time.sleep(REST)
+    return REST

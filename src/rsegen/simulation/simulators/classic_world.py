@@ -31,6 +31,9 @@ _POSES = "pose/info"
 _LINK = b"::"
 """What only the names of links have in them."""
 
+_FRAMES = {"camera": ("eye/link/camera/image", "ImageStamped"), "window": ("user_camera/pose", "Pose")}
+"""The topic of each source of frames, a message a frame; the window sends at most thirty messages per second."""
+
 _START = {"sec": 0, "nsec": 0}
 
 _HIDDEN_HEIGHT = 10_000.0
@@ -100,6 +103,13 @@ class ClassicWorld(LiveWorld):
         found = self.client.last(_POSES) or {}
         poses = (CLASSIC.decode("Pose", raw) for raw in found.get("pose", []) if _LINK not in raw)
         return _seconds(found.get("time", _START)), {pose["name"]: pose_of(pose) for pose in poses}
+
+    def frame_counter(self, source: str) -> Callable[[], int]:
+        """Pictures that the camera sends, or poses that the window's camera sends with each frame, thirty a second."""
+        topic, kind = _FRAMES[source]
+        found: list[None] = []
+        self.client.subscribe(topic, kind, lambda _: found.append(None))
+        return lambda: len(found)
 
     def links(self) -> Mapping[str, Pose]:
         """The pose of every link in its model, by its full name."""
