@@ -12,9 +12,10 @@ import argparse
 import json
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, astuple, dataclass, replace
-from math import acos, cos, degrees
+from functools import partial
+from math import acos, cos, degrees, hypot
 from pathlib import Path
 from typing import Any
 
@@ -22,12 +23,11 @@ from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen.errors import ParameterError
 from rsegen.exporters.scene import Scene
-from rsegen.field.spots.overlap import apart
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.simulation.driving.footprints import footprint_of
 from rsegen.simulation.driving.recording import RobotRun
-from rsegen.simulation.driving.robot_runs import robot_runs
-from rsegen.simulation.driving.routes import Straight, Wandering
+from rsegen.simulation.driving.robot_runs import ROUTES, robot_runs
+from rsegen.simulation.driving.routes import Straight
 from rsegen.simulation.driving.world_with_robots import time_step, world_with_robots
 from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.simulators import SIMULATORS, Installation
@@ -42,6 +42,9 @@ SECONDS = 1.0
 
 MOST_TILT, MOST_FALL = 5.0, 0.015
 """Degrees, and metres."""
+
+_GAP = 0.05
+"""Metres between robots that are tried in one world."""
 
 _WITHOUT = {"sim": ("crawler",)}
 """Robots that a simulator is not asked for: tracks."""
@@ -85,69 +88,84 @@ def starts(
 ) -> Iterator[Start]:
     """All trials of a simulator."""
     for example in examples:
-        for kind in ROBOTS:
-            if kind not in _WITHOUT.get(here.simulator.name, ()):
-                say(f"{here}: {example}, {kind}")
-                yield from _of_robot(here, example, kind, Straight.name, seeds[:1])  # the same start for every seed
-                yield from _of_robot(here, example, kind, Wandering.name, seeds)
+        say(f"{here}: {example}")
+        yield from _of_example(here, example, seeds)
 
 
-def _of_robot(here: Installation, example: str, kind: str, route: str, seeds: Sequence[int]) -> Iterator[Start]:
-    """One robot on one example for every seed; robots of several seeds share a world where they do not overlap."""
-    scene, robot = world_of(example).scene(), ROBOTS[kind]
-    runs: dict[int, RobotRun] = {}
-    for seed in seeds:
-        try:
-            (run,) = robot_runs(scene.field, robot, route, count=1, seed=seed)
-        except ParameterError:
-            continue
-        runs[seed] = replace(run, name=f"{kind}_{seed}")
-    rested: dict[int, Pose] = {}
-    for group in _groups(runs):
-        rested |= retried(lambda group=group: _rested(here, scene, group))  # type: ignore[misc]
-    for seed in seeds:
-        tilt = fall = None
-        if seed in runs:
-            at, start = rested[seed], runs[seed].start
-            tilt = round(degrees(acos(max(-1.0, min(1.0, cos(at.roll) * cos(at.pitch))))), 2)
-            fall = round(start.z - at.z, 4)
-        yield Start(
-            simulator=here.simulator.name, example=example, robot=kind, route=route, seed=seed, tilt=tilt, fall=fall
-        )
+def _of_example(here: Installation, example: str, seeds: Sequence[int]) -> Iterator[Start]:
+    """Every robot on every route for every seed; a straight route starts alike for every seed.
+
+    Robots share a world where they stand apart.
+    """
+    scene = world_of(example).scene()
+    kinds = [kind for kind in ROBOTS if kind not in _WITHOUT.get(here.simulator.name, ())]
+    trials = [(kind, route, seed) for kind in kinds for route in ROUTES for seed in seeds[: _starts_of(route)]]
+    runs = {trial: run for trial in trials if (run := _run(scene, *trial))}
+    rested: dict[str, Pose] = {}
+    for group in _groups(runs.values()):
+        rested |= retried(partial(_rested, here, scene, group))
+    for trial in trials:
+        kind, route, seed = trial
+        tilt, fall = _moved(runs[trial], rested) if trial in runs else (None, None)
+        simulator = here.simulator.name
+        yield Start(simulator=simulator, example=example, robot=kind, route=route, seed=seed, tilt=tilt, fall=fall)
 
 
-def _groups(runs: Mapping[int, RobotRun]) -> list[dict[int, RobotRun]]:
+def _starts_of(route: str) -> int | None:
+    return 1 if route == Straight.name else None
+
+
+def _run(scene: Scene, kind: str, route: str, seed: int) -> RobotRun | None:
+    """The run of one robot, None if there is no even place for it."""
+    try:
+        (run,) = robot_runs(scene.field, ROBOTS[kind], route, count=1, seed=seed)
+    except ParameterError:
+        return None
+    return replace(run, name=f"{kind}_{route}_{seed}")
+
+
+def _groups(runs: Iterable[RobotRun]) -> list[list[RobotRun]]:
     """The runs in groups of robots that stand apart."""
-    groups: list[dict[int, RobotRun]] = []
-    for seed, run in runs.items():
-        free = [group for group in groups if all(_apart(run, other) for other in group.values())]
+    groups: list[list[RobotRun]] = []
+    for run in runs:
+        free = [group for group in groups if all(_apart(run, other) for other in group)]
         if not free:
-            free = [{}]
+            free = [[]]
             groups += free
-        free[0][seed] = run
+        free[0].append(run)
     return groups
 
 
 def _apart(one: RobotRun, other: RobotRun) -> bool:
-    import numpy as np
-
-    x, y, yaw = (np.array([value]) for value in (other.start.x, other.start.y, other.start.yaw))
-    outline = footprint_of(one.robot).outline
-    return bool(apart(outline, 0.05, (one.start.x, one.start.y, one.start.yaw), x, y, yaw)[0])
+    distance = hypot(one.start.x - other.start.x, one.start.y - other.start.y)
+    return distance > _radius(one) + _radius(other) + _GAP
 
 
-def _rested(here: Installation, scene: Scene, runs: Mapping[int, RobotRun]) -> dict[int, Pose]:
-    """The pose of each robot a second after all were let go, by seed."""
+def _radius(run: RobotRun) -> float:
+    """That of the circle around a robot's origin in which it fits."""
+    low_x, low_y, high_x, high_y = footprint_of(run.robot).outline
+    return hypot(max(-low_x, high_x), max(-low_y, high_y))
+
+
+def _rested(here: Installation, scene: Scene, runs: Sequence[RobotRun]) -> dict[str, Pose]:
+    """The pose of each robot a second after all were let go, by its name."""
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder, world_of(scene).on_disk() as world:
-        models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs.values()]
+        models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
         text = world_with_robots(world, models, unthrottled=True, backend=here.backend)
         file = Path(folder, world.name)
         file.write_text(text, "utf-8")
-        models_at = world.absolute().parent.parent
-        with running_server(here, file, models=models_at) as server, server.connect() as live:
+        with (
+            running_server(here, file, models=world.absolute().parent.parent) as server,
+            server.connect() as live,
+        ):
             live.step(round(SECONDS / time_step(text)))
-            poses = live.poses()
-        return {seed: poses[run.name] for seed, run in runs.items()}
+            return {name: pose for name, pose in live.poses().items() if name in {run.name for run in runs}}
+
+
+def _moved(run: RobotRun, rested: Mapping[str, Pose]) -> tuple[float, float]:
+    """Tilt in degrees and fall in metres of a robot that has come to rest."""
+    at = rested[run.name]
+    return round(degrees(acos(cos(at.roll) * cos(at.pitch))), 2), round(run.start.z - at.z, 4)
 
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:

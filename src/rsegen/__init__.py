@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from rsegen.field.obstacles.normal import NormalRandom as NormalRandom
     from rsegen.field.obstacles.pallet import Pallet as Pallet
     from rsegen.field.obstacles.peak import Peak as Peak
+    from rsegen.field.obstacles.platform import Platform as Platform
     from rsegen.field.obstacles.random import Random as Random
     from rsegen.field.spots.sampling import Spot as Spot
     from rsegen.field.stepfield import StepField as StepField
@@ -102,6 +103,7 @@ _HOMES = {
     "rsegen.field.obstacles.normal": ("NormalRandom",),
     "rsegen.field.obstacles.pallet": ("Pallet",),
     "rsegen.field.obstacles.peak": ("Peak",),
+    "rsegen.field.obstacles.platform": ("Platform",),
     "rsegen.field.obstacles.random": ("Random",),
     "rsegen.field.stepfield": ("StepField",),
     "rsegen.field.spots.sampling": ("Spot",),
