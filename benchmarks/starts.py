@@ -43,6 +43,9 @@ SECONDS = 1.0
 MOST_TILT, MOST_FALL = 5.0, 0.015
 """Degrees, and metres."""
 
+TIMEOUT = 300.0
+"""Seconds within which a world must load, on a busy machine too."""
+
 _GAP = 0.05
 """Metres between robots that are tried in one world."""
 
@@ -155,7 +158,7 @@ def _rested(here: Installation, scene: Scene, runs: Sequence[RobotRun]) -> dict[
         file = Path(folder, world.name)
         file.write_text(text, "utf-8")
         with (
-            running_server(here, file, models=world.absolute().parent.parent) as server,
+            running_server(here, file, timeout=TIMEOUT, models=world.absolute().parent.parent) as server,
             server.connect() as live,
         ):
             live.step(round(SECONDS / time_step(text)))
