@@ -62,7 +62,7 @@ def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> I
     row = plan.rows[cell.row]
     recipe = row.map_of(cell.size, seed)
     scene = compose(recipe)
-    runs = robot_runs(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed)
+    runs = robot_runs(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed, evenest=True)
     models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         if cell.size:
