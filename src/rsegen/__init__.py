@@ -45,7 +45,9 @@ if TYPE_CHECKING:
     from rsegen.field.obstacles.normal import NormalRandom as NormalRandom
     from rsegen.field.obstacles.pallet import Pallet as Pallet
     from rsegen.field.obstacles.peak import Peak as Peak
+    from rsegen.field.obstacles.platform import Platform as Platform
     from rsegen.field.obstacles.random import Random as Random
+    from rsegen.field.spots.sampling import Spot as Spot
     from rsegen.field.stepfield import StepField as StepField
     from rsegen.geometry import Boxes as Boxes
     from rsegen.geometry import Mesh as Mesh
@@ -73,6 +75,7 @@ if TYPE_CHECKING:
     from rsegen.recipe.recipe import Recipe as Recipe
     from rsegen.simulation.driving.drive import drive as drive
     from rsegen.simulation.driving.drive_result import DriveResult as DriveResult
+    from rsegen.simulation.driving.spots import spots as spots
     from rsegen.simulation.experiment.run import ExperimentResult as ExperimentResult
     from rsegen.simulation.experiment.run import experiment as experiment
     from rsegen.simulation.open_world import OpenResult as OpenResult
@@ -100,8 +103,10 @@ _HOMES = {
     "rsegen.field.obstacles.normal": ("NormalRandom",),
     "rsegen.field.obstacles.pallet": ("Pallet",),
     "rsegen.field.obstacles.peak": ("Peak",),
+    "rsegen.field.obstacles.platform": ("Platform",),
     "rsegen.field.obstacles.random": ("Random",),
     "rsegen.field.stepfield": ("StepField",),
+    "rsegen.field.spots.sampling": ("Spot",),
     "rsegen.geometry": ("Boxes", "Mesh"),
     "rsegen.io.dataset": ("Dataset", "Tiles", "make_dataset"),
     "rsegen.io.export": ("Exported", "export"),
@@ -118,6 +123,7 @@ _HOMES = {
     "rsegen.recipe.recipe": ("Placement", "Recipe"),
     "rsegen.simulation.driving.drive": ("drive",),
     "rsegen.simulation.driving.drive_result": ("DriveResult",),
+    "rsegen.simulation.driving.spots": ("spots",),
     "rsegen.simulation.experiment.run": ("ExperimentResult", "experiment"),
     "rsegen.simulation.open_world": ("OpenResult", "open"),
     "rsegen.simulation.spawning.remove": ("RemoveResult", "remove"),

@@ -11,7 +11,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import DiagonalBarrier, HorizontalBarrier, NormalRandom, Obstacle, Peak, Placement, Random, Recipe, build
+from rsegen import (
+    DiagonalBarrier,
+    HorizontalBarrier,
+    NormalRandom,
+    Obstacle,
+    Peak,
+    Placement,
+    Platform,
+    Random,
+    Recipe,
+    build,
+)
+from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Levels
 from rsegen.params.places import Cell
 
@@ -171,3 +183,36 @@ def test_normal_random_is_smoother_than_random() -> None:
         return float(np.abs(np.diff(build(recipe).levels, axis=0)).mean())
 
     assert mean_step(NormalRandom(max_height=5)) < mean_step(Random(max_height=5))
+
+
+@given(HEIGHTS, SOFTNESS, st.tuples(CELLS, CELLS), st.tuples(CELLS, CELLS), st.integers(0, 11))
+def test_platform_follows_its_formula(max_height: int, softness: float, first: Cell, last: Cell, level: int) -> None:
+    top = min(level, max_height - 1)
+    (x1, x2), (y1, y2) = sorted((first[0], last[0])), sorted((first[1], last[1]))
+    w = softness / 100 * L
+
+    def f(x: int, y: int) -> float:
+        d = math.hypot(max(x1 - x, 0, x - x2), max(y1 - y, 0, y - y2))
+        if d <= 0.5:
+            return top / (max_height - 1)
+        return max(0.0, 1 - (d - 0.5) / w) * (top / (max_height - 1)) if w else 0.0
+
+    found = field_of(Platform(max_height=max_height, softness=softness, level=top), first, last)
+    np.testing.assert_array_equal(found, shaped_levels(max_height, f))
+
+
+@given(st.integers(0, 4), st.integers(0, 1000))
+def test_a_platform_is_even_on_top_of_whatever_was_there(level: int, seed: int) -> None:
+    rough, even = Random(max_height=5), Platform(max_height=5, level=level, size=(3, 4))
+    rows = (Placement(obstacle=rough), Placement(obstacle=even, first=(2, 5)))
+    found = build(Recipe(chunk_size=L, boundary="none", seed=seed, obstacles=rows)).levels
+    below = build(Recipe(chunk_size=L, boundary="none", seed=seed, obstacles=rows[:1])).levels
+    assert set(found[2:5, 5:9].ravel().tolist()) == {level}
+    found_outside, below_outside = found.copy(), below.copy()
+    found_outside[2:5, 5:9] = below_outside[2:5, 5:9] = 0
+    np.testing.assert_array_equal(found_outside, below_outside)
+
+
+def test_a_platform_above_its_levels_is_refused() -> None:
+    with pytest.raises(ParameterError, match="level: 5 is more than the highest level, 4"):
+        Platform(max_height=5, level=5)

@@ -22,6 +22,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "maps": {
             "info": "say how large a map is, what stands in it and what it costs",
             "metrics": "measure how rough maps are, and what a robot can do on them",
+            "spots": "find even places for a start or a goal of a robot",
             "preview": "draw a map: plan with heights, and a view in 3D",
         },
         "files for other programs": {

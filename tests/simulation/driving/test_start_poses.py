@@ -1,63 +1,87 @@
-"""Robots start on even ground, apart, and never inside a block."""
+"""Footprints of robots, and their start poses next to a map and on it."""
 
 from __future__ import annotations
 
-from math import hypot
-
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from rsegen import Placement, Random, Recipe, StepField, build
 from rsegen.errors import ParameterError
-from rsegen.simulation.driving.start_poses import DROP_HEIGHT, GAP, adjacent_pose, poses_on_map
+from rsegen.field.spots.footprint import TOUCHING
+from rsegen.simulation.driving.footprints import footprint_of
+from rsegen.simulation.driving.robot_runs import finish_x, robot_runs
+from rsegen.simulation.driving.spots import spots
+from rsegen.simulation.driving.start_poses import DROP_HEIGHT, GAP, adjacent_pose
+from rsegen.simulation.robots import ROBOTS, Robot, SdfRobot
 
-SIZE = (0.3, 0.2, 0.2)
-
-
-def field(seed: int, blocks: int = 20, levels: int = 4) -> StepField:
-    random = Placement(obstacle=Random(max_height=levels))
-    return build(Recipe(chunk_size=blocks, boundary="none", seed=seed, obstacles=(random,)))
-
-
-def under(found: StepField, x: float, y: float, reach: float) -> np.ndarray:
-    """The heights of all blocks that a circle about a place touches."""
-    edges_x, edges_y = found.edges()
-    near_x = np.maximum(np.maximum(edges_x[:-1] - x, x - edges_x[1:]), 0)
-    near_y = np.maximum(np.maximum(edges_y[:-1] - y, y - edges_y[1:]), 0)
-    return found.heights[np.hypot(near_x[:, None], near_y[None, :]) < reach - 1e-9]
+ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
+RECIPE = Recipe(
+    chunk_size=20, boundary="none", unit_cm=1, seed=1, obstacles=(Placement(obstacle=Random(max_height=2)),)
+)
 
 
-@settings(max_examples=30, deadline=None)
-@given(seed=st.integers(0, 1000))
-def test_on_top_of_everything_under_them_and_apart(seed: int) -> None:
-    found, reach = field(seed), hypot(*SIZE[:2]) / 2
-    places = poses_on_map(found, [SIZE] * 3, np.random.default_rng(seed))
-    for number, place in enumerate(places):
-        assert place.z - DROP_HEIGHT >= under(found, place.x, place.y, reach).max() - 1e-9
-        assert abs(place.x) + reach <= 1
-        for other in places[:number]:
-            assert hypot(place.x - other.x, place.y - other.y) > 2 * reach + GAP
+def flat(blocks: int) -> StepField:
+    levels = np.zeros((blocks, blocks), dtype=np.int16)
+    return StepField(levels=levels, frame=levels < 0, block_width=0.1, unit=0.1, frame_height=0.1)
 
 
-def test_where_there_is_even_ground_they_stand_on_it() -> None:
-    levels = np.random.default_rng(1).integers(0, 5, (20, 20)).astype(np.int16)
-    levels[3:10, 8:15] = 2
-    found = StepField(levels=levels, frame=levels < 0, block_width=0.1, unit=0.1, frame_height=0.1)
-    (place,) = poses_on_map(found, [SIZE], np.random.default_rng(1))
-    assert set(under(found, place.x, place.y, 0.18).tolist()) == {0.2}
-    assert place.z == pytest.approx(0.2 + DROP_HEIGHT)
+def stairs() -> StepField:
+    levels = (np.indices((12, 12)).sum(0) * 2).astype(np.int16)
+    return StepField(levels=levels, frame=levels < 0, block_width=0.1, unit=0.1, frame_height=0.1)
 
 
-def test_what_is_too_large_or_too_many_is_said() -> None:
-    with pytest.raises(ParameterError, match="robot: it is too large to start on 4 x 4 cells"):
-        poses_on_map(field(1, blocks=4), [(0.5, 0.5, 0.2)], np.random.default_rng(1))
-    with pytest.raises(ParameterError, match="robots: not enough room on 10 x 10 cells; give fewer"):
-        poses_on_map(field(1, blocks=10), [SIZE] * 9, np.random.default_rng(1))
+@ROBOT
+def test_the_footprint_is_as_large_as_the_robot_and_stands_on_the_ground(robot: Robot) -> None:
+    found = footprint_of(robot)
+    assert (found.outline.length, found.outline.width) == pytest.approx(robot.size[:2], abs=0.003)
+    assert min(bottom for _, bottom in found.undersides) == pytest.approx(0, abs=TOUCHING)
+    assert max(bottom for _, bottom in found.undersides) >= robot.clearance
+    assert 0.003 < found.limit < 0.02
 
 
-def test_beside_the_map_is_beyond_its_rim_on_the_ground() -> None:
-    place = adjacent_pose(field(1), SIZE, 0.5)
-    assert place.x + SIZE[0] / 2 == pytest.approx(-1 - GAP)
+@pytest.mark.parametrize(("kind", "supports"), [("burger", 3), ("jackal", 4), ("crawler", 4)])
+def test_a_robot_stands_on_its_wheels_and_caster(kind: str, supports: int) -> None:
+    found = footprint_of(ROBOTS[kind])
+    assert sum(bottom <= TOUCHING for _, bottom in found.undersides) == supports
+
+
+def test_of_a_robot_from_a_file_only_the_size_is_known() -> None:
+    robot = SdfRobot(kind="mine", text="<model/>", size=(0.4, 0.2, 0.1))
+    (part,) = footprint_of(robot).undersides
+    assert tuple(part.rectangle) == pytest.approx((-0.2, -0.1, 0.2, 0.1))
+    assert part.bottom == 0
+
+
+@ROBOT
+def test_beside_the_map_the_whole_robot_is_on_the_ground(robot: Robot) -> None:
+    field, footprint = flat(20), footprint_of(robot)
+    place = adjacent_pose(field, footprint, 0.5)
+    assert place.x + footprint.outline.high_x == pytest.approx(-1 - GAP)
     assert (place.y, place.z, place.yaw) == (0.5, DROP_HEIGHT, 0)
+    assert finish_x(field, robot) + footprint.outline.low_x == pytest.approx(1)
+
+
+def test_a_drive_starts_at_the_spots_of_its_seed() -> None:
+    runs = robot_runs(build(RECIPE), ROBOTS["burger"], "random", count=3, seed=7)
+    found = spots(RECIPE, robot="burger", count=3, seed=7)
+    assert [(run.start.x, run.start.y, run.start.yaw) for run in runs] == [(spot.x, spot.y, spot.yaw) for spot in found]
+    assert [run.start.z for run in runs] == pytest.approx([spot.z + DROP_HEIGHT for spot in found])
+    assert {run.unevenness for run in runs} == {0}
+
+
+def test_where_no_place_is_even_a_drive_is_refused_and_a_trial_gets_the_evenest() -> None:
+    with pytest.raises(ParameterError, match="robot: no place is even enough"):
+        robot_runs(stairs(), ROBOTS["burger"], "random", count=1, seed=1)
+    runs = robot_runs(stairs(), ROBOTS["burger"], "random", count=2, seed=1, evenest=True)
+    assert len(runs) == 2
+    assert all(run.unevenness > 0.1 for run in runs)
+
+
+def test_too_many_robots_are_refused_by_the_name_of_their_number() -> None:
+    with pytest.raises(ParameterError, match="robots: found even places for 1 of 9 on this map; give fewer"):
+        robot_runs(flat(3), ROBOTS["burger"], "random", count=9, seed=1)
+
+
+def test_a_robot_larger_than_the_map_starts_beside_it() -> None:
+    (run,) = robot_runs(flat(3), ROBOTS["crawler"], "random", count=1, seed=1)
+    assert run.start.x < -0.15

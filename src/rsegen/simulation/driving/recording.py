@@ -30,12 +30,16 @@ _SAME = 1e-4
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RobotRun:
-    """A robot with its name in the world, its start pose, and a function that makes its route for each attempt."""
+    """A robot with its name in the world, its start pose, and a function that makes its route for each attempt.
+
+    unevenness: by how much the ground at its start is too uneven for it, metres; 0 where it starts level
+    """
 
     name: str
     robot: DrivableRobot
     start: Pose
     route: Callable[[], Route]
+    unevenness: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from rsegen.errors import UnknownName
+import numpy as np
+
+from rsegen.errors import ParameterError, UnknownName
+from rsegen.field.spots import fits
 from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
+from rsegen.simulation.driving.footprints import footprint_of
 from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.routes import Route, Straight, Wandering
-from rsegen.simulation.driving.start_poses import GAP, adjacent_pose, fits_on_map, poses_on_map
+from rsegen.simulation.driving.start_poses import GAP, adjacent_pose, spots_on_map, start_pose
 from rsegen.simulation.robots.base import DrivableRobot
-from rsegen.simulation.simulators.live_world import Pose
 
 MAX_DRIVING_SPEED = 0.4
 """Metres per second: faster robots are slowed down to this on rough ground."""
@@ -20,27 +23,36 @@ MAX_DRIVING_SPEED = 0.4
 ROUTES = (Straight.name, Wandering.name)
 
 
-def robot_runs(field: StepField, robot: DrivableRobot, route: str, *, count: int, seed: int) -> Sequence[RobotRun]:
-    """The runs of `count` robots: side by side west of the map for a straight crossing, else randomly on the map."""
+def robot_runs(  # the last three by name
+    field: StepField, robot: DrivableRobot, route: str, *, count: int, seed: int, evenest: bool = False
+) -> Sequence[RobotRun]:
+    """The runs of `count` robots: side by side west of the map for a straight crossing, else randomly on the map.
+
+    On the map they start where they stand level; one that is larger than the map starts west of it. ParameterError if
+    there are too few level places, or, with `evenest`, the least uneven ones and their unevenness in the runs.
+    """
     if route not in ROUTES:
         raise UnknownName.among("route", "route", route, ROUTES)
-    return _side_by_side(field, robot, count) if route == Straight.name else _randomly_placed(field, robot, count, seed)
+    if route == Straight.name:
+        return _side_by_side(field, robot, count)
+    return _randomly_placed(field, robot, count, seed, evenest=evenest)
 
 
 def finish_x(field: StepField, robot: DrivableRobot) -> float:
     """The x of a robot's centre beyond which the whole robot is east of the map, metres."""
-    return field.extent[0] / 2 + robot.size[0] / 2
+    return field.extent[0] / 2 - footprint_of(robot).outline.low_x
 
 
 def _side_by_side(field: StepField, robot: DrivableRobot, count: int) -> list[RobotRun]:
-    lane = robot.size[1] + GAP
+    footprint = footprint_of(robot)
+    lane = footprint.outline.width + GAP
     lines = [(number - (count - 1) / 2) * lane for number in range(count)]
     goal = finish_x(field, robot) + GAP
     return [
         RobotRun(
             name=_name(robot, number),
             robot=robot,
-            start=adjacent_pose(field, robot.size, line),
+            start=adjacent_pose(field, footprint, line),
             route=partial(_straight, robot, line, goal),
         )
         for number, line in enumerate(lines)
@@ -56,21 +68,32 @@ def driving_speed(robot: DrivableRobot) -> float:
     return min(robot.speed, MAX_DRIVING_SPEED)
 
 
-def _randomly_placed(field: StepField, robot: DrivableRobot, count: int, seed: int) -> list[RobotRun]:
-    places = _places(field, robot, count, seed)
+def _randomly_placed(field: StepField, robot: DrivableRobot, count: int, seed: int, *, evenest: bool) -> list[RobotRun]:
+    """On the map if a robot fits there, else in a row west of it."""
+    footprint = footprint_of(robot)
+    if fits(field, footprint):
+        try:
+            spots = spots_on_map(field, footprint, count, spot_generator(seed), evenest=evenest)
+        except ParameterError as error:
+            raise ParameterError("robots" if error.where == "count" else error.where, error.problem) from None
+        starts = [(start_pose(spot), spot.unevenness) for spot in spots]
+    else:
+        starts = [(run.start, 0.0) for run in _side_by_side(field, robot, count)]
     return [
         RobotRun(
-            name=_name(robot, number), robot=robot, start=place, route=partial(_random, field, robot, seed, number)
+            name=_name(robot, number),
+            robot=robot,
+            start=start,
+            route=partial(_random, field, robot, seed, number),
+            unevenness=unevenness,
         )
-        for number, place in enumerate(places)
+        for number, (start, unevenness) in enumerate(starts)
     ]
 
 
-def _places(field: StepField, robot: DrivableRobot, count: int, seed: int) -> list[Pose]:
-    """On the map if a robot fits there, else in a row west of it."""
-    if fits_on_map(field, robot.size):
-        return poses_on_map(field, [robot.size] * count, generator(seed, 0, "places"))
-    return [run.start for run in _side_by_side(field, robot, count)]
+def spot_generator(seed: int) -> np.random.Generator:
+    """The generator of the places of robots: `rsegen spots` gives those at which `rsegen drive` starts."""
+    return generator(seed, 0, "places")
 
 
 def _random(field: StepField, robot: DrivableRobot, seed: int, number: int) -> Route:

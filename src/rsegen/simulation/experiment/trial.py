@@ -86,7 +86,7 @@ def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> I
     row = plan.rows[cell.row]
     recipe = row.map_of(cell.size, seed)
     scene = compose(recipe)
-    runs = robot_runs(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed)
+    runs = robot_runs(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed, evenest=True)
     models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
     real = cell.pace in IN_REAL_TIME
     frames = cell.pace if cell.pace in SOURCES else None

@@ -1,0 +1,96 @@
+"""The footprint of a robot: what its links cover, and how level it has to stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from math import cos, inf, radians, sin, sqrt, tan
+
+import numpy as np
+
+from rsegen.field.spots import Footprint, Rectangle, Underside
+from rsegen.field.spots.footprint import TOUCHING
+from rsegen.field.stepfield import Array
+from rsegen.simulation.robots.base import DrivableRobot, Robot
+from rsegen.simulation.robots.links import Part, PoseTuple
+from rsegen.simulation.robots.solids import Box, Cylinder
+
+TILT = radians(3)
+"""The largest tilt at which a robot may rest at its start."""
+
+_RISES = (0.001, 0.005, 0.02, inf)
+"""Metres: a round part is taken for rectangles that are as wide as it is at these heights above its lowest point."""
+
+
+def footprint_of(robot: DrivableRobot) -> Footprint:
+    """The footprint of a robot: every part of every link; of one from a file, the rectangle of its size."""
+    if isinstance(robot, Robot):
+        return _of_links(robot)
+    length, width, _ = robot.size
+    return plain_footprint(length, width)
+
+
+def plain_footprint(length: float, width: float) -> Footprint:
+    """The footprint of a robot of which only the size is known: it stands on all of its rectangle."""
+    limit = tan(TILT) * min(length, width) / 2
+    whole = Underside(Rectangle.around(length, width), 0.0)
+    return Footprint(undersides=(whole,), limit=limit, climb=limit)
+
+
+@lru_cache(maxsize=16)
+def _of_links(robot: Robot) -> Footprint:
+    parts = _needed([each for link in robot.links for part in link.parts for each in _undersides(part, link.pose)])
+    middles = np.array([rectangle.middle for rectangle, bottom in parts if bottom <= TOUCHING])
+    apart = np.ptp(middles, axis=0).min() if len(middles) else min(robot.size[:2]) / 2
+    return Footprint(undersides=parts, limit=tan(TILT) * float(apart), climb=robot.climbs)
+
+
+def _needed(parts: Sequence[Underside]) -> tuple[Underside, ...]:
+    """The parts that are not above a lower one, or another one of the same height, in their whole length and width."""
+    kept: list[Underside] = []
+    for part in sorted(set(parts), key=lambda part: (part.bottom, -part.rectangle.length, -part.rectangle.width)):
+        if not any(other.rectangle.covers(part.rectangle) for other in kept):
+            kept.append(part)
+    return tuple(kept)
+
+
+def _undersides(part: Part, link: PoseTuple) -> Iterator[Underside]:
+    """A part of a link in the frame of the model, as rectangles from the lowest on."""
+    turned, at = _turned(link) @ _turned(part.pose), np.array(link[:3]) + _turned(link) @ np.array(part.pose[:3])
+    half = _half(part, turned)
+    low, solid = at[2] - half[2], part.solid
+    flat = isinstance(solid, Box) or (isinstance(solid, Cylinder) and abs(turned[2, 2]) > 1 - _EXACT)
+    for begin, end in ((0.0, inf),) if flat else zip((0.0, *_RISES), _RISES, strict=False):
+        x, y = (_chord(radius, end) if not flat and radius == half[2] else radius for radius in half[:2].tolist())
+        if begin < 2 * half[2]:
+            middle = at[0] - x, at[1] - y, at[0] + x, at[1] + y
+            yield Underside(Rectangle(*(float(edge) for edge in middle)), round(float(low + begin), 9))
+
+
+_EXACT = 1e-9
+
+
+def _half(part: Part, turned: Array) -> Array:
+    """Half of the sides of the box around a part, along the axes."""
+    solid = part.solid
+    if isinstance(solid, Box):
+        return np.asarray(np.round(np.abs(turned) @ np.array(solid.size) / 2, 9))
+    if isinstance(solid, Cylinder):
+        along = np.abs(turned[:, 2])
+        across = solid.radius * np.sqrt(np.maximum(1 - along**2, 0))
+        return np.asarray(np.round(along * solid.length / 2 + across, 9))
+    return np.full(3, solid.radius)
+
+
+def _chord(radius: float, rise: float) -> float:
+    """Half of the width of a circle at a height above its lowest point."""
+    return radius if rise >= radius else sqrt(rise * (2 * radius - rise))
+
+
+def _turned(pose: PoseTuple) -> Array:
+    """The rotation matrix of a pose."""
+    (cr, sr), (cp, sp), (cy, sy) = ((cos(angle), sin(angle)) for angle in pose[3:])
+    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+    return np.asarray(about_z @ about_y @ about_x)

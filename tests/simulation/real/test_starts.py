@@ -1,0 +1,14 @@
+"""Robots rest level a second after their start, wherever a seed puts them."""
+
+from __future__ import annotations
+
+from benchmarks.starts import starts
+from rsegen.simulation.simulators import Installation
+
+
+def test_every_robot_starts_level_on_rough_maps(gazebo: Installation) -> None:
+    found = list(starts(gazebo, ["turtlebot", "mixed-course"], seeds=(1, 2)))
+    driven = [each for each in found if each.tilt is not None]
+    assert [each for each in driven if not each.is_level] == []
+    places = {(each.example, each.robot) for each in driven if each.route == "random"}
+    assert places >= {(example, robot) for example in ("turtlebot", "mixed-course") for robot in ("burger", "jackal")}
