@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass
 from math import ceil, cos, radians, sin
 from pathlib import Path
@@ -39,8 +39,8 @@ TILE, LANE, FLOOR, LEVELS = 26, 0.6, 2, 5
 WIDTH = 0.1
 METRES, SPEED = 2.2, 0.22
 """Length of a drive, and its speed in m/s or the most that the robot does."""
-PERIOD = 0.1
-"""Seconds between two commands, and two looks at the robots' heights."""
+PERIOD = 0.5
+"""Seconds between two commands, and two looks at the robots."""
 GROUNDS = ("plane", "both", "classic")
 """The bare ground, the default map, and one made with `--simulator classic`."""
 NOTHING_HERE = 3
@@ -52,7 +52,7 @@ class Ahead(Route):
     """Straight ahead, whatever comes."""
 
     name: ClassVar[str] = "ahead"
-    period: ClassVar[float] = 0.1
+    period: ClassVar[float] = PERIOD
 
     speed: float
 
@@ -120,10 +120,10 @@ def drives(
 def _run(robot: DrivableRobot, world: Path, ground: str, here: Installation) -> list[Lane]:
     driven, step = runs(robot, ground), time_step(world.read_text())
     routes = {run.name: run.route() for run in driven}
-    poses = []
+    poses: list[Mapping[str, Pose]] = [{run.name: run.start for run in driven}]
     with running_server(here, world, models=world.parent.parent) as server, server.connect() as live:
         for _ in range(ceil(METRES / min(SPEED, robot.speed) / PERIOD)):
-            send_commands(live, driven, routes, live.poses())
+            send_commands(live, driven, routes, poses[-1])
             live.step(round(PERIOD / step))
             poses.append(live.poses())
     return [
@@ -134,7 +134,7 @@ def _run(robot: DrivableRobot, world: Path, ground: str, here: Installation) -> 
 
 def _lane(heading: int, start: Pose, poses: Sequence[Pose]) -> Lane:
     gone = way(Start(start.x, start.y, start.z, start.yaw), poses[-1])
-    heights = [pose.z for pose in poses[round(1 / PERIOD) :]]
+    heights = [pose.z for pose in poses[1 + round(1 / PERIOD) :]]
     shake = 1000 * (max(heights) - min(heights))
     return Lane(heading=heading, aside=1000 * gone.aside, ahead=gone.ahead, shake=shake)
 

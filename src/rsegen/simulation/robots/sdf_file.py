@@ -102,7 +102,7 @@ class SdfRobot:
         if left.plugins:
             yield f"{self.kind}: left out for the drive, as they are not here: {', '.join(left.plugins)}"
         if left.sensors:
-            yield f"{self.kind}: left out for the drive, as they need a screen: {', '.join(left.sensors)}"
+            yield f"{self.kind}: left out for the drive, as sensors move nothing: {', '.join(left.sensors)}"
 
     def given(self, values: Mapping[str, Any]) -> SdfRobot:
         """The robot with the size, speed or turn rate that the user gives."""

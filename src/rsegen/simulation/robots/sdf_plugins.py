@@ -14,8 +14,6 @@ from rsegen.simulation.robots.sdf_drives import KNOWN, plugin_key
 
 _ROS = re.compile(r"(?:^|_)ros\d?(?:_|$)|^hector_gazebo_")
 _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
-_SCREEN = ("camera", "depth", "depth_camera", "multicamera", "wideanglecamera", "rgbd_camera", "thermal_camera")
-_NEEDS_SCREEN = {*_SCREEN, "segmentation_camera", "boundingbox_camera", "gpu_lidar", "gpu_ray", "lidar"}
 
 
 TRACKS = "gz-sim-track-controller-system"
@@ -55,8 +53,11 @@ def _is_own_drive(key: str, own: str, backend: str) -> bool:
 
 
 def _leave_out(model: Element, backend: str) -> LeftOut:
-    """Drives are not counted among what was left out: another one takes their place."""
-    sensors = _without(model, "sensor", lambda each: each.get("type", "") in _NEEDS_SCREEN, "name")
+    """Drives are not counted among what was left out: another one takes their place.
+
+    Sensors move nothing and need a screen or time: the rays of a lidar against a mesh cost more than the robot.
+    """
+    sensors = _without(model, "sensor", lambda _: True, "name")
     names = tuple(sensors)
     files = _without(model, "plugin", lambda each: not _is_loadable(each.get("filename", ""), backend), "filename")
     return LeftOut(tuple(dict.fromkeys(file for file in files if plugin_key(file) not in (*KNOWN, TRACKS))), names)

@@ -57,7 +57,8 @@ def spawn(  # each is a flag of the command
 
     target: as for `rsegen.drive`, or a kind of robot, the SDF file of a model, or a robot; name: of the model, by
     default the map's or the robot's kind; at: x, y, z, yaw in metres and radians, the last two optional, by default the
-    free place nearest to the origin, and for the model of a file an even place of the map if there is one; output: folder for maps that are made of recipes; simulator: by default whichever runs.
+    free place nearest to the origin, and for the model of a file an even place of the map if there is one; output:
+    folder for maps that are made of recipes; simulator: by default whichever runs.
     UserError if a value is wrong; NothingRuns if no simulation runs.
     """
     place = _checked_place(at)
