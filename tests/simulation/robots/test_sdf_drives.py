@@ -85,7 +85,8 @@ def test_notes_say_what_was_derived_and_what_was_left_out(tmp_path: Path) -> Non
     derived, files, sensors = read(tmp_path, two_wheels(ROS_1)).notes("classic")
     assert derived == (
         "my_robot: its drive is read from gazebo_ros_diff_drive, with wheels 0.3 m apart, radius 0.05 m, by its"
-        " plug-in; size 0.400 x 0.320 x 0.130 m around its origin by its model; speed 0.2 m/s, turn rate 0.5 rad/s by assumption"
+        " plug-in; size 0.400 x 0.320 x 0.130 m around its origin by its model; speed 0.2 m/s, turn rate 0.5"
+        " rad/s by assumption"
     )
     assert files.endswith("not here: libgazebo_ros_joint_state_publisher.so")
     assert sensors.endswith(": eye")

@@ -79,7 +79,7 @@ def named_wheels(text: str, frames: Frames, shapes: Extents) -> Found:
     sides = [side.split("+") for side in text.split(",")]
     if len(sides) != 2 or len(sides[0]) != len(sides[1]) or not all(joint for side in sides for joint in side):
         raise ParameterError("wheels", f"{shown(text)} is not LEFT,RIGHT or FRONT+REAR,FRONT+REAR, joints of wheels")
-    joints = [name for name, element in frames.elements.items() if element.tag == "joint"]
+    joints = list(frames.joints)
     for joint in (joint for side in sides for joint in side):
         if joint not in joints:
             raise UnknownName.among("wheels", "joint", joint, joints)
@@ -96,7 +96,7 @@ def named_wheels(text: str, frames: Frames, shapes: Extents) -> Found:
 
 def _wheels(plugin: Element, frames: Frames, shapes: Extents) -> Found | None:
     left, right = (_named(plugin, [tag.format(side) for tag in (*_JOINTS, *_REAR)]) for side in _SIDES)
-    missing = [joint for joint in (*left, *right) if joint not in frames.elements]
+    missing = [joint for joint in (*left, *right) if joint not in frames.joints]
     if not left or len(left) != len(right) or missing:
         return None
     left, right = map(list, _by_side(left, right, frames, shapes))
@@ -119,7 +119,7 @@ def _wheels(plugin: Element, frames: Frames, shapes: Extents) -> Found | None:
 
 def _made(left: Sequence[str], right: Sequence[str], separation: float, radius: float, frames: Frames) -> Wheels:
     """Wheels; Classic's plug-in takes the distance between the joints for the separation."""
-    between = frames.transform(left[0])[:3, 3] - frames.transform(right[0])[:3, 3]
+    between = frames.joint(left[0])[:3, 3] - frames.joint(right[0])[:3, 3]
     apart = float(np.linalg.norm(between))
     spread = apart / separation if apart and separation else 1
     return Wheels(
@@ -199,7 +199,7 @@ def _middle(link: str, frames: Frames, shapes: Extents) -> np.ndarray[tuple[int]
 def _child(joint: str, frames: Frames) -> str:
     """The link that a joint turns."""
     scope = joint.rpartition("::")[0]
-    child = _text(frames.elements[joint].find("child"))
+    child = _text(frames.joints[joint].find("child"))
     return f"{scope}::{child}" if scope else child
 
 
@@ -208,7 +208,7 @@ def _limits(plugin: Element, frames: Frames, drive: Drive, joints: Iterable[str]
     speed = _number(plugin, frames, "max_linear_velocity", "max_velocity", "max_linear_speed")
     speed = speed or _number(plugin, frames, "linear_velocity/max_velocity")
     turn = _number(plugin, frames, "max_angular_velocity", "max_angular_speed", "angular_velocity/max_velocity")
-    rates = [_number(frames.elements[joint], frames, "axis/limit/velocity") for joint in joints]
+    rates = [_number(frames.joints[joint], frames, "axis/limit/velocity") for joint in joints]
     least = min((rate for rate in rates if rate), default=0) * drive.radius
     return _real(speed) or _real(least), _real(turn)
 

@@ -16,22 +16,30 @@ _DEEPEST = 30
 
 
 class Frames:
-    """The frames of a model by name; those of a nested model are NESTED::NAME.
+    """The links, frames and nested models of a model by name, and its joints; those of a nested one are NESTED::NAME.
 
+    A joint may have the name of a link in older files.
     FileError, which begins with `where`, if a pose is not numbers or is relative to itself.
     """
 
     def __init__(self, model: Element, where: str) -> None:
         self.where = where
-        self.elements = dict(named(model))
+        found = list(named(model))
+        self.elements = {name: element for name, element in found if element.tag != "joint"}
+        self.joints = {name: element for name, element in found if element.tag == "joint"}
 
     def transform(self, name: str, depth: int = 0) -> Array:
         """The pose of a frame in the model's, (4, 4); the model's own for a name that is none."""
         if depth > _DEEPEST:
             raise FileError(f"{self.where}: the pose of {shown(name)} is relative to itself")
-        if name not in self.elements:
-            return np.eye(4)
-        element = self.elements[name]
+        element = self.elements.get(name, self.joints.get(name))
+        return np.eye(4) if element is None else self._placed(name, element, depth)
+
+    def joint(self, name: str) -> Array:
+        """The pose of a joint in the model's frame, (4, 4)."""
+        return self._placed(name, self.joints[name], 0)
+
+    def _placed(self, name: str, element: Element, depth: int) -> Array:
         scope = name.rpartition("::")[0]
         pose = element.find("pose")
         other = "" if pose is None else pose.get("relative_to", pose.get("frame", ""))
@@ -53,14 +61,16 @@ class Frames:
 
     def axis(self, joint: str) -> Array:
         """The direction of a joint's axis in the model's frame, (3,)."""
-        found = self.elements[joint].find("axis/xyz")
+        element = self.joints[joint]
+        found = element.find("axis/xyz")
         if found is None:
             return np.array([0.0, 0.0, 1.0])
         xyz = np.array(floats(found.text, 3, self.where))
-        if (self.elements[joint].findtext("axis/use_parent_model_frame") or "").strip() in ("1", "true"):
+        if (element.findtext("axis/use_parent_model_frame") or "").strip() in ("1", "true"):
             return xyz
         frame = found.get("expressed_in", "")
-        turned = self.transform(_in_scope(joint.rpartition("::")[0], frame) if frame else joint)
+        scope = joint.rpartition("::")[0]
+        turned = self.transform(_in_scope(scope, frame)) if frame else self.joint(joint)
         return np.asarray(turned[:3, :3] @ xyz)
 
 

@@ -49,7 +49,9 @@ def make_drivable(model: Element, drive: Drive | None, own: str, name: str, back
 
 
 def _is_own_drive(key: str, own: str, backend: str) -> bool:
-    return backend != "classic" and own.startswith("gz-sim-") and key in (own, TRACKS)
+    """Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are."""
+    missing = ("classic",) if own != "gz-sim-mecanum-drive-system" else ("classic", "fortress")
+    return backend not in missing and own.startswith("gz-sim-") and key in (own, TRACKS)
 
 
 def _leave_out(model: Element, backend: str) -> LeftOut:
@@ -57,8 +59,9 @@ def _leave_out(model: Element, backend: str) -> LeftOut:
 
     Sensors move nothing and need a screen or time: the rays of a lidar against a mesh cost more than the robot.
     """
-    sensors = _without(model, "sensor", lambda _: True, "name")
-    names = tuple(sensors)
+    names = tuple(_without(model, "sensor", lambda _: True, "name"))
+    if backend != "classic":
+        list(_without(model, "script", lambda _: True, "name"))  # colours of Classic's, which later versions refuse
     files = _without(model, "plugin", lambda each: not _is_loadable(each.get("filename", ""), backend), "filename")
     return LeftOut(tuple(dict.fromkeys(file for file in files if plugin_key(file) not in (*KNOWN, TRACKS))), names)
 
