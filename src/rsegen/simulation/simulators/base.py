@@ -140,6 +140,10 @@ class Simulator(ABC):
     def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
         """A connection to the world of the server at this address; SimulatorFailed if none answers in `timeout` s."""
 
+    def with_contact_sensors(self, model: str) -> str:
+        """The text of a <model> with the sensors that it needs so that its contacts are known; by default none."""
+        return model
+
     def record_options(self, period: float) -> tuple[str, ...]:
         """Options of a server that record poses with this period, seconds; none if it cannot."""
         return ()

@@ -15,6 +15,7 @@ from typing import ClassVar
 from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest, Simulator, on_path, register
 from rsegen.simulation.simulators.live_world import LiveWorld
 from rsegen.simulation.simulators.process import command_output
+from rsegen.simulation.simulators.sim_contacts import with_contact_sensors
 from rsegen.simulation.simulators.sim_world import sim_world
 
 COMMANDS = (("gz", "sim"), ("ign", "gazebo"))
@@ -49,7 +50,7 @@ class GazeboSim(Simulator):
         "all systems: https://gazebosim.org/docs/latest/install (Debian has its libraries only)",
     )
     address_variables: ClassVar[tuple[str, ...]] = ("GZ_PARTITION", "IGN_PARTITION")
-    drives_without: ClassVar[tuple[str, ...]] = ("contacts", "pictures")
+    drives_without: ClassVar[tuple[str, ...]] = ("pictures",)
     harmless_messages: ClassVar[tuple[str, ...]] = (
         # A second server's profiler finds its port taken.
         "Error launching Remotery",
@@ -96,6 +97,10 @@ class GazeboSim(Simulator):
     def backend(self, here: Installation) -> str:
         """Up to Fortress, names begin with ignition."""
         return "fortress" if "ign gazebo" in here.commands else "sim"
+
+    def with_contact_sensors(self, model: str) -> str:
+        """A server knows the contacts of collisions that a sensor names, and of no others."""
+        return with_contact_sensors(model)
 
     def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
         """Through its own transport, so it may run on another machine, and need not be installed on this one."""
