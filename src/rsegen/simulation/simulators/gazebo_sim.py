@@ -32,6 +32,10 @@ _SETTINGS = MappingProxyType(
 _LOADED = "Publishing dynamic pose messages on ["
 """What its scene broadcaster says last, in a message of level 3, in the first update after all entities are made."""
 
+_NO_MESSAGE_IS_DROPPED = MappingProxyType({"GZ_TRANSPORT_SNDHWM": "0", "IGN_TRANSPORT_SNDHWM": "0"})
+"""The length of the queue of messages to send, 0 for any. By default a server drops what is beyond 1000 messages, which
+sensors of contact reach in a fraction of a second on a busy machine; then poses are missing in a record."""
+
 _SDF_ERROR = re.compile(r"\[Server(Private)?\.cc:\d+\] Error Code \d+")
 """An error of libsdformat in the world's own file, whatever it is: the server ends, with exit code 0. (Those in models
 that are spawned come from other files of its source.)"""
@@ -83,8 +87,9 @@ class GazeboSim(Simulator):
         return replace(launch, environment=MappingProxyType({**launch.environment, **chosen}))
 
     def paused(self, here: Installation, opening: OpenRequest, home: Path) -> LaunchCommand:
-        """The server alone, which is not told to run, and says what it has loaded."""
-        return _launch(here, replace(opening, home=home)).with_options("-s", "-v", "3")
+        """The server alone, which is not told to run, says what it has loaded, and drops no message."""
+        launch = _launch(here, replace(opening, home=home)).with_options("-s", "-v", "3")
+        return replace(launch, environment=MappingProxyType({**launch.environment, **_NO_MESSAGE_IS_DROPPED}))
 
     def is_loaded(self, home: Path, log: str) -> bool:
         """It says so; in its own log in its home at once, in what it prints perhaps 4096 bytes later."""
