@@ -61,6 +61,8 @@ def add(commands: Subparsers) -> None:
     command.add_argument("--duration", default="30", metavar="S", help="simulation time, seconds (default: 30)")
     text = "seed of start poses and routes, and of a map made by --obstacle alone (default: drawn and printed)"
     command.add_argument("--seed", metavar="SEED", help=text)
+    text = "do not sample what the robots touch, which takes Gazebo Sim as much CPU again"
+    command.add_argument("--no-contacts", dest="contacts", action="store_false", help=text)
     command.add_argument("-o", "--output", type=Path, metavar="DIR", help="write trajectories, metrics and a picture")
     command.add_argument(
         "--picture", action="store_true", help="add gazebo.jpg to DIR, by Gazebo's own camera; needs a screen"
@@ -89,6 +91,7 @@ def run(arguments: argparse.Namespace) -> None:
                 wheels=arguments.wheels,
                 simulator=arguments.simulator,
                 route=arguments.route,
+                contacts=arguments.contacts,
                 output=arguments.output,
                 picture=arguments.picture,
                 force=arguments.force,

@@ -6,8 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from xml.etree import ElementTree
 
 from rsegen.simulation.robots import Robot
+from rsegen.simulation.robots.systems import add_systems
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.server import Server, retried, running_server
@@ -26,23 +28,29 @@ class Course:
     robots: Mapping[str, Robot]
     stair: Sequence[tuple[str, str]] = ()
 
-    def world(self) -> str:
-        """The world file."""
+    def world(self, backend: str) -> str:
+        """The world file for a simulator with these names of messages and plug-ins."""
+        root = ElementTree.fromstring(self._text(backend))
+        add_systems(root.find("world") or root, backend)
+        return ElementTree.tostring(root, encoding="unicode")
+
+    def _text(self, backend: str) -> str:
         return f"""\
 <sdf version="1.6">
   <world name="course">
     <physics type="ode">
       <max_step_size>0.001</max_step_size>
       <real_time_update_rate>10000</real_time_update_rate>
+      <real_time_factor>10</real_time_factor>
     </physics>
-{"".join(self._models())}  </world>
+{"".join(self._models(backend))}  </world>
 </sdf>
 """
 
-    def _models(self) -> Iterator[str]:
+    def _models(self, backend: str) -> Iterator[str]:
         yield _fixed("ground", "0 0 0", _GROUND)
         for lane, (name, robot) in enumerate(self.robots.items()):
-            yield robot.model(name, "classic", (0, lane * LANE, 0, 0, 0, 0))
+            yield robot.model(name, backend, (0, lane * LANE, 0, 0, 0, 0))
             for step, (place, geometry) in enumerate(self.stair):
                 yield _fixed(f"step_{lane}_{step}", place.format(y=lane * LANE), geometry)
 
@@ -74,7 +82,8 @@ def driven(
         with served(gazebo, course, folder) as (_, live):
             for run, count in enumerate(steps):
                 for name, (v, w) in commands.items() if run in (0, stop_after) else ():
-                    live.send_command(course.robots[name].command(name, *((v, w) if run == 0 else (0.0, 0.0))))
+                    motion = (v, w) if run == 0 else (0.0, 0.0)
+                    live.send_command(course.robots[name].command(name, *motion, live.backend))
                 live.step(count)
                 poses.append(live.poses())
         return poses
@@ -86,7 +95,7 @@ def driven(
 def served(gazebo: Installation, course: Course, folder: Path) -> Iterator[tuple[Server, LiveWorld]]:
     """A server, and its world, which stands still."""
     file = folder / "course.world"
-    file.write_text(course.world())
+    file.write_text(course.world(gazebo.backend))
     with running_server(gazebo, file) as server, server.connect() as live:
         yield server, live
 

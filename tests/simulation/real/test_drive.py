@@ -74,7 +74,7 @@ def test_wheels_cross_steps_and_a_small_caster_does_not(
     result = rsegen.drive(course(tmp_path, unit_cm), robot=kind, duration=15, simulator="sim")
     (robot,) = result.robots
     assert (robot.metrics.crossed is not None) == crosses
-    assert result.notes == (f"{gazebo_sim} gives no contacts of a drive",)
+    assert result.notes == ()
     assert np.diff(robot.trajectory.rows[:, 0]) == pytest.approx(0.05)
 
 
@@ -100,7 +100,7 @@ def test_the_same_seed_gives_the_same_tracks_and_another_seed_others(
     for name, seed in (("a", "5"), ("b", "5"), ("c", "6")):
         words = ["drive", "turtlebot", "--route", "random", "--robots", "2", "--duration", "4", "--seed", seed]
         assert main([*words, "--simulator", gazebo.simulator.name, "-o", str(tmp_path / name)]) == 0
-    for file in ("burger_1.csv", "contacts.csv") if gazebo.backend == "classic" else ("burger_1.csv",):
+    for file in ("burger_1.csv", "contacts.csv"):
         first, second, third = ((tmp_path / name / file).read_bytes() for name in "abc")
         assert first == second
         assert first != third
@@ -115,14 +115,29 @@ def test_a_rest_that_is_less_than_a_step_is_left_out(
     assert robot["touched"]["base::caster"] == 0.5
 
 
-def test_wheels_touch_the_map_at_the_heights_of_its_blocks(gazebo_classic: Installation, tmp_path: Path) -> None:
-    words = ["drive", str(course(tmp_path, 1)), "--simulator", "classic", "--duration", "15"]
-    assert main([*words, "-o", str(tmp_path / "out")]) == 0
+def test_wheels_touch_the_map_at_the_heights_of_its_blocks(gazebo: Installation, tmp_path: Path) -> None:
+    words = ["drive", str(course(tmp_path, 1)), "--robot", "jackal", "--simulator", gazebo.simulator.name]
+    assert main([*words, "--duration", "15", "-o", str(tmp_path / "out")]) == 0
     with (tmp_path / "out" / "contacts.csv").open() as stream:
         touched = [row for row in csv.DictReader(stream) if row["part"].endswith("tread")]
     levels = {round(100 * float(row["z"])) for row in touched if row["other"] == "rse_0000"}
     assert {1, 2} <= levels
-    assert {row["z"] for row in touched if row["other"] == "ground_plane"} <= {"0.0000"}
+    assert {float(row["z"]) for row in touched if row["other"] == "ground_plane"} == {0}
+
+
+def test_sampling_contacts_does_not_change_a_drive(gazebo: Installation, tmp_path: Path) -> None:
+    folder, name = course(tmp_path, 4), gazebo.simulator.name
+    with_contacts, without = (
+        rsegen.drive(folder, robots=2, duration=6, seed=5, simulator=name, contacts=contacts)
+        for contacts in (True, False)
+    )
+    for one, other in zip(with_contacts.robots, without.robots, strict=True):
+        assert np.array_equal(one.trajectory.rows, other.trajectory.rows)
+        assert one.metrics.touched
+        assert other.metrics.touched == {}
+    assert len(with_contacts.contact_samples) == 12
+    assert without.contact_samples == []
+    assert with_contacts.notes == without.notes == ()
 
 
 def test_what_the_simulator_complains_of_is_told(

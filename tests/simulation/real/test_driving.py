@@ -1,7 +1,8 @@
 """A floor of equal blocks is a floor: a robot with soft wheels goes straight on it, whatever surrounds it.
 
 ODE takes every triangle and box by itself, so the edges between coplanar ones are bumps. Boxes steer this robot off by
-centimetres: that is known, and bounded.
+centimetres: that is known, and bounded. In Gazebo Sim rsegen's own Burger drives, by its drive system; on thousands of
+boxes that takes minutes of CPU there, so it drives on meshes alone.
 """
 
 from __future__ import annotations
@@ -17,7 +18,10 @@ import rsegen
 from rsegen.exporters.gazebo import export
 from rsegen.field.stepfield import Levels
 from rsegen.io.writer import write
+from rsegen.simulation.driving.world_with_robots import world_with_robots
+from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.simulators import Installation
+from rsegen.simulation.simulators.server import running_server
 from tests.simulation.real.bodies import furnished
 from tests.simulation.real.burger import SPEED, Start, Way, burger, way
 from tests.simulation.real.maps import SHAPES, Shape, shape_name
@@ -55,6 +59,30 @@ def test_the_same_robot_goes_straight_on_the_bare_ground(gazebo_classic: Install
 
     assert_full_way(ways)
     assert max(abs(way.aside) for way in ways.values()) <= 0.0005, ways
+
+
+@pytest.mark.parametrize("others", [1.0, 0.25], ids=["lanes-in-a-random-field", "plain-with-few-other-cells"])
+@pytest.mark.parametrize("shape", [{}, {"mesh": "watertight"}], ids=shape_name)
+def test_a_burger_goes_straight_over_equal_blocks_in_sim(
+    shape: Shape, others: float, gazebo_sim: Installation, tmp_path: Path
+) -> None:
+    ways = driven_in_sim(lanes(others), gazebo_sim, tmp_path, shape)
+
+    assert_full_way(ways)
+    assert max(abs(way.aside) for way in ways.values()) <= 0.001, ways
+
+
+def test_a_burger_goes_straight_on_the_bare_ground_in_sim(gazebo_sim: Installation, tmp_path: Path) -> None:
+    ways = driven_in_sim(np.zeros_like(lanes(0)), gazebo_sim, tmp_path, {})
+
+    assert_full_way(ways)
+    assert max(abs(way.aside) for way in ways.values()) <= 0.0001, ways
+
+
+def test_six_faces_a_block_lead_a_burger_astray_in_sim(gazebo_sim: Installation, tmp_path: Path) -> None:
+    ways = driven_in_sim(lanes(1.0), gazebo_sim, tmp_path, {"mesh": "blocks"})
+
+    assert max(abs(way.aside) for way in ways.values()) > 0.1, ways
 
 
 def bounds(shape: Shape) -> tuple[float, float]:
@@ -96,6 +124,27 @@ def driven(levels: Levels, gazebo_classic: Installation, folder: Path, shape: Sh
     run = simulated(gazebo_classic, world, steps=SECONDS * 1000)
     assert not run.errors
     return {heading: way(at, run.poses[f"robot_{heading}"]) for heading, at in starts.items()}
+
+
+def driven_in_sim(levels: Levels, gazebo_sim: Installation, folder: Path, shape: Shape) -> dict[int, Way]:
+    """The same of rsegen's Burger in Gazebo Sim."""
+    ground = float(levels[levels.shape[0] // 2, TILE // 2]) * UNIT
+    starts = {heading: start(square, ground) for square, heading in enumerate(HEADINGS)}
+    robot, backend = ROBOTS["burger"], gazebo_sim.backend
+    models = [
+        robot.model(f"robot_{heading}", backend, (at.x, at.y, at.ground, 0, 0, at.heading))
+        for heading, at in starts.items()
+    ]
+    plain = written(levels, folder, shape)
+    world = plain.with_name("robots.world")
+    world.write_text(world_with_robots(plain, models, unthrottled=True, backend=backend))
+    with running_server(gazebo_sim, world, timeout=120) as server, server.connect() as live:
+        for heading in starts:
+            live.send_command(robot.command(f"robot_{heading}", SPEED, 0, live.backend))
+        live.step(SECONDS * 1000)
+        poses = live.poses()
+        assert not server.errors
+    return {heading: way(at, poses[f"robot_{heading}"]) for heading, at in starts.items()}
 
 
 def start(square: int, ground: float) -> Start:

@@ -1,4 +1,7 @@
-"""`rsegen open` in a real Gazebo Classic: the world is there, each server is alone, and nothing is left of it."""
+"""`rsegen open` in each real Gazebo: the world is there, each server is alone, and nothing is left of it.
+
+What only Gazebo Sim does is in test_sim_loading.
+"""
 
 from __future__ import annotations
 
@@ -25,6 +28,10 @@ from tests.support.runs import ended, started
 COURSE = EXAMPLES["mixed-course"]
 
 
+SERVERS = ("gzserver", "gzserver-11.1.0", "ruby", "gz", "ign")
+"""Gazebo Sim's server runs in the command itself, which is a program in Ruby."""
+
+
 @pytest.fixture
 def mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     """A variable by which all is known that the test has started."""
@@ -37,30 +44,30 @@ def made(tmp_path: Path, name: str) -> Path:
     return generated(rsegen.Recipe(name=name, chunk_size=3, seed=1, obstacles=(random,)), tmp_path).world
 
 
-def opening(*arguments: str | Path, **environment: str) -> subprocess.Popen[str]:
+def opening(simulator: str, *arguments: str | Path, **environment: str) -> subprocess.Popen[str]:
     """The command as a process of its own, of the rsegen that is tested."""
     source = str(Path(rsegen.__file__).parents[1])
-    return started("open", *arguments, "--simulator", "classic", "--headless", PYTHONPATH=source, **environment)
+    return started("open", *arguments, "--simulator", simulator, "--headless", PYTHONPATH=source, **environment)
 
 
 def server_of(process: subprocess.Popen[str], mark: str) -> psutil.Process:
-    """The gzserver that a command has started, when it is there."""
+    """The server that a command has started, when it is there."""
     end = time.monotonic() + 180
     while process.poll() is None and time.monotonic() < end:
         for found in left(mark):
             with suppress(psutil.Error):
-                if found.name().startswith("gzserver") and "".join(found.cmdline()[-1:]).endswith(".world"):
+                if found.name() in SERVERS and "".join(found.cmdline()[-1:]).endswith(".world"):
                     return found
         time.sleep(0.05)
     raise AssertionError(ended(process))
 
 
-def test_a_recipe_is_opened_and_gone_after_its_seconds(gazebo_classic: Installation, tmp_path: Path, mark: str) -> None:
+def test_a_recipe_is_opened_and_gone_after_its_seconds(gazebo: Installation, tmp_path: Path, mark: str) -> None:
     home = tmp_path / "temporary"
     home.mkdir()
-    process = opening(COURSE, "--seconds", "5", TMPDIR=str(home))
+    process = opening(gazebo.simulator.name, COURSE, "--seconds", "5", TMPDIR=str(home))
     server = server_of(process, mark)
-    assert server.cmdline()[-1] == "mixed-course_0000.world"
+    assert Path(server.cmdline()[-1]).name == "mixed-course_0000.world"
     assert list(home.rglob("mixed-course_0000.world"))
 
     assert ended(process) == (0, "")
@@ -72,7 +79,7 @@ def test_a_world_that_is_no_world_is_an_error_at_once(gazebo_classic: Installati
     world = tmp_path / "broken.world"
     world.write_text('<sdf version="1.6"><world name="broken">')
 
-    code, said = ended(opening(world, "--seconds", "40"))
+    code, said = ended(opening("classic", world, "--seconds", "40"))
 
     assert code == 1
     *told, line = said.splitlines()
@@ -88,7 +95,7 @@ def test_a_mesh_that_is_missing_is_told_and_is_a_failure(
     for mesh in world.parent.glob("meshes/*.obj"):
         mesh.unlink()
 
-    code, said = ended(opening(world, "--seconds", "8"))
+    code, said = ended(opening("classic", world, "--seconds", "8"))
 
     assert code == 1
     *told, line = said.splitlines()
@@ -98,9 +105,9 @@ def test_a_mesh_that_is_missing_is_told_and_is_a_failure(
 
 @pytest.mark.parametrize(("word", "code"), [("SIGINT", 0), ("SIGTERM", 0), ("SIGKILL", -9)])
 def test_nothing_is_left_of_a_command_that_is_stopped(
-    word: str, code: int, gazebo_classic: Installation, tmp_path: Path, mark: str
+    word: str, code: int, gazebo: Installation, tmp_path: Path, mark: str
 ) -> None:
-    process = opening(made(tmp_path, "course"), TMPDIR=str(tmp_path))
+    process = opening(gazebo.simulator.name, made(tmp_path, "course"), TMPDIR=str(tmp_path))
     server_of(process, mark)
     time.sleep(1)
     process.send_signal(signal.Signals[word])
@@ -109,15 +116,13 @@ def test_nothing_is_left_of_a_command_that_is_stopped(
     assert left_in_the_end(mark) == []
 
 
-def test_two_servers_side_by_side_do_not_disturb_each_other(
-    gazebo_classic: Installation, tmp_path: Path, mark: str
-) -> None:
+def test_two_servers_side_by_side_do_not_disturb_each_other(gazebo: Installation, tmp_path: Path, mark: str) -> None:
     worlds = [made(tmp_path, name) for name in ("one", "other")]
 
     def both() -> None:
         with (
-            running_server(gazebo_classic, worlds[0]) as one,
-            running_server(gazebo_classic, worlds[1]) as other,
+            running_server(gazebo, worlds[0]) as one,
+            running_server(gazebo, worlds[1]) as other,
             one.connect() as in_one,
             other.connect() as in_other,
         ):
@@ -136,10 +141,10 @@ def test_two_servers_side_by_side_do_not_disturb_each_other(
     assert left(mark) == []
 
 
-def test_a_server_goes_on_when_it_is_told_to(gazebo_classic: Installation, tmp_path: Path, mark: str) -> None:
+def test_a_server_goes_on_when_it_is_told_to(gazebo: Installation, tmp_path: Path, mark: str) -> None:
     def resumed() -> int:
         with (
-            running_server(gazebo_classic, made(tmp_path / str(time.monotonic_ns()), "course")) as server,
+            running_server(gazebo, made(tmp_path / str(time.monotonic_ns()), "course")) as server,
             server.connect() as live,
         ):
             live.unpause()
@@ -153,7 +158,7 @@ def names(live: LiveWorld) -> set[str]:
     return set(live.poses())
 
 
-def test_a_record_is_kept_until_it_is_stopped(gazebo_classic: Installation, tmp_path: Path) -> None:
+def test_a_record_is_kept_by_classic_until_it_is_stopped(gazebo_classic: Installation, tmp_path: Path) -> None:
     with running_server(gazebo_classic, made(tmp_path, "course")) as server, server.connect() as live:
 
         def kept() -> int:

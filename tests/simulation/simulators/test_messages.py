@@ -26,6 +26,7 @@ PLAIN: dict[object, st.SearchStrategy[Any]] = {
     str: st.text(),
     "text": st.text(),
     bytes: st.binary(),
+    "bytes": st.binary(),
 }
 
 

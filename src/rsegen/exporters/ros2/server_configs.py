@@ -6,38 +6,37 @@ The names are those of the installed systems: `ignition-gazebo-...` in Fortress,
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator
+from types import MappingProxyType
 
+from rsegen.exporters.gazebo.systems import system_name
 
-class _System(NamedTuple):
-    """A system: its part of a library's name, its class, and its parameters."""
-
-    library: str
-    name: str
-    parameters: str = ""
-
-
-_SYSTEMS = (
-    _System("physics", "Physics"),
-    _System("user-commands", "UserCommands"),
-    _System("scene-broadcaster", "SceneBroadcaster"),
-    _System("sensors", "Sensors", "<render_engine>ogre2</render_engine>"),
-    _System("imu", "Imu"),
-    _System("contact", "Contact"),
+_SYSTEMS = MappingProxyType(
+    {
+        "Physics": "",
+        "UserCommands": "",
+        "SceneBroadcaster": "",
+        "Sensors": "<render_engine>ogre2</render_engine>",
+        "Imu": "",
+        "Contact": "",
+    }
 )
+"""The parameters of each system."""
 
 
-def _config(library: str, namespace: str) -> str:
-    plugins = "".join(
-        f"""\
+def _config(backend: str) -> str:
+    return f"<server_config>\n  <plugins>\n{''.join(_plugins(backend))}  </plugins>\n</server_config>\n"
+
+
+def _plugins(backend: str) -> Iterator[str]:
+    for kind, parameters in _SYSTEMS.items():
+        name = system_name(kind, backend)
+        yield f"""\
     <plugin entity_name="*" entity_type="world"
-            filename="{library}-{system.library}-system"
-            name="{namespace}::systems::{system.name}">{system.parameters}</plugin>
+            filename="{name.library}"
+            name="{name.class_name}">{parameters}</plugin>
 """
-        for system in _SYSTEMS
-    )
-    return f"<server_config>\n  <plugins>\n{plugins}  </plugins>\n</server_config>\n"
 
 
-FORTRESS = _config("ignition-gazebo", "ignition::gazebo")
-GARDEN_AND_LATER = _config("gz-sim", "gz::sim")
+FORTRESS = _config("fortress")
+GARDEN_AND_LATER = _config("sim")

@@ -44,7 +44,10 @@ class RobotRun:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DriveRecording:
-    """The trajectory of every robot by its name, the contact samples, the simulator's error lines, a JPEG if asked."""
+    """The trajectory of every robot by its name, the contact samples, the simulator's error lines, a JPEG if asked.
+
+    There are no samples if contacts were not wanted, or if the simulator does not report any.
+    """
 
     trajectories: Mapping[str, Trajectory]
     samples: ContactSamples
@@ -52,40 +55,47 @@ class DriveRecording:
     image: bytes = b""
 
 
-def record_drive(
+def record_drive(  # noqa: PLR0913  # each is a parameter of rsegen.drive
     here: Installation,
     world: Path,
     runs: Sequence[RobotRun],
     seconds: float,
     progress: Callable[[float], None] = lambda _: None,
     *,
+    contacts: bool = True,
     camera_extent: tuple[float, float] | None = None,
 ) -> DriveRecording:
     """The recording of robots that drive for `seconds` of simulation time; if the server fails, it is tried again.
 
     The same runs, world and simulator give the same trajectories. `progress` is called with the simulated seconds that
-    are done. `camera_extent`: size in metres of the map that a camera looks at, which needs a screen.
+    are done; contacts: sample them, as in `drive_in_steps`; camera_extent: size in metres of the map that a camera
+    looks at, which needs a screen.
     """
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         frames = Path(folder, "frames")
         models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
+        models = [here.simulator.with_contact_sensors(model) for model in models] if contacts else models
         extra = [camera(camera_extent, frames)] if camera_extent else []
         text = world_with_robots(world, [*models, *extra], unthrottled=True, backend=here.backend)
         file = Path(folder, world.name)
         file.write_text(text, "utf-8")
-        attempt = _Attempt(file=file, models=world.absolute().parent.parent, runs=runs, step=time_step(text))
+        folder_of_models = world.absolute().parent.parent
+        attempt = _Attempt(file=file, models=folder_of_models, runs=runs, step=time_step(text), contacts=contacts)
         recording = retried(lambda: attempt.recording(here, seconds, progress, screen=camera_extent is not None))
         return replace(recording, image=last_frame(frames)) if camera_extent else recording
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Attempt:
-    """One attempt: the world file with robots, the folder of its models, the runs, and the physics step in seconds."""
+    """One attempt: the world file with robots, the folder of its models, the runs, the physics step in seconds, and
+    whether contacts are sampled.
+    """
 
     file: Path
     models: Path
     runs: Sequence[RobotRun]
     step: float
+    contacts: bool
 
     def recording(
         self, here: Installation, seconds: float, progress: Callable[[float], None], *, screen: bool
@@ -96,7 +106,8 @@ class _Attempt:
         with running_server(here, self.file, models=self.models, options=options, screen=screen) as server:
             with server.connect() as live:
                 live.record([run.name for run in self.runs])
-                samples = drive_in_steps(live, self.runs, seconds, self.step, progress, poses)
+                contacts = self.contacts and live.watch_contacts()
+                samples = drive_in_steps(live, self.runs, seconds, self.step, progress, poses, contacts=contacts)
                 end, recorded = live.clock().simulated, live.recorded()
             errors = server.errors
             server.stop()
@@ -105,18 +116,20 @@ class _Attempt:
         return DriveRecording(trajectories=trajectories, samples=samples, errors=errors)
 
 
-def drive_in_steps(
+def drive_in_steps(  # noqa: PLR0913  # what a drive is made of
     live: LiveWorld,
     runs: Sequence[RobotRun],
     seconds: float,
     step: float,
     progress: Callable[[float], None] = lambda _: None,
     record: Record | None = None,
+    *,
+    contacts: bool = True,
 ) -> ContactSamples:
     """The contact samples of a drive: each period, routes decide on motions, robots get commands, the world steps.
 
     It ends after `seconds` of simulation time, or when all routes are done. step: seconds of a physics step of the
-    world; the poses at the beginning of each period are appended to `record`.
+    world; the poses at the beginning of each period are appended to `record`. Without `contacts` there are no samples.
     """
     routes = {run.name: run.route() for run in runs}
     period = min(route.period for route in routes.values())
@@ -129,7 +142,11 @@ def drive_in_steps(
             break
         send_commands(live, runs, routes, poses)
         done = min((turn + 1) * period, seconds)
-        samples.append((turn * period, live.step_with_contacts(round((done - turn * period) / step))))
+        steps = round((done - turn * period) / step)
+        if contacts:
+            samples.append((turn * period, live.step_with_contacts(steps)))
+        else:
+            live.step(steps)
         progress(done)
     return samples
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rsegen.exporters.gazebo.sdf import numbers
+from rsegen.exporters.gazebo.systems import system_name
 
 
 def classic(library: str, name: str, inner: str) -> str:
@@ -12,9 +13,8 @@ def classic(library: str, name: str, inner: str) -> str:
 
 def system(kind: str, simulator: str, inner: str = "") -> str:
     """A system of Gazebo Sim: `DiffDrive` is gz-sim-diff-drive-system, or ignition-gazebo-... in Fortress."""
-    file, space = ("gz-sim", "gz::sim") if simulator == "sim" else ("ignition-gazebo", "ignition::gazebo")
-    words = "".join(f"-{letter.lower()}" if letter.isupper() else letter for letter in kind)
-    return f'      <plugin filename="{file}{words}-system" name="{space}::systems::{kind}">{inner}</plugin>\n'
+    name = system_name(kind, simulator)
+    return f'      <plugin filename="{name.library}" name="{name.class_name}">{inner}</plugin>\n'
 
 
 POSE_RATE = 20

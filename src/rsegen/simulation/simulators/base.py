@@ -146,6 +146,10 @@ class Simulator(ABC):
         """The command of a window on the world of a running server; None if there is none that can be added."""
         return None
 
+    def with_contact_sensors(self, model: str) -> str:
+        """The text of a <model> with the sensors that it needs so that its contacts are known; by default none."""
+        return model
+
     def record_options(self, period: float) -> tuple[str, ...]:
         """Options of a server that record poses with this period, seconds; none if it cannot."""
         return ()

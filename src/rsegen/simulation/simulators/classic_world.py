@@ -14,8 +14,8 @@ from typing import Any
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.robots.commands import Command
 from rsegen.simulation.simulators.classic_messages import CLASSIC
-from rsegen.simulation.simulators.classic_transport import TIMEOUT, TransportClient, transport_client
-from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, model_name
+from rsegen.simulation.simulators.classic_transport import TransportClient, transport_client
+from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, model_name, wait_until
 from rsegen.simulation.simulators.pose_messages import is_nearer, pose_message, pose_of
 from rsegen.simulation.simulators.wire import parse_text
 
@@ -195,11 +195,7 @@ class ClassicWorld(LiveWorld):
         return {model["name"]: model for model in models if hidden or model["pose"]["position"]["z"] < _HIDDEN_HEIGHT}
 
     def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
-        end = time.monotonic() + TIMEOUT
-        while not until():
-            if time.monotonic() > end:
-                raise SimulatorFailed(f"Gazebo Classic: {otherwise}")
-            time.sleep(_RESPONSES_TIME / 6)
+        wait_until(until, f"Gazebo Classic: {otherwise}", _RESPONSES_TIME / 6)
 
 
 @contextmanager

@@ -15,6 +15,7 @@ from typing import ClassVar
 from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest, Simulator, on_path, register
 from rsegen.simulation.simulators.live_world import LiveWorld
 from rsegen.simulation.simulators.process import command_output
+from rsegen.simulation.simulators.sim_contacts import with_contact_sensors
 from rsegen.simulation.simulators.sim_world import sim_world
 
 COMMANDS = (("gz", "sim"), ("ign", "gazebo"))
@@ -30,6 +31,10 @@ _SETTINGS = MappingProxyType(
 
 _LOADED = "Publishing dynamic pose messages on ["
 """What its scene broadcaster says last, in a message of level 3, in the first update after all entities are made."""
+
+_NO_MESSAGE_IS_DROPPED = MappingProxyType({"GZ_TRANSPORT_SNDHWM": "0", "IGN_TRANSPORT_SNDHWM": "0"})
+"""The length of the queue of messages to send, 0 for any. By default a server drops what is beyond 1000 messages, which
+sensors of contact reach in a fraction of a second on a busy machine; then poses are missing in a record."""
 
 _SDF_ERROR = re.compile(r"\[Server(Private)?\.cc:\d+\] Error Code \d+")
 """An error of libsdformat in the world's own file, whatever it is: the server ends, with exit code 0. (Those in models
@@ -49,7 +54,7 @@ class GazeboSim(Simulator):
         "all systems: https://gazebosim.org/docs/latest/install (Debian has its libraries only)",
     )
     address_variables: ClassVar[tuple[str, ...]] = ("GZ_PARTITION", "IGN_PARTITION")
-    drives_without: ClassVar[tuple[str, ...]] = ("contacts", "pictures")
+    drives_without: ClassVar[tuple[str, ...]] = ("pictures",)
     harmless_messages: ClassVar[tuple[str, ...]] = (
         # A second server's profiler finds its port taken.
         "Error launching Remotery",
@@ -82,8 +87,9 @@ class GazeboSim(Simulator):
         return replace(launch, environment=MappingProxyType({**launch.environment, **chosen}))
 
     def paused(self, here: Installation, opening: OpenRequest, home: Path) -> LaunchCommand:
-        """The server alone, which is not told to run, and says what it has loaded."""
-        return _launch(here, replace(opening, home=home)).with_options("-s", "-v", "3")
+        """The server alone, which is not told to run, says what it has loaded, and drops no message."""
+        launch = _launch(here, replace(opening, home=home)).with_options("-s", "-v", "3")
+        return replace(launch, environment=MappingProxyType({**launch.environment, **_NO_MESSAGE_IS_DROPPED}))
 
     def is_loaded(self, home: Path, log: str) -> bool:
         """It says so; in its own log in its home at once, in what it prints perhaps 4096 bytes later."""
@@ -96,6 +102,10 @@ class GazeboSim(Simulator):
     def backend(self, here: Installation) -> str:
         """Up to Fortress, names begin with ignition."""
         return "fortress" if "ign gazebo" in here.commands else "sim"
+
+    def with_contact_sensors(self, model: str) -> str:
+        """A server knows the contacts of collisions that a sensor names, and of no others."""
+        return with_contact_sensors(model)
 
     def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
         """Through its own transport, so it may run on another machine, and need not be installed on this one."""

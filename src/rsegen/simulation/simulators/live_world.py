@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.robots.commands import Command
+
+TIMEOUT = 20.0
+"""Seconds in which a change that was ordered must be done."""
 
 Record = list[tuple[float, dict[str, list[float]]]]
 """Simulated seconds, and the poses (x, y, z, roll, pitch, yaw) of models at that time, state by state."""
@@ -61,7 +65,7 @@ class LiveWorld(ABC):
         """Simulate this number of steps in a paused world, as fast as possible."""
 
     def step_with_contacts(self, steps: int) -> Sequence[Contact]:
-        """Step, and give the contacts of the first step; none if the simulator does not report them."""
+        """Step, and give the contacts of the first step; none if they are not watched."""
         self.step(steps)
         return ()
 
@@ -75,6 +79,10 @@ class LiveWorld(ABC):
 
     def record(self, names: Sequence[str]) -> None:  # noqa: B027  # not needed where the server keeps a record
         """Record the poses of these robots from now on, as `recorded` gives them."""
+
+    def watch_contacts(self) -> bool:
+        """Whether `step_with_contacts` gives contacts, which it may do only after this was called."""
+        return True
 
     def recorded(self) -> Record:
         """The record of the robots; empty where the server keeps one."""
@@ -125,3 +133,12 @@ def model_name(sdf: str) -> str:
     if not found:
         raise SimulatorFailed("no <model> in the SDF text to spawn")
     return found[1]
+
+
+def wait_until(done: Callable[[], bool], failure: str, pause: float) -> None:
+    """Ask until something is done, with pauses in seconds; SimulatorFailed with the failure if it takes too long."""
+    end = time.monotonic() + TIMEOUT
+    while not done():
+        if time.monotonic() > end:
+            raise SimulatorFailed(failure)
+        time.sleep(pause)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from rsegen.simulation.simulators.wire import MessageTypes
 
 SIM = MessageTypes(
@@ -25,6 +27,8 @@ SIM = MessageTypes(
         "StringMsg_V": {"data": (2, "text[]")},
         "Entity": {"id": (2, int), "name": (3, str), "type": (4, int)},
         "EntityFactory": {"sdf": (2, str), "pose": (7, "Pose"), "name": (8, str), "allow_renaming": (9, bool)},
+        "Contact": {"collision1": (2, "Entity"), "collision2": (3, "Entity"), "position": (4, "Vector3d[]")},
+        "Contacts": {"header": (1, "Header"), "contact": (2, "bytes[]")},
         "Model": {"name": (2, str), "id": (3, int), "pose": (5, "Pose")},
         "Scene": {"name": (2, str), "model": (9, "Model[]")},
         "WorldControl": {"pause": (2, bool), "step": (3, bool), "multi_step": (4, int)},
@@ -55,3 +59,8 @@ SIM = MessageTypes(
         },
     }
 )
+
+
+def nanoseconds(time: Mapping[str, int] | None) -> int:
+    """A message Time; 0 if there is none, as of a message whose time is 0."""
+    return (time or {}).get("sec", 0) * 10**9 + (time or {}).get("nsec", 0)

@@ -87,11 +87,11 @@ class TransportClient:
         self._do(lambda: self._sockets.subscribe(full))
         self._ask(self._topics, full)
 
-    def wait_for_publisher(self, topic: str) -> None:
+    def wait_for_publisher(self, topic: str, timeout: float = TIMEOUT) -> None:
         """Wait until a topic that is subscribed has a publisher, which knows of it."""
         full = self._full_name(topic)
         known = self._connections
-        self._inbox.wait(f"no publisher of {topic}", lambda: any(name == full for name, _ in list(known)), TIMEOUT)
+        self._inbox.wait(f"no publisher of {topic}", lambda: any(name == full for name, _ in list(known)), timeout)
 
     def publish(self, topic: str, type_name: str, message: Message) -> None:
         """Send a message, of the full name of a type, to all subscribers of a topic; the first time, wait for one."""

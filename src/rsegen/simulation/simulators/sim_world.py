@@ -17,9 +17,11 @@ from typing import Any
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.robots.commands import Command
-from rsegen.simulation.simulators.live_world import Clock, LiveWorld, Pose, Record, model_name
+from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, Record, model_name, wait_until
 from rsegen.simulation.simulators.pose_messages import is_nearer, pose_message, pose_of
-from rsegen.simulation.simulators.sim_transport import TIMEOUT, TransportClient, transport_client
+from rsegen.simulation.simulators.sim_contacts import CONTACTS, ContactSample
+from rsegen.simulation.simulators.sim_messages import nanoseconds
+from rsegen.simulation.simulators.sim_transport import TransportClient, transport_client
 from rsegen.simulation.simulators.wire import parse_text
 
 WORLDS = "/gazebo/worlds"
@@ -33,6 +35,9 @@ _BETWEEN_LOOKS = 0.02
 
 _CONNECTION_TIME = 0.1
 """Seconds in which a publisher that has been told of a subscriber is connected with it."""
+
+_SENSORS_TIME = 2.0
+"""Seconds in which the sensors of a world that is loaded are found."""
 
 _CLIENTS, _FIRST_RESPONSE = 5, 1.0
 """How many clients are tried, and seconds within which a server must answer one."""
@@ -51,6 +56,7 @@ class SimWorld(LiveWorld):
     _names: Mapping[int, str] = field(default_factory=dict)
     _ids: Set[int] = frozenset()
     _recorded: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
+    _sample: ContactSample | None = None
     _stopped: tuple[int, int] | None = None
     """Steps, and nanoseconds of simulation time, at which our last step has ended; None if time ran since."""
 
@@ -72,6 +78,32 @@ class SimWorld(LiveWorld):
             self._wait_for_time(now)
         self._stopped = done, now
 
+    def watch_contacts(self) -> bool:
+        """Subscribe to the sensors of contact, if the world has any."""
+        sample = ContactSample()
+        self.client.subscribe(CONTACTS, "Contacts", sample.add)
+        with suppress(SimulatorFailed):
+            self.client.wait_for_publisher(CONTACTS, _SENSORS_TIME)
+            time.sleep(_CONNECTION_TIME)
+            self._sample = sample
+        return self._sample is not None
+
+    def step_with_contacts(self, steps: int) -> Sequence[Contact]:
+        """Sensors give the contacts of every step; those of the first have its time."""
+        if self._sample is None or not steps:
+            self.step(steps)
+            return ()
+        done, now = self._stopped or self._steps_and_time()
+        self._sample.begin(now + now // done if done else None)
+        first = steps if done else 1
+        self.step(first)
+        if first == 1:  # in its last step the server may send the poses first
+            self.client.clear(self._topic("pose/info"))
+            self._message("pose/info", lambda _: True)
+        found = self._sample.end()
+        self.step(steps - first)
+        return found
+
     def unpause(self) -> None:
         """Unpause, and wait until the server reports it."""
         self._pause(pause=False)
@@ -83,7 +115,7 @@ class SimWorld(LiveWorld):
     def clock(self) -> Clock:
         """The last clock that the server published, not before the end of our last step."""
         reached = self._stopped[1] if self._stopped else 0
-        return _clock(self._message("stats", lambda message: _nanoseconds(message.get("sim_time")) >= reached))
+        return _clock(self._message("stats", lambda message: nanoseconds(message.get("sim_time")) >= reached))
 
     def poses(self) -> Mapping[str, Pose]:
         """The poses of all models, not before the end of our last step."""
@@ -148,7 +180,7 @@ class SimWorld(LiveWorld):
 
     def _steps_and_time(self) -> tuple[int, int]:
         found = self._message("stats", lambda _: True)
-        return found.get("iterations", 0), _nanoseconds(found.get("sim_time"))
+        return found.get("iterations", 0), nanoseconds(found.get("sim_time"))
 
     def _wait_for_steps(self, target: int) -> tuple[int, int]:
         done = now = 0
@@ -188,11 +220,7 @@ class SimWorld(LiveWorld):
         return f"/world/{self.world}/{name}"
 
     def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
-        end = time.monotonic() + TIMEOUT
-        while not until():
-            if time.monotonic() > end:
-                raise SimulatorFailed(f"Gazebo Sim: {otherwise}")
-            time.sleep(_BETWEEN_LOOKS)
+        wait_until(until, f"Gazebo Sim: {otherwise}", _BETWEEN_LOOKS)
 
 
 @contextmanager
@@ -233,13 +261,9 @@ def _answered_client(
 
 
 def _clock(message: Mapping[str, Any]) -> Clock:
-    simulated, real = (_nanoseconds(message.get(name)) / 1e9 for name in ("sim_time", "real_time"))
+    simulated, real = (nanoseconds(message.get(name)) / 1e9 for name in ("sim_time", "real_time"))
     return Clock(simulated=simulated, real=real, steps=message.get("iterations", 0), paused=bool(message.get("paused")))
 
 
 def _stamp(message: Mapping[str, Any]) -> int:
-    return _nanoseconds(message.get("header", {}).get("stamp"))
-
-
-def _nanoseconds(time_: Mapping[str, int] | None) -> int:
-    return (time_ or {}).get("sec", 0) * 10**9 + (time_ or {}).get("nsec", 0)
+    return nanoseconds(message.get("header", {}).get("stamp"))
