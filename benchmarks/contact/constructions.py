@@ -40,8 +40,8 @@ class Construction:
 
 
 def _body(name: str, says: str, *, shapes: Shapes = fields.shipped, kd: int = 0, quick: bool = False) -> Construction:
-    """A field that is a kinematic body."""
-    return Construction(name=name, says=says, shapes=shapes, kd=kd, held="", link=BODY, lift=LIFT, quick=quick)
+    """A field that is a kinematic body, held by a joint where `kinematic` is not known."""
+    return Construction(name=name, says=says, shapes=shapes, kd=kd, held=FIXED, link=BODY, lift=LIFT, quick=quick)
 
 
 ALL = (
@@ -63,11 +63,11 @@ ALL = (
     _body(name="body", says="the shipped surface as a kinematic body"),
     _body(name="body-kd100", says="the shipped surface as a kinematic body, kd 100", kd=100),
     Construction(
-        name="body-fixed-kd1000",
-        says="the shipped surface as a kinematic body fixed to the world, kd 1000",
+        name="held-kd1000",
+        says="the shipped surface as a body that a joint alone holds, kd 1000",
         kd=1000,
         held=FIXED,
-        link=BODY,
+        link=HEAVY,
         lift=LIFT,
         quick=False,
     ),

@@ -22,7 +22,8 @@ class Representation:
     simulator: Annotated[
         str,
         Choice(
-            ("both", "classic"), help="target simulator: both, or classic for smoother floors in Gazebo Classic only"
+            ("both", "classic"),
+            help="what the map is best in: both, or classic for smoother floors in Gazebo Classic; it opens in both",
         ),
     ] = "both"
     mesh: Annotated[

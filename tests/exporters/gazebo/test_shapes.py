@@ -112,11 +112,17 @@ def test_shapes_that_cannot_be_are_refused(entries: dict[str, object], said: str
 
 
 @pytest.mark.parametrize("collision", COLLISIONS)
-def test_for_gazebo_classic_alone_a_map_is_a_body_that_nothing_moves(collision: str) -> None:
+def test_for_gazebo_classic_a_map_is_a_body_that_nothing_moves(collision: str) -> None:
     scene = scene_of(simulator="classic", collision=collision)
     ((model, link),) = links(files_of(scene), f"{scene.name}.world")
     assert model.find("static") is None
     assert (link.findtext("kinematic"), link.findtext("gravity")) == ("true", "false")
+    (joint,) = model.findall("joint")
+    assert (joint.get("type"), joint.findtext("parent"), joint.findtext("child")) == (
+        "fixed",
+        "world",
+        link.get("name"),
+    )
     both = scene_of(collision=collision)
     ((_, usual),) = links(files_of(both), f"{both.name}.world")
     for one, other in zip(link.findall("collision"), usual.findall("collision"), strict=True):

@@ -72,13 +72,6 @@ def test_the_map_that_is_shown_is_opened(
         assert "opens rse_0002" in window.statusBar().currentMessage()
 
 
-def test_a_map_for_classic_is_not_opened_in_sim(app: QApplication, programs: Path) -> None:
-    put(programs, PROGRAMS["sim"])
-    with opened(app) as window:
-        window.session.set("simulator", "classic")
-        assert action(window, "Gazebo Sim").text() == "Open in Gazebo Sim (the recipe says simulator classic)"
-
-
 def test_a_classic_without_its_window_is_not_offered(app: QApplication, programs: Path) -> None:
     put(programs, {name: program for name, program in PROGRAMS["classic"].items() if name in ("gzserver", "gz")})
     with opened(app) as window:

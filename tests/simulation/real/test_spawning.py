@@ -91,9 +91,10 @@ def comes_away(live: LiveWorld, start: Pose) -> bool:
     return False
 
 
-def test_a_robot_drives_on_while_its_map_is_replaced(server: Server, capsys: Capture) -> None:
+@pytest.mark.parametrize("made_for", ["both", "classic"])
+def test_a_robot_drives_on_while_its_map_is_replaced(server: Server, made_for: str, capsys: Capture) -> None:
     """It drives in a circle of 25 cm, clear of the frames."""
-    rsegen.save(EASY, "course.yaml", force=True)
+    rsegen.save(replace(EASY, simulator=made_for), "course.yaml", force=True)
     with server.connect() as live:
         live.unpause()
         assert done(capsys, "spawn", "course.yaml")["at"] == dict.fromkeys(("x", "y", "z", "roll", "pitch", "yaw"), 0.0)

@@ -87,10 +87,15 @@ def model(name: str, visuals: Iterable[Shape], collisions: Iterable[Shape], plac
     yield from _shapes(visuals, collisions)
 
 
-def kinematic_model(name: str, visuals: Iterable[Shape], collisions: Iterable[Shape]) -> Iterator[str]:
-    """The text of a kinematic model that nothing moves, for Gazebo Classic alone (decision 8)."""
+def body_model(name: str, visuals: Iterable[Shape], collisions: Iterable[Shape]) -> Iterator[str]:
+    """The text of a model that is a body which nothing moves (decision 17).
+
+    Gazebo Classic takes it for kinematic, and the joint does nothing; Gazebo Sim does not know `kinematic`, and the
+    joint holds it.
+    """
     yield f"""\
     <model name="{name}">
+      <joint name="to_world" type="fixed"><parent>world</parent><child>link</child></joint>
       <link name="link">
         <gravity>false</gravity>
         <kinematic>true</kinematic>
@@ -125,7 +130,7 @@ def utf8(texts: Iterable[str]) -> Iterator[bytes]:
 
 
 LIFT = 0.00001
-"""Metres above the ground plane, so that a kinematic model has no contacts with it in every step."""
+"""Metres above the ground plane, so that a model that is a body has no contacts with it in every step."""
 
 
 def _raised(shape: Shape) -> Shape:

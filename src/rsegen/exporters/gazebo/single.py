@@ -33,7 +33,7 @@ def collision_count(scene: Scene) -> int:
 def _model(scene: Scene, root: str = "") -> Iterator[str]:
     """The text of the map as a model; its mesh URIs start with `root`."""
     visuals, collisions = (shape(scene, scene.field, scene.name, root) for shape in (shapes.visuals, shapes.collisions))
-    model = sdf.kinematic_model if scene.recipe.simulator == "classic" else sdf.model
+    model = sdf.body_model if scene.recipe.simulator == "classic" else sdf.model
     return model(scene.name, visuals, collisions)
 
 

@@ -22,8 +22,13 @@ class Percolation:
 
 def percolation(field: StepField, width: float = 0.0) -> Percolation:
     """The percolation step for robots of a width in metres, from the ground on one side to that on the other."""
-    west_east, south_north = (_minimax(lane(field, width, axis)) / NANOMETRES for axis in (0, 1))
+    west_east, south_north = (percolation_step(field, width, axis) for axis in (0, 1))
     return Percolation(west_east=west_east, south_north=south_north)
+
+
+def percolation_step(field: StepField, width: float, axis: int) -> float:
+    """The percolation step in metres along x for axis 0, along y for axis 1."""
+    return _minimax(lane(field, width, axis)) / NANOMETRES
 
 
 def _minimax(ground: Ground) -> int:

@@ -68,12 +68,10 @@ def how_to_install(name: str) -> str:
     return "\n".join(SIMULATORS[name].how_to_install)
 
 
-def why_it_cannot_open(here: Installation | None, recipe: Recipe | None) -> str:
-    """Why a simulator cannot open the maps of a recipe in its window; empty if it can."""
+def why_it_cannot_open(here: Installation | None) -> str:
+    """Why a simulator cannot open maps in its window; empty if it can."""
     if here is None:
         return "not found on this machine"
-    if recipe and not here.simulator.can_open(recipe.simulator):
-        return f"the recipe says simulator {recipe.simulator}"
     can_open = here.simulator.with_gui(here, OpenRequest(world=Path("any.world")))
     return "" if can_open else "installed without its window"
 

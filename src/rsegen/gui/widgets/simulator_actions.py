@@ -85,7 +85,7 @@ class SimulatorActions(QObject):
         """Why a simulator cannot be opened; empty if it can."""
         if name not in self._installed:
             return "searching"
-        reason = why_it_cannot_open(self._installed[name], self._recipe)
+        reason = why_it_cannot_open(self._installed[name])
         return reason or ("" if self._is_valid else "the recipe has an error")
 
     def _find(self) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rsegen.field.metrics.ground import lane
-from rsegen.field.metrics.percolation import percolation
+from rsegen.field.metrics.percolation import percolation_step
 from rsegen.field.metrics.traversability import crossing
 from rsegen.field.robot_limits import NANOMETRES, RobotLimits, cells_to_each_side
 from rsegen.field.stepfield import Ints, StepField
@@ -16,15 +16,21 @@ _ANYTHING = 2**30
 def caps(field: StepField, climber: RobotLimits) -> Ints | None:
     """The highest levels along a path on which the robot can cross; None if it can cross both ways already."""
     for axis in (0, 1):
-        if not crossing(field, climber, axis).crosses:
-            return _along(field, climber, axis)
+        step = percolation_step(field, climber.width, axis)
+        if not _crosses(field, climber, axis, step):
+            return _along(field, climber, axis, step)
     return None
 
 
-def _along(field: StepField, climber: RobotLimits, axis: int) -> Ints:
-    """The highest levels along the cheapest of the paths whose highest step is least."""
-    opens = percolation(field, climber.width)
-    step = (opens.west_east, opens.south_north)[axis]
+def _crosses(field: StepField, climber: RobotLimits, axis: int, step: float) -> bool:
+    """Whether the robot can cross; only between its two limits must a path be searched to know it."""
+    least, most = sorted(climber.limits)
+    needed = round(step * NANOMETRES)
+    return needed <= least or (needed <= most and crossing(field, climber, axis).crosses)
+
+
+def _along(field: StepField, climber: RobotLimits, axis: int, step: float) -> Ints:
+    """The highest levels along the cheapest of the paths whose highest step is `step`, the least that there is."""
     path = crossing(field, RobotLimits.of(step, climber.width), axis).path
     aside = cells_to_each_side(field, climber.width)
     found = np.full(field.shape, _ANYTHING)

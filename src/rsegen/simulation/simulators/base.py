@@ -149,7 +149,7 @@ class Simulator(ABC):
         return None
 
     def can_open(self, made_for: str) -> bool:
-        """Whether it can open a map whose recipe says `simulator: made_for`."""
+        """Whether it can open what is made for the simulator of this name, or for both."""
         return made_for in ("both", self.name)
 
     def error_lines(self, log: str) -> list[str]:

@@ -10,19 +10,23 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rsegen.errors import NoSimulator, SimulatorFailed
-from rsegen.simulation.simulators.base import SIMULATORS, Installation, LaunchCommand, Simulator, installations
+from rsegen.simulation.simulators.base import SIMULATORS, Installation, LaunchCommand, Simulator
 from rsegen.simulation.simulators.output_files import OutputFiles
 
 
-def choose_installation(made_for: str, name: str | None) -> Installation:
-    """The installation of that name, else the newest one, that opens maps whose recipe says `simulator: made_for`."""
+def choose_installation(made_for: str, name: str | None, *, alone: bool = False) -> Installation:
+    """The installation of that name, else of what a map is made for, else the newest.
+
+    alone: only what it is made for can open it.
+    """
     wanted = None if name is None else SIMULATORS.named(name, "simulator")
-    able = [each for each in SIMULATORS.values() if each.can_open(made_for)]
+    able = [each for each in SIMULATORS.values() if not alone or each.can_open(made_for)]
     if wanted is None:
-        here = next((here for here in installations() if here.simulator in able), None)
-        return here or _missing(*able)
+        able.sort(key=lambda each: each.name != made_for)
+        return next(filter(None, (each.installation() for each in able)), None) or _missing(*able)
     if wanted not in able:
-        raise NoSimulator(f"this map opens in {_titles(able)} only: its recipe says simulator: {made_for}")
+        made = "an earlier rsegen made it so; make it again of its recipe.json"
+        raise NoSimulator(f"this map opens in {_titles(able)} only: {made}")
     return wanted.installation() or _missing(wanted)
 
 

@@ -38,8 +38,11 @@ from rsegen.simulation.simulators.wire import NO_MESSAGE, Message
 TIMEOUT = 20.0
 """Seconds for an answer."""
 
-_SILENCE = 5.0
-"""Seconds without a heartbeat after which a server has ended; other programs give it up after three."""
+_SILENT_BEATS = 5
+"""Of our heartbeats without one of a server, after which it has ended; other programs give it up after three seconds.
+
+Ours are counted instead of seconds: on a busy machine this program stands still too, and hears nothing.
+"""
 
 _ASK_AGAIN = 0.2
 """Seconds after which a question of discovery that is not answered is asked again: a datagram may get lost."""
@@ -59,8 +62,8 @@ class TransportClient:
         self._connections: dict[tuple[str, str], Message] = {}
         self._services: dict[str, dict[str, Message]] = {}
         self._responses: dict[str, tuple[bytes, bool]] = {}
-        self._heard: dict[str, float] = {}
-        self._attended = ""
+        self._heard: set[str] = set()
+        self._attended, self._silent_beats = "", 0
         self._work: SimpleQueue[Callable[[], object]] = SimpleQueue()
         self._wake, self._woken = socket.socketpair()
         self._topics = Discovery(TOPICS, self._process, environment)
@@ -72,8 +75,7 @@ class TransportClient:
 
     def attend(self, process: str) -> None:
         """Fail as soon as this program has ended."""
-        self._heard[process] = time.monotonic()
-        self._attended = process
+        self._attended, self._silent_beats = process, 0
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:
         """Subscribe to a topic, if it is not subscribed yet; `on_message` takes its messages, else they are kept."""
@@ -187,7 +189,9 @@ class TransportClient:
             other.close()
 
     def _beat(self) -> None:
-        if self._attended and time.monotonic() > self._heard[self._attended] + _SILENCE:
+        self._silent_beats = 0 if self._attended in self._heard else self._silent_beats + 1
+        self._heard.clear()
+        if self._attended and self._silent_beats >= _SILENT_BEATS:
             self._inbox.fail("the server does not answer any more")
         for each in (self._topics, self._offers):
             each.send(Event.HEARTBEAT)
@@ -207,7 +211,7 @@ class TransportClient:
         message = where.receive()
         if not message:
             return
-        self._heard[message["process_uuid"]] = time.monotonic()
+        self._heard.add(message["process_uuid"])
         if message.get("type") == Event.ADVERTISE and "pub" in message:
             advertised(message["pub"])
         elif message.get("type") == Event.BYE:

@@ -21,9 +21,11 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.simulators import Simulator
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.spawned_map import SpawnedMap
-from rsegen.simulation.worlds import Target, write_world
+from rsegen.simulation.worlds import Target, is_unheld, write_world
 
 _MOST_MIB = 512
+
+_MODEL_FILE = "model.sdf"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,8 +56,10 @@ class MapModel:
 
     def check_fits(self, simulator: Simulator) -> None:
         """Raise an error if this cannot be spawned as one model of that simulator."""
-        if not simulator.can_open(self.recipe.simulator):
-            raise NoSimulator(f"{simulator.title} runs, and this map's recipe says simulator: {self.recipe.simulator}")
+        file = self.folder / _MODEL_FILE
+        if is_unheld(file) and not simulator.can_open(self.recipe.simulator):
+            made = "an earlier rsegen made it for Gazebo Classic alone; make it again of its recipe.json"
+            raise NoSimulator(f"{simulator.title} runs, and {file}: {made}")
         if self.recipe.mesh_type != "single":
             problem = f"{self.recipe.mesh_type} makes a map of many models; only single can be spawned"
             raise ParameterError("mesh_type", problem)
@@ -64,7 +68,7 @@ class MapModel:
         """Its model file under a name, with absolute paths of meshes; the map is written first if it does not exist."""
         if not self.folder.is_dir():
             write_world(self.scene, self.folder.parent)
-        file = self.folder / "model.sdf"
+        file = self.folder / _MODEL_FILE
         text = text_of(file, _MOST_MIB, "a model")
         renamed = text.replace(f'<model name="{self.name}">', f'<model name="{name}">', 1)
         return renamed.replace(f"model://{self.name}/", f"{self.folder.resolve()}/")
