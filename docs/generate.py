@@ -42,6 +42,7 @@ from rsegen.params.sorts import Parameter, parameters
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.simulation.experiment import report as experiments
+from rsegen.simulation.experiment.plot import plot as experiment_plot
 from rsegen.simulation.experiment.run import load_summary
 from rsegen.simulation.robots import ROBOTS
 
@@ -53,7 +54,7 @@ ROBOTS_PAGE = DOCS / "robots.md"
 FORMATS_PAGE = DOCS / "formats.md"
 README = DOCS.parent / "README.md"
 EXPERIMENT = RESULTS / "experiment.json"
-PLOT = "\n![Speed and memory over the side of the map](pictures/experiment.png)\n"
+PLOT = "\n![Real-time factor, speed and memory over the side of the map](pictures/experiment.png)\n"
 WAYS = DOCS / "pictures" / "ways.png"
 DIFFICULTY = DOCS / "difficulty.md"
 SHEET = DOCS / "pictures" / "sheet.png"
@@ -125,8 +126,8 @@ def main(arguments: list[str]) -> int:
         path.write_bytes(_DRAWN.get(path, preview_image)(scene))
     for path, same_field in rising().items():
         path.write_bytes(_rise(same_field=same_field))
-    plan, results, _ = load_summary(EXPERIMENT)
-    (DOCS / "pictures" / "experiment.png").write_bytes(experiments.plot(plan, results))
+    plan, results, *_ = load_summary(EXPERIMENT)
+    (DOCS / "pictures" / "experiment.png").write_bytes(experiment_plot(plan, results))
     return 0
 
 

@@ -42,9 +42,14 @@ def add(commands: Subparsers) -> None:
     command.add_argument(
         "--robot", default="burger", metavar="KIND|SDF", help="kind of robot, or SDF file of a model (default: burger)"
     )
-    command.add_argument("--size", metavar="L,W,H", help="size of the robot in the file, m (default: 0.5,0.5,0.5)")
-    command.add_argument("--speed", metavar="V", help="its maximum commanded speed, m/s (default: 0.2)")
-    command.add_argument("--turn", metavar="W", help="its maximum commanded turn rate, rad/s (default: 0.5)")
+    text = "joints of its wheels, as LEFT,RIGHT or FRONT+REAR,FRONT+REAR (default: those of its drive's plug-in)"
+    command.add_argument("--wheels", metavar="LEFT,RIGHT", help=text)
+    text = "size of the robot in the file, m (default: of its collision shapes)"
+    command.add_argument("--size", metavar="L,W,H", help=text)
+    text = "its maximum commanded speed, m/s (default: of its plug-in or joints, else 0.2)"
+    command.add_argument("--speed", metavar="V", help=text)
+    text = "its maximum commanded turn rate, rad/s (default: of its plug-in, else 0.5)"
+    command.add_argument("--turn", metavar="W", help=text)
     command.add_argument(
         "--robots", default="1", metavar="N", help=f"number of robots ({ROBOTS.describe()}, default: 1)"
     )
@@ -69,7 +74,7 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Drive, and print the metrics."""
     given = {name: getattr(arguments, name) for name in _NUMBERS}
-    with flags_in_errors(*_NUMBERS, "map", "robot", "route", "picture", "simulator"):
+    with flags_in_errors(*_NUMBERS, "map", "robot", "wheels", "route", "picture", "simulator"):
         numbers: dict[str, Any] = {
             name: _NUMBERS[name].check(name, _NUMBERS[name].parse(text))
             for name, text in given.items()
@@ -81,6 +86,7 @@ def run(arguments: argparse.Namespace) -> None:
                 target,
                 map=arguments.map,
                 robot=arguments.robot,
+                wheels=arguments.wheels,
                 simulator=arguments.simulator,
                 route=arguments.route,
                 output=arguments.output,

@@ -21,8 +21,8 @@ def add(commands: Subparsers) -> None:
     command = commands.add_parser(
         "experiment",
         description="Repeat the paper's experiment in a Gazebo server: robots drive randomly over maps of several "
-        "sizes; real-time factor, CPU, memory and load time go into DIR as table.md, trials.csv, summary.json and "
-        "plot.png.",
+        "sizes; real-time factor, CPU, memory, load time and how far the robots drove go into DIR as table.md, "
+        "trials.csv, summary.json and plot.png, and where each robot was into DIR/tracks.",
         epilog="If it was stopped, the same command runs the trials that are missing.",
     )
     names = ", ".join(sorted(PLANS))
@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> None:
     with flags_in_errors("simulator"):
         plan = in_simulators(load_plan(arguments.plan), names)
     with _bar(plan) as progress:
-        result = experiment(plan, arguments.output, force=arguments.force, progress=progress)
+        result = experiment(arguments.plan, arguments.output, simulator=names, force=arguments.force, progress=progress)
     print(result.table)
 
 

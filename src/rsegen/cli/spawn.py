@@ -27,11 +27,12 @@ def add(commands: Subparsers) -> None:
         "Gazebo Sim's in GZ_PARTITION, or at their default addresses.",
         epilog="Kinds of robots: " + ", ".join(ROBOTS) + ". rsegen open --shared starts a simulation.",
     )
-    where = "the folder of a map or of maps, a recipe, or a kind of robot"
-    command.add_argument("target", nargs="?", metavar="DIR-or-RECIPE-or-ROBOT", help=where)
+    where = "the folder of a map or of maps, a recipe, a kind of robot, or the SDF file of a robot"
+    command.add_argument("target", nargs="?", metavar="DIR-or-RECIPE-or-ROBOT-or-SDF", help=where)
     command.add_argument("--map", metavar="INDEX", help="map, by its index or name (default: the first)")
     command.add_argument("--name", help="name of the model (default: the map's name, or the kind of robot)")
-    place = "pose in metres and radians, as in --at=-2,0 (default: the free place nearest to the origin)"
+    place = "pose in metres and radians, as in --at=-2,0 (default: the free place nearest to the origin, or "
+    place += "of a robot's file an even place on the map)"
     command.add_argument("--at", metavar="X,Y[,Z[,YAW]]", help=place)
     add_output_flag(command)
     add_running_flags(command)

@@ -44,7 +44,8 @@ def covered(rectangle: Rectangle, x: float, y: float, yaw: float, edges: tuple[A
     for i, j in np.ndindex(found.shape):
         part = polygon
         for axis, index in ((0, i), (1, j)):
-            part = clipped(clipped(part, axis, edges[axis][index + 1], 1), axis, edges[axis][index], -1)
+            low, high = float(edges[axis][index]), float(edges[axis][index + 1])
+            part = clipped(clipped(part, axis, high, 1), axis, low, -1)
         found[i, j] = area(part)
     return found
 

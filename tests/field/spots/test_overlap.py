@@ -24,7 +24,7 @@ def test_a_cell_is_overlapped_exactly_if_the_rectangle_covers_some_of_it(
 ) -> None:
     rectangle = Rectangle.around(length, width).ahead(shift)
     cells = reach(rectangle, 0.1)
-    edges = np.arange(-cells, cells + 2) * 0.1
+    edges = np.asarray(np.arange(-cells, cells + 2) * 0.1, dtype=np.float64)
     areas = covered(rectangle, *at, yaw, (edges, edges))
     found = overlapped(rectangle, yaw, at, cells, 0.1)
     assert found[areas > 1e-7].all()

@@ -25,6 +25,14 @@ def test_a_way_at_half_a_metre_a_second() -> None:
     assert found.climbed == pytest.approx(0.1)
 
 
+def test_the_fall_at_the_start_is_no_climb() -> None:
+    fall = np.maximum(0.2 - 9.81 / 2 * T**2, 0.0)
+    hill = 0.03 * np.exp(-((T - 5) ** 2))
+    assert drive_metrics(trajectory(0.1 * T, z=fall), 0.1).climbed == 0
+    assert drive_metrics(trajectory(0.1 * T, z=fall + hill), 0.1).climbed == pytest.approx(0.03, abs=1e-3)
+    assert drive_metrics(trajectory(0.1 * T, z=0.2 - hill), 0.1).climbed == pytest.approx(0, abs=1e-3)
+
+
 def test_a_way_that_ends_before_the_far_side_did_not_cross() -> None:
     found = drive_metrics(trajectory(np.minimum(0.5 * T, 2.0)), 0.5, finish_x=2.5)
     assert found.crossed is None

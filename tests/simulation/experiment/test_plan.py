@@ -9,7 +9,9 @@ import pytest
 
 from rsegen import build
 from rsegen.errors import UserError
+from rsegen.field.metrics.steps import steps
 from rsegen.simulation.experiment.plan import PLANS, ExperimentPlan, TableRow, load_plan
+from rsegen.simulation.robots import robot
 
 ROWS = "rows:\n  - {robot: burger, sizes: [0, 10]}\n"
 
@@ -31,6 +33,14 @@ def test_the_paper_s_plan_has_the_paper_s_rows() -> None:
     assert {0, 10, 20, 40, 60, 80} <= set(sizes["crawler"])
     assert {(row.robots, row.unit_cm) for row in plan.rows if row.robot == "burger"} == {(3, 1)}
     assert {(row.robots, row.unit_cm) for row in plan.rows if row.robot == "crawler"} == {(1, 10)}
+
+
+def test_no_step_of_the_driven_plan_is_higher_than_its_robots_climb() -> None:
+    for row in load_plan("driven").rows:
+        found = steps(build(row.map_of(80, seed=1)))
+        assert found.share_above(robot(row.robot).climbs) == 0
+    paper = steps(build(load_plan("paper").rows[0].map_of(80, seed=1)))
+    assert paper.share_above(0.01) == pytest.approx(12 / 25, abs=0.02)
 
 
 def test_trials_are_mixed_and_each_cell_comes_once_in_every_repeat() -> None:

@@ -11,20 +11,26 @@ import pytest
 from PIL import Image
 
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, TableRow
-from rsegen.simulation.experiment.published import FIGURES
-from rsegen.simulation.experiment.report import median_of, plot, report_page, trials_csv
+from rsegen.simulation.experiment.plot import plot
+from rsegen.simulation.experiment.published import FIGURES, PublishedRow, published_figures
+from rsegen.simulation.experiment.report import MARK, report_page, trials_csv
 from rsegen.simulation.experiment.results import Results
+from rsegen.simulation.experiment.summaries import median_of, rtf_limits
 from rsegen.simulation.experiment.trial import Outcome
 
 PLAN = ExperimentPlan(
     name="known", rows=(TableRow(sizes=(0, 10, 80)), TableRow(robot="jackal", sizes=(0, 20), recipe={"mesh": "blocks"}))
 )
 MACHINE = {"processor": "a quick one", "cores": "2"}
+BURGERS = FIGURES[PublishedRow("burger", 3, 1, 5)]
 
 
-def outcome(speed: float, rtf: float | None = None) -> Outcome:
-    cpu = None if rtf is None else 0.2
-    return Outcome(load=1.0, memory=170.0, cpu=cpu, speed=speed, rtf_min=rtf, rtf=rtf, rtf_max=rtf)
+def outcome(speed: float, rtf: float | None = None, stuck: float = 0.1) -> Outcome:
+    found = Outcome(load=1.0, memory=170.0, cpu=None, speed=speed, rtf_min=None, rtf=None, rtf_max=None)
+    found = replace(found, simulated=20.0, driven=1.5, stuck=stuck, tipped=0.0, covered=0.02)
+    if rtf is None:
+        return found
+    return replace(found, cpu=0.2, machine=0.125, rtf_min=rtf - 0.1, rtf=rtf, rtf_max=rtf + 0.01)
 
 
 @pytest.fixture
@@ -32,7 +38,8 @@ def results() -> Results:
     found: dict[Cell, list[Outcome]] = {}
     for cell in PLAN.cells:
         speeds = (4.0, 5.0, 30.0) if cell.size == 0 else (4.5, 4.0, 1.0)
-        found[cell] = [outcome(speed, 0.99 if cell.pace == "real" else None) for speed in speeds]
+        real = cell.pace == "real"
+        found[cell] = [outcome(speed, 0.99 - 0.02 * n if real else None) for n, speed in enumerate(speeds)]
     return found
 
 
@@ -41,17 +48,70 @@ def rows(text: str) -> dict[str, list[str]]:
     return {each[0]: each[1:] for each in cells}
 
 
-def test_the_page_has_medians_and_the_paper_s_figures_beside_them(results: Results) -> None:
+def test_the_page_has_the_cost_and_what_the_robots_did_and_the_paper_s_figures(results: Results) -> None:
     text = report_page(PLAN, results, MACHINE)
     found = rows(text)
     assert found["processor"] == ["a quick one"]
     assert found["80 x 80"] == [
-        "0.99, 0.99, 0.99", "20 % of a core", "170 MB", "1.0 s", "4.0", "0.80", *FIGURES["burger"][80],
+        "0.85-1.00 (0.97)", "20 % of a core", "12 %", "170 MB", "1.0 s", "4.0", "0.80",
+        "1.50 m in 20 s / 1.50 m in 20 s", "10 % / 10 %", "0.00 / 0.00", "2.0 % / 2.0 %", *BURGERS[80],
     ]  # fmt: skip
-    assert found["20 x 20"][5] == "0.80"
+    assert found["20 x 20"][6] == "0.80"
     assert "on the wall, in real time and at full speed." in text
-    assert len(found["20 x 20"]) == 6
+    assert len(found["20 x 20"]) == 11
     assert "## 3 jackal, unit 1 cm, 5 levels, mesh blocks" in text
+    assert MARK not in text
+
+
+def test_rtf_is_the_least_and_the_most_that_any_trial_registered() -> None:
+    trials = [replace(outcome(1, rtf), rtf_min=low) for rtf, low in ((0.98, 0.97), (0.95, 0.829), (1.0, 0.91))]
+    assert rtf_limits(trials) == pytest.approx((0.829, 2.93 / 3, 1.01))
+    assert rtf_limits([outcome(1)]) is None
+
+
+def test_a_row_whose_robots_rested_is_marked_and_explained(results: Results) -> None:
+    resting = [outcome(9, stuck=share) for share in (0.9, 0.2, 0.6)]
+    text = report_page(PLAN, {**results, Cell(row=0, size=10, pace="free"): resting}, MACHINE)
+    assert rows(text)[f"10 x 10 {MARK}"][8] == "10 % / 57 %"
+    assert sum(line.startswith(f"{MARK} The robots rested") for line in text.splitlines()) == 1
+    moving = [outcome(9, stuck=share) for share in (0.9, 0.2, 0.3)]
+    assert MARK not in report_page(PLAN, {**results, Cell(row=0, size=10, pace="free"): moving}, MACHINE)
+
+
+def test_no_speed_is_compared_with_the_empty_world_s_where_nobody_knows_what_the_robots_did(results: Results) -> None:
+    def unknown(one: Outcome) -> Outcome:
+        return replace(one, simulated=None, driven=None, stuck=None, tipped=None, covered=None)
+
+    old = {cell: list(map(unknown, outcomes)) for cell, outcomes in results.items()}
+    text = report_page(PLAN, old, MACHINE)
+    assert rows(text)["80 x 80"][5:11] == ["4.0", "-", "", "", "", ""]
+    assert "What the robots did was not recorded" in text
+    assert "was not recorded" not in report_page(PLAN, results, MACHINE)
+
+
+def test_the_command_that_made_the_page_is_in_it(results: Results) -> None:
+    assert "Made by `rsegen experiment known`" in report_page(PLAN, results, MACHINE)
+    command = "rsegen experiment my/known.yaml --simulator classic -o costs"
+    assert f"Made by `{command}`" in report_page(PLAN, results, MACHINE, command)
+
+
+@pytest.mark.parametrize(
+    ("row", "sizes"),
+    [
+        (TableRow(), [0, 10, 20, 40, 60, 80]),
+        (TableRow(robots=2), []),
+        (TableRow(unit_cm=0.5), []),
+        (TableRow(max_height=3), []),
+        (TableRow(recipe={"max_step": 1}), []),
+        (TableRow(simulator="sim"), []),
+        (TableRow(simulator="classic"), [0, 10, 20, 40, 60, 80]),
+        (TableRow(robot="crawler", robots=1, unit_cm=10), [0, 10, 20]),
+        (TableRow(robot="crawler", robots=1, unit_cm=10, max_height=10), [0, 40, 60, 80]),
+        (TableRow(robot="jackal"), []),
+    ],
+)
+def test_the_paper_s_figures_are_for_the_paper_s_robots_and_maps_only(row: TableRow, sizes: list[int]) -> None:
+    assert sorted(published_figures(row)) == sizes
 
 
 def test_a_row_without_an_empty_world_is_held_against_that_of_the_same_robots(results: Results) -> None:
@@ -59,7 +119,7 @@ def test_a_row_without_an_empty_world_is_held_against_that_of_the_same_robots(re
     for number, (robots, found) in enumerate([(3, "0.80"), (2, "-")], 2):
         plan = replace(PLAN, rows=(*PLAN.rows, *[replace(jackal, robots=robots)] * (number - 1)), paces=("free",))
         outcomes = {**results, Cell(row=number, size=20, pace="free"): [outcome(4.0)]}
-        assert rows(report_page(plan, outcomes, MACHINE))["20 x 20"][5] == found
+        assert rows(report_page(plan, outcomes, MACHINE))["20 x 20"][6] == found
         assert "on the wall, at full speed." in report_page(plan, outcomes, MACHINE)
 
 
@@ -69,11 +129,11 @@ def test_rows_in_two_simulators_are_one_table(results: Results) -> None:
     text = report_page(both, outcomes, MACHINE)
     assert text.count("## ") == 2
     table = [line for line in text.splitlines() if line.startswith("| Gazebo ") and "80 x 80" in line]
-    assert [[cell.strip() for cell in line.split("|")[1:9]] for line in table] == [
-        ["Gazebo Sim", "80 x 80", "0.90, 0.90, 0.90", "20 % of a core", "170 MB", "1.0 s", "1.0", "1.00"],
-        ["Gazebo Classic", "80 x 80", "0.90, 0.90, 0.90", "20 % of a core", "170 MB", "1.0 s", "2.0", "1.00"],
+    assert [[cell.strip() for cell in line.split("|")[1:10]] for line in table] == [
+        ["Gazebo Sim", "80 x 80", "0.80-0.91 (0.90)", "20 % of a core", "12 %", "170 MB", "1.0 s", "1.0", "1.00"],
+        ["Gazebo Classic", "80 x 80", "0.80-0.91 (0.90)", "20 % of a core", "12 %", "170 MB", "1.0 s", "2.0", "1.00"],
     ]
-    assert [line.count(FIGURES["burger"][80].cpu) for line in table] == [0, 1]
+    assert [line.count(f"| {BURGERS[80].rtf} |") for line in table] == [0, 1]
     assert next(reading.reader(trials_csv(both, outcomes).splitlines()[1:]))[0] == "sim"
 
 
@@ -81,7 +141,7 @@ def test_a_world_in_turns_with_an_empty_one_is_told_with_its_error(results: Resu
     def beside(*contact_shares: float) -> str:
         outcomes = [replace(outcome(4.0), share=share) for share in contact_shares]
         text = report_page(PLAN, {**results, Cell(row=0, size=80, pace="beside"): outcomes}, MACHINE)
-        return rows(text)["80 x 80"][5]
+        return rows(text)["80 x 80"][6]
 
     assert beside(0.9) == "0.90"
     assert beside(0.8, 0.9, 0.9, 1.0) == f"0.90 ± {sqrt(pi / 2 / 4 * 0.02 / 3):.2f}" == "0.90 ± 0.05"
@@ -106,4 +166,4 @@ def test_a_median_leaves_out_what_is_not_there() -> None:
 @pytest.mark.slow
 def test_the_plot_is_a_picture(results: Results) -> None:
     with Image.open(io.BytesIO(plot(PLAN, results))) as picture:
-        assert picture.size == (1100, 450)
+        assert picture.size == (1500, 550)

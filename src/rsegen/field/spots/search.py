@@ -1,7 +1,7 @@
 """The search for even places: at every half cell and several headings, all places of a heading at once.
 
 A place is good if the supports stand level within the robot's limit, and no other part is on a block. The best ones are
-even under the whole robot, and have ground ahead or behind on which it can drive away.
+level, then even under the whole robot, then with ground ahead or behind on which it can drive away.
 """
 
 from __future__ import annotations
@@ -22,8 +22,11 @@ from rsegen.params.streams import generator
 SPARE = 0.002
 """Metres that stay free under the body of a robot, or more if its supports are not quite level."""
 
-GOOD = 4.0
-"""Good places have the ranks 0 (best) to 3; that of another one is 4 plus its unevenness in metres."""
+GOOD = 8.0
+"""Good places have the ranks 0 (best) to 7; that of another one is 8 plus its unevenness in metres."""
+
+_LEVEL = 1 / 3
+"""Of the limit: differences up to it count as level, in choosing among good places."""
 
 _TILE = 512
 """Cells per side of the parts of a large map that are searched one after another, which needs less memory."""
@@ -150,7 +153,8 @@ class _Ground:
         whole = outline.max(axis=1, initial=-_OUTSIDE) - outline.min(axis=1, initial=_OUTSIDE)
         too_much = np.maximum(whole - self.footprint.most, 0)
         uneven = np.maximum(support - limit, 0) + hung + too_much
-        rank = np.where(uneven <= _EXACT, 2.0 * (whole > limit + _EXACT), GOOD + support + hung + too_much)
+        steps = 4.0 * (support > _LEVEL * limit) + 2.0 * (whole > _LEVEL * limit)
+        rank = np.where(uneven <= _EXACT, steps, GOOD + support + hung + too_much)
         (good,) = np.nonzero(uneven <= _EXACT)
         rank[good] += ~self._has_a_way_out(stencil, i[good], j[good])
         x, y = (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from rsegen.errors import ParameterError, shown
@@ -21,7 +20,7 @@ from rsegen.simulation.driving.routes import Straight
 from rsegen.simulation.robots import robot as robot_named
 from rsegen.simulation.robots.base import DrivableRobot, Robot
 from rsegen.simulation.robots.drives import Tracks
-from rsegen.simulation.robots.sdf_file import from_file
+from rsegen.simulation.robots.sdf_file import SUFFIXES, SdfRobot, from_file
 from rsegen.simulation.robots.solids import Vector
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.launching import choose_installation, has_screen
@@ -41,6 +40,7 @@ def drive(  # noqa: PLR0913  # each is a flag of the command
     *,
     map: int | str | None = None,  # noqa: A002  # the flag's name
     robot: str | os.PathLike[str] | DrivableRobot = "burger",
+    wheels: str | None = None,
     size: Vector | None = None,
     speed: float | None = None,
     turn: float | None = None,
@@ -56,12 +56,13 @@ def drive(  # noqa: PLR0913  # each is a flag of the command
 ) -> DriveResult:
     """Drive robots over a map in a Gazebo server without a window, and give the metrics and trajectory of each.
 
-    robot: a kind, the SDF file of a model, or a robot; size [m], speed [m/s] and turn [rad/s] are for an SDF file;
+    robot: a kind, the SDF file of a model, or a robot; wheels: the joints of the model's wheels, if no drive in it is
+    known, as LEFT,RIGHT, or FRONT+REAR,FRONT+REAR; size [m], speed [m/s] and turn [rad/s] replace those of an SDF file;
     simulator: `sim` or `classic`, by default the newest that is installed; duration: seconds of simulation time, with
     which `progress` is called; output: a folder for the files of the result. The same seed and simulator give the same
     trajectories. UserError if a value is wrong or no Gazebo is installed.
     """
-    model = _robot(robot, {"size": size, "speed": speed, "turn": turn})
+    model = _robot(robot, wheels, {"size": size, "speed": speed, "turn": turn})
     seed = fresh_seed() if seed is None else SEED.check("seed", seed)
     count, seconds = ROBOTS.check("robots", robots), DURATION.check("duration", duration)
     route = ROUTE.check("route", route)
@@ -88,13 +89,17 @@ def drive(  # noqa: PLR0913  # each is a flag of the command
     return result
 
 
-def _robot(robot: str | os.PathLike[str] | DrivableRobot, given: Mapping[str, object]) -> DrivableRobot:
-    """A robot of a kind or of an SDF file; only for a file may the user give size, speed and turn rate."""
+def _robot(
+    robot: str | os.PathLike[str] | DrivableRobot, wheels: str | None, given: Mapping[str, object]
+) -> DrivableRobot:
+    """A robot of a kind or of an SDF file; only for a file may the user give wheels, size, speed and turn rate."""
     given = {name: value for name, value in given.items() if value is not None}
-    if isinstance(robot, os.PathLike) or (isinstance(robot, str) and robot.endswith(".sdf")):
+    if isinstance(robot, os.PathLike) or (isinstance(robot, str) and robot.endswith(SUFFIXES)):
         values = {name: OF_A_FILE[name].check(name, value) for name, value in given.items()}
-        return replace(from_file(os.fspath(robot)), **values)
-    for name in given:
+        model = from_file(os.fspath(robot), wheels).given(values)
+        _ = model.drive  # an error before anything is driven
+        return model
+    for name in [*given, *(["wheels"] if wheels else [])]:
         kind = robot if isinstance(robot, str) else robot.kind
         raise ParameterError(name, f"is for the robot of a file; {shown(kind)} has its own")
     return robot_named(robot, "robot") if isinstance(robot, str) else robot
@@ -112,7 +117,9 @@ def _check_output(output: str | Path | None, *, picture: bool, force: bool) -> N
 
 
 def _notes(here: Installation, runs: Sequence[RobotRun], recording: DriveRecording, *, picture: bool) -> Iterator[str]:
-    """What the simulator does not give, in a sentence each."""
+    """What was derived from a robot's file, and what the simulator does not give, in a sentence each."""
+    if isinstance(runs[0].robot, SdfRobot):
+        yield from runs[0].robot.notes(here.backend)
     wanted = {"contacts", "pictures"} if picture else {"contacts"}
     if missing := sorted(wanted & set(here.simulator.drives_without)):
         yield f"{here} gives no {' and no '.join(missing)} of a drive"

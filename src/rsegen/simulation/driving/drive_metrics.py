@@ -19,6 +19,9 @@ SLOW = 0.1
 STILL = 0.01
 """Metres."""
 
+FALL = 0.3
+"""Seconds at the start in which a robot falls to the ground; it falls 0.4 m in them."""
+
 COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw")
 
 
@@ -54,8 +57,9 @@ class Trajectory:
 class DriveMetrics:
     """The metrics of a drive of one robot.
 
-    distance: length of the trajectory, metres; crossed: seconds until the whole robot was beyond the map, None if never
-    stuck: seconds; tipped: how often it tipped over; tilt: maximum, radians; climbed: maximum above the start, metres
+    distance: length of the trajectory seen from above, metres; crossed: seconds until the whole robot was beyond the
+    map, None if never; stuck: seconds; tipped: how often it tipped over; tilt: largest angle between its upright and
+    the vertical, radians; climbed: its highest place above the one on which it stood after the fall at the start, m
     touched: for each part, LINK::COLLISION, the share of samples with contacts; empty if the simulator reports none
     """
 
@@ -83,9 +87,15 @@ def drive_metrics(
         stuck=round(_stuck(t, x, y, speed), 3),
         tipped=int(fallen[0]) + int((np.diff(fallen.astype(int)) == 1).sum()),
         tilt=round(float(trajectory.tilt.max()), 3),
-        climbed=round(float((z - z[0]).max()), 3),
+        climbed=round(_climbed(t, z), 3),
         touched=touched or {},
     )
+
+
+def _climbed(t: Array, z: Array) -> float:
+    """Metres from the lowest height during the fall at the start to the highest one after it."""
+    ground = int(z[t <= t[0] + FALL].argmin())
+    return float(z[ground:].max() - z[ground])
 
 
 def _stuck(t: Array, x: Array, y: Array, speed: float) -> float:

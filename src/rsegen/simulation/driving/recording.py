@@ -24,6 +24,9 @@ from rsegen.simulation.simulators.server import retried, running_server
 PERIOD = 0.05
 """Seconds between two rows of a trajectory."""
 
+_SAME = 1e-4
+"""Seconds between two times that are one."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RobotRun:
@@ -97,7 +100,7 @@ class _Attempt:
                 end, recorded = live.clock().simulated, live.recorded()
             errors = server.errors
             server.stop()
-            record = simulator.read_record(server.home) or ([*poses[:1], *recorded] if recorded else poses)
+            record = _from_the_start(simulator.read_record(server.home) or recorded or poses, poses)
         trajectories = {run.name: _trajectory(run.name, record, end) for run in self.runs}
         return DriveRecording(trajectories=trajectories, samples=samples, errors=errors)
 
@@ -141,8 +144,14 @@ def send_commands(
 
 
 def _trajectory(name: str, record: Record, end: float) -> Trajectory:
-    """The trajectory of a robot; a record has no states for times at which nothing moved, so `end` is added."""
+    """The trajectory of a robot; a record has no states for times at which nothing moved, so `end` may be added."""
     rows = [[second, *poses[name]] for second, poses in record if name in poses]
     if not rows:
         raise SimulatorFailed(f"the simulator kept no record of {name}")
-    return Trajectory(rows=np.array([*rows, [max(end, rows[-1][0]), *rows[-1][1:]]]))
+    last = [[end, *rows[-1][1:]]] if end > rows[-1][0] + _SAME else []
+    return Trajectory(rows=np.array([*rows, *last]))
+
+
+def _from_the_start(record: Record, poses: Record) -> Record:
+    """A record with the first of these poses, which a server that records after its first steps does not have."""
+    return [*poses[:1], *record] if poses and record[0][0] > poses[0][0] + _SAME else record

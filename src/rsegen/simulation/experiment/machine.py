@@ -1,12 +1,16 @@
-"""The description of this computer, and the CPU time and memory of a process."""
+"""The description of this computer, its load, and the CPU time and memory of a process."""
 
 from __future__ import annotations
 
 import os
 import platform
 import re
+import shutil
+import subprocess
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rsegen.errors import SimulatorFailed
 
@@ -32,6 +36,21 @@ def usage(pid: int) -> Usage:
     return Usage(cpu=cpu, memory=sum(memory.rss for _, memory in found) / 2**20)
 
 
+def busy() -> float:
+    """Seconds so far in which the machine's processors worked, by the number of them."""
+    import psutil
+
+    times = psutil.cpu_times()
+    idle = times.idle + getattr(times, "iowait", 0.0)
+    return (sum(times) - idle - _counted_twice(times)) / (os.cpu_count() or 1)
+
+
+def gpu_load() -> float | None:
+    """The load of the busiest GPU just now, 0..1; None if there is none that says it (NVIDIA's, AMD's on Linux)."""
+    loads = [int(found) for found in re.findall(r"^\d+$", _nvidia() or _amd(), re.MULTILINE)]
+    return max(loads) / 100 if loads else None
+
+
 def description() -> dict[str, str]:
     """Processor, cores, memory, system and load of this computer."""
     import psutil
@@ -49,3 +68,28 @@ def _processor() -> str:
     path = Path("/proc/cpuinfo")
     named = re.search(r"model name\s*:\s*(.+)", path.read_text()) if path.exists() else None
     return named[1] if named else platform.processor() or platform.machine()
+
+
+def _counted_twice(times: Any) -> float:
+    """What Linux counts as the time of a guest is in that of its user too."""
+    return float(getattr(times, "guest", 0.0) + getattr(times, "guest_nice", 0.0))
+
+
+def _nvidia() -> str:
+    """The loads in percent, a line each; empty without the command."""
+    command = shutil.which("nvidia-smi")
+    if not command:
+        return ""
+    asked = [command, "--query-gpu=utilization.gpu", "--format=csv,noheader,nounits"]
+    with suppress(OSError, subprocess.SubprocessError):
+        found = subprocess.run(asked, capture_output=True, text=True, timeout=5, check=True)  # noqa: S603  # no shell
+        return found.stdout
+    return ""
+
+
+def _amd() -> str:
+    """The same from the driver's files."""
+    files = sorted(Path("/sys/class/drm").glob("card*/device/gpu_busy_percent"))
+    with suppress(OSError):
+        return "".join(file.read_text() for file in files)
+    return ""

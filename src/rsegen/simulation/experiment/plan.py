@@ -18,9 +18,13 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.simulators import SIMULATORS
 
-PACES = ("real", "free", "beside")
+PACES = ("real", "free", "beside", "camera", "window")
 """In real time, as people simulate; as fast as the processor can, which shows what a map costs; so in turns, second by
-second, with an empty world, which tells the two apart on a noisy machine too."""
+second, with an empty world, which tells the two apart on a noisy machine too; in real time with a camera in the server;
+in real time with the simulator's own window."""
+
+IN_REAL_TIME = ("real", "camera", "window")
+"""The paces in real time."""
 
 PLANS = {
     path.name.removesuffix(".yaml"): path for path in files("rsegen.simulation.experiment").joinpath("plans").iterdir()
@@ -105,7 +109,10 @@ class ExperimentPlan:
     rows: tuple[TableRow, ...]
     paces: Annotated[
         tuple[str, ...],
-        ListOf(Choice(PACES), help="in real time, as fast as can be, or so beside an empty world"),
+        ListOf(
+            Choice(PACES),
+            help="in real time, as fast as can be, or so beside an empty world; in real time with a camera or a window",
+        ),
     ] = ("real", "free")
     seconds: Annotated[float, Float(1, 1e5, unit="s", help="of each trial, once its world is there")] = 20.0
     repeats: Annotated[int, Integer(1, 1000, help="trials of each cell")] = 3

@@ -1,34 +1,60 @@
-"""The outcomes of an experiment as a Markdown page, CSV and a plot."""
+"""The outcomes of an experiment as a Markdown page and CSV."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
-from math import pi, sqrt
-from statistics import median, stdev
+from statistics import median
 
-from rsegen.simulation.experiment.plan import PACES, Cell, ExperimentPlan, TableRow
-from rsegen.simulation.experiment.published import COMPUTER, FIGURES
+from rsegen.simulation.experiment.frames import SOURCES
+from rsegen.simulation.experiment.plan import IN_REAL_TIME, PACES, ExperimentPlan, TableRow
+from rsegen.simulation.experiment.published import COMPUTER, published_figures
 from rsegen.simulation.experiment.results import Results
+from rsegen.simulation.experiment.summaries import (
+    known,
+    mean_of,
+    median_of,
+    outcomes_of,
+    rested,
+    rtf_limits,
+    standard_error,
+)
 from rsegen.simulation.experiment.trial import Outcome
 from rsegen.simulation.simulators import SIMULATORS
 
-_PACES = {
+MARK = "†"
+"""Of rows whose robots rested."""
+
+_TITLES = {
     "real": "in real time",
     "free": "at full speed",
     "beside": "at full speed in turns with an empty world (± the standard error)",
+    "camera": "in real time with a camera",
+    "window": "in real time with the simulator's window",
 }
+_LINES = {"": ("real", "free", "beside"), "with a camera": ("camera",), "with the window": ("window",)}
+"""The paces whose figures are in one line of a table, by what its first cell says."""
+
+_COLUMNS = ("blocks", "RTF least-most (mean)", "CPU: server", "CPU: machine", "memory", "load")
+_RENDERING = ("frames per s", "GPU")
+_AT_FULL_SPEED = ("simulated s per CPU s", "of the empty world's")
+_ROBOTS = ("driven", "stuck", "tipped", "covered")
+_PAPER = ("paper: RTF", "CPU", "memory")
+
+_RESTED = f"{MARK} The robots rested, stuck for more than half of the time: this is what robots at rest cost here."
+_UNKNOWN = (
+    "What the robots did was not recorded when these trials were made; no speed is compared with the empty world's."
+)
 
 
-def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, str]) -> str:
-    """The Markdown page: the machine, and a table per row of the plan with the paper's figures."""
-    return (
-        "\n".join(
-            [*_head(plan, machine), *(line for numbers in plan.tables for line in _table(plan, numbers, results))]
-        )
-        + "\n"
-    )
+def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], command: str = "") -> str:
+    """The Markdown page: the machine, and a table per row of the plan with the paper's figures.
+
+    command: the command line that made the results; by default that of the included plan of this name.
+    """
+    head = _head(plan, results, machine, command or f"rsegen experiment {plan.name}")
+    tables = (line for numbers in plan.tables for line in _table(plan, numbers, results))
+    return "\n".join([*head, *tables]) + "\n"
 
 
 def trials_csv(plan: ExperimentPlan, results: Results) -> str:
@@ -42,51 +68,23 @@ def trials_csv(plan: ExperimentPlan, results: Results) -> str:
     return "\n".join(lines) + "\n"
 
 
-def plot(plan: ExperimentPlan, results: Results) -> bytes:
-    """A PNG of speed and memory over the side of the map, a curve per row."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11, 4.5), dpi=100, layout="constrained")
-    for axes, (name, title) in zip(
-        figure.subplots(1, 2),
-        (("speed", "simulated seconds for a second of CPU"), ("memory", "memory of the simulator [MB]")),
-        strict=True,
-    ):
-        for number, row in enumerate(plan.rows):
-            points = [(size, median_of(_of(results, number, size, _pace(plan)), name)) for size in row.sizes]
-            known = [(size, value) for size, value in points if value is not None]
-            axes.plot(*zip(*known, strict=True), "o-", label=_label(plan, row)) if known else None
-        axes.set(xlabel="side of the map [blocks], 0: empty", title=title)
-        axes.set_ylim(bottom=0)
-        axes.grid(visible=True, alpha=0.3)
-    figure.axes[0].legend()
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png")
-    return stream.getvalue()
-
-
-def median_of(outcomes: Sequence[Outcome], name: str) -> float | None:
-    """The median of a figure of outcomes; None if none has it."""
-    found = [value for value in (getattr(one, name) for one in outcomes) if value is not None]
-    return median(found) if found else None
-
-
-def _head(plan: ExperimentPlan, machine: Mapping[str, str]) -> Iterator[str]:
+def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], command: str) -> Iterator[str]:
     yield f"# Experiment: {plan.name}\n"
-    yield f"Made by `rsegen experiment {plan.name}`: {_trials(plan)} in mixed order;"
-    paces = " and ".join(_PACES[pace] for pace in plan.paces)
-    yield f"robots wander for {plan.seconds:g} seconds by the clock on the wall, {paces}."
-    yield "No window, so no GPU load and no frames a second.\n"
-    yield "| machine | |\n|---|---|"
+    yield f"Made by `{command}`: {plan.repeats} {'trial' if plan.repeats == 1 else 'trials'} of each cell in mixed"
+    paces = " and ".join(_TITLES[pace] for pace in plan.paces)
+    yield f"order; robots wander for {plan.seconds:g} seconds by the clock on the wall, {paces}."
+    yield "RTF: the least, the most and the mean that were registered over all trials. Robots: means per robot of all"
+    yield "trials, in the simulated seconds of one. All else: medians of the trials."
+    if len(mixed := [pace for pace in plan.paces if pace in _LINES[""]]) > 1:
+        yield f"Where a cell has several figures, they are {' / '.join(_TITLES[pace] for pace in mixed)}."
+    if not set(plan.paces) & set(SOURCES):
+        yield "No window and no camera, so no frames per second."
+    yield "\n| machine | |\n|---|---|"
     yield from (f"| {name} | {value} |" for name, value in machine.items())
-    yield f"\nThe paper's computer: {COMPUTER}; with a window.\n"
+    yield f"\nThe paper's computer: {COMPUTER}; with a window. Its RTF: least and most of three runs.\n"
 
 
-def _trials(plan: ExperimentPlan) -> str:
-    return "one trial of each cell" if plan.repeats == 1 else f"medians of {plan.repeats} trials of each cell"
-
-
-def _label(plan: ExperimentPlan, row: TableRow) -> str:
+def row_label(plan: ExperimentPlan, row: TableRow) -> str:
     """The label of a row, with its simulator if the plan has several."""
     several = len({each.simulator for each in plan.rows}) > 1
     return row.label + (f", {_title(row)}" if several else "")
@@ -97,52 +95,86 @@ def _title(row: TableRow) -> str:
 
 
 def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> Iterator[str]:
-    """The table of rows that differ by the simulator only; the paper's figures, which are of Gazebo Classic, beside."""
+    """The table of rows that differ by the simulator only, and its footnotes."""
     rows = [plan.rows[number] for number in numbers]
-    several = len(numbers) > 1
-    first = rows[0]
+    several, first = len(numbers) > 1, rows[0]
     yield f"## {first.label}{'' if several or not _title(first) else f', in {_title(first)}'}\n"
-    printed = any(_published(row) for row in rows)
-    yield (
-        ("| simulator " if several else "")
-        + "| blocks | RTF min, mean, max | CPU | memory | load | simulated s a CPU s | of the empty world's |"
-        + (" paper: RTF | CPU | memory |" if printed else "")
-    )
-    yield "|---" * several + "|---|---|---|---|---|---|---|" + ("---|---|---|" if printed else "")
-    for size in dict.fromkeys(size for row in rows for size in row.sizes):
-        for number, row in zip(numbers, rows, strict=True):
-            found = {pace: _of(results, number, size, pace) for pace in PACES}
-            if any(found.values()):
-                paper = _published(row).get(size, ("", "", "")) if printed else ()
-                cells = _cells(size, found, _empty(plan, results, row))
-                yield "| " + " | ".join([*([_title(row)] if several else []), *cells, *paper]) + " |"
+    rendering = bool(set(SOURCES) & set(plan.paces)) or any(known(each, "gpu") for each in results.values())
+    printed = any(published_figures(row) for row in rows)
+    columns = [*_COLUMNS, *(_RENDERING if rendering else ()), *_AT_FULL_SPEED, *_ROBOTS, *(_PAPER if printed else ())]
+    yield _line([*(["simulator"] if several else []), *columns])
+    yield "|---" * (len(columns) + several) + "|"
+    lines = list(_lines(plan, numbers, results, rendering=rendering, printed=printed))
+    yield from (_line([*([title] if several else []), *cells]) for title, cells in lines)
+    if any(cells[0].endswith(MARK) for _, cells in lines):
+        yield f"\n{_RESTED}"
+    tried = [each for cell, each in results.items() if cell.row in numbers]
+    if not all(known(each, "driven") for each in tried):
+        yield f"\n{_UNKNOWN}"
     yield ""
 
 
-def _published(row: TableRow) -> Mapping[int, Sequence[str]]:
-    return {} if row.recipe or row.simulator == "sim" else FIGURES.get(row.robot, {})
+def _lines(
+    plan: ExperimentPlan, numbers: Sequence[int], results: Results, *, rendering: bool, printed: bool
+) -> Iterator[tuple[str, list[str]]]:
+    """The title of its simulator, and the cells, of each line of a table."""
+    rows = {number: plan.rows[number] for number in numbers}
+    for size in dict.fromkeys(size for row in rows.values() for size in row.sizes):
+        for number, row in rows.items():
+            for what, paces in _LINES.items():
+                found = {pace: outcomes_of(results, number, size, pace) for pace in PACES if pace in paces}
+                if any(found.values()):
+                    cells = [*_costs(found), *(_rendered(found) if rendering else ())]
+                    cells += [*_full_speed(found, _empty(plan, results, row)), *_robots(found)]
+                    paper = published_figures(row).get(size, ("", "", "")) if not what else ("", "", "")
+                    label = ", ".join(filter(None, (f"{size} x {size}" if size else "empty", what)))
+                    mark = f" {MARK}" if any(map(rested, found.values())) else ""
+                    yield _title(row), [label + mark, *cells, *(paper if printed else ())]
 
 
-def _cells(size: int, found: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -> list[str]:
-    real, free = found["real"], [*found["free"], *found["beside"]]
-    cpu = median_of(real, "cpu")
+def _costs(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
+    real = [one for pace in IN_REAL_TIME for one in found.get(pace, ())]
+    every = [one for each in found.values() for one in each]
+    rtf, cpu, machine = rtf_limits(real), median_of(real, "cpu"), median_of(real, "machine")
     return [
-        f"{size} x {size}" if size else "empty",
-        ", ".join(_plain(median_of(real, name), 2) for name in ("rtf_min", "rtf", "rtf_max")) if real else "-",
+        f"{rtf[0]:.2f}-{rtf[2]:.2f} ({rtf[1]:.2f})" if rtf else "-",
         f"{cpu * 100:.0f} % of a core" if cpu is not None else "-",
-        f"{_plain(median_of([*real, *free], 'memory'), 0)} MB",
-        f"{_plain(median_of([*real, *free], 'load'), 1)} s",
-        _plain(median_of(free, "speed"), 1),
-        _share(found["beside"]) or _quotient(median_of(found["free"], "speed"), median_of(empty, "speed")),
+        _percent(machine) or "-",
+        f"{_plain(median_of(every, 'memory'), 0)} MB",
+        f"{_plain(median_of(every, 'load'), 1)} s",
     ]
+
+
+def _rendered(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
+    """Frames per second and load of the GPU; empty where there are none."""
+    every = [one for each in found.values() for one in each]
+    return [_plain(median_of(every, "fps"), 1), _percent(median_of(every, "gpu"))]
+
+
+def _full_speed(found: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -> list[str]:
+    """The speed, and its share of the empty world's, if it is known what the robots did."""
+    free, beside = found.get("free", ()), found.get("beside", ())
+    speed = _plain(median_of([*free, *beside], "speed"), 1) or "-"
+    if not known([*free, *beside], "driven"):
+        return [speed, "-"]
+    return [speed, _share(beside) or _quotient(median_of(free, "speed"), median_of(empty, "speed"))]
+
+
+def _robots(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
+    """What the robots did, at one pace after the other."""
+    told = [each for each in found.values() if known(each, "driven")]
+    ways = [f"{_plain(mean_of(each, 'driven'), 2)} m in {_plain(mean_of(each, 'simulated'), 0)} s" for each in told]
+    stuck, covered = ([_percent(mean_of(each, name)) for each in told] for name in ("stuck", "covered"))
+    tipped = [_plain(mean_of(each, "tipped"), 2) for each in told]
+    return [" / ".join(filter(None, texts)) for texts in (ways, stuck, tipped, covered)]
 
 
 def _share(beside: Sequence[Outcome]) -> str:
     """Of the speed of the empty world in turns with which it was simulated, and how far that is sure."""
-    shares = [outcome.share for outcome in beside if outcome.share is not None]
+    shares = known(beside, "share")
     if len(shares) < 2:
         return "".join(f"{share:.2f}" for share in shares)
-    return f"{median(shares):.2f} ± {sqrt(pi / 2 / len(shares)) * stdev(shares):.2f}"
+    return f"{median(shares):.2f} ± {standard_error(shares):.2f}"
 
 
 def _quotient(speed: float | None, usual: float | None) -> str:
@@ -150,21 +182,22 @@ def _quotient(speed: float | None, usual: float | None) -> str:
 
 
 def _empty(plan: ExperimentPlan, results: Results, row: TableRow) -> Sequence[Outcome]:
-    """The same robots in an empty world at full speed, in whichever row they were."""
+    """The same robots in an empty world at full speed, in this row or, if it has none, in whichever they were."""
     alike = (
         number
-        for number, each in enumerate(plan.rows)
+        for number, each in sorted(enumerate(plan.rows), key=lambda numbered: numbered[1] is not row)
         if (each.robot, each.robots, each.simulator) == (row.robot, row.robots, row.simulator)
     )
-    return next((found for number in alike if (found := _of(results, number, 0, "free"))), ())
+    return next((found for number in alike if (found := outcomes_of(results, number, 0, "free"))), ())
 
 
-def _of(results: Results, row: int, size: int, pace: str) -> Sequence[Outcome]:
-    return results.get(Cell(row=row, size=size, pace=pace), [])
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
 
 
-def _pace(plan: ExperimentPlan) -> str:
-    return "free" if "free" in plan.paces else plan.paces[0]
+def _percent(share: float | None) -> str:
+    """Whole percents, or tenths of small ones."""
+    return "" if share is None else f"{share * 100:.{0 if share >= 0.1 or not share else 1}f} %"
 
 
 def _plain(value: float | None, digits: int = 4) -> str:

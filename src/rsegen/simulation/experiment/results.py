@@ -22,8 +22,8 @@ _MOST_MIB = 256
 
 _CELL: Mapping[str, Parameter] = {"row": Integer(0), "size": Integer(0), "pace": Choice(PACES)}
 _OUTCOME: Mapping[str, Parameter] = {field.name: Float() for field in fields(Outcome)}
-_OPTIONAL = ("cpu", "rtf_min", "rtf", "rtf_max", "share")
-"""Figures that not every pace has."""
+_OPTIONAL = frozenset(_OUTCOME) - {"load", "memory", "speed"}
+"""Figures that not every pace has, or that logs of rsegen 0.1 lack."""
 
 Results = Mapping[Cell, list[Outcome]]
 """The outcomes of every cell, in the order of its repeats."""

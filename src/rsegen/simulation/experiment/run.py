@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,30 +14,40 @@ from rsegen.io import recipe_file
 from rsegen.io.contents import refuse_link, refuse_loss_of_files
 from rsegen.io.record import Record, recorded
 from rsegen.io.writer import refuse_not_a_folder, write_files
+from rsegen.params.sorts import Text
+from rsegen.simulation.experiment.frames import refuse_without_frames
 from rsegen.simulation.experiment.machine import description
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, load_plan, read_plan
-from rsegen.simulation.experiment.report import plot, report_page, trials_csv
+from rsegen.simulation.experiment.plot import plot
+from rsegen.simulation.experiment.report import report_page, trials_csv
 from rsegen.simulation.experiment.results import Results, ResultsLog, is_results_log, read_cell, read_outcome
+from rsegen.simulation.experiment.tracks import refuse_loss_of_tracks, remove_tracks, write_tracks
 from rsegen.simulation.experiment.trial import run_trial
 from rsegen.simulation.simulators.launching import choose_installation
 
 RESULTS_FILE = "results.jsonl"
+_LINE = Text(r".{0,4096}", "a line of at most 4096 letters")
+
 REPORT_FILES = ("table.md", "trials.csv", "summary.json", "plot.png")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ExperimentResult:
-    """What `rsegen.experiment` gives: the plan, every cell's outcomes, the machine, and the folder of the files."""
+    """What `rsegen.experiment` gives: the plan, every cell's outcomes, the machine, and the folder of the files.
+
+    command: the command line, or the call in Python, that gives them
+    """
 
     plan: ExperimentPlan
     results: Results
     machine: dict[str, str]
     folder: Path
+    command: str
 
     @property
     def table(self) -> str:
         """The content of table.md."""
-        return report_page(self.plan, self.results, self.machine)
+        return report_page(self.plan, self.results, self.machine, self.command)
 
 
 def experiment(
@@ -55,11 +66,13 @@ def experiment(
     number of trials that are done and the next cell. UserError, before the first trial, if the plan is wrong, a
     simulator is not installed, or the folder has other files of these names.
     """
-    plan, folder = plan if isinstance(plan, ExperimentPlan) else load_plan(os.fspath(plan)), Path(output)
+    command, folder = _command(plan, output, simulator), Path(output)
+    plan = plan if isinstance(plan, ExperimentPlan) else load_plan(os.fspath(plan))
     plan = in_simulators(plan, simulator)
     names = dict.fromkeys(str(row.simulator) for row in plan.rows)
     installed = {name: choose_installation("both", name) for name in names}
-    _refuse_loss(folder)
+    refuse_without_frames(plan, installed)
+    _refuse_loss(plan, folder)
     if force:
         _remove(folder)
     log = ResultsLog(path=folder / RESULTS_FILE)
@@ -69,8 +82,10 @@ def experiment(
     for number, (cell, repeat) in enumerate(plan.order()):
         progress(number, cell)
         if (cell, repeat) not in done:
-            log.add(cell, repeat, run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)]))
-    found = ExperimentResult(plan=plan, results=log.results(), machine=machine, folder=folder)
+            trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)])
+            write_tracks(plan, folder, cell, repeat, trial)
+            log.add(cell, repeat, trial.outcome)
+    found = ExperimentResult(plan=plan, results=log.results(), machine=machine, folder=folder, command=command)
     files = {name: [content] for name, content in _files(found).items()}
     write_files(files, folder, record=recorded(folder) or Record(content="files", files={}))
     return found
@@ -85,8 +100,11 @@ def in_simulators(plan: ExperimentPlan, simulator: str | Sequence[str] | None) -
     return plan.in_simulators([choose_installation("both", None).simulator.name])
 
 
-def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str]]:
-    """The plan, the outcomes and the machine of a summary.json that `experiment` wrote; FileError if it is damaged."""
+def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str], str]:
+    """The plan, the outcomes, the machine and the command of a summary.json that `experiment` wrote.
+
+    FileError if it is damaged. The command is empty in a file of rsegen 0.1.
+    """
     found = recipe_file.content(file)
     try:
         plan = read_plan(file.stem, found["plan"])  # type: ignore[index]  # a TypeError if it is no mapping
@@ -97,24 +115,36 @@ def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str]]:
             for cell in found["cells"]  # type: ignore[index]
         }
         machine = {str(name): str(value) for name, value in found["machine"].items()}  # type: ignore[index]
+        command = _LINE.check("command", found.get("command", ""))  # type: ignore[attr-defined]
     except ParameterError as error:
         raise error.of(str(file)) from None
     except (AttributeError, KeyError, TypeError) as error:
         raise FileError(f"{file}: not the summary of an experiment: {error}") from None
-    return plan, results, machine
+    return plan, results, machine, command
 
 
-def _refuse_loss(folder: Path) -> None:
+def _command(plan: str | os.PathLike[str] | ExperimentPlan, output: str | Path, simulator: object) -> str:
+    """The command line that does the same; for a plan made in Python the call."""
+    names = simulator if isinstance(simulator, str) or not isinstance(simulator, Sequence) else ",".join(simulator)
+    if isinstance(plan, ExperimentPlan):
+        return "rsegen.experiment(plan, output" + (f", simulator={names!r})" if names else ")")
+    flags = ["--simulator", str(names)] if names else []
+    return shlex.join(["rsegen", "experiment", os.fspath(plan), *flags, "-o", os.fspath(output)])
+
+
+def _refuse_loss(plan: ExperimentPlan, folder: Path) -> None:
     """Raise an OutputError, before any trial, if a file of an experiment would replace one that is not rsegen's."""
     refuse_not_a_folder(folder)
     refuse_loss_of_files(folder, REPORT_FILES)
+    refuse_loss_of_tracks(plan, folder)
     refuse_link(folder / RESULTS_FILE)
     if os.path.lexists(folder / RESULTS_FILE) and not is_results_log(folder / RESULTS_FILE):
         raise OutputError(f"{folder / RESULTS_FILE}: not the results log of an experiment; give another folder")
 
 
 def _remove(folder: Path) -> None:
-    """Remove the files of an experiment, which are rsegen's own."""
+    """Remove the files of an experiment, which are rsegen's own; an OutputError if somebody has changed a track."""
+    remove_tracks(folder)
     for name in (*REPORT_FILES, RESULTS_FILE):
         (folder / name).unlink(missing_ok=True)
 
@@ -124,7 +154,7 @@ def _files(found: ExperimentResult) -> dict[str, bytes]:
     cells = [
         {**asdict(cell), "outcomes": [asdict(one) for one in results[cell]]} for cell in plan.cells if cell in results
     ]
-    summary = {"machine": found.machine, "plan": asdict(plan), "cells": cells}
+    summary = {"command": found.command, "machine": found.machine, "plan": asdict(plan), "cells": cells}
     return {
         "table.md": found.table.encode(),
         "trials.csv": trials_csv(plan, results).encode(),

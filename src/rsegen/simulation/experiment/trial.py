@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import astuple, dataclass, replace
 from math import ceil
@@ -11,19 +11,22 @@ from pathlib import Path
 from statistics import fmean
 
 from rsegen.exporters.gazebo import sdf
-from rsegen.exporters.scene import compose
+from rsegen.exporters.scene import Scene, compose
 from rsegen.io.worlds import generate
+from rsegen.simulation.driving.drive_metrics import Trajectory
 from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.driving.routes import Wandering
 from rsegen.simulation.driving.world_with_robots import world_with_robots
-from rsegen.simulation.experiment.plan import Cell, ExperimentPlan
-from rsegen.simulation.experiment.trial_server import Setup, total, trial_server
+from rsegen.simulation.experiment.driving_figures import driving_figures, trajectories
+from rsegen.simulation.experiment.frames import SOURCES, camera_model
+from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan
+from rsegen.simulation.experiment.trial_server import Setup, Span, total, trial_server
 from rsegen.simulation.robots import robot
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.server import retried
 
-RESTS = {"real": 1.0, "free": 0.2, "beside": 0.2}
-"""Seconds between commands to robots, at each pace: about a simulated second."""
+REST, REST_AT_FULL_SPEED = 1.0, 0.2
+"""Seconds between commands to robots: about a simulated second."""
 
 TURN = 1.0
 """Seconds that one of two worlds is simulated before it is the other's turn."""
@@ -31,11 +34,15 @@ TURN = 1.0
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Outcome:
-    """The measured cost of a trial.
+    """The measured cost of a trial, and what the robots did meanwhile.
 
-    load: seconds until the world was loaded; memory: MB at the end; cpu: processors in use while robots drove
-    speed: simulated seconds per second of CPU; rtf_min, rtf, rtf_max: real-time factors at the pace `real`, else None
+    load: seconds until the world was loaded; memory: MB at the end; speed: simulated seconds per second of CPU
+    cpu: processors that the server used while robots drove; machine: load of all processors of the machine, 0..1;
+    gpu: load of the GPU, 0..1, None where there is none; rtf_min, rtf, rtf_max: real-time factors; all of these in
+    real time, else None
+    fps: frames per second that the camera or the window drew, at the paces `camera` and `window`, else None
     share: speed divided by that of the empty world at the pace `beside`, else None
+    simulated: seconds; driven, stuck, tipped, covered: as in DrivingFigures; None in what rsegen 0.1 measured
     """
 
     load: float
@@ -46,14 +53,31 @@ class Outcome:
     rtf: float | None
     rtf_max: float | None
     share: float | None = None
+    machine: float | None = None
+    gpu: float | None = None
+    fps: float | None = None
+    simulated: float | None = None
+    driven: float | None = None
+    stuck: float | None = None
+    tipped: float | None = None
+    covered: float | None = None
 
 
-def run_trial(plan: ExperimentPlan, cell: Cell, repeat: int, here: Installation) -> Outcome:
-    """The outcome of one trial; each repeat has its own map and start poses. A failed server is tried again."""
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Trial:
+    """One trial: its outcome, the map, and the trajectory of every robot by its name."""
+
+    outcome: Outcome
+    scene: Scene
+    trajectories: Mapping[str, Trajectory]
+
+
+def run_trial(plan: ExperimentPlan, cell: Cell, repeat: int, here: Installation) -> Trial:
+    """One trial; each repeat has its own map and start poses. A failed server is tried again."""
     cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
     with ExitStack() as stack:
         setups = [stack.enter_context(_setup(plan, each, plan.seed + repeat, here)) for each in cells]
-        return retried(lambda: _outcome(setups, plan.seconds, here, real=cell.pace == "real"))
+        return retried(lambda: _trial(setups, plan.seconds, here, is_empty=not cell.size))
 
 
 @contextmanager
@@ -62,8 +86,11 @@ def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> I
     row = plan.rows[cell.row]
     recipe = row.map_of(cell.size, seed)
     scene = compose(recipe)
-    runs = robot_runs(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed)
+    runs = robot_runs(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed, evenest=True)
     models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
+    real = cell.pace in IN_REAL_TIME
+    frames = cell.pace if cell.pace in SOURCES else None
+    models += [camera_model(scene.field.extent)] if frames == "camera" else []
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         if cell.size:
             world = generate(recipe, folder).maps[0].world
@@ -71,25 +98,44 @@ def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> I
             world = Path(folder, "empty.world")
             world.write_bytes(b"".join(sdf.utf8(sdf.world(scene, ()))))
         file = world.with_name("experiment.world")
-        text = world_with_robots(world, models, unthrottled=cell.pace != "real", backend=here.backend)
+        text = world_with_robots(world, models, unthrottled=not real, backend=here.backend)
         file.write_text(text, "utf-8")
-        yield Setup(file=file, runs=runs, rest=RESTS[cell.pace])
+        rest = REST if real else REST_AT_FULL_SPEED
+        yield Setup(file=file, scene=scene, runs=runs, rest=rest, real=real, frames=frames)
 
 
-def _outcome(setups: Sequence[Setup], seconds: float, here: Installation, *, real: bool) -> Outcome:
-    """The cost of the first setup, simulated in turns with the second, if there is one."""
+def _trial(setups: Sequence[Setup], seconds: float, here: Installation, *, is_empty: bool) -> Trial:
+    """The trial of the first setup, simulated in turns with the second, if there is one."""
     with ExitStack() as stack:
         servers = [stack.enter_context(trial_server(setup, here)) for setup in setups]
         turns = [seconds] if len(servers) == 1 else [TURN] * ceil(seconds / TURN)
         spans = [[server.measure(turn) for server in servers] for turn in turns]
         ours, *others = (total(each) for each in zip(*spans, strict=True))
-        return Outcome(
-            load=round(servers[0].load, 3),
-            memory=round(servers[0].memory, 1),
-            cpu=round(ours.cpu / ours.real, 4) if real else None,
+        first = servers[0]
+        tracks = trajectories(first.record, first.setup.runs)
+        figures = driving_figures(tracks, first.setup.runs, None if is_empty else first.setup.scene.field)
+        outcome = Outcome(
+            load=round(first.load, 3),
+            memory=round(first.memory, 1),
             speed=round(ours.speed, 3),
-            rtf_min=round(min(ours.factors), 3) if real else None,
-            rtf=round(fmean(ours.factors), 3) if real else None,
-            rtf_max=round(max(ours.factors), 3) if real else None,
             share=round(ours.speed / others[0].speed, 4) if others else None,
+            simulated=round(ours.simulated, 3),
+            **_in_real_time(ours, first.setup),
+            **figures._asdict(),
         )
+    return Trial(outcome=outcome, scene=first.setup.scene, trajectories=tracks)
+
+
+def _in_real_time(span: Span, setup: Setup) -> dict[str, float | None]:
+    """The figures that only a trial in real time has."""
+    if not setup.real:
+        return dict.fromkeys(("cpu", "machine", "gpu", "fps", "rtf_min", "rtf", "rtf_max"))
+    return {
+        "cpu": round(span.cpu / span.real, 4),
+        "machine": round(min(span.busy / span.real, 1.0), 4),
+        "gpu": round(fmean(span.gpu), 3) if span.gpu else None,
+        "fps": round(span.frames / span.real, 2) if setup.frames else None,
+        "rtf_min": round(min(span.factors), 3),
+        "rtf": round(fmean(span.factors), 3),
+        "rtf_max": round(max(span.factors), 3),
+    }

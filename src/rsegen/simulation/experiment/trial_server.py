@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import astuple, dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from rsegen.errors import SimulatorFailed
+from rsegen.exporters.scene import Scene
 from rsegen.simulation.driving.recording import RobotRun, send_commands
 from rsegen.simulation.driving.routes import Route
-from rsegen.simulation.experiment.machine import usage
+from rsegen.simulation.experiment.frames import wait_for_frames, window_of
+from rsegen.simulation.experiment.machine import busy, gpu_load, usage
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.live_world import LiveWorld
+from rsegen.simulation.simulators.live_world import LiveWorld, Record
 from rsegen.simulation.simulators.server import running_server
 
 TIMEOUT = 600.0
@@ -24,23 +26,44 @@ SETTLED = 2.0
 """Simulated seconds before measuring begins, in which robots fall to the ground and start to drive."""
 
 
+REST = 1.0
+"""Seconds between two looks for the first frame."""
+
+LOOKS = 0.05
+"""Seconds between two looks at the poses of robots."""
+
+PERIOD = 0.1
+"""Simulated seconds between two rows of a trajectory, or more where the world is simulated faster than is looked."""
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Setup:
-    """A world file with robots, their runs, and the seconds between commands, about a simulated second."""
+    """A world file with robots on a map, their runs, the seconds between commands, whether in real time, and by what
+    frames are drawn, if by anything.
+    """
 
     file: Path
+    scene: Scene
     runs: Sequence[RobotRun]
     rest: float
+    real: bool
+    frames: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Span:
-    """Seconds of simulation, wall and CPU time, and the real-time factors between samples."""
+    """Seconds of simulation, wall and CPU time; real-time factors and loads of the GPU, 0..1, between commands.
+
+    busy: seconds of CPU time of the whole machine, by its number of processors; frames: those that were drawn
+    """
 
     simulated: float
     real: float
     cpu: float
+    busy: float
+    frames: int
     factors: Sequence[float]
+    gpu: Sequence[float]
 
     @property
     def speed(self) -> float:
@@ -54,19 +77,24 @@ def total(spans: Sequence[Span]) -> Span:
         simulated=sum(span.simulated for span in spans),
         real=sum(span.real for span in spans),
         cpu=sum(span.cpu for span in spans),
+        busy=sum(span.busy for span in spans),
+        frames=sum(span.frames for span in spans),
         factors=[factor for span in spans for factor in span.factors],
+        gpu=[load for span in spans for load in span.gpu],
     )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TrialServer:
-    """A running server that took `load` seconds to load its setup, and the routes of its robots."""
+    """A running server that took `load` seconds to load its setup, the routes of its robots, and their record."""
 
     live: LiveWorld
     pid: int
     load: float
     setup: Setup
     routes: Mapping[str, Route]
+    frames: Callable[[], int]
+    record: Record = field(default_factory=list)
 
     @property
     def memory(self) -> float:
@@ -75,37 +103,85 @@ class TrialServer:
 
     def measure(self, seconds: float) -> Span:
         """The span of this many wall seconds, paused only before and after, so that all clocks are exact."""
-        start, before = self.live.clock(), usage(self.pid).cpu
-        factors = self.run_robots("real", seconds)
-        end, after = self.live.clock(), usage(self.pid).cpu
+        start, cpu, machine, frames = self.live.clock(), usage(self.pid).cpu, busy(), self.frames()
+        samples = self.run_robots("real", seconds, self.record)
+        end = self.live.clock()
         return Span(
-            simulated=end.simulated - start.simulated, real=end.real - start.real, cpu=after - before, factors=factors
+            simulated=end.simulated - start.simulated,
+            real=end.real - start.real,
+            cpu=usage(self.pid).cpu - cpu,
+            busy=busy() - machine,
+            frames=self.frames() - frames,
+            factors=[factor for factor, _ in samples],
+            gpu=[load for _, load in samples if load is not None],
         )
 
-    def run_robots(self, clock: Literal["simulated", "real"], seconds: float) -> list[float]:
-        """Let robots drive for this many simulated or real seconds; gives the real-time factors between commands."""
+    def run_robots(
+        self, clock: Literal["simulated", "real"], seconds: float, record: Record | None = None
+    ) -> list[tuple[float, float | None]]:
+        """Let robots drive for this many simulated or real seconds.
+
+        Gives the real-time factor and the load of the GPU between commands; poses are added to `record`.
+        """
         start = last = self.live.clock()
-        factors, end = [], time.monotonic() + 20 * seconds
+        samples, end = [], time.monotonic() + 20 * seconds
         self.live.unpause()
         while getattr(last, clock) < getattr(start, clock) + seconds:
             send_commands(self.live, self.setup.runs, self.routes, self.live.poses())
-            time.sleep(self.setup.rest)
+            self._rest(record)
             now = self.live.clock()
             if time.monotonic() > end:
                 raise SimulatorFailed(f"{now.simulated - start.simulated:g} s simulated in {20 * seconds:g} s")
-            factors.append((now.simulated - last.simulated) / max(now.real - last.real, 1e-9))
+            factor = (now.simulated - last.simulated) / max(now.real - last.real, 1e-9)
+            samples.append((factor, gpu_load() if self.setup.real else None))
             last = now
         self.live.pause()
-        return factors
+        return samples
+
+    def run_a_second(self) -> float:
+        """Let robots drive for a second; gives the seconds."""
+        self.run_robots("real", REST)
+        return REST
+
+    def _rest(self, record: Record | None) -> None:
+        """Wait until the next command, and add the poses of robots to a record as they come."""
+        end = time.monotonic() + self.setup.rest
+        while (left := end - time.monotonic()) > 0:
+            time.sleep(min(left, LOOKS))
+            if record is not None:
+                self._look(record)
+
+    def _look(self, record: Record) -> None:
+        """Add the last poses of robots to a record, unless it has some that are hardly older."""
+        second, poses = self.live.last_poses()
+        here = {run.name: list(astuple(poses[run.name])) for run in self.setup.runs if run.name in poses}
+        if here and (not record or second >= record[-1][0] + PERIOD):
+            record.append((second, here))
 
 
 @contextmanager
 def trial_server(setup: Setup, here: Installation) -> Iterator[TrialServer]:
     """A server of a trial in which the robots have fallen to the ground and started to drive."""
     began = time.monotonic()
-    with running_server(here, setup.file, timeout=TIMEOUT) as server, server.connect() as live:
+    with ExitStack() as stack:
+        screen = setup.frames == "camera"
+        server = stack.enter_context(running_server(here, setup.file, timeout=TIMEOUT, screen=screen))
+        live = stack.enter_context(server.connect())
         live.stop_recording()
         load, routes = time.monotonic() - began, {run.name: run.route() for run in setup.runs}
-        trial = TrialServer(live=live, pid=server.pid, load=load, setup=setup, routes=routes)
+        frames = live.frame_counter(setup.frames) if setup.frames else lambda: 0
+        trial = TrialServer(live=live, pid=server.pid, load=load, setup=setup, routes=routes, frames=frames)
+        if setup.frames == "window":
+            stack.enter_context(window_of(server))
+            wait_for_frames(frames, setup.frames, _paused)
+        live.last_poses()
         trial.run_robots("simulated", SETTLED)
+        if setup.frames == "camera":
+            wait_for_frames(frames, setup.frames, trial.run_a_second)
         yield trial
+
+
+def _paused() -> float:
+    """A window draws a paused world too."""
+    time.sleep(REST)
+    return REST

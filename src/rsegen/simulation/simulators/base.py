@@ -100,7 +100,8 @@ class Simulator(ABC):
     name: as in a recipe's `simulator`; title: for people; generation: the newest is preferred; how_to_install: lines
     of advice; address_variables: the variables that select one server among others; harmless_messages: parts of error
     lines that say nothing against a world; load_failures: parts of lines that say that the world was not loaded;
-    drives_without: what a drive in it does not give, in words.
+    drives_without: what a drive in it does not give, in words; frames: what draws frames that can be counted, of
+    `camera` (a sensor of the model `eye`, named `link` and `camera`) and `window`.
     """
 
     name: ClassVar[str]
@@ -111,6 +112,7 @@ class Simulator(ABC):
     harmless_messages: ClassVar[tuple[str, ...]] = ()
     load_failures: ClassVar[tuple[str, ...]] = ()
     drives_without: ClassVar[tuple[str, ...]] = ()
+    frames: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
     def installation(self) -> Installation | None:
@@ -139,6 +141,10 @@ class Simulator(ABC):
     @abstractmethod
     def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
         """A connection to the world of the server at this address; SimulatorFailed if none answers in `timeout` s."""
+
+    def window(self, here: Installation, server: LaunchCommand) -> LaunchCommand | None:
+        """The command of a window on the world of a running server; None if there is none that can be added."""
+        return None
 
     def record_options(self, period: float) -> tuple[str, ...]:
         """Options of a server that record poses with this period, seconds; none if it cannot."""

@@ -10,6 +10,8 @@ CLASSIC = MessageTypes(
         "Vector3d": {"x": (1, float), "y": (2, float), "z": (3, float)},
         "Quaternion": {"x": (2, float), "y": (3, float), "z": (4, float), "w": (5, float)},
         "Pose": {"name": (1, str), "id": (2, int), "position": (3, "Vector3d"), "orientation": (4, "Quaternion")},
+        "ImageStamped": {"time": (1, "Time")},
+        "PosesStamped": {"time": (1, "Time"), "pose": (2, "raw[]")},
         "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
         "GzString": {"data": (1, str)},
         "GzString_V": {"data": (1, "text[]")},

@@ -43,6 +43,7 @@ class TransportClient:
     def __init__(self, address: tuple[str, int], timeout: float) -> None:
         self._inbox = Inbox("Gazebo Classic")
         self._types: dict[str, str] = {}
+        self._takers: dict[str, Callable[[dict[str, Any]], None]] = {}
         self._subscribers: dict[str, list[socket.socket]] = defaultdict(list)
         self._publishers: dict[socket.socket, str] = {}
         self._sockets: list[socket.socket] = []
@@ -65,11 +66,17 @@ class TransportClient:
         """The name of the server's world."""
         return self._world
 
-    def subscribe(self, topic: str, type_name: str) -> None:
-        """Subscribe to a topic."""
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:
+        """Subscribe to a topic; `on_message` takes its messages, else they are kept."""
         full = self._full_topic(topic)
         self._types[full] = type_name
+        if on_message:
+            self._takers[full] = on_message
         self._send_to_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
+
+    def is_subscribed(self, topic: str) -> bool:
+        """Whether a topic was ever subscribed."""
+        return self._full_topic(topic) in self._types
 
     def publish(self, topic: str, type_name: str, message: Message) -> None:
         """Send a message to all subscribers of a topic; the first time, wait for one."""
@@ -86,6 +93,10 @@ class TransportClient:
     ) -> dict[str, Any]:
         """The last message of a topic that `wanted` accepts; waits for one if there is none yet."""
         return self._inbox.wait_for_message(self._full_topic(topic), wanted, timeout)
+
+    def last(self, topic: str) -> dict[str, Any] | None:
+        """The last message of a topic; None if there is none yet."""
+        return self._inbox.last(self._full_topic(topic))
 
     def clear(self, topic: str) -> None:
         """Delete the messages of a topic that were received until now."""
@@ -173,7 +184,7 @@ class TransportClient:
         _send(other, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
         for content in _received(other):
             message = CLASSIC.decode(self._types[topic], content)
-            self._inbox.add(topic, message)
+            self._takers.get(topic, partial(self._inbox.add, topic))(message)
             self._last = time.monotonic()
         self._inbox.update(lambda: self._publishers.pop(other))
 

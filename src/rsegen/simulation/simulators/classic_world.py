@@ -25,6 +25,17 @@ _DELIVERY_TIME = 0.03
 _RESPONSES_TIME = 0.6
 """Seconds in which even a paused server has done a request and published all responses."""
 
+_POSES = "pose/info"
+"""The topic of the poses of models that have moved, and of their links, with the simulation time."""
+
+_LINK = b"::"
+"""What only the names of links have in them."""
+
+_FRAMES = {"camera": ("eye/link/camera/image", "ImageStamped"), "window": ("user_camera/pose", "Pose")}
+"""The topic of each source of frames, a message a frame; the window sends at most thirty messages per second."""
+
+_START = {"sec": 0, "nsec": 0}
+
 _HIDDEN_HEIGHT = 10_000.0
 """Metres above the ground at which a model is hidden."""
 
@@ -84,6 +95,21 @@ class ClassicWorld(LiveWorld):
     def poses(self) -> Mapping[str, Pose]:
         """The poses of all models, by a request."""
         return {name: pose_of(model["pose"]) for name, model in self._models().items()}
+
+    def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
+        """From a topic that the server publishes sixty times a second at most, while it is subscribed."""
+        if not self.client.is_subscribed(_POSES):
+            self.client.subscribe(_POSES, "PosesStamped")
+        found = self.client.last(_POSES) or {}
+        poses = (CLASSIC.decode("Pose", raw) for raw in found.get("pose", []) if _LINK not in raw)
+        return _seconds(found.get("time", _START)), {pose["name"]: pose_of(pose) for pose in poses}
+
+    def frame_counter(self, source: str) -> Callable[[], int]:
+        """Pictures that the camera sends, or poses that the window's camera sends with each frame, thirty a second."""
+        topic, kind = _FRAMES[source]
+        found: list[None] = []
+        self.client.subscribe(topic, kind, lambda _: found.append(None))
+        return lambda: len(found)
 
     def links(self) -> Mapping[str, Pose]:
         """The pose of every link in its model, by its full name."""

@@ -50,6 +50,7 @@ class GazeboClassic(Simulator):
         "Unable to call parseURDF on robot model",
         "parse as old deprecated model file failed",
     )
+    frames: ClassVar[tuple[str, ...]] = ("camera", "window")
     load_failures: ClassVar[tuple[str, ...]] = ("Falling back on worlds/empty.world", "Unable to start server[bind")
 
     def installation(self) -> Installation | None:
@@ -79,6 +80,13 @@ class GazeboClassic(Simulator):
         """The same, paused, with a record in its home."""
         options = ("--pause", "--record", "--record_path", str(home / STATE.parent))
         return self.headless(here, replace(opening, home=home)).with_options(*options)
+
+    def window(self, here: Installation, server: LaunchCommand) -> LaunchCommand | None:
+        """By `gzclient`, with the variables of the server, but on the screen."""
+        if "gzclient" not in here.commands:
+            return None
+        variables = {name: value for name, value in server.environment.items() if name != "DISPLAY"}
+        return replace(server, command=(str(here.commands["gzclient"]),), environment=MappingProxyType(variables))
 
     def is_loaded(self, home: Path, log: str) -> bool:
         """A paused server begins its record when its world is complete."""

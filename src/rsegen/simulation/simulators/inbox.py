@@ -47,6 +47,11 @@ class Inbox:
             if self._failure or not found:
                 raise SimulatorFailed(f"{self._title}: {self._failure or why}")
 
+    def last(self, topic: str) -> dict[str, Any] | None:
+        """The last message of a topic; None if there is none yet."""
+        with self._changed:
+            return next(reversed(self._messages[topic]), None)
+
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float
     ) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 
 from rsegen.errors import SimulatorFailed
@@ -90,6 +90,17 @@ class LiveWorld(ABC):
     @abstractmethod
     def poses(self) -> Mapping[str, Pose]:
         """The pose of every model, by its name."""
+
+    def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
+        """Simulated seconds, and the poses of the models that moved then; what is known already, without a request.
+
+        Empty until the first message; it costs a running server less than `poses`, and gives the very time.
+        """
+        return self.clock().simulated, self.poses()
+
+    def frame_counter(self, source: str) -> Callable[[], int]:
+        """A function that gives how many frames have come from now on; source: one of its simulator's `frames`."""
+        raise SimulatorFailed(f"the frames of a {source} cannot be counted here")
 
     @abstractmethod
     def movable(self) -> Set[str]:

@@ -146,6 +146,10 @@ class TransportClient:
         """The last message of a topic that `wanted` accepts; waits for one if there is none yet."""
         return self._inbox.wait_for_message(self._full_name(topic), wanted, timeout)
 
+    def last(self, topic: str) -> dict[str, Any] | None:
+        """The last message of a topic; None if there is none yet."""
+        return self._inbox.last(self._full_name(topic))
+
     def clear(self, topic: str) -> None:
         """Delete the messages of a topic that were received until now."""
         self._inbox.clear(self._full_name(topic))

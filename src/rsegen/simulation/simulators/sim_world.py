@@ -92,6 +92,12 @@ class SimWorld(LiveWorld):
             self._names, self._ids = self._models(), poses.keys()
         return {name: pose_of(poses[number]) for number, name in self._names.items() if number in poses}
 
+    def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
+        """From the topic of poses; the names are those of the last `poses`."""
+        found = self.client.last(self._topic("pose/info")) or {}
+        poses = {pose["id"]: pose for pose in found.get("pose", []) if "id" in pose}
+        return _stamp(found) / 1e9, {name: pose_of(poses[one]) for one, name in self._names.items() if one in poses}
+
     def record(self, names: Sequence[str]) -> None:
         """Record the poses that the plug-ins of these robots publish from now on."""
         for name in names:

@@ -16,7 +16,8 @@ Message: TypeAlias = Mapping[str, Any]
 """A message: numbers, texts, bytes and messages by the names of their fields; lists where a field may be repeated."""
 
 Kind: TypeAlias = type | str
-"""int, float, bool, str, bytes, or the name of a message type; with [] after it, repeated."""
+"""int, float, bool, str, bytes, or the name of a message type; with [] after it, repeated. `text` and `raw` are str and
+bytes in a list."""
 
 Fields: TypeAlias = Mapping[str, tuple[int, Kind]]
 """Number and kind of each field of a message type, by its name."""
@@ -58,12 +59,14 @@ class MessageTypes:
         if kind in (int, bool):
             return _varint(number << 3) + _varint(int(value))
         plain = value.encode() if kind in (str, "text") else None
-        content = value if kind is bytes else self.encode(str(kind), value) if plain is None else plain
+        content = value if kind in (bytes, "raw") else self.encode(str(kind), value) if plain is None else plain
         return _varint(number << 3 | 2) + _varint(len(content)) + content
 
     def _value(self, kind: Kind, value: Any) -> Any:
         if kind in (str, "text"):
             return value.decode(errors="replace")
+        if kind == "raw":
+            return value
         if isinstance(kind, str):
             return self.decode(kind, value)
         return kind(value)

@@ -4,25 +4,34 @@ from __future__ import annotations
 
 import os
 import os.path
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import cos, hypot, sin
 from pathlib import Path
+from typing import TypeAlias
 
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.params.sorts import Float, parameters
+from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.driving.start_poses import DROP_HEIGHT
-from rsegen.simulation.robots import ROBOTS, Robot
+from rsegen.simulation.driving.start_poses import DROP_HEIGHT, fits_on_map, poses_on_map
+from rsegen.simulation.robots import ROBOTS, Robot, SdfRobot, from_file
+from rsegen.simulation.robots.sdf_file import SUFFIXES
 from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.spawning.map_models import MapModel, known_maps, map_of
 from rsegen.simulation.spawning.placement import Rectangle, free_rectangle
 from rsegen.simulation.spawning.spawned_map import SpawnedMap
-from rsegen.simulation.spawning.spawning import at_free_place, model_radius, occupied, spawn_map
+from rsegen.simulation.spawning.spawning import GROUND, RADIUS, at_free_place, occupied, spawn_map
 from rsegen.simulation.worlds import Target
 
 METRES = Float(-1e6, 1e6)
+
+_TRIES = 20
+"""Even places that are tried until one is free."""
+
+_Spawnable: TypeAlias = Robot | SdfRobot | MapModel
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -36,7 +45,7 @@ class SpawnResult:
 
 
 def spawn(  # each is a flag of the command
-    target: Target | Robot,
+    target: Target | Robot | SdfRobot,
     *,
     map: int | str | None = None,  # noqa: A002  # the flag's name
     name: str | None = None,
@@ -46,9 +55,10 @@ def spawn(  # each is a flag of the command
 ) -> SpawnResult:
     """Spawn a map or a robot in the running simulation, and give its name and pose there.
 
-    target: as for `rsegen.drive`, or a kind of robot, or a robot; name: of the model, by default the map's or the
-    robot's kind; at: x, y, z, yaw in metres and radians, the last two optional, by default the free place nearest to
-    the origin; output: folder for maps that are made of recipes; simulator: by default whichever runs.
+    target: as for `rsegen.drive`, or a kind of robot, the SDF file of a model, or a robot; name: of the model, by
+    default the map's or the robot's kind; at: x, y, z, yaw in metres and radians, the last two optional, by default the
+    free place nearest to the origin, and for the model of a file an even place of the map if there is one; output:
+    folder for maps that are made of recipes; simulator: by default whichever runs.
     UserError if a value is wrong; NothingRuns if no simulation runs.
     """
     place = _checked_place(at)
@@ -60,7 +70,8 @@ def spawn(  # each is a flag of the command
             raise ParameterError("name", f"{shown(name)} exists already; give another name, or remove {name} first")
         homes = [Path(output), *([what.folder.parent] if isinstance(what, MapModel) else [])]
         maps = known_maps(poses, homes)
-        if isinstance(what, Robot):
+        if isinstance(what, Robot | SdfRobot):
+            place = place or _on_map(what, name, maps, poses)
             pose = _spawn_robot(live, what, name, occupied(poses, maps), maps, place)
             return SpawnResult(name=name, simulator=running.name, at=pose)
         what.check_fits(running)
@@ -71,21 +82,45 @@ def spawn(  # each is a flag of the command
 
 
 def _spawn_robot(
-    live: LiveWorld, robot: Robot, name: str, taken: list[Rectangle], maps: list[SpawnedMap], at: list[float]
+    live: LiveWorld, robot: Robot | SdfRobot, name: str, taken: list[Rectangle], maps: list[SpawnedMap], at: list[float]
 ) -> Pose:
     """Spawn a robot on top of the maps under it, unless z is given; gives its pose."""
-    radius = model_radius(robot.kind)
+    radius = hypot(*robot.size[:2]) / 2
     x, y = at[:2] if at else free_rectangle(radius, radius, taken)[:2]
     ground = max((each.top(Pose(x=x, y=y, z=0), radius) for each in maps), default=0.0)
-    pose = _pose([x, y, ground + DROP_HEIGHT] if len(at) <= 2 else at)
+    lift = robot.lift if isinstance(robot, SdfRobot) else 0.0
+    pose = _pose([x, y, ground + lift + DROP_HEIGHT] if len(at) <= 2 else at)
     live.spawn(robot.file(name, live.backend), pose)
     return pose
 
 
-def _robot_or_map(target: Target | Robot, which: int | str | None, output: Path) -> Robot | MapModel:
+def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: Mapping[str, Pose]) -> list[float]:
+    """x and y of an even place on the first map where a robot of a file fits and nothing else stands; else nothing."""
+    if not isinstance(robot, SdfRobot):
+        return []
+    radius = hypot(*robot.size[:2]) / 2
+    for each in (found for found in maps if fits_on_map(found.field, robot.size)):
+        others = [at for other, at in poses.items() if other not in (each.name, GROUND) and each.covers(at, radius)]
+        for seed in range(_TRIES):
+            (place,) = poses_on_map(each.field, [robot.size], generator(seed, 0, name))
+            x, y = _outside(each.at, place)
+            if all(hypot(at.x - x, at.y - y) > radius + RADIUS for at in others):
+                return [x, y]
+    return []
+
+
+def _outside(map_at: Pose, place: Pose) -> tuple[float, float]:
+    """x and y in the world of a place in a map's own axes."""
+    c, s = cos(map_at.yaw), sin(map_at.yaw)
+    return map_at.x + place.x * c - place.y * s, map_at.y + place.x * s + place.y * c
+
+
+def _robot_or_map(target: Target | Robot | SdfRobot, which: int | str | None, output: Path) -> _Spawnable:
     if isinstance(target, str) and target in ROBOTS:
         target = ROBOTS[target]
-    if isinstance(target, Robot):
+    if isinstance(target, str | os.PathLike) and os.fspath(target).endswith(SUFFIXES):
+        target = from_file(os.fspath(target))
+    if isinstance(target, Robot | SdfRobot):
         if which is not None:
             raise ParameterError("map", f"{target.kind} is a robot and has no maps")
         return target
@@ -101,9 +136,9 @@ def _refuse_unknown_word(target: str) -> None:
         raise UnknownName.among("", "folder, recipe, example or robot", target, [*ROBOTS, *EXAMPLES])
 
 
-def _checked_name(given: str | None, what: Robot | MapModel) -> str:
+def _checked_name(given: str | None, what: _Spawnable) -> str:
     if given is None:
-        return what.kind if isinstance(what, Robot) else what.name
+        return what.name if isinstance(what, MapModel) else what.kind
     return str(parameters(Recipe)["name"].check("name", given))
 
 

@@ -1,0 +1,185 @@
+"""`python -m benchmarks.lanes MODEL.sdf`: how far a robot strays on lanes of equal blocks, driving straight ahead.
+
+Five squares of 26 x 26 cells with random levels, and through the middle of each a lane 0.6 m wide of one level, at five
+headings. The robot of any SDF file, or a kind of rsegen's, is told to go ahead and nothing else.
+The maps are those that rsegen writes, so what is measured is what people get.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import astuple, dataclass
+from math import ceil, cos, radians, sin
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from rsegen import Matrix, Placement, Recipe
+from rsegen.exporters.scene import compose
+from rsegen.field.stepfield import Levels
+from rsegen.simulation.driving.recording import RobotRun, send_commands
+from rsegen.simulation.driving.routes import Motion, Route
+from rsegen.simulation.driving.world_with_robots import time_step, world_with_robots
+from rsegen.simulation.robots import ROBOTS, from_file
+from rsegen.simulation.robots.base import DrivableRobot
+from rsegen.simulation.simulators import SIMULATORS, Installation
+from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.simulators.server import retried, running_server
+from rsegen.simulation.worlds import write_world
+from tests.simulation.real.burger import Start, way
+
+HEADINGS = (0, 20, 45, 70, 90)
+"""Degrees."""
+TILE, LANE, FLOOR, LEVELS = 26, 0.6, 2, 5
+"""Cells along a square, metres across its lane, the lane's level, and how many levels there are around it."""
+WIDTH = 0.1
+METRES, SPEED = 2.2, 0.22
+"""Length of a drive, and its speed in m/s or the most that the robot does."""
+PERIOD = 0.5
+"""Seconds between two commands, and two looks at the robots; the first is not measured."""
+GROUNDS = ("plane", "both", "classic")
+"""The bare ground, the default map, and one made with `--simulator classic`."""
+NOTHING_HERE = 3
+"""Exit code."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Ahead(Route):
+    """Straight ahead, whatever comes."""
+
+    name: ClassVar[str] = "ahead"
+    period: ClassVar[float] = PERIOD
+
+    speed: float
+
+    def motion(self, at: Pose) -> Motion:
+        """No turn."""
+        return Motion(self.speed, 0.0)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Lane:
+    """A drive along a lane: mm to the left at the end, metres ahead, mm by which the robot's height changes."""
+
+    heading: int
+    aside: float
+    ahead: float
+    shake: float
+
+
+def recipe(seed: int, ground: str = "both") -> Recipe:
+    """The map of a seed for a simulator; with ground "plane" one without any block."""
+    rng = np.random.default_rng(seed)
+    levels = np.concatenate([_square(heading, rng) for heading in HEADINGS]) * (ground != "plane")
+    return Recipe(
+        simulator="both" if ground == "plane" else ground,
+        chunk_size=TILE,
+        chunks=(len(HEADINGS), 1),
+        boundary="none",
+        unit_cm=1,
+        seed=seed,
+        obstacles=(Placement(obstacle=Matrix.of(levels)),),
+    )
+
+
+def runs(robot: DrivableRobot, ground: str) -> Sequence[RobotRun]:
+    """The robot on each lane, half of the way back from the middle of its square."""
+    speed = min(SPEED, robot.speed)
+    return [
+        RobotRun(name=f"robot_{number}", robot=robot, start=pose, route=lambda: Ahead(speed=speed))
+        for number, (_, pose) in enumerate(starts(ground))
+    ]
+
+
+def starts(ground: str) -> Iterator[tuple[int, Pose]]:
+    """Heading in degrees and start pose of every lane."""
+    top = FLOOR * 0.01 if ground != "plane" else 0.0
+    for column, heading in enumerate(HEADINGS):
+        x, turn = (column + 0.5 - len(HEADINGS) / 2) * TILE * WIDTH, radians(heading)
+        yield heading, Pose(x=x - METRES / 2 * cos(turn), y=-METRES / 2 * sin(turn), z=top, yaw=turn)
+
+
+def drives(
+    robot: DrivableRobot, seed: int, ground: str, here: Installation, change: Callable[[str], str] = str
+) -> list[Lane]:
+    """The drives on the map of a seed; `change` may change the text of the world and that of the map's model."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = write_world(compose(recipe(seed, ground), 0), Path(folder))
+        model = file.with_name("model.sdf")
+        model.write_text(change(model.read_text()))
+        models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs(robot, ground)]
+        world = file.with_name("lanes.world")
+        world.write_text(change(world_with_robots(file, models, unthrottled=True, backend=here.backend)))
+        return retried(lambda: _run(robot, world, ground, here))
+
+
+def _run(robot: DrivableRobot, world: Path, ground: str, here: Installation) -> list[Lane]:
+    driven, step = runs(robot, ground), time_step(world.read_text())
+    routes = {run.name: run.route() for run in driven}
+    poses: list[Mapping[str, Pose]] = [{run.name: run.start for run in driven}]
+    with running_server(here, world, models=world.parent.parent) as server, server.connect() as live:
+        for _ in range(1 + ceil(METRES / min(SPEED, robot.speed) / PERIOD)):
+            send_commands(live, driven, routes, poses[-1])
+            live.step(round(PERIOD / step))
+            poses.append(live.poses())
+    return [
+        _lane(heading, [each[run.name] for each in poses])
+        for (heading, _), run in zip(starts(ground), driven, strict=True)
+    ]
+
+
+def _lane(heading: int, poses: Sequence[Pose]) -> Lane:
+    """From the second pose on: a start at full speed turns some robots by a milliradian, on the bare ground too."""
+    first, heights = poses[1], [pose.z for pose in poses[2:]]
+    gone = way(Start(first.x, first.y, first.z, first.yaw), poses[-1])
+    shake = 1000 * (max(heights) - min(heights))
+    return Lane(heading=heading, aside=1000 * gone.aside, ahead=gone.ahead, shake=shake)
+
+
+def summary(lanes: Sequence[Lane]) -> str:
+    """Mean (max) of the drift and of the shake, and how many robots did not come on."""
+    aside, shake = ([abs(getattr(lane, what)) for lane in lanes] for what in ("aside", "shake"))
+    stuck = sum(lane.ahead < METRES - 0.2 for lane in lanes)
+    said = f"{np.mean(aside):.2f} ({max(aside):.2f}) mm aside, {np.mean(shake):.2f} ({max(shake):.2f}) mm up and down"
+    return f"{said}, {stuck} of {len(lanes)} stuck" if stuck else said
+
+
+def _square(heading: int, rng: np.random.Generator) -> Levels:
+    levels = rng.integers(0, LEVELS, (TILE, TILE))
+    middle = (np.arange(TILE) - (TILE - 1) / 2) * WIDTH
+    turn = radians(heading)
+    aside = middle[None, :] * cos(turn) - middle[:, None] * sin(turn)
+    levels[np.abs(aside) <= LANE / 2] = FLOOR
+    return levels.astype(np.int16)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Exit code: 0, or 3 where the simulator is not here."""
+    options = _options(arguments)
+    here = SIMULATORS[options.simulator].installation()
+    if not here:
+        print(f"no {SIMULATORS[options.simulator].title} here", file=sys.stderr)
+        return NOTHING_HERE
+    robot = ROBOTS[options.robot] if options.robot in ROBOTS else from_file(options.robot, options.wheels)
+    for ground in options.grounds:
+        lanes = [lane for seed in options.seeds for lane in drives(robot, seed, ground, here)]
+        print(f"{robot.kind} on {ground} in {here}: {summary(lanes)}", flush=True)
+    return 0
+
+
+def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.lanes", description=__doc__)
+    parser.add_argument("robot", metavar="MODEL.sdf", help="SDF file of a model, or a kind of robot")
+    parser.add_argument("--wheels", metavar="LEFT,RIGHT", help="joints of its wheels, as for rsegen drive")
+    parser.add_argument("--simulator", choices=list(SIMULATORS), default="classic")
+    parser.add_argument("--grounds", nargs="+", choices=GROUNDS, default=GROUNDS)
+    parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3])
+    return parser.parse_args(arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,116 @@
+"""The outcomes of an experiment as a picture: real-time factor, speed and memory over the side of the map."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from statistics import fmean, median
+from typing import TYPE_CHECKING, NamedTuple
+
+from rsegen.simulation.experiment.plan import IN_REAL_TIME, ExperimentPlan
+from rsegen.simulation.experiment.published import published_figures
+from rsegen.simulation.experiment.report import row_label
+from rsegen.simulation.experiment.results import Results
+from rsegen.simulation.experiment.summaries import known, outcomes_of, rested, rtf_limits
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_ASIDE = 0.006
+"""Between curves, as a share of the largest map: equal figures would hide one another."""
+
+
+class _Point(NamedTuple):
+    """A figure of a cell: the side of the map, the value with its limits, and whether the robots rested."""
+
+    size: float
+    low: float
+    value: float
+    high: float
+    rested: bool
+
+
+def plot(plan: ExperimentPlan, results: Results) -> bytes:
+    """A PNG with a curve per row: points with the least and the most of all trials, and the paper's RTF.
+
+    A point is hollow where the robots rested for most of the time.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(15, 5.5), dpi=100, layout="constrained")
+    rtf, speed, memory = figure.subplots(1, 3)
+    for number, row in enumerate(plan.rows):
+        label = row_label(plan, row)
+        _curve(rtf, number, plan, _rtf_points(plan, results, number), label)
+        _curve(speed, number, plan, _points(plan, results, number, "speed"), label)
+        _curve(memory, number, plan, _points(plan, results, number, "memory"), label)
+    _draw_published(rtf, plan)
+    _finish(rtf, "real-time factor: least, mean, most")
+    _finish(speed, "simulated seconds per second of CPU")
+    _finish(memory, "memory of the simulator [MB]")
+    handles, labels = speed.get_legend_handles_labels()
+    extra = [each for each in zip(*rtf.get_legend_handles_labels(), strict=True) if each[1] not in labels]
+    names = [*zip(handles, labels, strict=True), *extra]
+    if names:
+        figure.legend(*zip(*names, strict=True), loc="outside lower center", ncols=2)
+    figure.suptitle(
+        "bars: the least and the most of all trials; hollow: robots that rested, stuck for most of the time"
+    )
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png")
+    return stream.getvalue()
+
+
+def _rtf_points(plan: ExperimentPlan, results: Results, number: int) -> list[_Point]:
+    pace = next((pace for pace in plan.paces if pace in IN_REAL_TIME), "real")
+    found = {size: outcomes_of(results, number, size, pace) for size in plan.rows[number].sizes}
+    limits = {size: rtf_limits(outcomes) for size, outcomes in found.items()}
+    return [_Point(size, *three, rested=rested(found[size])) for size, three in limits.items() if three]
+
+
+def _points(plan: ExperimentPlan, results: Results, number: int, name: str) -> list[_Point]:
+    """The medians of a figure, at full speed if that was tried."""
+    pace = next((pace for pace in ("free", "beside") if pace in plan.paces), plan.paces[0])
+    found = {size: outcomes_of(results, number, size, pace) for size in plan.rows[number].sizes}
+    values = {size: known(outcomes, name) for size, outcomes in found.items()}
+    return [_Point(size, min(v), median(v), max(v), rested(found[size])) for size, v in values.items() if v]
+
+
+def _curve(axes: Axes, number: int, plan: ExperimentPlan, points: Sequence[_Point], label: str) -> None:
+    """Points with their limits; moved a little aside, each curve by another way."""
+    if not points:
+        return
+    aside = (number - (len(plan.rows) - 1) / 2) * _ASIDE * max(size for row in plan.rows for size in row.sizes)
+    x = [point.size + aside for point in points]
+    spread = [[point.value - point.low for point in points], [point.high - point.value for point in points]]
+    colour = f"C{number % 10}"
+    value = [point.value for point in points]
+    axes.errorbar(x, value, yerr=spread, fmt="-", color=colour, capsize=3, label=label)
+    faces = ["white" if point.rested else colour for point in points]
+    axes.scatter(x, value, s=36, facecolors=faces, edgecolors=colour, zorder=3)
+
+
+def _draw_published(axes: Axes, plan: ExperimentPlan) -> None:
+    """The paper's least and most real-time factor, for the rows that are the paper's."""
+    found = {
+        (size, figures.rtf_limits)
+        for row in plan.rows
+        for size, figures in published_figures(row).items()
+        if size in row.sizes
+    }
+    if found:
+        sizes, limits = zip(*sorted(found), strict=True)
+        middle = [fmean(each) for each in limits]
+        half = [(most - least) / 2 for least, most in limits]
+        axes.errorbar(
+            sizes, middle, yerr=half, fmt="D", color="black", markerfacecolor="none", capsize=5, label="paper"
+        )
+
+
+def _finish(axes: Axes, title: str) -> None:
+    """Axes from zero, with room around every point."""
+    axes.set(xlabel="side of the map [blocks], 0: empty", title=title)
+    axes.margins(x=0.06)
+    if axes.has_data():
+        axes.set_ylim(0, 1.08 * axes.dataLim.ymax)
+    axes.grid(visible=True, alpha=0.3)

@@ -1,0 +1,89 @@
+"""What robots on known ways have driven, and what they have been over."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+import pytest
+
+from rsegen import build
+from rsegen.field.stepfield import StepField
+from rsegen.simulation.driving.drive_metrics import Trajectory
+from rsegen.simulation.driving.recording import RobotRun
+from rsegen.simulation.driving.routes import Straight
+from rsegen.simulation.experiment.driving_figures import DrivingFigures, covered, driving_figures, trajectories
+from rsegen.simulation.experiment.plan import TableRow
+from rsegen.simulation.robots import robot
+from rsegen.simulation.simulators.live_world import Pose
+
+T = np.arange(0, 10.01, 0.1)
+BURGER = robot("burger")
+
+
+@pytest.fixture(scope="module")
+def field() -> StepField:
+    """Ten by ten blocks of ten centimetres."""
+    return build(TableRow().map_of(10, seed=1))
+
+
+def track(x: np.ndarray, y: np.ndarray | float = 0.0, yaw: float = 0.0, roll: float = 0.0) -> Trajectory:
+    columns = np.broadcast_arrays(T, x, y, 0.0, roll, 0.0, yaw)
+    return Trajectory(rows=np.stack(columns, axis=1).astype(float))
+
+
+def run(name: str) -> RobotRun:
+    route = Straight(speed=0.2, turn=1, line=0, goal=9)
+    return RobotRun(name=name, robot=BURGER, start=Pose(x=0, y=0, z=0), route=lambda: route)
+
+
+@dataclass(frozen=True)
+class Box:
+    """As much of a robot as its footprint is."""
+
+    size: tuple[float, float, float]
+
+
+@pytest.mark.parametrize(
+    ("size", "at", "yaw", "cells"),
+    [
+        ((0.04, 0.04, 1), (0.05, 0.05), 0.0, 1),
+        ((0.04, 0.04, 1), (0.0, 0.05), 0.0, 2),
+        ((0.04, 0.04, 1), (0.0, 0.0), 0.3, 4),
+        ((0.28, 0.08, 1), (0.05, 0.05), 0.0, 3),
+        ((0.28, 0.08, 1), (0.05, 0.05), pi / 2, 3),
+        ((0.28, 0.28, 1), (0.05, 0.05), 0.0, 9),
+        ((0.04, 0.04, 1), (0.55, 0.05), 0.0, 0),
+        ((9, 9, 1), (0.0, 0.0), 0.0, 100),
+    ],
+)
+def test_a_robot_that_stands_is_over_the_cells_below_its_footprint(
+    size: tuple[float, float, float], at: tuple[float, float], yaw: float, cells: int, field: StepField
+) -> None:
+    standing = track(np.full_like(T, at[0]), at[1], yaw)
+    assert covered(standing, Box(size), field) == pytest.approx(cells / 100)  # type: ignore[arg-type]
+
+
+def test_a_robot_that_drives_across_is_over_its_lane(field: StepField) -> None:
+    crossing = track(np.linspace(-0.6, 0.6, len(T)), 0.05)
+    assert covered(crossing, Box((0.04, 0.04, 1)), field) == pytest.approx(0.1)  # type: ignore[arg-type]
+
+
+def test_figures_are_means_over_the_robots(field: StepField) -> None:
+    tracks = {"moves": track(0.04 * T), "rests": track(np.zeros_like(T), roll=pi / 2)}
+    found = driving_figures(tracks, [run("moves"), run("rests")], field)
+    assert found[:3] == (0.2, 0.5, 0.5)
+    shares = [covered(each, BURGER, field) for each in tracks.values()]
+    assert found.covered == pytest.approx(sum(shares) / 2)
+    assert driving_figures(tracks, [run("moves")], None) == DrivingFigures(0.4, 0.0, 0.0, None)
+
+
+def test_robots_that_nothing_is_known_of_have_no_figures(field: StepField) -> None:
+    assert driving_figures({}, [run("moves")], field) == DrivingFigures(None, None, None, None)
+
+
+def test_a_record_becomes_the_trajectories_of_its_robots() -> None:
+    pose = [1.0, 2, 3, 0, 0, 0]
+    found = trajectories([(0.5, {"a": pose}), (0.6, {"a": pose, "b": pose, "map": pose})], [run("a"), run("b")])
+    assert {name: each.rows[:, 0].tolist() for name, each in found.items()} == {"a": [0.5, 0.6], "b": [0.6]}

@@ -1,0 +1,106 @@
+"""Robots of users' own SDF files in real servers: driven by whatever drive they name, and spawned on a map."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import hypot, sin
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen import Matrix, Placement, Recipe
+from rsegen.exporters.gazebo import sdf
+from rsegen.simulation.driving.recording import RobotRun, record_drive
+from rsegen.simulation.driving.routes import Motion, Route
+from rsegen.simulation.driving.start_poses import DROP_HEIGHT
+from rsegen.simulation.robots import SdfRobot, from_file
+from rsegen.simulation.simulators import Installation
+from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.simulators.server import running_server
+from tests.simulation.robots.two_wheels import PLUGINS, two_wheels
+
+V, W = 0.15, 0.5
+"""m/s and rad/s; the record of Gazebo Classic has three digits of each place, so all robots are near the origin."""
+
+PLAIN = Recipe(name="plain", chunk_size=10, boundary="none", seed=1)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Circle(Route):
+    """Always the same speed and turn rate."""
+
+    name: ClassVar[str] = "circle"
+    period: ClassVar[float] = 0.5
+
+    def motion(self, at: Pose) -> Motion:
+        """To the left."""
+        return Motion(V, W)
+
+
+@pytest.fixture
+def robots(tmp_path: Path) -> Mapping[str, SdfRobot]:
+    """The same robot with every drive, and with its wheels named, whose axes point to the right."""
+    found = {}
+    for name, plugin in PLUGINS.items():
+        file = tmp_path / f"{name}.sdf"
+        file.write_text(two_wheels(plugin, axis=1 if plugin else -1))
+        found[name] = from_file(file, None if plugin else "left_hub,right_hub")
+    return found
+
+
+def test_any_drive_goes_ahead_and_to_the_left_as_it_is_told_and_nothing_complains(
+    gazebo: Installation, robots: Mapping[str, SdfRobot], tmp_path: Path
+) -> None:
+    world = tmp_path / "ground.world"
+    world.write_bytes(b"".join(sdf.utf8(sdf.world(rsegen.compose(PLAIN), ()))))
+    runs = [
+        RobotRun(name=name, robot=robot, start=Pose(x=0, y=lane - 2.5, z=0.001), route=Circle)
+        for lane, (name, robot) in enumerate(robots.items())
+    ]
+    recording = record_drive(gazebo, world, runs, 3)
+    assert list(recording.errors) == []
+    for run in runs:
+        rows = recording.trajectories[run.name].rows
+        late, early = rows[-1], rows[int(1 / 0.05)]
+        seconds = late[0] - early[0]
+        assert late[6] - early[6] == pytest.approx(W * seconds, rel=0.1), run.name
+        chord = 2 * V / W * sin(W * seconds / 2)
+        assert hypot(late[1] - early[1], late[2] - early[2]) == pytest.approx(chord, rel=0.1), run.name
+        assert late[3] == pytest.approx(0.03, abs=0.003), run.name
+
+
+def test_the_file_of_a_robot_is_spawned_on_an_even_place_of_the_map(
+    gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The map is a plateau of 7 x 7 cells in a sea of steps, beside the origin and turned."""
+    rows = np.random.default_rng(1).integers(0, 9, (14, 14))
+    rows[5:12, 5:12] = 3
+    course = Recipe(
+        name="course",
+        chunk_size=14,
+        boundary="none",
+        unit_cm=2,
+        seed=1,
+        obstacles=(Placement(obstacle=Matrix.of(rows)),),
+    )
+    monkeypatch.chdir(tmp_path)
+    Path("mine.sdf").write_text(two_wheels())
+    world = tmp_path / "ground.world"
+    world.write_bytes(b"".join(sdf.utf8(sdf.world(rsegen.compose(PLAIN), ()))))
+    with running_server(gazebo, world) as server:
+        for name in ("GAZEBO_MASTER_URI", "GZ_PARTITION", "GZ_IP"):
+            monkeypatch.setenv(name, server.environment.get(name, "http://127.0.0.1:1"))
+        simulator = gazebo.simulator.name
+        rsegen.spawn(course, at=(1, -2, 0, 0.5), simulator=simulator)
+        placed = rsegen.spawn("mine.sdf", simulator=simulator)
+        assert placed.name == "my_robot"
+        with server.connect() as live:
+            live.step(500)
+            at = live.poses()["my_robot"]
+    assert placed.at.z == pytest.approx(3 * 0.02 + 0.03 + DROP_HEIGHT)
+    assert at.z == pytest.approx(3 * 0.02 + 0.03, abs=0.003)
+    assert max(abs(at.roll), abs(at.pitch)) < 0.03
