@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,16 @@ class PlannedWay:
 
     def __post_init__(self) -> None:
         self.points.setflags(write=False)
+
+    def as_json(self) -> dict[str, object]:
+        """What drive.json has of it."""
+        return {"crosses": self.crosses, "least_step": round(self.least_step, 9)}
+
+    def csv(self) -> Iterator[str]:
+        """The lines of a CSV file."""
+        yield "x,y\n"
+        for x, y in self.points.tolist():
+            yield f"{x:.4f},{y:.4f}\n"
 
 
 def planned_way(field: StepField, width: float, limits: RobotLimits | None) -> PlannedWay:
