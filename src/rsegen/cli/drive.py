@@ -17,6 +17,7 @@ from rsegen.params.sorts import Parameter
 from rsegen.simulation.driving.drive import DURATION, OF_A_FILE, ROBOTS, ROUTE, SEED, drive
 from rsegen.simulation.driving.drive_metrics import DriveMetrics
 from rsegen.simulation.driving.drive_result import DriveResult
+from rsegen.simulation.driving.way import PlannedWay
 from rsegen.simulation.robots import ROBOTS as KINDS
 
 _PARTS = 5
@@ -55,9 +56,8 @@ def add(commands: Subparsers) -> None:
     )
     text = f"{simulator_names()} (default: the newest that is installed)"
     command.add_argument("--simulator", metavar="NAME", help=text)
-    command.add_argument(
-        "--route", default="straight", help=f"{ROUTE.describe()}: across the map, or randomly on it (default: straight)"
-    )
+    text = "straight across the map, randomly on it, or across it on the way that rsegen metrics finds"
+    command.add_argument("--route", default="straight", help=f"{ROUTE.describe()}: {text} (default: straight)")
     command.add_argument("--duration", default="30", metavar="S", help="simulation time, seconds (default: 30)")
     text = "seed of start poses and routes, and of a map made by --obstacle alone (default: drawn and printed)"
     command.add_argument("--seed", metavar="SEED", help=text)
@@ -103,15 +103,23 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _report(result: DriveResult) -> Iterator[str]:
     yield f"{result.scene.name} in {result.simulator}, {result.route}, seed {result.seed}:"
+    if result.way:
+        yield f"  {_foreseen(result.way)}"
     for robot in result.robots:
         found = robot.metrics
-        crossed = "" if result.route != "straight" else _crossed(found)
+        crossed = "" if result.route == "random" else _crossed(found)
         tipped = f", tipped over {found.tipped}x" if found.tipped else ""
         yield f"  {robot.name}: {found.distance:.2f} m in {found.seconds:g} s{crossed}, stuck {found.stuck:g} s{tipped}"
         if found.touched:
             yield "    contacts of " + ", ".join(f"{part} {share:.0%}" for part, share in _most(found.touched))
     yield from (f"note: {line}" for line in result.notes)
     yield from (f"warning: {line}" for line in dict.fromkeys(result.errors))
+
+
+def _foreseen(way: PlannedWay) -> str:
+    """What the metrics say of the way that the robots follow."""
+    said = {True: "; the robot can climb it", False: "; the robot cannot climb it", None: ""}
+    return f"the way across needs a step of {way.least_step * 100:g} cm{said[way.crosses]}"
 
 
 def _most(touched: Mapping[str, float]) -> Sequence[tuple[str, float]]:

@@ -16,7 +16,7 @@ from rsegen.simulation.driving.drive_metrics import drive_metrics
 from rsegen.simulation.driving.drive_result import DrivenRobot, DriveResult
 from rsegen.simulation.driving.recording import DriveRecording, RobotRun, record_drive
 from rsegen.simulation.driving.robot_runs import ROUTES, driving_speed, finish_x, robot_runs
-from rsegen.simulation.driving.routes import Straight
+from rsegen.simulation.driving.routes import Wandering
 from rsegen.simulation.robots import robot as robot_named
 from rsegen.simulation.robots.base import DrivableRobot, Robot
 from rsegen.simulation.robots.drives import Tracks
@@ -84,6 +84,7 @@ def drive(  # noqa: PLR0913  # each is a flag of the command
         errors=tuple(recording.errors),
         notes=tuple(_notes(here, runs, recording, contacts=contacts, picture=picture)),
         contact_samples=recording.samples,
+        way=runs[0].way,
         image=recording.image,
     )
     if output is not None:
@@ -137,7 +138,7 @@ def _notes(
 def _driven(run: RobotRun, scene: Scene, recording: DriveRecording, route: str) -> DrivenRobot:
     """The result of one robot."""
     trajectory = recording.trajectories[run.name]
-    goal = finish_x(scene.field, run.robot) if route == Straight.name else None
+    goal = None if route == Wandering.name else finish_x(scene.field, run.robot)
     shares = contact_shares(recording.samples, run.name)
     metrics = drive_metrics(trajectory, driving_speed(run.robot), goal, shares)
     return DrivenRobot(name=run.name, kind=run.robot.kind, start=run.start, metrics=metrics, trajectory=trajectory)

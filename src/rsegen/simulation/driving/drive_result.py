@@ -13,6 +13,7 @@ from rsegen.recipe.codec import map_json
 from rsegen.simulation.driving.contacts import ContactSamples, contacts_csv
 from rsegen.simulation.driving.drive_metrics import DriveMetrics, Trajectory
 from rsegen.simulation.driving.trajectory_plot import draw_trajectories
+from rsegen.simulation.driving.way import PlannedWay
 from rsegen.simulation.simulators.live_world import Pose
 
 
@@ -32,8 +33,8 @@ class DriveResult:
     """What `rsegen.drive` gives.
 
     scene: the map; simulator: title and version; errors: the simulator's error lines; notes: what it does not give;
-    contact_samples: simulated seconds and the contacts at that time; image: a JPEG of Gazebo's own camera, empty
-    without `picture`.
+    contact_samples: simulated seconds and the contacts at that time; way: the one that the robots followed, on that
+    route; image: a JPEG of Gazebo's own camera, empty without `picture`.
     """
 
     scene: Scene
@@ -44,6 +45,7 @@ class DriveResult:
     errors: tuple[str, ...]
     contact_samples: ContactSamples
     notes: tuple[str, ...] = ()
+    way: PlannedWay | None = None
     image: bytes = b""
 
     def as_json(self) -> dict[str, object]:
@@ -57,6 +59,7 @@ class DriveResult:
             "simulator": self.simulator,
             "route": self.route,
             "seed": self.seed,
+            **({"way": self.way.as_json()} if self.way else {}),
             "robots": robots,
             "errors": list(self.errors),
             "notes": list(self.notes),
@@ -72,8 +75,10 @@ class DriveResult:
             "contacts.csv": _encoded(contacts_csv(self.contact_samples, trajectories)),
             "recipe.json": [map_json(self.scene.recipe, self.scene.index)],
             "drive.json": [json.dumps(self.as_json(), indent=2).encode() + b"\n"],
-            "drive.png": [draw_trajectories(self.scene, trajectories)],
+            "drive.png": [draw_trajectories(self.scene, trajectories, self.way)],
         }
+        if self.way:
+            files["way.csv"] = _encoded(self.way.csv())
         pictures = {"gazebo.jpg": [self.image]} if self.image else {}
         return {PurePosixPath(name): content for name, content in (files | pictures).items()}
 

@@ -15,6 +15,7 @@ from rsegen.simulation.driving.camera import camera, last_frame
 from rsegen.simulation.driving.contacts import ContactSamples
 from rsegen.simulation.driving.drive_metrics import Trajectory
 from rsegen.simulation.driving.routes import Route
+from rsegen.simulation.driving.way import PlannedWay
 from rsegen.simulation.driving.world_with_robots import time_step, world_with_robots
 from rsegen.simulation.robots.base import DrivableRobot
 from rsegen.simulation.simulators import Installation
@@ -32,7 +33,8 @@ _SAME = 1e-4
 class RobotRun:
     """A robot with its name in the world, its start pose, and a function that makes its route for each attempt.
 
-    unevenness: by how much the ground at its start is too uneven for it, metres; 0 where it starts level
+    unevenness: by how much the ground at its start is too uneven for it, metres; 0 where it starts level; way: the one
+    that its route follows
     """
 
     name: str
@@ -40,6 +42,7 @@ class RobotRun:
     start: Pose
     route: Callable[[], Route]
     unevenness: float = 0.0
+    way: PlannedWay | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

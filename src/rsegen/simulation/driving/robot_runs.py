@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -13,20 +14,22 @@ from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
 from rsegen.simulation.driving.footprints import footprint_of
 from rsegen.simulation.driving.recording import RobotRun
-from rsegen.simulation.driving.routes import Route, Straight, Wandering
+from rsegen.simulation.driving.routes import AlongWay, Route, Straight, Wandering
 from rsegen.simulation.driving.start_poses import GAP, adjacent_pose, spots_on_map, start_pose
-from rsegen.simulation.robots.base import DrivableRobot
+from rsegen.simulation.driving.way import PlannedWay, planned_way
+from rsegen.simulation.robots.base import DrivableRobot, Robot
 
 MAX_DRIVING_SPEED = 0.4
 """Metres per second: faster robots are slowed down to this on rough ground."""
 
-ROUTES = (Straight.name, Wandering.name)
+ROUTES = (Straight.name, Wandering.name, AlongWay.name)
 
 
 def robot_runs(  # the last three by name
     field: StepField, robot: DrivableRobot, route: str, *, count: int, seed: int, evenest: bool = False
 ) -> Sequence[RobotRun]:
-    """The runs of `count` robots: side by side west of the map for a straight crossing, else randomly on the map.
+    """The runs of `count` robots: side by side west of the map for a straight crossing, one behind the other along the
+    way that the metrics find, else randomly on the map.
 
     On the map they start where they stand level; one that is larger than the map starts west of it. ParameterError if
     there are too few level places, or, with `evenest`, the least uneven ones and their unevenness in the runs.
@@ -35,6 +38,8 @@ def robot_runs(  # the last three by name
         raise UnknownName.among("route", "route", route, ROUTES)
     if route == Straight.name:
         return _side_by_side(field, robot, count)
+    if route == AlongWay.name:
+        return _one_behind_the_other(field, robot, count)
     return _randomly_placed(field, robot, count, seed, evenest=evenest)
 
 
@@ -61,6 +66,30 @@ def _side_by_side(field: StepField, robot: DrivableRobot, count: int) -> list[Ro
 
 def _straight(robot: DrivableRobot, line: float, goal: float) -> Route:
     return Straight(speed=driving_speed(robot), turn=robot.turn, line=line, goal=goal)
+
+
+def _one_behind_the_other(field: StepField, robot: DrivableRobot, count: int) -> list[RobotRun]:
+    limits = robot.climber if isinstance(robot, Robot) else None
+    way, footprint = planned_way(field, robot.size[1], limits), footprint_of(robot)
+    first = adjacent_pose(field, footprint, float(way.points[0, 1]))
+    return [
+        RobotRun(
+            name=_name(robot, number),
+            robot=robot,
+            start=replace(first, x=first.x - number * (footprint.outline.length + GAP)),
+            route=partial(_along, field, robot, way),
+            way=way,
+        )
+        for number in range(count)
+    ]
+
+
+def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
+    """Straight on from the end of the way until the whole robot is beyond the map."""
+    ahead, goal = max(field.block_width, robot.size[0] / 2), finish_x(field, robot) + GAP
+    points = [(x, y) for x, y in way.points.tolist()]
+    points.append((goal + ahead, points[-1][1]))
+    return AlongWay(speed=driving_speed(robot), turn=robot.turn, points=points, ahead=ahead, goal=goal)
 
 
 def driving_speed(robot: DrivableRobot) -> float:

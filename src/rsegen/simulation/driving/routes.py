@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import atan2, hypot, pi, sin
+from math import atan2, cos, hypot, pi, radians, sin
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -23,6 +24,12 @@ STOP = Motion(0.0, 0.0)
 
 _AHEAD = 0.5
 """Metres."""
+
+_TURN_FIRST = radians(60)
+"""A robot whose way leads more to the side than this turns on the spot."""
+
+_NEXT = 10
+"""Points of a way among which the nearest is looked for, so that no bend of it is left out."""
 
 _HARDLY = 0.2
 """Of the way that a robot should have come."""
@@ -66,6 +73,47 @@ class Straight(Route):
     def is_done(self, at: Pose) -> bool:
         """At the goal."""
         return at.x >= self.goal
+
+
+@dataclass(kw_only=True, slots=True)
+class AlongWay(Route):
+    """Along a way of points x and y, at first on the spot to where it leads, as far as x = goal; metres.
+
+    ahead: how far before it the robot heads for a point of the way; passed: the number of the point that it is at
+    """
+
+    name: ClassVar[str] = "way"
+    period: ClassVar[float] = 0.25
+
+    speed: float
+    turn: float
+    points: Sequence[tuple[float, float]]
+    ahead: float
+    goal: float
+    passed: int = 0
+
+    def motion(self, at: Pose) -> Motion:
+        """Along an arc to a point of the way ahead; on the spot where it is too far to the side."""
+        if self.is_done(at):
+            return STOP
+        x, y = self._target(at)
+        aside = _turned(atan2(y - at.y, x - at.x) - at.yaw)
+        if abs(aside) > _TURN_FIRST:
+            return Motion(0.0, _clipped(aside / self.period, self.turn))
+        turn = _clipped(2 * self.speed * sin(aside) / self.ahead, self.turn)
+        return Motion(self.speed * cos(aside), turn)
+
+    def is_done(self, at: Pose) -> bool:
+        """At the goal."""
+        return at.x >= self.goal
+
+    def _target(self, at: Pose) -> tuple[float, float]:
+        """The first point that is far enough from the robot, after the nearest of the next few."""
+        away = [hypot(x - at.x, y - at.y) for x, y in self.points[self.passed :]]
+        nearest = min(range(min(len(away), _NEXT)), key=away.__getitem__)
+        beyond = next((k for k in range(nearest, len(away)) if away[k] >= self.ahead), len(away) - 1)
+        self.passed += nearest
+        return self.points[self.passed - nearest + beyond]
 
 
 @dataclass(kw_only=True, slots=True)

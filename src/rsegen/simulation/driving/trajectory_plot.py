@@ -8,18 +8,25 @@ from collections.abc import Mapping
 from rsegen.exporters.pictures.preview import draw_plan
 from rsegen.exporters.scene import Scene
 from rsegen.simulation.driving.drive_metrics import Trajectory
+from rsegen.simulation.driving.way import PlannedWay
 
 _RIM, _MARGIN = 0.1, 1.5
 """Metres around the map that are drawn at least, and at most."""
 
 
-def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory]) -> bytes:
-    """A PNG: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over."""
+def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way: PlannedWay | None = None) -> bytes:
+    """A PNG: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over.
+
+    A planned way is a dashed line.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8, 8), dpi=100, layout="constrained")
     axes = figure.subplots()
     draw_plan(axes, scene)
+    if way:
+        axes.plot(*way.points.T, color="white", linewidth=3)
+        axes.plot(*way.points.T, color="black", linewidth=1.5, linestyle="--", label="planned way")
     for number, (name, trajectory) in enumerate(trajectories.items()):
         x, y = trajectory.rows[:, 1], trajectory.rows[:, 2]
         colour = f"C{number % 10}"
