@@ -66,6 +66,8 @@ def test_a_file_for_spawning_keeps_what_the_model_has(tmp_path: Path) -> None:
     assert "libgazebo_ros_diff_drive.so" in text
     assert "libgazebo_ros_camera.so" in text
     assert '<sdf version="1.7">' in text  # the latest that Gazebo Classic reads
+    assert '<sdf version="1.10">' in read(tmp_path, two_wheels(version="1.10")).file("two", "sim")
+    assert '<sdf version="1.6">' in read(tmp_path, two_wheels(version="&quot;>")).file("two", "sim")
 
 
 def test_size_limits_and_height_are_those_of_the_model_and_the_user_s_go_first(tmp_path: Path) -> None:
@@ -190,10 +192,15 @@ def test_a_mesh_that_is_nowhere_and_a_file_of_urdf_are_refused_in_a_line(tmp_pat
         read(tmp_path, "<robot name='r'><link name='l'/></robot>")
 
 
-@pytest.mark.parametrize("pose", ["1 2", "a b c d e f", "nan 0 0 0 0 0"])
+@pytest.mark.parametrize("pose", ["1 2", "a b c d e f", "nan 0 0 0 0 0", "1e308 0 0 0 0 0"])
 def test_a_pose_that_is_no_pose_is_refused(tmp_path: Path, pose: str) -> None:
     with pytest.raises(FileError, match="is not 6 numbers"):
         read(tmp_path, two_wheels().replace("0 0 0.02 0 0 0", pose, 1))
+
+
+def test_links_and_joints_of_old_files_may_have_the_same_names(tmp_path: Path) -> None:
+    drive = read(tmp_path, two_wheels().replace("_hub", "_wheel"), "left_wheel,right_wheel").drive
+    assert (drive.separation, drive.radius) == pytest.approx((SEPARATION, RADIUS))
 
 
 def test_frames_that_go_round_in_a_circle_are_refused(tmp_path: Path) -> None:

@@ -29,6 +29,9 @@ MAX_MIB = 4
 SUFFIXES = (".sdf", ".urdf", ".xacro")
 """Endings of files that are taken for a robot; URDF is refused with a word on how to convert it."""
 
+_CLASSIC = "1.7"
+"""The latest version of SDF that Gazebo Classic reads."""
+
 _LEAST = 0.01
 """Metres: the least length, width or height of a robot."""
 
@@ -82,7 +85,8 @@ class SdfRobot:
 
     def file(self, name: str, simulator: str = "classic") -> str:
         """The text of an SDF file of it with its own plug-ins, ROS's too."""
-        version = min(self.version, "1.7") if simulator == "classic" else self.version  # the latest that Classic reads
+        is_newer = simulator == "classic" and _minor(self.version) > _minor(_CLASSIC)
+        version = _CLASSIC if is_newer else self.version
         return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(self._placed(name, ORIGIN))}</sdf>\n'
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
@@ -145,7 +149,7 @@ def parsed(text: str, where: str, wheels: str | None = None) -> SdfRobot:
     root = elements(text, where)
     model = _model(root, where)
     resolve_uris(model, Path(where))
-    version = root.get("version", "1.6")
+    version = _version(root)
     _modernize(model, version)
     frames = Frames(model, where)
     shapes = extents(frames)
@@ -181,9 +185,19 @@ def _model(root: ElementTree.Element, where: str) -> ElementTree.Element:
     return found[0]
 
 
+def _version(root: ElementTree.Element) -> str:
+    """The version of SDF, 1.6 if it is none that there is."""
+    found = root.get("version", "").strip()
+    return found if re.fullmatch(r"1\.\d\d?", found, flags=re.ASCII) else "1.6"
+
+
+def _minor(version: str) -> int:
+    return int(version.partition(".")[2])
+
+
 def _modernize(model: ElementTree.Element, version: str) -> None:
     """Say of the joints' axes what was the rule before SDF 1.5, for a world of a later version."""
-    if version in ("1.0", "1.2", "1.3", "1.4"):
+    if _minor(version) < 5:
         for axis in model.iter("axis"):
             if axis.find("use_parent_model_frame") is None:
                 ElementTree.SubElement(axis, "use_parent_model_frame").text = "true"

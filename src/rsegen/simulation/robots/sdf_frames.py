@@ -15,6 +15,10 @@ _DEEPEST = 30
 """Frames that may be given relative to each other, one after another."""
 
 
+_LARGEST = 1e6
+"""Metres or radians, beyond which a number in a file is a mistake."""
+
+
 class Frames:
     """The links, frames and nested models of a model by name, and its joints; those of a nested one are NESTED::NAME.
 
@@ -84,13 +88,14 @@ def named(model: Element, scope: str = "") -> Iterator[tuple[str, Element]]:
 
 
 def floats(text: str | None, count: int, where: str) -> list[float]:
-    """So many finite numbers of a text; FileError if it has others."""
+    """So many numbers of a text, none beyond a million; FileError if it has others."""
     try:
         found = [float(word) for word in (text or "").split()]
     except ValueError:
         found = []
-    if len(found) != count or not np.isfinite(found).all():
-        raise FileError(f"{where}: {shown((text or '').strip())} is not {count} numbers")
+    if len(found) != count or not all(abs(number) <= _LARGEST for number in found):
+        wanted = "a number" if count == 1 else f"{count} numbers"
+        raise FileError(f"{where}: {shown((text or '').strip())} is not {wanted} within a million")
     return found
 
 
