@@ -5,17 +5,20 @@ from __future__ import annotations
 import os
 import os.path
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import cos, hypot, sin
 from pathlib import Path
 from typing import TypeAlias
 
 from rsegen.errors import ParameterError, UnknownName, shown
+from rsegen.field.spots import Spot
 from rsegen.params.sorts import Float, parameters
 from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.driving.start_poses import DROP_HEIGHT, fits_on_map, poses_on_map
+from rsegen.simulation.driving.footprints import footprint_of
+from rsegen.simulation.driving.start_poses import DROP_HEIGHT, spots_on_map
 from rsegen.simulation.robots import ROBOTS, Robot, SdfRobot, from_file
 from rsegen.simulation.robots.sdf_file import SUFFIXES
 from rsegen.simulation.simulators.connecting import connected
@@ -28,7 +31,7 @@ from rsegen.simulation.worlds import Target
 
 METRES = Float(-1e6, 1e6)
 
-_TRIES = 20
+_TRIES = 10
 """Even places that are tried until one is free."""
 
 _Spawnable: TypeAlias = Robot | SdfRobot | MapModel
@@ -95,24 +98,25 @@ def _spawn_robot(
 
 
 def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: Mapping[str, Pose]) -> list[float]:
-    """x and y of an even place on the first map where a robot of a file fits and nothing else stands; else nothing."""
+    """The pose on an even place of the first map that has one where nothing else stands, for a robot of a file."""
     if not isinstance(robot, SdfRobot):
         return []
-    radius = hypot(*robot.size[:2]) / 2
-    for each in (found for found in maps if fits_on_map(found.field, robot.size)):
+    radius, footprint = hypot(*robot.size[:2]) / 2, footprint_of(robot)
+    for each in maps:
         others = [at for other, at in poses.items() if other not in (each.name, GROUND) and each.covers(at, radius)]
-        for seed in range(_TRIES):
-            (place,) = poses_on_map(each.field, [robot.size], generator(seed, 0, name))
-            x, y = _outside(each.at, place)
-            if all(hypot(at.x - x, at.y - y) > radius + RADIUS for at in others):
-                return [x, y]
+        with suppress(ParameterError):  # no even place is left
+            for seed in range(_TRIES):
+                (spot,) = spots_on_map(each.field, footprint, 1, generator(seed, 0, name))
+                x, y = _outside(each.at, spot)
+                if all(hypot(at.x - x, at.y - y) > radius + RADIUS for at in others):
+                    return [x, y, each.at.z + spot.z + robot.lift + DROP_HEIGHT, each.at.yaw + spot.yaw]
     return []
 
 
-def _outside(map_at: Pose, place: Pose) -> tuple[float, float]:
-    """x and y in the world of a place in a map's own axes."""
+def _outside(map_at: Pose, spot: Spot) -> tuple[float, float]:
+    """x and y in the world of a spot in a map's own axes."""
     c, s = cos(map_at.yaw), sin(map_at.yaw)
-    return map_at.x + place.x * c - place.y * s, map_at.y + place.x * s + place.y * c
+    return map_at.x + spot.x * c - spot.y * s, map_at.y + spot.x * s + spot.y * c
 
 
 def _robot_or_map(target: Target | Robot | SdfRobot, which: int | str | None, output: Path) -> _Spawnable:
