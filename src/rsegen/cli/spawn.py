@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterator
 from dataclasses import asdict, astuple
 
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags
@@ -51,7 +52,7 @@ def run(arguments: argparse.Namespace) -> None:
             output=arguments.output,
             simulator=arguments.simulator,
         )
-    print(json.dumps(asdict(result), indent=2) if arguments.json else _line(result))
+    print(json.dumps(asdict(result), indent=2) if arguments.json else "\n".join(_lines(result)))
 
 
 def _numbers(text: str) -> list[float]:
@@ -61,8 +62,9 @@ def _numbers(text: str) -> list[float]:
     return [METRES.check("at", METRES.parse(part)) for part in parts]
 
 
-def _line(result: SpawnResult) -> str:
+def _lines(result: SpawnResult) -> Iterator[str]:
     x, y, z, _, _, yaw = astuple(result.at)
     on_top = f"; put on top of it: {', '.join(result.put_on_top)}" if result.put_on_top else ""
     where = f"{SIMULATORS[result.simulator].title} at {numbers([x, y, z])}, turned by {numbers([yaw])} rad"
-    return f"{result.name} is in {where}{on_top}"
+    yield f"{result.name} is in {where}{on_top}"
+    yield from (f"note: {line}" for line in result.notes)

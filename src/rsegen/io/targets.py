@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os.path
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
@@ -35,7 +36,17 @@ def recipe_files(target: str) -> list[Path]:
 
 def found(target: str, which: str | None, where: str = "--map") -> Found:
     """One map of `target`: the given one, or the first; errors about `which` name the flag or parameter `where`."""
-    return one_of(((file, recipe_in(file)) for file in recipe_files(target)), which, target, where)
+    files = recipe_files(target)
+    if which is not None and which.isdecimal():
+        _refuse_ambiguous([file.parent.name for file in files], which, where)
+    return one_of(((file, recipe_in(file)) for file in files), which, target, where)
+
+
+def _refuse_ambiguous(names: Iterable[str], index: str, where: str) -> None:
+    """ParameterError for the index of maps of several recipes; `names`: of the maps in a folder."""
+    like = [name for name in names if re.fullmatch(rf".*_0*{int(index[:20])}", name)]
+    if len(like) > 1:
+        raise ParameterError(where, f"{shown(index)} may be {' or '.join(like[:3])}; give the name")
 
 
 def one_of(recipes: Iterable[tuple[Path, Recipe]], which: int | str | None, target: str, where: str = "--map") -> Found:

@@ -113,6 +113,16 @@ def test_a_robot_drives_on_while_its_map_is_replaced(server: Server, made_for: s
     assert [line for line in server.errors if _REMOVED not in line] == []
 
 
+def test_a_robot_is_put_on_a_map_that_lies_elsewhere(server: Server, capsys: Capture) -> None:
+    """The running model names its mesh, whose folder has its recipe."""
+    done(capsys, "spawn", "course.yaml", "-o", "elsewhere")
+    told = done(capsys, "spawn", "burger", "--at", "0,0")
+    assert told["notes"] == []
+    with server.connect() as live:
+        live.step(500)
+        assert ground_under(live, "burger") > -BURGER.clearance - SINKING
+
+
 def test_what_stands_still_goes_on_standing_still(server: Server, capsys: Capture) -> None:
     with server.connect() as live:
         done(capsys, "spawn", "burger")

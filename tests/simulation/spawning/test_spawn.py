@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,35 @@ def test_a_scene_is_spawned_with_its_own_blocks(sim_address: Mapping[str, str], 
     scene = rsegen.compose(COURSE, 2)
     assert rsegen.spawn(scene, output=tmp_path / "own", simulator="sim").name == "course_0002"
     assert (tmp_path / "own" / "course_0002" / "recipe.json").is_file()
+
+
+def test_the_map_of_another_recipe_is_replaced(sim_address: Mapping[str, str]) -> None:
+    rsegen.spawn(COURSE, simulator="sim", at=(1, 2))
+    other = rsegen.respawn(replace(COURSE, name="other"), simulator="sim")
+    assert (other.name, other.instead_of, other.at) == ("other_0000", "course_0000", Pose(x=1, y=2, z=0))
+    assert models(sim_address) == {"ground_plane", "other_0000"}
+
+
+def test_the_only_map_of_a_folder_has_no_next_one(sim_address: Mapping[str, str]) -> None:
+    (made,) = rsegen.generate(replace(COURSE, maps=1), "maps").maps
+    rsegen.spawn(made.folder, simulator="sim")
+    with pytest.raises(ParameterError, match=r"'course_0000' is in the simulation, and .* has no other map"):
+        rsegen.respawn(made.folder, simulator="sim")
+
+
+def test_an_index_that_several_maps_have_is_refused(sim_address: Mapping[str, str]) -> None:
+    for name in ("course", "other"):
+        rsegen.generate(replace(COURSE, name=name), "maps")
+    with pytest.raises(ParameterError, match=r"^map: '0' may be course_0000 or other_0000; give the name"):
+        rsegen.spawn("maps", map=0, simulator="sim")
+    assert rsegen.spawn("maps", map="other_0000", simulator="sim").name == "other_0000"
+
+
+def test_a_robot_beside_a_map_of_unknown_heights_has_a_note(sim_address: Mapping[str, str]) -> None:
+    rsegen.spawn(COURSE, output="elsewhere", simulator="sim")
+    (note,) = rsegen.spawn("burger", simulator="sim").notes
+    assert note.startswith("the heights of the blocks of course_0000 are unknown")
+    assert rsegen.spawn("burger", name="second", output="elsewhere", simulator="sim").notes == ()
 
 
 @pytest.mark.parametrize("which", [1, "1", "course_0001"])

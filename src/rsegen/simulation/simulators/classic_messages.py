@@ -15,7 +15,10 @@ CLASSIC = MessageTypes(
         "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
         "GzString": {"data": (1, str)},
         "GzString_V": {"data": (1, "text[]")},
-        "Link": {"name": (2, str), "pose": (9, "Pose")},
+        "Mesh": {"filename": (1, str)},
+        "Geometry": {"mesh": (8, "Mesh")},
+        "Visual": {"geometry": (9, "Geometry")},
+        "Link": {"name": (2, str), "pose": (9, "Pose"), "visual": (10, "Visual[]")},
         "Model": {
             "name": (1, str),
             "id": (2, int),

@@ -16,6 +16,7 @@ from rsegen.simulation.robots.commands import Command
 from rsegen.simulation.simulators.classic_messages import CLASSIC
 from rsegen.simulation.simulators.classic_transport import TransportClient, transport_client
 from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, model_name, wait_until
+from rsegen.simulation.simulators.model_messages import mesh_file
 from rsegen.simulation.simulators.pose_messages import is_nearer, pose_message, pose_of
 from rsegen.simulation.simulators.wire import parse_text
 
@@ -115,6 +116,10 @@ class ClassicWorld(LiveWorld):
         """The pose of every link in its model, by its full name."""
         links = (link for model in self._models().values() for link in model.get("link", []))
         return {link["name"]: pose_of(link["pose"]) for link in links}
+
+    def mesh_files(self) -> Mapping[str, str]:
+        """The same answer as that about poses has them; of a map in a world file relative to the world."""
+        return {name: file for name, model in self._models().items() if (file := mesh_file(model))}
 
     def movable(self) -> Set[str]:
         """Each model says whether it is static."""

@@ -110,6 +110,10 @@ class LiveWorld(ABC):
         """A function that gives how many frames have come from now on; source: one of its simulator's `frames`."""
         raise SimulatorFailed(f"the frames of a {source} cannot be counted here")
 
+    def mesh_files(self) -> Mapping[str, str]:
+        """The file of the first mesh that is seen of each model, as its SDF names it, by the model's name."""
+        return {}
+
     @abstractmethod
     def movable(self) -> Set[str]:
         """The names of the models that are not static."""

@@ -29,7 +29,11 @@ SIM = MessageTypes(
         "EntityFactory": {"sdf": (2, str), "pose": (7, "Pose"), "name": (8, str), "allow_renaming": (9, bool)},
         "Contact": {"collision1": (2, "Entity"), "collision2": (3, "Entity"), "position": (4, "Vector3d[]")},
         "Contacts": {"header": (1, "Header"), "contact": (2, "bytes[]")},
-        "Model": {"name": (2, str), "id": (3, int), "pose": (5, "Pose")},
+        "Mesh": {"filename": (2, str)},
+        "Geometry": {"mesh": (9, "Mesh")},
+        "Visual": {"geometry": (10, "Geometry")},
+        "Link": {"visual": (11, "Visual[]")},
+        "Model": {"name": (2, str), "id": (3, int), "pose": (5, "Pose"), "link": (7, "Link[]")},
         "Scene": {"name": (2, str), "model": (9, "Model[]")},
         "WorldControl": {"pause": (2, bool), "step": (3, bool), "multi_step": (4, int)},
         "WorldStatistics": {

@@ -18,6 +18,7 @@ from typing import Any
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.robots.commands import Command
 from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, Record, model_name, wait_until
+from rsegen.simulation.simulators.model_messages import mesh_file
 from rsegen.simulation.simulators.pose_messages import is_nearer, pose_message, pose_of
 from rsegen.simulation.simulators.sim_contacts import CONTACTS, ContactSample
 from rsegen.simulation.simulators.sim_messages import nanoseconds
@@ -148,6 +149,10 @@ class SimWorld(LiveWorld):
                     states[_stamp(message)][name] = list(astuple(pose_of(message)))
         return [(at / 1e9, states[at]) for at in sorted(states)]
 
+    def mesh_files(self) -> Mapping[str, str]:
+        """The scene has them, absolute."""
+        return {model["name"]: file for model in self._scene() if (file := mesh_file(model))}
+
     def movable(self) -> Set[str]:
         """The models in the topic of poses that are not static."""
         moving = self._poses("dynamic_pose/info")
@@ -203,8 +208,12 @@ class SimWorld(LiveWorld):
 
     def _models(self) -> dict[int, str]:
         """The names of the models in the scene by their ids."""
+        return {model["id"]: model["name"] for model in self._scene()}
+
+    def _scene(self) -> Sequence[Mapping[str, Any]]:
+        """The models of the scene."""
         scene = self.client.request(self._topic("scene/info"), "Empty", {})
-        return {model["id"]: model["name"] for model in scene.get("model", [])}
+        return list(scene.get("model", []))
 
     def _message(self, topic: str, wanted: Callable[[Mapping[str, Any]], bool]) -> dict[str, Any]:
         """The last message of a topic of the world that `wanted` accepts."""

@@ -19,7 +19,7 @@ from rsegen.io.targets import found, map_index, recipe_files
 from rsegen.io.text_files import text_of
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.simulators import Simulator
-from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.spawning.spawned_map import SpawnedMap
 from rsegen.simulation.worlds import Target, is_unheld, write_world
 
@@ -101,14 +101,32 @@ def maps_in(folder: str) -> list[MapModel]:
     return [MapModel(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(folder)]
 
 
-def known_maps(poses: Mapping[str, Pose], homes: Iterable[Path]) -> list[SpawnedMap]:
-    """Of the models in a simulation, the maps that lie in one of these folders under their names."""
-    named = ((name, home / name) for name in poses if re.fullmatch(r"[\w-]+_\d{4,}", name) for home in homes)
-    there = {name: recipe for name, folder in named if (recipe := _recipe_in(folder))}
+def known_maps(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> list[SpawnedMap]:
+    """Of the models in a simulation, the maps whose recipe is known: it is in the folder of their mesh, or in a folder
+    of their name in one of `homes`.
+    """
+    meshes, homes = live.mesh_files(), list(homes)
+    found = {}
+    for name in poses:
+        mesh = Path(meshes.get(name, ""))
+        folders = [mesh.parents[1]] if mesh.is_absolute() and len(mesh.parts) > 3 else []
+        folders += [home / name for home in homes if _is_map_name(name)]
+        if recipe := next(filter(None, map(_recipe_in, folders)), None):
+            found[name] = recipe
     return [
         SpawnedMap(name=name, field=compose(recipe, recipe.first_map).field, at=poses[name])
-        for name, recipe in there.items()
+        for name, recipe in found.items()
     ]
+
+
+def unknown_maps(poses: Mapping[str, Pose], known: Iterable[SpawnedMap]) -> list[str]:
+    """The names of the models in a simulation that are called like maps, and are none of these."""
+    names = {each.name for each in known}
+    return [name for name in poses if _is_map_name(name) and name not in names]
+
+
+def _is_map_name(name: str) -> bool:
+    return re.fullmatch(r"[\w-]+_\d{4,}", name) is not None
 
 
 def _recipe_in(folder: Path) -> Recipe | None:

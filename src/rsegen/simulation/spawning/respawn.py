@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import os.path
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,13 +51,18 @@ def respawn(
     recipes = _recipes(target)
     with connected(simulator) as (running, live):
         poses = live.poses()
-        current = _current_map(poses, {recipe.name for recipe in recipes}, name)
+        known = known_maps(live, poses, [Path(output), *_homes(target)])
+        current = _current_map(poses, {recipe.name for recipe in recipes}, known, name)
         new = _given_or_next(target, map, Path(output), current)
         new.check_fits(running)
         if new.name in poses:
-            raise ParameterError("map", f"{shown(new.name)} exists already; give another")
-        known = known_maps({current: poses[current]}, [Path(output), new.folder.parent])
-        old = known[0] if known else SpawnedMap(name=current, field=_field(recipes[0], current), at=poses[current])
+            what = f"{shown(new.name)} exists already; give another"
+            if map is None and new.name == current:
+                what = f"{shown(current)} is in the simulation, and {shown(str(target))} has no other map"
+            raise ParameterError("" if map is None else "map", what)
+        there = (each for each in known if each.name == current)
+        unknown = SpawnedMap(name=current, field=_field(recipes[0], current), at=poses[current])
+        old = next(there, unknown)
         moved = spawn_map(live, new.sdf(new.name), SpawnedMap(name=new.name, field=new.field, at=old.at), old)
     return RespawnResult(name=new.name, instead_of=current, simulator=running.name, at=old.at, put_on_top=moved)
 
@@ -70,15 +75,21 @@ def _recipes(target: Target) -> list[Recipe]:
     return [recipe_in(file) for file in recipe_files(os.fspath(target))]
 
 
-def _current_map(poses: Mapping[str, Pose], stems: set[str], given: str | None) -> str:
-    """The name of the map that is to be replaced."""
+def _homes(target: Target) -> list[Path]:
+    """Folders in which the folder of a running map may be."""
+    path = Path(target) if isinstance(target, str | os.PathLike) else None
+    return [path, path.parent] if path and path.is_dir() else []
+
+
+def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Sequence[SpawnedMap], given: str | None) -> str:
+    """The name of the map that is to be replaced: one of the same recipes, else any other map that is known."""
     models = ", ".join(sorted(poses))
     if given is not None:
         if given not in poses:
             raise ParameterError("name", f"no model {shown(given)} in the simulation (models: {models})")
         return given
     pattern = "|".join(rf"{re.escape(stem)}_\d{{4,}}" for stem in sorted(stems))
-    found = sorted(name for name in poses if re.fullmatch(pattern, name))
+    found = sorted(name for name in poses if re.fullmatch(pattern, name)) or sorted(each.name for each in known)
     if not found:
         what = " or ".join(f"{stem}_0000" for stem in sorted(stems))
         raise ParameterError("", f"no map such as {what} in the simulation (models: {models})")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import os.path
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import cos, hypot, sin
@@ -23,7 +23,7 @@ from rsegen.simulation.robots import ROBOTS, Robot, SdfRobot, from_file
 from rsegen.simulation.robots.sdf_file import SUFFIXES
 from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
-from rsegen.simulation.spawning.map_models import MapModel, known_maps, map_of
+from rsegen.simulation.spawning.map_models import MapModel, known_maps, map_of, unknown_maps
 from rsegen.simulation.spawning.placement import Rectangle, free_rectangle
 from rsegen.simulation.spawning.spawned_map import SpawnedMap
 from rsegen.simulation.spawning.spawning import GROUND, RADIUS, at_free_place, occupied, spawn_map
@@ -39,12 +39,16 @@ _Spawnable: TypeAlias = Robot | SdfRobot | MapModel
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SpawnResult:
-    """What `rsegen.spawn` gives: the model's name, the simulator's, the pose, and the models put on top of the map."""
+    """What `rsegen.spawn` gives: the model's name, the simulator's, the pose, and the models put on top of the map.
+
+    notes: what could not be known, in a sentence each
+    """
 
     name: str
     simulator: str
     at: Pose
     put_on_top: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def spawn(  # each is a flag of the command
@@ -72,16 +76,24 @@ def spawn(  # each is a flag of the command
         if name in poses:
             raise ParameterError("name", f"{shown(name)} exists already; give another name, or remove {name} first")
         homes = [Path(output), *([what.folder.parent] if isinstance(what, MapModel) else [])]
-        maps = known_maps(poses, homes)
+        maps = known_maps(live, poses, homes)
         if isinstance(what, Robot | SdfRobot):
             place = place or _on_map(what, name, maps, poses)
             pose = _spawn_robot(live, what, name, occupied(poses, maps), maps, place)
-            return SpawnResult(name=name, simulator=running.name, at=pose)
+            notes = tuple(_notes(poses, maps)) if len(place) <= 2 else ()
+            return SpawnResult(name=name, simulator=running.name, at=pose, notes=notes)
         what.check_fits(running)
         new = SpawnedMap(name=name, field=what.field, at=_pose(place or [0, 0]))
         new = new if place else at_free_place(new, poses, maps)
         moved = spawn_map(live, what.sdf(name), new)
         return SpawnResult(name=name, simulator=running.name, at=new.at, put_on_top=moved)
+
+
+def _notes(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> Iterator[str]:
+    """A warning if there are maps whose blocks the robot may be put into."""
+    for name in unknown_maps(poses, maps):
+        advice = "the robot may be inside them; give the folder that it is in with -o, or X, Y and Z with --at"
+        yield f"the heights of the blocks of {name} are unknown, as its recipe.json was not found; {advice}"
 
 
 def _spawn_robot(
