@@ -1,0 +1,85 @@
+"""The way that the metrics find is followed by a point robot, within half a cell and as far as the goal."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import cos, inf, sin
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen.field.stepfield import StepField
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.simulation.driving.robot_runs import finish_x, robot_runs
+from rsegen.simulation.driving.routes import Route
+from rsegen.simulation.driving.way import planned_way
+from rsegen.simulation.robots import ROBOTS, robot
+from rsegen.simulation.simulators.live_world import Pose
+
+STEP = 0.05
+"""Seconds."""
+
+
+def followed(route: Route, start: Pose, seconds: float) -> list[tuple[float, float]]:
+    """The places of a point that does what the route says."""
+    x, y, yaw, places = start.x, start.y, start.yaw, [(start.x, start.y)]
+    for turn in range(round(seconds / STEP)):
+        if turn % round(route.period / STEP) == 0:
+            at = Pose(x=x, y=y, z=0, yaw=yaw)
+            if route.is_done(at):
+                return places
+            v, w = route.motion(at)
+        x, y, yaw = x + v * STEP * cos(yaw), y + v * STEP * sin(yaw), yaw + w * STEP
+        places.append((x, y))
+    raise AssertionError(f"not at the goal but at {x}, {y}")
+
+
+def off_line(place: tuple[float, float], points: np.ndarray) -> float:
+    """How far a place is from a line of points, metres."""
+    least = inf
+    for one, other in pairwise(points):
+        along = other - one
+        share = np.clip(np.dot(place - one, along) / np.dot(along, along), 0, 1)
+        least = min(least, float(np.hypot(*(one + share * along - place))))
+    return least
+
+
+@pytest.mark.parametrize("kind", ROBOTS)
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_a_robot_stays_on_its_way(example: str, kind: str) -> None:
+    field = rsegen.build(rsegen.load(EXAMPLES[example]))
+    first, second = robot_runs(field, robot(kind), "way", count=2, seed=1)
+    assert first.way is not None
+    assert second.start.x < first.start.x - robot(kind).size[0]
+    places = followed(first.route(), first.start, 600)
+    inside = [place for place in places if abs(place[0]) < field.extent[0] / 2]
+    assert max(off_line(place, first.way.points) for place in inside[::10]) < field.block_width / 2
+    assert places[-1][0] >= finish_x(field, robot(kind))
+
+
+def test_a_way_goes_round_what_the_robot_cannot_climb() -> None:
+    field = walled(gap=True)
+    way = planned_way(field, 0.1, rsegen.RobotLimits(climb_cm=5, width_cm=10))
+    assert (way.crosses, way.least_step) == (True, 0.0)
+    through = way.points[np.abs(way.points[:, 0]) < field.block_width]
+    assert through[:, 1] == pytest.approx(0.85)
+
+
+def test_where_there_is_none_it_takes_the_least_of_the_highest_steps() -> None:
+    field = walled(gap=False)
+    way = planned_way(field, 0.1, rsegen.RobotLimits(climb_cm=5, width_cm=10))
+    assert (way.crosses, way.least_step) == (False, pytest.approx(0.1))
+    assert planned_way(field, 0.1, None).crosses is None
+    assert "".join(way.csv()).startswith("x,y\n")
+
+
+def walled(*, gap: bool) -> StepField:
+    """A plain of 1.8 m with a wall of 10 cm across its middle, and perhaps a gap at its north end."""
+    levels = np.zeros((18, 18), dtype=np.int16)
+    levels[8:10] = 1
+    if gap:
+        levels[:, 17] = 0
+    return StepField(
+        levels=levels, frame=np.zeros(levels.shape, dtype=bool), block_width=0.1, unit=0.1, frame_height=0.1
+    )
