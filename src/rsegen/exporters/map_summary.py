@@ -68,7 +68,8 @@ def warnings(scene: Scene) -> tuple[str, ...]:
         found.append(lacks)
     if _loses_friction(scene.recipe):
         found.append(
-            "Gazebo Sim ignores the friction of mesh collisions (it uses 1); set collision: boxes to keep it, at much CPU"
+            "Gazebo Sim ignores the friction of mesh collisions (it uses 1); "
+            "set collision: boxes to keep it, which costs CPU time"
         )
     mesh_type = MESH_TYPES[scene.recipe.mesh_type]
     models = mesh_type.model_count(scene)
