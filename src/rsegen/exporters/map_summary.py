@@ -67,8 +67,10 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     if lacks := missing(scene):
         found.append(lacks)
     if _loses_friction(scene.recipe):
-        advice = "set collision: boxes to keep it, at several times the CPU time"
-        found.append(f"Gazebo Sim ignores the friction of mesh collisions (it uses 1); {advice}")
+        found.append(
+            "Gazebo Sim ignores the friction of mesh collisions (it uses 1); "
+            "set collision: boxes to keep it, which costs CPU time"
+        )
     mesh_type = MESH_TYPES[scene.recipe.mesh_type]
     models = mesh_type.model_count(scene)
     if models > MANY:

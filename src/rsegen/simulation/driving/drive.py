@@ -60,9 +60,9 @@ def drive(  # noqa: PLR0913  # each is a flag of the command
     robot: a kind, the SDF file of a model, or a robot; wheels: the joints of the model's wheels, if no drive in it is
     known, as LEFT,RIGHT, or FRONT+REAR,FRONT+REAR; size [m], speed [m/s] and turn [rad/s] replace those of an SDF file;
     simulator: `sim` or `classic`, by default the newest that is installed; duration: seconds of simulation time, with
-    which `progress` is called; contacts: sample what the robots touch, which takes Gazebo Sim as much CPU again;
-    output: a folder for the files of the result. The same seed and simulator give the same trajectories. UserError if a
-    value is wrong or no Gazebo is installed.
+    which `progress` is called; contacts: sample what the robots touch, for 1.5 to 1.8 times the CPU time in Gazebo
+    Sim; output: a folder for the files of the result. The same seed and simulator give the same trajectories.
+    UserError if a value is wrong or no Gazebo is installed.
     """
     model = _robot(robot, wheels, {"size": size, "speed": speed, "turn": turn})
     seed = fresh_seed() if seed is None else SEED.check("seed", seed)

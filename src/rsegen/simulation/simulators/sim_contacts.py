@@ -3,6 +3,12 @@
 A server gives contacts of collisions that a sensor names, and of no others. Its sensors publish at every step in which
 their link has a contact, so a sample is what has the time of its step. The messages of a server arrive in the order in
 which it sends them: after poses of a later step no more contacts of an earlier one come.
+
+Measured in Gazebo Sim 6.7 on a mesh of 80 x 80 blocks: with sensors the server takes 0.62 s of CPU per simulated second
+instead of 0.40 for one Burger, and 1.9 instead of 1.1 for five, as it then collects the contacts of every step, whether
+anybody subscribes or not. Messages to a subscriber are less than a fifth of the difference, names of entities, which
+could be left out, less than a seventh. Trajectories stay the same to the digit. The service of the world's state would
+need the sensors too, and gives all of the world at once.
 """
 
 from __future__ import annotations

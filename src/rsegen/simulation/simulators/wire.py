@@ -64,8 +64,8 @@ class MessageTypes:
     def _value(self, kind: Kind, value: Any) -> Any:
         if kind in (str, "text"):
             return value.decode(errors="replace")
-        if kind == "bytes":
-            return bytes(value)
+        if kind in (bytes, "bytes"):
+            return b"" + value  # a number is no bytes: bytes(value) would be as many
         if isinstance(kind, str):
             return self.decode(kind, value)
         return kind(value)
