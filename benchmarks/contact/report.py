@@ -11,7 +11,6 @@ import numpy as np
 
 from benchmarks.contact.constructions import Construction
 from benchmarks.contact.trial import Drive, Rest, Trial
-from rsegen.simulation.simulators import Installation
 
 COLUMNS = (
     ("soft", "plain"),
@@ -23,27 +22,17 @@ COLUMNS = (
 )
 """Robot and ground of a column of drives; None: every ground."""
 
-_INTRODUCTIONS = {
-    "classic": """\
+_INTRODUCTION = """\
 # Constructions of a step field, by what is felt on them
 
-Made by `make bench-contact` in {simulator}; ranked by how far soft wheels stray on average. Drives of 2.2 m over
+Made by `make bench-contact` in Gazebo Classic 11; ranked by how far soft wheels stray on average. Drives of 2.2 m over
 blocks of equal height, at up to five headings: sideways error at the end in mm, mean (max) / standard deviation of the
 roll in mrad. Drops: how many of the bodies do not rest where they should (more than 1 mm too high or low, moved by more
 than 1 cm, or still moving by 0.2 mm), and the largest error in height, mm. Cost: CPU s of the server for a simulated
 second with all robots driving. Load: CPU s. Memory: MB when loaded. The server itself and the robots are in all three:
 compare with the plane. They are single runs: take differences under 30 % for noise. Distances aside are exact poses,
 heights over time and rolls come from Gazebo's record, which has three digits.
-""",
-    "sim": """\
-# The same in Gazebo Sim
-
-Made by `python -m benchmarks.contact --simulator sim` in {simulator}, with its own physics engine (DART), which does
-not read `kd` and takes every wheel for stiff: "soft", "light" and "stiff" differ by their inertia alone. The same
-course, robots, bodies and columns as above; a joint's motor is as strong as need be. Poses are read twenty times a
-second, which is part of the cost.
-""",
-}
+"""
 
 _HEAD = (
     "construction",
@@ -61,15 +50,12 @@ _HEAD = (
 )
 
 
-def write(
-    trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence[str], gazebo: Installation, folder: Path
-) -> None:
-    """contact.md and contact.json, or contact-sim.md and contact-sim.json."""
+def write(trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence[str], folder: Path) -> None:
+    """contact.md and contact.json."""
     folder.mkdir(parents=True, exist_ok=True)
-    stem = "contact" if gazebo.simulator.name == "classic" else f"contact-{gazebo.simulator.name}"
-    content = {"simulator": str(gazebo), "trials": [_rounded(asdict(trial)) for trial in trials], "lost": list(lost)}
-    (folder / f"{stem}.json").write_text(json.dumps(content) + "\n")
-    (folder / f"{stem}.md").write_text(table(trials, tried, lost, gazebo))
+    content = {"trials": [_rounded(asdict(trial)) for trial in trials], "lost": list(lost)}
+    (folder / "contact.json").write_text(json.dumps(content) + "\n")
+    (folder / "contact.md").write_text(table(trials, tried, lost))
 
 
 def _rounded(value: object) -> object:
@@ -81,13 +67,12 @@ def _rounded(value: object) -> object:
     return [_rounded(inner) for inner in value] if isinstance(value, list) else value
 
 
-def table(trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence[str], gazebo: Installation) -> str:
+def table(trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence[str]) -> str:
     """The whole page."""
     groups = {each.name: [trial for trial in trials if trial.construction == each.name] for each in tried}
     ranked = sorted((name for name in groups if groups[name]), key=lambda name: strayed(groups[name]))
     rows = [_HEAD, ("---",) * len(_HEAD), *(_row(name, groups[name]) for name in ranked)]
-    introduction = _INTRODUCTIONS[gazebo.simulator.name].format(simulator=gazebo)
-    lines = [introduction, *("| " + " | ".join(row) + " |" for row in rows), ""]
+    lines = [_INTRODUCTION, *("| " + " | ".join(row) + " |" for row in rows), ""]
     lines += [f"- `{each.name}`: {each.says}" for each in tried if groups[each.name]]
     lines += ["", f"Fields (seeds): {', '.join(map(str, sorted({trial.seed for trial in trials})))}.", *lost]
     return "\n".join(lines) + "\n"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,9 @@ from rsegen import StepField
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.experiment.machine import usage
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.live_world import LiveWorld, Pose, Record
+from rsegen.simulation.simulators.classic_record import parse_record, record_options
+from rsegen.simulation.simulators.gazebo_classic import STATE
+from rsegen.simulation.simulators.live_world import Pose, Record
 from rsegen.simulation.simulators.server import retried, running_server
 from tests.simulation.real.bodies import SIZE
 from tests.simulation.real.burger import way
@@ -75,21 +77,20 @@ class Trial:
 def tried(construction: Construction, seed: int, gazebo: Installation) -> Trial:
     """Drive and drop everything; a server that is lost is tried again."""
     with tempfile.TemporaryDirectory() as folder:
-        world = written(construction, field_of(construction, seed), Path(folder), gazebo.backend)
+        world = written(construction, field_of(construction, seed), Path(folder))
         return retried(lambda: _run(construction, seed, world, gazebo))
 
 
 def _run(construction: Construction, seed: int, world: Path, gazebo: Installation) -> Trial:
     field = field_of(construction, seed)
     began = time.monotonic()
-    options = gazebo.simulator.record_options(PERIOD)
-    with running_server(gazebo, world, options=options, timeout=PATIENCE) as server:
+    with running_server(gazebo, world, options=record_options(PERIOD), timeout=PATIENCE) as server:
         loaded, load = usage(server.pid), time.monotonic() - began
         with server.connect() as live:
-            seen = _stepped(live, SECONDS if options else PERIOD)
+            live.step(SECONDS * 1000)
             done, ended, errors = usage(server.pid), live.poses(), server.errors
         server.stop()
-        told = gazebo.simulator.read_record(server.home) or seen
+        told = parse_record((server.home / STATE).read_text())
     if max((at for at, _ in told), default=0) < SECONDS - PERIOD:
         raise SimulatorFailed("stopped early")
     return Trial(
@@ -103,15 +104,6 @@ def _run(construction: Construction, seed: int, world: Path, gazebo: Installatio
         memory=loaded.memory,
         errors=sorted(set(errors)),
     )
-
-
-def _stepped(live: LiveWorld, period: float) -> Record:
-    """The poses of all models every `period` seconds; a server that keeps no record is asked."""
-    seen = Record()
-    for turn in range(1, round(SECONDS / period) + 1):
-        live.step(round(period * 1000))
-        seen.append((turn * period, {name: list(astuple(pose)) for name, pose in live.poses().items()}))
-    return seen
 
 
 def _drives(field: StepField, poses: Mapping[str, Pose], told: Record) -> Iterator[Drive]:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from benchmarks.contact.constructions import Construction
 from benchmarks.contact.courses import DROP, course, drops, nothing, starts
 from rsegen import StepField
-from rsegen.simulation.robots.systems import add_systems
 from tests.simulation.real.bodies import body
 from tests.simulation.real.burger import BURGER_WHEELS, RADIUS, Start, Wheels, burger
 
@@ -63,20 +61,17 @@ def robots_on(field: StepField) -> Iterator[tuple[str, str, tuple[str, int], Sta
             yield f"{robot}_{place[0]}_{place[1]}", robot, place, start
 
 
-def written(construction: Construction, field: StepField, folder: Path, backend: str) -> Path:
+def written(construction: Construction, field: StepField, folder: Path) -> Path:
     """The world's file in a folder, with the files that it names."""
     models = [_model(construction, field, folder)] if construction.levels else []
     kinds = list(ROBOTS)
     models += [
-        burger(name, start, ROBOTS[robot], 1 << kinds.index(robot), backend)
-        for name, robot, _, start in robots_on(field)
+        burger(name, start, ROBOTS[robot], 1 << kinds.index(robot)) for name, robot, _, start in robots_on(field)
     ]
     if construction.levels:
         models += [body(drop.name, drop.shape, (drop.x, drop.y, drop.top + DROP)) for drop in drops(field)]
     path = folder / "course.world"
-    root = ET.fromstring(_WORLD.format(models="".join(models)).encode())  # noqa: S314  # ours
-    add_systems(root[0], backend)
-    path.write_bytes(ET.tostring(root))
+    path.write_text(_WORLD.format(models="".join(models)))
     return path
 
 

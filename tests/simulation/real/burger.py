@@ -13,7 +13,6 @@ from __future__ import annotations
 from math import cos, pi, sin
 from typing import NamedTuple
 
-from rsegen.simulation.robots.plugins import system
 from rsegen.simulation.simulators.live_world import Pose
 
 SPEED = 0.22
@@ -69,9 +68,7 @@ def way(start: Start, end: Pose) -> Way:
     return Way(dx * cos(heading) + dy * sin(heading), dy * cos(heading) - dx * sin(heading))
 
 
-def burger(
-    name: str, start: Start, wheels: Wheels = BURGER_WHEELS, mask: int = EVERYTHING, backend: str = "classic"
-) -> str:
+def burger(name: str, start: Start, wheels: Wheels = BURGER_WHEELS, mask: int = EVERYTHING) -> str:
     """The robot as SDF; from the first step on both wheels are to turn for SPEED, straight ahead.
 
     Its caster has its wheels' contact. It touches only what has a bit of `mask` in its own mask.
@@ -101,7 +98,11 @@ def burger(
       </link>
       <joint name="socket" type="ball"><parent>body</parent><child>caster</child></joint>
 {_wheel("left", 0.080, wheels, mask)}{_wheel("right", -0.080, wheels, mask)}\
-{_motors(backend, wheels.gain)}    </model>
+      <plugin name="drive" filename="libJointControlPlugin.so">
+        {_motor("left", wheels.gain)}
+        {_motor("right", wheels.gain)}
+      </plugin>
+    </model>
 """
 
 
@@ -128,15 +129,9 @@ def _surface(contact: str, friction: str, mask: int) -> str:
     return f"<surface>{touching}{friction}</surface>"
 
 
-def _motors(backend: str, gain: float) -> str:
-    """Both wheels are to turn for SPEED; Gazebo Sim's motors are as strong as need be."""
-    joints, turn = ("left_axle", "right_axle"), SPEED / RADIUS
-    if backend == "classic":
-        each = (f"<joint>{joint}</joint><target>{turn}</target><pid_gains>{gain} 0 0</pid_gains>" for joint in joints)
-        motors = "".join(f'<controller type="velocity">{motor}</controller>' for motor in each)
-        return f'      <plugin name="drive" filename="libJointControlPlugin.so">{motors}</plugin>\n'
-    each = (f"<joint_name>{joint}</joint_name><initial_velocity>{turn}</initial_velocity>" for joint in joints)
-    return "".join(system("JointController", backend, motor) for motor in each)
+def _motor(side: str, gain: float) -> str:
+    turn = f"<joint>{side}_axle</joint><target>{SPEED / RADIUS}</target><pid_gains>{gain} 0 0</pid_gains>"
+    return f'<controller type="velocity">{turn}</controller>'
 
 
 def _inertial(centre: str, mass: float, moments: tuple[float, float, float]) -> str:
