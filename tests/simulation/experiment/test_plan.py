@@ -60,6 +60,13 @@ def test_a_map_is_random_in_the_levels_that_the_row_says() -> None:
     assert not build(TableRow().map_of(0, seed=3)).levels.any()
 
 
+def test_a_row_names_its_obstacles_by_their_kinds() -> None:
+    row = TableRow(
+        recipe={"obstacles": [{"kind": "peak", "max_height": 3}, {"kind": "random", "max_height": 3}], "mesh": "blocks"}
+    )
+    assert row.label == "3 burger, unit 1 cm, 5 levels, obstacles peak and random, mesh blocks"
+
+
 def test_a_plan_in_two_simulators_has_each_row_in_both_and_a_table_of_both() -> None:
     plan = ExperimentPlan(name="p", rows=(TableRow(), TableRow(robot="jackal", simulator="classic"), TableRow()))
     both = plan.in_simulators(["sim", "classic"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -78,13 +79,22 @@ class TableRow:
     @property
     def label(self) -> str:
         """In a few words."""
-        shape = ", ".join(f"{key} {value}" for key, value in (self.recipe or {}).items())
+        shape = ", ".join(f"{key} {_in_words(value)}" for key, value in (self.recipe or {}).items())
         what = f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm, {self.max_height} levels"
         return what + (f", {shape}" if shape else "")
 
     def differs_by_simulator(self, other: TableRow) -> bool:
         """Whether both differ, and only by the simulator."""
         return self.simulator != other.simulator and replace(self, simulator=other.simulator) == other
+
+
+def _in_words(value: Json) -> str:
+    """A value of a recipe for a heading; of obstacles their kinds."""
+    if isinstance(value, Mapping):
+        return str(value.get("kind", "")) or json.dumps(value)
+    if isinstance(value, list):
+        return " and ".join(map(_in_words, value))
+    return str(value)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
