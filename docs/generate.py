@@ -69,7 +69,7 @@ def texts() -> dict[Path, str]:
         README: with_table(README.read_text("utf-8"), figures),
         DOCS / "benchmarks.md": page(figures),
         DATASETS: filled(DATASETS.read_text("utf-8"), datasets.table(loaded(datasets.FILE))),
-        DOCS / "contact.md": contact,
+        DOCS / "contact.md": contact + "\n" + (RESULTS / "contact-sim.md").read_text("utf-8"),
         GAZEBO: filled(GAZEBO.read_text("utf-8"), _told_apart(contact)),
         DOCS / "recipe.schema.json": json.dumps(schema(), indent=2) + "\n",
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",

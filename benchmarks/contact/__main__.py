@@ -1,4 +1,7 @@
-"""`python -m benchmarks.contact`: tries every construction and writes benchmarks/results/contact.md and .json."""
+"""`python -m benchmarks.contact`: tries every construction and writes benchmarks/results/contact.md and .json.
+
+With `--simulator sim` it does so in Gazebo Sim, and writes contact-sim.md and .json.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +24,12 @@ SEEDS = (1, 2)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Exit code: 0, or 3 where there is no Gazebo Classic."""
+    """Exit code: 0, or 3 where the simulator is not installed."""
     options = _options(arguments)
-    gazebo = SIMULATORS["classic"].installation()
+    simulator = SIMULATORS[options.simulator]
+    gazebo = simulator.installation()
     if not gazebo:
-        print("no Gazebo Classic 11 here: run scripts/gazebo-classic", file=sys.stderr)
+        print(f"no {simulator.title} here: run scripts/gazebo-{options.simulator}", file=sys.stderr)
         return NO_GAZEBO
     chosen = [each for each in ALL if (each.name in options.only if options.only else each.quick or not options.quick)]
     trials, lost = _trials(
@@ -34,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         gazebo,
         options.results,
     )
-    print(table(trials, chosen, lost))
+    print(table(trials, chosen, lost, gazebo))
     return 0
 
 
@@ -53,10 +57,10 @@ def _trials(
     try:
         for each, seed in plan:
             _report(each, seed, gazebo, trials, lost)
-            write(trials, chosen, lost, folder)
+            write(trials, chosen, lost, gazebo, folder)
     except KeyboardInterrupt:
         lost.append("Interrupted: not every construction was tried on every field.")
-        write(trials, chosen, lost, folder)
+        write(trials, chosen, lost, gazebo, folder)
     return trials, lost
 
 
@@ -78,6 +82,7 @@ def _report(each: Construction, seed: int, gazebo: Installation, trials: list[Tr
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.contact", description=__doc__)
+    parser.add_argument("--simulator", choices=list(SIMULATORS), default="classic")
     parser.add_argument("--quick", action="store_true", help="the most telling constructions on one field")
     parser.add_argument("--only", nargs="+", metavar="NAME", choices=[each.name for each in ALL], help="only these")
     parser.add_argument("--results", type=Path, default=RESULTS, metavar="FOLDER")

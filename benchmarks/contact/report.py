@@ -11,6 +11,7 @@ import numpy as np
 
 from benchmarks.contact.constructions import Construction
 from benchmarks.contact.trial import Drive, Rest, Trial
+from rsegen.simulation.simulators import Installation
 
 COLUMNS = (
     ("soft", "plain"),
@@ -22,17 +23,27 @@ COLUMNS = (
 )
 """Robot and ground of a column of drives; None: every ground."""
 
-_INTRODUCTION = """\
+_INTRODUCTIONS = {
+    "classic": """\
 # Constructions of a step field, by what is felt on them
 
-Made by `make bench-contact` in Gazebo Classic 11; ranked by how far soft wheels stray on average. Drives of 2.2 m over
+Made by `make bench-contact` in {simulator}; ranked by how far soft wheels stray on average. Drives of 2.2 m over
 blocks of equal height, at up to five headings: sideways error at the end in mm, mean (max) / standard deviation of the
 roll in mrad. Drops: how many of the bodies do not rest where they should (more than 1 mm too high or low, moved by more
 than 1 cm, or still moving by 0.2 mm), and the largest error in height, mm. Cost: CPU s of the server for a simulated
 second with all robots driving. Load: CPU s. Memory: MB when loaded. The server itself and the robots are in all three:
 compare with the plane. They are single runs: take differences under 30 % for noise. Distances aside are exact poses,
 heights over time and rolls come from Gazebo's record, which has three digits.
-"""
+""",
+    "sim": """\
+# The same in Gazebo Sim
+
+Made by `python -m benchmarks.contact --simulator sim` in {simulator}, with its own physics engine (DART), which reads
+neither `kd` nor a wheel's softness: "soft wheels" are stiff there. The same course, bodies and columns as above, with
+one sort of robot in a world, driven by motors as strong as need be; the cost is that of the wheels' world. Poses are
+read twenty times a second, which is part of it.
+""",
+}
 
 _HEAD = (
     "construction",
@@ -50,12 +61,15 @@ _HEAD = (
 )
 
 
-def write(trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence[str], folder: Path) -> None:
-    """contact.md and contact.json."""
+def write(
+    trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence[str], gazebo: Installation, folder: Path
+) -> None:
+    """contact.md and contact.json, or contact-sim.md and contact-sim.json."""
     folder.mkdir(parents=True, exist_ok=True)
-    content = {"trials": [_rounded(asdict(trial)) for trial in trials], "lost": list(lost)}
-    (folder / "contact.json").write_text(json.dumps(content) + "\n")
-    (folder / "contact.md").write_text(table(trials, tried, lost))
+    stem = "contact" if gazebo.simulator.name == "classic" else f"contact-{gazebo.simulator.name}"
+    content = {"simulator": str(gazebo), "trials": [_rounded(asdict(trial)) for trial in trials], "lost": list(lost)}
+    (folder / f"{stem}.json").write_text(json.dumps(content) + "\n")
+    (folder / f"{stem}.md").write_text(table(trials, tried, lost, gazebo))
 
 
 def _rounded(value: object) -> object:
@@ -67,12 +81,13 @@ def _rounded(value: object) -> object:
     return [_rounded(inner) for inner in value] if isinstance(value, list) else value
 
 
-def table(trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence[str]) -> str:
+def table(trials: Sequence[Trial], tried: Sequence[Construction], lost: Sequence[str], gazebo: Installation) -> str:
     """The whole page."""
     groups = {each.name: [trial for trial in trials if trial.construction == each.name] for each in tried}
     ranked = sorted((name for name in groups if groups[name]), key=lambda name: strayed(groups[name]))
     rows = [_HEAD, ("---",) * len(_HEAD), *(_row(name, groups[name]) for name in ranked)]
-    lines = [_INTRODUCTION, *("| " + " | ".join(row) + " |" for row in rows), ""]
+    introduction = _INTRODUCTIONS[gazebo.simulator.name].format(simulator=gazebo)
+    lines = [introduction, *("| " + " | ".join(row) + " |" for row in rows), ""]
     lines += [f"- `{each.name}`: {each.says}" for each in tried if groups[each.name]]
     lines += ["", f"Fields (seeds): {', '.join(map(str, sorted({trial.seed for trial in trials})))}.", *lost]
     return "\n".join(lines) + "\n"
@@ -96,6 +111,8 @@ def _row(name: str, trials: Sequence[Trial]) -> tuple[str, ...]:
 
 
 def _driven(drives: Sequence[Drive]) -> str:
+    if not drives:
+        return "-"
     aside = [abs(drive.aside) for drive in drives]
     stuck = sum(drive.ahead < 2 for drive in drives)
     said = f"{np.mean(aside):.2f} ({max(aside):.2f}) / {np.mean([drive.roll for drive in drives]):.2f}"

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import astuple, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.contact.constructions import Construction
 from benchmarks.contact.courses import SECONDS, Drop, drops
-from benchmarks.contact.worlds import field_of, robots_on, written
+from benchmarks.contact.worlds import TOGETHER, field_of, robots_on, written
 from rsegen import StepField
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.experiment.machine import usage
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.classic_record import parse_record, record_options
-from rsegen.simulation.simulators.gazebo_classic import STATE
-from rsegen.simulation.simulators.live_world import Pose, Record
+from rsegen.simulation.simulators.live_world import LiveWorld, Pose, Record
 from rsegen.simulation.simulators.server import retried, running_server
 from tests.simulation.real.bodies import SIZE
 from tests.simulation.real.burger import way
@@ -76,27 +74,35 @@ class Trial:
 
 def tried(construction: Construction, seed: int, gazebo: Installation) -> Trial:
     """Drive and drop everything; a server that is lost is tried again."""
+    first, *others = (_tried(construction, seed, gazebo, kinds) for kinds in TOGETHER[gazebo.simulator.name])
+    drives = [drive for trial in (first, *others) for drive in trial.drives]
+    return replace(first, drives=drives, errors=sorted({line for trial in (first, *others) for line in trial.errors}))
+
+
+def _tried(construction: Construction, seed: int, gazebo: Installation, kinds: Sequence[str]) -> Trial:
+    """With these robots in one world."""
     with tempfile.TemporaryDirectory() as folder:
-        world = written(construction, field_of(construction, seed), Path(folder))
-        return retried(lambda: _run(construction, seed, world, gazebo))
+        world = written(construction, field_of(construction, seed), Path(folder), gazebo.backend, kinds)
+        return retried(lambda: _run(construction, seed, world, gazebo, kinds))
 
 
-def _run(construction: Construction, seed: int, world: Path, gazebo: Installation) -> Trial:
+def _run(construction: Construction, seed: int, world: Path, gazebo: Installation, kinds: Sequence[str]) -> Trial:
     field = field_of(construction, seed)
     began = time.monotonic()
-    with running_server(gazebo, world, options=record_options(PERIOD), timeout=PATIENCE) as server:
+    options = gazebo.simulator.record_options(PERIOD)
+    with running_server(gazebo, world, options=options, timeout=PATIENCE) as server:
         loaded, load = usage(server.pid), time.monotonic() - began
         with server.connect() as live:
-            live.step(SECONDS * 1000)
+            seen = _stepped(live, SECONDS if options else PERIOD)
             done, ended, errors = usage(server.pid), live.poses(), server.errors
         server.stop()
-        told = parse_record((server.home / STATE).read_text())
+        told = gazebo.simulator.read_record(server.home) or seen
     if max((at for at, _ in told), default=0) < SECONDS - PERIOD:
         raise SimulatorFailed("stopped early")
     return Trial(
         construction=construction.name,
         seed=seed,
-        drives=list(_drives(field, ended, told)),
+        drives=list(_drives(field, kinds, ended, told)),
         rests=[_rest(drop, ended, told) for drop in drops(field)] if construction.levels else [],
         cost=(done.cpu - loaded.cpu) / SECONDS,
         load=load,
@@ -106,8 +112,17 @@ def _run(construction: Construction, seed: int, world: Path, gazebo: Installatio
     )
 
 
-def _drives(field: StepField, poses: Mapping[str, Pose], told: Record) -> Iterator[Drive]:
-    for name, robot, (ground, heading), start in robots_on(field):
+def _stepped(live: LiveWorld, period: float) -> Record:
+    """The poses of all models every `period` seconds; a server that keeps no record is asked."""
+    seen = Record()
+    for turn in range(1, round(SECONDS / period) + 1):
+        live.step(round(period * 1000))
+        seen.append((turn * period, {name: list(astuple(pose)) for name, pose in live.poses().items()}))
+    return seen
+
+
+def _drives(field: StepField, kinds: Sequence[str], poses: Mapping[str, Pose], told: Record) -> Iterator[Drive]:
+    for name, robot, (ground, heading), start in robots_on(field, kinds):
         end = poses[name]
         gone = way(start, end)
         turned = (end.yaw - start.heading + np.pi) % (2 * np.pi) - np.pi

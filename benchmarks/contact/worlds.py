@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from benchmarks.contact.constructions import Construction
 from benchmarks.contact.courses import DROP, course, drops, nothing, starts
 from rsegen import StepField
+from rsegen.simulation.robots.systems import add_systems
 from tests.simulation.real.bodies import body
-from tests.simulation.real.burger import BURGER_WHEELS, RADIUS, Start, Wheels, burger
+from tests.simulation.real.burger import BURGER_WHEELS, EVERYTHING, RADIUS, Start, Wheels, burger
 
 ROBOTS: Mapping[str, Wheels] = {
     "soft": BURGER_WHEELS,
@@ -22,6 +24,10 @@ ROBOTS: Mapping[str, Wheels] = {
     "sphere": BURGER_WHEELS._replace(shape=f"<sphere><radius>{RADIUS}</radius></sphere>"),
 }
 """A TurtleBot3's soft wheels; the same light and without a direction of friction; Gazebo's default contact; spheres."""
+
+TOGETHER: Mapping[str, Sequence[Sequence[str]]] = {"classic": [[*ROBOTS]], "sim": [["soft"], ["sphere"]]}
+"""The robots that are in one world: in Gazebo Classic all, which pass through one another; in Gazebo Sim, whose engine
+does not let them and knows no soft wheels, two sorts, each in a world of its own."""
 
 _FRICTION = "<friction><ode><mu>1</mu><mu2>1</mu2></ode></friction>"
 
@@ -53,25 +59,29 @@ def field_of(construction: Construction, seed: int) -> StepField:
     return course(seed) if construction.levels else nothing()
 
 
-def robots_on(field: StepField) -> Iterator[tuple[str, str, tuple[str, int], Start]]:
+def robots_on(field: StepField, kinds: Sequence[str]) -> Iterator[tuple[str, str, tuple[str, int], Start]]:
     """Name, robot, ground and heading, and start of each: the soft one everywhere, the others where it is hardest."""
     for place, start in starts(field).items():
         ground, heading = place
-        for robot in ROBOTS if ground != "plain" and heading % 90 else ("soft",):
-            yield f"{robot}_{place[0]}_{place[1]}", robot, place, start
+        for robot in kinds:
+            if robot == "soft" or (ground != "plain" and heading % 90):
+                yield f"{robot}_{place[0]}_{place[1]}", robot, place, start
 
 
-def written(construction: Construction, field: StepField, folder: Path) -> Path:
-    """The world's file in a folder, with the files that it names."""
+def written(construction: Construction, field: StepField, folder: Path, backend: str, kinds: Sequence[str]) -> Path:
+    """The world's file in a folder, with the files that it names, and with these robots."""
     models = [_model(construction, field, folder)] if construction.levels else []
-    kinds = list(ROBOTS)
+    masks = {robot: 1 << number for number, robot in enumerate(ROBOTS)}
     models += [
-        burger(name, start, ROBOTS[robot], 1 << kinds.index(robot)) for name, robot, _, start in robots_on(field)
+        burger(name, start, ROBOTS[robot], masks[robot] if len(kinds) > 1 else EVERYTHING, backend)
+        for name, robot, _, start in robots_on(field, kinds)
     ]
     if construction.levels:
         models += [body(drop.name, drop.shape, (drop.x, drop.y, drop.top + DROP)) for drop in drops(field)]
     path = folder / "course.world"
-    path.write_text(_WORLD.format(models="".join(models)))
+    root = ET.fromstring(_WORLD.format(models="".join(models)).encode())  # noqa: S314  # ours
+    add_systems(root[0], backend)
+    path.write_bytes(ET.tostring(root))
     return path
 
 

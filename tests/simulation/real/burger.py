@@ -13,6 +13,7 @@ from __future__ import annotations
 from math import cos, pi, sin
 from typing import NamedTuple
 
+from rsegen.simulation.robots.plugins import system
 from rsegen.simulation.simulators.live_world import Pose
 
 SPEED = 0.22
@@ -68,7 +69,9 @@ def way(start: Start, end: Pose) -> Way:
     return Way(dx * cos(heading) + dy * sin(heading), dy * cos(heading) - dx * sin(heading))
 
 
-def burger(name: str, start: Start, wheels: Wheels = BURGER_WHEELS, mask: int = EVERYTHING) -> str:
+def burger(
+    name: str, start: Start, wheels: Wheels = BURGER_WHEELS, mask: int = EVERYTHING, backend: str = "classic"
+) -> str:
     """The robot as SDF; from the first step on both wheels are to turn for SPEED, straight ahead.
 
     Its caster has its wheels' contact. It touches only what has a bit of `mask` in its own mask.
@@ -98,11 +101,7 @@ def burger(name: str, start: Start, wheels: Wheels = BURGER_WHEELS, mask: int = 
       </link>
       <joint name="socket" type="ball"><parent>body</parent><child>caster</child></joint>
 {_wheel("left", 0.080, wheels, mask)}{_wheel("right", -0.080, wheels, mask)}\
-      <plugin name="drive" filename="libJointControlPlugin.so">
-        {_motor("left", wheels.gain)}
-        {_motor("right", wheels.gain)}
-      </plugin>
-    </model>
+{_motors(backend, wheels.gain)}    </model>
 """
 
 
@@ -129,9 +128,15 @@ def _surface(contact: str, friction: str, mask: int) -> str:
     return f"<surface>{touching}{friction}</surface>"
 
 
-def _motor(side: str, gain: float) -> str:
-    turn = f"<joint>{side}_axle</joint><target>{SPEED / RADIUS}</target><pid_gains>{gain} 0 0</pid_gains>"
-    return f'<controller type="velocity">{turn}</controller>'
+def _motors(backend: str, gain: float) -> str:
+    """Both wheels are to turn for SPEED; Gazebo Sim's motors are as strong as need be."""
+    joints, turn = ("left_axle", "right_axle"), SPEED / RADIUS
+    if backend == "classic":
+        each = (f"<joint>{joint}</joint><target>{turn}</target><pid_gains>{gain} 0 0</pid_gains>" for joint in joints)
+        motors = "".join(f'<controller type="velocity">{motor}</controller>' for motor in each)
+        return f'      <plugin name="drive" filename="libJointControlPlugin.so">{motors}</plugin>\n'
+    each = (f"<joint_name>{joint}</joint_name><initial_velocity>{turn}</initial_velocity>" for joint in joints)
+    return "".join(system("JointController", backend, motor) for motor in each)
 
 
 def _inertial(centre: str, mass: float, moments: tuple[float, float, float]) -> str:

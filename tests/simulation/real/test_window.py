@@ -67,7 +67,7 @@ def shown(process: subprocess.Popen[str], screen: str) -> bool:
         return process.poll() is None
     finally:
         process.terminate()
-        process.wait()
+        process.communicate()  # which closes its pipes too
 
 
 @pytest.mark.slow
