@@ -40,7 +40,7 @@ class World:
 
     file: Path | None = None
     recipe: Recipe | None = None
-    made_for: str = "both"
+    made_for: str
     alone: bool = False
     made_of: Scene | None = None
 

@@ -12,8 +12,13 @@ class SystemName(NamedTuple):
     class_name: str
 
 
+def prefixes(backend: str) -> SystemName:
+    """What the names of all systems begin with; backend: `fortress`, or `sim` for all later versions."""
+    return SystemName("gz-sim", "gz::sim") if backend == "sim" else SystemName("ignition-gazebo", "ignition::gazebo")
+
+
 def system_name(kind: str, backend: str) -> SystemName:
     """The name of a system, such as `DiffDrive`; backend: `fortress`, or `sim` for all later versions."""
-    library, namespace = ("gz-sim", "gz::sim") if backend == "sim" else ("ignition-gazebo", "ignition::gazebo")
+    library, namespace = prefixes(backend)
     words = "".join(f"-{letter.lower()}" if letter.isupper() else letter for letter in kind)
     return SystemName(f"{library}{words}-system", f"{namespace}::systems::{kind}")

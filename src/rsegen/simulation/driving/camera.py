@@ -16,6 +16,12 @@ def camera(extent: tuple[float, float], frames: Path) -> str:
 
     Its server needs a screen, if only a virtual one.
     """
+    save = f'\n        <save enabled="true"><path>{frames}</path></save>'
+    return camera_model(extent, (1280, 720), rate=1, save=save)
+
+
+def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: int, save: str = "") -> str:
+    """The model of a camera that looks at a map of this extent; rate: pictures a second, 0 for as many as can be."""
     away = (1.1 * hypot(*extent) + 1.0) / sqrt(2)
     high = 0.8 * away
     pose = numbers((-away, -away, high, 0, round(atan2(high, away * sqrt(2)), 4), round(_AZIMUTH, 4)))
@@ -26,12 +32,11 @@ def camera(extent: tuple[float, float], frames: Path) -> str:
   <link name="link">
     <sensor name="camera" type="camera">
       <always_on>1</always_on>
-      <update_rate>1</update_rate>
+      <update_rate>{rate}</update_rate>
       <camera>
         <horizontal_fov>0.9</horizontal_fov>
-        <image><width>1280</width><height>720</height></image>
-        <clip><near>0.05</near><far>1000</far></clip>
-        <save enabled="true"><path>{frames}</path></save>
+        <image><width>{pixels[0]}</width><height>{pixels[1]}</height></image>
+        <clip><near>0.05</near><far>1000</far></clip>{save}
       </camera>
     </sensor>
   </link>

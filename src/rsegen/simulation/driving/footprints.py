@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from math import cos, inf, radians, sin, sqrt, tan
+from math import inf, radians, sqrt, tan
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from rsegen.field.spots.footprint import TOUCHING
 from rsegen.field.stepfield import Array
 from rsegen.simulation.robots.base import DrivableRobot, Robot
 from rsegen.simulation.robots.links import Part, PoseTuple
+from rsegen.simulation.robots.rotation import rotation
 from rsegen.simulation.robots.solids import Box, Cylinder
 
 TILT = radians(3)
@@ -56,7 +57,8 @@ def _needed(parts: Sequence[Underside]) -> tuple[Underside, ...]:
 
 def _undersides(part: Part, link: PoseTuple) -> Iterator[Underside]:
     """A part of a link in the frame of the model, as rectangles from the lowest on."""
-    turned, at = _turned(link) @ _turned(part.pose), np.array(link[:3]) + _turned(link) @ np.array(part.pose[:3])
+    of_link = rotation(*link[3:])
+    turned, at = of_link @ rotation(*part.pose[3:]), np.array(link[:3]) + of_link @ np.array(part.pose[:3])
     half = _half(part, turned)
     low, solid = at[2] - half[2], part.solid
     flat = isinstance(solid, Box) or (isinstance(solid, Cylinder) and abs(turned[2, 2]) > 1 - _EXACT)
@@ -85,12 +87,3 @@ def _half(part: Part, turned: Array) -> Array:
 def _chord(radius: float, rise: float) -> float:
     """Half of the width of a circle at a height above its lowest point."""
     return radius if rise >= radius else sqrt(rise * (2 * radius - rise))
-
-
-def _turned(pose: PoseTuple) -> Array:
-    """The rotation matrix of a pose."""
-    (cr, sr), (cp, sp), (cy, sy) = ((cos(angle), sin(angle)) for angle in pose[3:])
-    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
-    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
-    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
-    return np.asarray(about_z @ about_y @ about_x)

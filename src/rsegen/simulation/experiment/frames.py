@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from math import atan2, hypot, pi, sqrt
 
 from rsegen.errors import NoSimulator, ParameterError
-from rsegen.exporters.gazebo.sdf import numbers
 from rsegen.simulation.experiment.plan import ExperimentPlan
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.launching import has_screen
@@ -17,32 +15,11 @@ from rsegen.simulation.simulators.server import Server
 SOURCES = ("camera", "window")
 """The paces in which frames are drawn."""
 
+CAMERA_PIXELS = (640, 480)
+"""Width and height of the camera's pictures."""
+
 FIRST_FRAME = 120.0
 """Seconds within which the first frame must be drawn."""
-
-
-def camera_model(extent: tuple[float, float]) -> str:
-    """The model of a camera of 640 x 480 pixels that looks at a map of this extent and draws as often as it can."""
-    away = (1.1 * hypot(*extent) + 1.0) / sqrt(2)
-    high = 0.8 * away
-    pose = numbers((-away, -away, high, 0, round(atan2(high, away * sqrt(2)), 4), round(pi / 4, 4)))
-    return f"""\
-<model name="eye">
-  <static>true</static>
-  <pose>{pose}</pose>
-  <link name="link">
-    <sensor name="camera" type="camera">
-      <always_on>1</always_on>
-      <update_rate>0</update_rate>
-      <camera>
-        <horizontal_fov>0.9</horizontal_fov>
-        <image><width>640</width><height>480</height></image>
-        <clip><near>0.05</near><far>1000</far></clip>
-      </camera>
-    </sensor>
-  </link>
-</model>
-"""
 
 
 def refuse_without_frames(plan: ExperimentPlan, installed: Mapping[str, Installation]) -> None:

@@ -13,12 +13,13 @@ from statistics import fmean
 from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import Scene, compose
 from rsegen.io.worlds import generate
+from rsegen.simulation.driving.camera import camera_model
 from rsegen.simulation.driving.drive_metrics import Trajectory
 from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.driving.routes import Wandering
 from rsegen.simulation.driving.world_with_robots import world_with_robots
 from rsegen.simulation.experiment.driving_figures import driving_figures, trajectories
-from rsegen.simulation.experiment.frames import SOURCES, camera_model
+from rsegen.simulation.experiment.frames import CAMERA_PIXELS, SOURCES
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan
 from rsegen.simulation.experiment.trial_server import Setup, Span, total, trial_server
 from rsegen.simulation.robots import robot
@@ -90,7 +91,7 @@ def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> I
     models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
     real = cell.pace in IN_REAL_TIME
     frames = cell.pace if cell.pace in SOURCES else None
-    models += [camera_model(scene.field.extent)] if frames == "camera" else []
+    models += [camera_model(scene.field.extent, CAMERA_PIXELS, rate=0)] if frames == "camera" else []
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         if cell.size:
             world = generate(recipe, folder).maps[0].world

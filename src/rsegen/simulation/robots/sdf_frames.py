@@ -10,6 +10,7 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
+from rsegen.simulation.robots.rotation import rotation
 
 _DEEPEST = 30
 """Frames that may be given relative to each other, one after another."""
@@ -123,15 +124,6 @@ def _matrix(pose: Element, where: str) -> Array:
     made = np.eye(4)
     made[:3, :3], made[:3, 3] = turn, place
     return made
-
-
-def rotation(roll: float, pitch: float, yaw: float) -> Array:
-    """About x, then y, then z, radians; (3, 3)."""
-    (a, b, c), (p, q, r) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
-    about_x = np.array([[1, 0, 0], [0, a, -p], [0, p, a]])
-    about_y = np.array([[b, 0, q], [0, 1, 0], [-q, 0, b]])
-    about_z = np.array([[c, -r, 0], [r, c, 0], [0, 0, 1]])
-    return np.asarray(about_z @ about_y @ about_x)
 
 
 def _of_quaternion(x: float, y: float, z: float, w: float, where: str) -> Array:

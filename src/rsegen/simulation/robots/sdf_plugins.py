@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement, fromstring
 
+from rsegen.exporters.gazebo.systems import prefixes
 from rsegen.simulation.robots.drives import Drive
 from rsegen.simulation.robots.sdf_drives import KNOWN, plugin_key
 
@@ -68,7 +69,7 @@ def _leave_out(model: Element, backend: str) -> LeftOut:
 
 def _respell(model: Element, backend: str) -> None:
     """Name the systems of Gazebo Sim in a model as its version does: ignition-gazebo-... up to Fortress."""
-    file, space = ("gz-sim", "gz::sim") if backend == "sim" else ("ignition-gazebo", "ignition::gazebo")
+    file, space = prefixes(backend)
     for plugin in model.iter("plugin"):
         key = plugin_key(plugin.get("filename", ""))
         if key.startswith("gz-sim-"):

@@ -202,6 +202,7 @@ def register(cls: _Kind) -> _Kind:
     return cls
 
 
-def installations() -> Iterator[Installation]:
-    """The installed simulators, the newest first; each is searched when it is its turn."""
-    return (here for simulator in SIMULATORS.values() if (here := simulator.installation()))
+def installations(first: str = "") -> Iterator[Installation]:
+    """The installed simulators, that of a name first, else the newest; each is searched when it is its turn."""
+    ordered = sorted(SIMULATORS.values(), key=lambda simulator: simulator.name != first)
+    return (here for simulator in ordered if (here := simulator.installation()))

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rsegen.errors import NoSimulator, SimulatorFailed
-from rsegen.simulation.simulators.base import SIMULATORS, Installation, LaunchCommand, Simulator
+from rsegen.simulation.simulators.base import SIMULATORS, Installation, LaunchCommand, Simulator, installations
 from rsegen.simulation.simulators.output_files import OutputFiles
 
 
@@ -22,8 +22,8 @@ def choose_installation(made_for: str, name: str | None, *, alone: bool = False)
     wanted = None if name is None else SIMULATORS.named(name, "simulator")
     able = [each for each in SIMULATORS.values() if not alone or each.can_open(made_for)]
     if wanted is None:
-        able.sort(key=lambda each: each.name != made_for)
-        return next(filter(None, (each.installation() for each in able)), None) or _missing(*able)
+        here = next((here for here in installations(first=made_for) if here.simulator in able), None)
+        return here or _missing(*able)
     if wanted not in able:
         made = "an earlier rsegen made it so; make it again of its recipe.json"
         raise NoSimulator(f"this map opens in {_titles(able)} only: {made}")

@@ -101,9 +101,9 @@ def maps_in(folder: str) -> list[MapModel]:
     return [MapModel(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(folder)]
 
 
-def known_maps(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> list[SpawnedMap]:
-    """Of the models in a simulation, the maps whose recipe is known: it is in the folder of their mesh, or in a folder
-    of their name in one of `homes`.
+def known_recipes(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> dict[str, Recipe]:
+    """The recipes of the maps in a simulation by their names, where known: they are in the folder of the mesh, or in a
+    folder of the map's name in one of `homes`.
     """
     meshes, homes = live.mesh_files(), list(homes)
     found = {}
@@ -113,6 +113,12 @@ def known_maps(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]
         folders += [home / name for home in homes if _is_map_name(name)]
         if recipe := next(filter(None, map(_recipe_in, folders)), None):
             found[name] = recipe
+    return found
+
+
+def known_maps(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> list[SpawnedMap]:
+    """Of the models in a simulation, the maps whose recipe is known."""
+    found = known_recipes(live, poses, homes)
     return [
         SpawnedMap(name=name, field=compose(recipe, recipe.first_map).field, at=poses[name])
         for name, recipe in found.items()

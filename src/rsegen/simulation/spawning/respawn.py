@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import os.path
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from rsegen.io.targets import recipe_files
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.spawning.map_models import MapModel, known_maps, map_model, map_of, maps_in
+from rsegen.simulation.spawning.map_models import MapModel, known_recipes, map_model, map_of, maps_in
 from rsegen.simulation.spawning.spawned_map import SpawnedMap
 from rsegen.simulation.spawning.spawning import spawn_map
 from rsegen.simulation.worlds import Target
@@ -51,7 +51,7 @@ def respawn(
     recipes = _recipes(target)
     with connected(simulator) as (running, live):
         poses = live.poses()
-        known = known_maps(live, poses, [Path(output), *_homes(target)])
+        known = known_recipes(live, poses, [Path(output), *_homes(target)])
         current = _current_map(poses, {recipe.name for recipe in recipes}, known, name)
         new = _given_or_next(target, map, Path(output), current)
         new.check_fits(running)
@@ -60,9 +60,9 @@ def respawn(
             if map is None and new.name == current:
                 what = f"{shown(current)} is in the simulation, and {shown(str(target))} has no other map"
             raise ParameterError("" if map is None else "map", what)
-        there = (each for each in known if each.name == current)
-        unknown = SpawnedMap(name=current, field=_field(recipes[0], current), at=poses[current])
-        old = next(there, unknown)
+        recipe = known.get(current)
+        field = compose(recipe, recipe.first_map).field if recipe else _field(recipes[0], current)
+        old = SpawnedMap(name=current, field=field, at=poses[current])
         moved = spawn_map(live, new.sdf(new.name), SpawnedMap(name=new.name, field=new.field, at=old.at), old)
     return RespawnResult(name=new.name, instead_of=current, simulator=running.name, at=old.at, put_on_top=moved)
 
@@ -81,7 +81,7 @@ def _homes(target: Target) -> list[Path]:
     return [path, path.parent] if path and path.is_dir() else []
 
 
-def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Sequence[SpawnedMap], given: str | None) -> str:
+def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Iterable[str], given: str | None) -> str:
     """The name of the map that is to be replaced: one of the same recipes, else any other map that is known."""
     models = ", ".join(sorted(poses))
     if given is not None:
@@ -89,7 +89,7 @@ def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Sequence[Spa
             raise ParameterError("name", f"no model {shown(given)} in the simulation (models: {models})")
         return given
     pattern = "|".join(rf"{re.escape(stem)}_\d{{4,}}" for stem in sorted(stems))
-    found = sorted(name for name in poses if re.fullmatch(pattern, name)) or sorted(each.name for each in known)
+    found = sorted(name for name in poses if re.fullmatch(pattern, name)) or sorted(known)
     if not found:
         what = " or ".join(f"{stem}_0000" for stem in sorted(stems))
         raise ParameterError("", f"no map such as {what} in the simulation (models: {models})")
