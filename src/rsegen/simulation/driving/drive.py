@@ -17,10 +17,10 @@ from rsegen.simulation.driving.drive_result import DrivenRobot, DriveResult
 from rsegen.simulation.driving.recording import DriveRecording, RobotRun, record_drive
 from rsegen.simulation.driving.robot_runs import ROUTES, driving_speed, finish_x, robot_runs
 from rsegen.simulation.driving.routes import Wandering
-from rsegen.simulation.robots import robot as robot_named
+from rsegen.simulation.robots import from_file, is_robot_file, robot_of
 from rsegen.simulation.robots.base import DrivableRobot, Robot
 from rsegen.simulation.robots.drives import Tracks
-from rsegen.simulation.robots.sdf_file import SUFFIXES, SdfRobot, from_file
+from rsegen.simulation.robots.sdf_file import SdfRobot
 from rsegen.simulation.robots.solids import Vector
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.launching import choose_installation, has_screen
@@ -97,15 +97,15 @@ def _robot(
 ) -> DrivableRobot:
     """A robot of a kind or of an SDF file; only for a file may the user give wheels, size, speed and turn rate."""
     given = {name: value for name, value in given.items() if value is not None}
-    if isinstance(robot, os.PathLike) or (isinstance(robot, str) and robot.endswith(SUFFIXES)):
+    if isinstance(robot, str | os.PathLike) and is_robot_file(robot):
         values = {name: OF_A_FILE[name].check(name, value) for name, value in given.items()}
-        model = from_file(os.fspath(robot), wheels).given(values)
+        model = from_file(robot, wheels).given(values)
         _ = model.drive  # an error before anything is driven
         return model
     for name in [*given, *(["wheels"] if wheels else [])]:
-        kind = robot if isinstance(robot, str) else robot.kind
+        kind = robot_of(robot).kind
         raise ParameterError(name, f"is for the robot of a file; {shown(kind)} has its own")
-    return robot_named(robot, "robot") if isinstance(robot, str) else robot
+    return robot_of(robot)
 
 
 def _check_output(output: str | Path | None, *, picture: bool, force: bool) -> None:

@@ -12,9 +12,8 @@ from rsegen.params.streams import SEEDS, fresh_seed
 from rsegen.simulation.driving.footprints import footprint_of, plain_footprint
 from rsegen.simulation.driving.robot_runs import spot_generator
 from rsegen.simulation.driving.start_poses import spots_on_map
-from rsegen.simulation.robots import robot as robot_named
+from rsegen.simulation.robots import robot_of
 from rsegen.simulation.robots.base import DrivableRobot
-from rsegen.simulation.robots.sdf_file import from_file
 from rsegen.simulation.worlds import Target, world_of
 
 COUNT, SEED = Integer(1, 1000), Integer(0, SEEDS - 1)
@@ -52,13 +51,7 @@ def spot_footprint(
         length, width = SIZE.check("size", size)
         found = plain_footprint(length, width)
     else:
-        found = footprint_of(_robot(robot))
+        found = footprint_of(robot_of(robot))
     if max_difference_cm is None:
         return found
     return replace(found, most=MAX_DIFFERENCE.check("max_difference_cm", max_difference_cm) / 100)
-
-
-def _robot(robot: str | os.PathLike[str] | DrivableRobot) -> DrivableRobot:
-    if isinstance(robot, os.PathLike) or (isinstance(robot, str) and robot.endswith(".sdf")):
-        return from_file(os.fspath(robot))
-    return robot_named(robot, "robot") if isinstance(robot, str) else robot

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from rsegen.simulation.robots.base import ROBOTS, Robot
+import os
+
+from rsegen.simulation.robots.base import ROBOTS, DrivableRobot, Robot
 from rsegen.simulation.robots.commands import BACKENDS, Command
-from rsegen.simulation.robots.sdf_file import SdfRobot, from_file
+from rsegen.simulation.robots.sdf_file import SdfRobot, from_file, is_robot_file
 
 
 def robot(kind: str, where: str = "robot") -> Robot:
@@ -12,4 +14,11 @@ def robot(kind: str, where: str = "robot") -> Robot:
     return ROBOTS.named(kind, where)
 
 
-__all__ = ["BACKENDS", "ROBOTS", "Command", "Robot", "SdfRobot", "from_file", "robot"]
+def robot_of(what: str | os.PathLike[str] | DrivableRobot) -> DrivableRobot:
+    """The robot of a kind or of an SDF file; a robot itself as it is."""
+    if isinstance(what, str | os.PathLike):
+        return from_file(what) if is_robot_file(what) else robot(os.fspath(what))
+    return what
+
+
+__all__ = ["BACKENDS", "ROBOTS", "Command", "Robot", "SdfRobot", "from_file", "is_robot_file", "robot", "robot_of"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -26,7 +27,7 @@ from rsegen.simulation.robots.solids import Vector
 MAX_MIB = 4
 """The largest file that is read: a second's work for the parser."""
 
-SUFFIXES = (".sdf", ".urdf", ".xacro")
+_SUFFIXES = (".sdf", ".urdf", ".xacro")
 """Endings of files that are taken for a robot; URDF is refused with a word on how to convert it."""
 
 _CLASSIC = "1.7"
@@ -135,7 +136,12 @@ class SdfRobot:
         return model
 
 
-def from_file(path: str | Path, wheels: str | None = None) -> SdfRobot:
+def is_robot_file(what: object) -> bool:
+    """Whether this is a path, or a text that ends as the name of a robot's file does."""
+    return isinstance(what, os.PathLike) or (isinstance(what, str) and what.endswith(_SUFFIXES))
+
+
+def from_file(path: str | os.PathLike[str], wheels: str | None = None) -> SdfRobot:
     """The robot of the one model in an SDF file; FileError if the file has anything else.
 
     wheels: the joints of its wheels as LEFT,RIGHT, several of a side joined by +, for a model without a drive that is

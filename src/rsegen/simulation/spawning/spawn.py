@@ -7,20 +7,18 @@ import os.path
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from math import cos, hypot, sin
+from math import hypot
 from pathlib import Path
 from typing import TypeAlias
 
 from rsegen.errors import ParameterError, UnknownName, shown
-from rsegen.field.spots import Spot
 from rsegen.params.sorts import Float, parameters
 from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.driving.footprints import footprint_of
 from rsegen.simulation.driving.start_poses import DROP_HEIGHT, spots_on_map
-from rsegen.simulation.robots import ROBOTS, Robot, SdfRobot, from_file
-from rsegen.simulation.robots.sdf_file import SUFFIXES
+from rsegen.simulation.robots import ROBOTS, Robot, SdfRobot, from_file, is_robot_file
 from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.spawning.map_models import MapModel, known_maps, map_of, unknown_maps
@@ -119,23 +117,17 @@ def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: M
         with suppress(ParameterError):  # no even place is left
             for seed in range(_TRIES):
                 (spot,) = spots_on_map(each.field, footprint, 1, generator(seed, 0, name))
-                x, y = _outside(each.at, spot)
+                x, y = each.outside(spot.x, spot.y)
                 if all(hypot(at.x - x, at.y - y) > radius + RADIUS for at in others):
                     return [x, y, each.at.z + spot.z + robot.lift + DROP_HEIGHT, each.at.yaw + spot.yaw]
     return []
 
 
-def _outside(map_at: Pose, spot: Spot) -> tuple[float, float]:
-    """x and y in the world of a spot in a map's own axes."""
-    c, s = cos(map_at.yaw), sin(map_at.yaw)
-    return map_at.x + spot.x * c - spot.y * s, map_at.y + spot.x * s + spot.y * c
-
-
 def _robot_or_map(target: Target | Robot | SdfRobot, which: int | str | None, output: Path) -> _Spawnable:
     if isinstance(target, str) and target in ROBOTS:
         target = ROBOTS[target]
-    if isinstance(target, str | os.PathLike) and os.fspath(target).endswith(SUFFIXES):
-        target = from_file(os.fspath(target))
+    elif isinstance(target, str | os.PathLike) and is_robot_file(os.fspath(target)):
+        target = from_file(target)
     if isinstance(target, Robot | SdfRobot):
         if which is not None:
             raise ParameterError("map", f"{target.kind} is a robot and has no maps")

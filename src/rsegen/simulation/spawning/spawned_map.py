@@ -33,6 +33,11 @@ class SpawnedMap:
         along_x, along_y = (self._cells(axis, x, reach) for axis, x in enumerate(self._seen(at)))
         return self.at.z + float(self.field.heights[along_x, along_y].max(initial=0.0))
 
+    def outside(self, x: float, y: float) -> tuple[float, float]:
+        """The place in the world of one in the map's own axes, from its middle."""
+        c, s = cos(self.at.yaw), sin(self.at.yaw)
+        return self.at.x + x * c - y * s, self.at.y + x * s + y * c
+
     def _cells(self, axis: int, x: float, reach: float) -> slice:
         """Along an axis, those within a reach of a place in the map's own axes."""
         from_edge = x + self.field.extent[axis] / 2
