@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     from rsegen.io.worlds import GeneratedMap as GeneratedMap
     from rsegen.io.worlds import generate as generate
     from rsegen.params.plugins import load_plugin as load_plugin
+    from rsegen.recipe.batch import build_many as build_many
     from rsegen.recipe.building import build as build
     from rsegen.recipe.codec import schema as schema
     from rsegen.recipe.recipe import Placement as Placement
@@ -118,6 +119,7 @@ _HOMES = {
     "rsegen.io.verifying": ("Verified", "verify"),
     "rsegen.io.worlds": ("Generated", "GeneratedMap", "generate"),
     "rsegen.params.plugins": ("load_plugin",),
+    "rsegen.recipe.batch": ("build_many",),
     "rsegen.recipe.building": ("build",),
     "rsegen.recipe.codec": ("schema",),
     "rsegen.recipe.recipe": ("Placement", "Recipe"),

@@ -49,7 +49,7 @@ def blocks(recipe: MapDesign, index: int) -> Levels:
 
 def placed(recipe: MapDesign, placement: Placement, index: int) -> tuple[Cell, Cell, Patch]:
     """The cells of both ends of an obstacle in map `index`, and the levels that it proposes there."""
-    return _placed(recipe.grid, placement, generator(recipe.seed, index, placement.key or ""))
+    return placed_by(recipe.grid, placement, generator(recipe.seed, index, placement.key or ""))
 
 
 def _at_difficulty(recipe: MapDesign, index: int) -> Levels:
@@ -65,33 +65,37 @@ def _at_difficulty(recipe: MapDesign, index: int) -> Levels:
 def _imposed(recipe: MapDesign, index: int) -> Levels:
     """The levels of all obstacles, each imposed on those before it, on flat ground."""
     grid, top_level = recipe.grid, recipe.top_level
-    levels = _flat_ground(grid)
+    levels = flat_ground(grid)
     for number, placement in enumerate(recipe.obstacles):
         rng = generator(recipe.seed, index, placement.key or "")
         try:
-            *_, patch = _placed(grid, placement, rng)
+            *_, patch = placed_by(grid, placement, rng)
         except ParameterError as error:
             raise error.inside(f"obstacles[{number}]") from None
-        _impose(levels, patch, placement.blend, top_level)
+        impose(levels, patch, placement.blend, top_level)
     return levels
 
 
-def _flat_ground(grid: Grid) -> Levels:
+def flat_ground(grid: Grid, maps: int | None = None) -> Levels:
+    """Blocks of level 0, (n_x, n_y), of several maps (maps, n_x, n_y); TooLarge if they do not fit into memory."""
     try:
-        return np.zeros(grid.shape, dtype=np.int16)
+        return np.zeros(grid.shape if maps is None else (maps, *grid.shape), dtype=np.int16)
     except (MemoryError, OverflowError, ValueError):
-        raise TooLarge(f"chunks: a map of {grid.n_x} x {grid.n_y} blocks is more than this machine's memory") from None
+        what = "a map" if maps is None else f"{maps} maps"
+        raise TooLarge(f"chunks: {what} of {grid.n_x} x {grid.n_y} blocks is more than this machine's memory") from None
 
 
-def _placed(grid: Grid, placement: Placement, rng: np.random.Generator) -> tuple[Cell, Cell, Patch]:
+def placed_by(grid: Grid, placement: Placement, rng: np.random.Generator) -> tuple[Cell, Cell, Patch]:
+    """The cells of both ends of an obstacle, and the levels that it proposes there, by a generator."""
     obstacle = placement.obstacle
     usual_first, usual_last = obstacle.default_ends(grid)
     first, last = obstacle.ends(grid, placement.first or usual_first, placement.last or usual_last, rng)
     return first, last, obstacle.patch(grid, first, last, rng)
 
 
-def _impose(levels: Levels, patch: Patch, blend: str, top_level: int) -> None:
-    below = levels[patch.window]
+def impose(levels: Levels, patch: Patch, blend: str, top_level: int) -> None:
+    """Combine a patch with the levels of a map, or of many along the first axis, in place."""
+    below = levels[(..., *patch.window)]
     np.copyto(below, _BLENDS[blend](below, patch.levels, top_level), where=patch.footprint)
 
 

@@ -132,7 +132,7 @@ def test_a_run_that_made_nothing_leaves_nothing(tmp_path: Path, monkeypatch: pyt
     def stopped(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(shards, "blocks", stopped)
+    monkeypatch.setattr(shards, "build_many", stopped)
     with pytest.raises(KeyboardInterrupt):
         make_dataset(RECIPE, tmp_path / "a" / "set")
     assert list(tmp_path.iterdir()) == []

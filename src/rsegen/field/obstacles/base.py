@@ -95,6 +95,16 @@ class Obstacle(ABC):
         y2 = randint(rng, 0, n_y - 1) if y2 == "random" else y2
         return (x1, y1), (x2, y2)
 
+    @property
+    def draws_nothing(self) -> bool:
+        """Whether its levels follow from its two ends, so that all maps with these ends have the same."""
+        return False
+
+    @property
+    def draws_by_cell(self) -> bool:
+        """Whether its levels are one `drawn` from a random number for each cell of the rectangle of its ends."""
+        return False
+
     @abstractmethod
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """The levels of the obstacle between its two ends."""
@@ -104,6 +114,11 @@ class Shaped(Obstacle):
     """An obstacle with a profile in [0, 1], such as a barrier or peak; it covers the cells of level 1 or more."""
 
     __slots__ = ()
+
+    @property
+    def draws_nothing(self) -> bool:
+        """If no kind derived from it says otherwise: a profile has no random numbers."""
+        return type(self).patch is Shaped.patch
 
     @abstractmethod
     def reach(self, grid: Grid) -> float:
@@ -137,6 +152,11 @@ class Region(Obstacle):
         """The ends if a recipe gives none: two opposite corners of the map."""
         return (0, 0), (grid.n_x - 1, grid.n_y - 1)
 
+    @property
+    def draws_by_cell(self) -> bool:
+        """If no kind derived from it says otherwise."""
+        return type(self).patch is Region.patch
+
     @abstractmethod
     def drawn(self, uniform: Array) -> Levels:
         """Levels from random numbers in [0, 1), one level per number."""
@@ -145,10 +165,10 @@ class Region(Obstacle):
         """The level of each cell from a random number of its own."""
         window = _window(grid, first, last, 0)
         width = window[1].stop - window[1].start
-        levels = _by_rows(window, lambda rows: self._checked(rng.random((rows.stop - rows.start, width))))
+        levels = _by_rows(window, lambda rows: self.levels_of(rng.random((rows.stop - rows.start, width))))
         return Patch(window, levels, np.ones(levels.shape, dtype=bool))
 
-    def _checked(self, uniform: Array) -> Levels:
+    def levels_of(self, uniform: Array) -> Levels:
         """What `drawn` gives; PluginError if that is not one level per number."""
         levels = self.drawn(uniform)
         if np.shape(levels) != uniform.shape:

@@ -124,6 +124,11 @@ class Matrix(Obstacle):
         )
         return (x1, y1), (x2, y2)
 
+    @property
+    def draws_nothing(self) -> bool:
+        """If no kind derived from it says otherwise."""
+        return type(self).patch is Matrix.patch
+
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """The level of each cell of the rectangle is the one under its centre; mirrored if last is below first."""
         own = self.levels()[np.ix_(*(_under(*along) for along in zip(first, last, self.size, strict=True)))]

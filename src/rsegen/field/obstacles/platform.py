@@ -64,6 +64,11 @@ class Platform(Shaped):
         slope = np.maximum(0.0, 1 - beyond / w) if w else 0.0
         return np.asarray(np.where(beyond <= 0, 1.0, slope) * (self.top / (self.max_height - 1)))
 
+    @property
+    def draws_nothing(self) -> bool:
+        """If no kind derived from it says otherwise."""
+        return type(self).patch is Platform.patch
+
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """The levels floor((n - 1) f); it covers its rectangle also at level 0, and the slopes from level 1 on."""
         patch = Shaped.patch(self, grid, first, last, rng)

@@ -113,6 +113,11 @@ class Random(Region):
                 "counts", f"{sum(self.counts)} blocks for {cells} cells: the counts must add up to the number of cells"
             )
 
+    @property
+    def draws_by_cell(self) -> bool:
+        """Where no blocks are counted or reordered."""
+        return type(self).patch is Random.patch and self.counts is None and self.max_step is None
+
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """The levels, sampled per cell or shuffled from `counts`, then reordered until no step exceeds `max_step`."""
         patch = Region.patch(self, grid, first, last, rng)
@@ -135,7 +140,7 @@ class Random(Region):
 
     def drawn(self, uniform: Array) -> Levels:
         """floor(n f) with f = u (1 - s/100); with weights, the level whose part of [0, 1) contains f."""
-        f = uniform * (1 - self.softness / 100)
+        f = uniform * (1 - self.softness / 100) if self.softness else uniform
         if self.weights is None:
             return (self.max_height * f).astype(np.int16)  # f is never below 0, so this is the floor
         shares = np.array(list(accumulate(self.weights))) / math.fsum(self.weights)

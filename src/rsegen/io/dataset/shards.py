@@ -11,15 +11,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from rsegen.field.metrics.batch import batch_metrics
 from rsegen.field.stepfield import Levels
 from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.dataset.manifest import Shard
 from rsegen.io.dataset.tables import npy, table
 from rsegen.io.record import WrittenFile
-from rsegen.recipe.building import blocks
+from rsegen.recipe.batch import build_many
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -50,9 +48,7 @@ class ShardTask:
         return Shard(number=number, files={"levels": self._written(names["levels"], npy(levels)), **files})
 
     def _levels(self, number: int) -> Levels:
-        levels = np.empty(self.layout.shape(number), dtype=np.int16)
-        for place, index in enumerate(self.layout.indices(number)):
-            levels[place] = blocks(self.layout.recipe, index)
+        levels = build_many(self.layout.recipe, self.layout.indices(number))
         found = levels.astype(self.layout.dtype)
         if (found != levels).any():
             raise OverflowError(f"a level of shard {number} is no {self.layout.dtype}")
