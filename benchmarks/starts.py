@@ -172,29 +172,27 @@ def _moved(run: RobotRun, rested: Mapping[str, Pose]) -> tuple[float, float]:
 
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:
-    """The figures as lines of Markdown."""
+    """The figures as lines of Markdown: a row for each simulator, robot and route."""
     found = [Start(**each) for each in record["starts"]]
-    columns = list(dict.fromkeys((each.simulator, each.robot, each.route) for each in found))
-    yield "| example | " + " | ".join(f"{robot}, {route}, {name}" for name, robot, route in columns) + " |"
-    yield "|---|" + "---|" * len(columns)
-    for example in dict.fromkeys(each.example for each in found):
-        here = [each for each in found if each.example == example]
-        cells = ([each for each in here if (each.simulator, each.robot, each.route) == column] for column in columns)
-        yield f"| {example} | " + " | ".join(map(_cell, cells)) + " |"
+    yield "| | robot | route | level, of those driven | largest tilt | largest fall | maps without an even place |"
+    yield "|---|---|---|---|---|---|---|"
+    for simulator, robot, route in dict.fromkeys((each.simulator, each.robot, each.route) for each in found):
+        here = [each for each in found if (each.simulator, each.robot, each.route) == (simulator, robot, route)]
+        yield f"| {SIMULATORS[simulator].title} | {robot} | {route} | {' | '.join(_cells(here))} |"
     yield (
-        f"\nRobots that rest within {MOST_TILT:g} degrees of level and {100 * MOST_FALL:g} cm of their start, "
-        f"{SECONDS:g} s after it, of those that found a place; in brackets the largest tilt in degrees and the largest "
-        f"fall in cm, of which 0.5 are the height that robots are let go from. By "
-        f"`python -m benchmarks.starts` in {' and '.join(record['simulators'])}."
+        f"\nThe ten examples and seeds {SEEDS[0]} to {SEEDS[-1]} (a straight route starts alike for each); level is a "
+        f"robot that rests within {MOST_TILT:g} degrees and {100 * MOST_FALL:g} cm of its start {SECONDS:g} s after it. "
+        f"Robots are let go 0.5 cm above the ground. By `python -m benchmarks.starts` in "
+        f"{' and '.join(record['simulators'])}."
     )
 
 
-def _cell(found: Sequence[Start]) -> str:
+def _cells(found: Sequence[Start]) -> Iterator[str]:
     driven = [each for each in found if each.tilt is not None]
-    if not driven:
-        return "no even place" if found else ""
-    tilt, fall = max(each.tilt or 0 for each in driven), max(abs(each.fall or 0) for each in driven)
-    return f"{sum(each.is_level for each in driven)} of {len(driven)} ({tilt:.1f}, {100 * fall:.1f})"
+    yield f"{sum(each.is_level for each in driven)} of {len(driven)}"
+    yield f"{max((each.tilt or 0 for each in driven), default=0):.1f} degrees"
+    yield f"{100 * max((abs(each.fall or 0) for each in driven), default=0):.1f} cm"
+    yield ", ".join(dict.fromkeys(each.example for each in found if each.tilt is None)) or "none"
 
 
 def _say(line: str) -> None:

@@ -74,6 +74,7 @@ if TYPE_CHECKING:
     from rsegen.recipe.codec import schema as schema
     from rsegen.recipe.recipe import Placement as Placement
     from rsegen.recipe.recipe import Recipe as Recipe
+    from rsegen.recipe.terrain import Terrain as Terrain
     from rsegen.simulation.driving.drive import drive as drive
     from rsegen.simulation.driving.drive_result import DriveResult as DriveResult
     from rsegen.simulation.driving.spots import spots as spots
@@ -123,6 +124,7 @@ _HOMES = {
     "rsegen.recipe.building": ("build",),
     "rsegen.recipe.codec": ("schema",),
     "rsegen.recipe.recipe": ("Placement", "Recipe"),
+    "rsegen.recipe.terrain": ("Terrain",),
     "rsegen.simulation.driving.drive": ("drive",),
     "rsegen.simulation.driving.drive_result": ("DriveResult",),
     "rsegen.simulation.driving.spots": ("spots",),

@@ -13,7 +13,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rsegen import KINDS, Peak, Placement, Random, Recipe, StepField, build, generate, load
+from rsegen.errors import ParameterError
 from rsegen.field.metrics.steps import steps
+from rsegen.params.sorts import parameters
+from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.strategies import recipes
 
@@ -133,3 +136,42 @@ def test_workers_and_resume_make_the_same_bytes(tmp_path: Path) -> None:
     assert len(generate(recipe, tmp_path / "2", resume=True).already) == 299
     for here, there in zip(one.maps, more.maps, strict=True):
         assert [path.read_bytes() for path in here.files] == [path.read_bytes() for path in there.files]
+
+
+@given(seed=st.integers(0, 2**63 - 1))
+def test_a_range_is_drawn_for_each_map_and_for_it_alone(seed: int) -> None:
+    recipe = replace(SMALL["random"], seed=seed, difficulty=(0.2, 0.7), maps=2)
+    drawn = [recipe.difficulty_of(index) for index in range(40)]
+    assert all(0.2 <= share <= 0.7 for share in drawn)
+    assert max(drawn) - min(drawn) > 0.3
+    for index in (0, 39):
+        alone = replace(recipe, difficulty=drawn[index])
+        assert build(recipe, index) == build(alone, index)
+
+
+def test_a_range_with_steps_rises_from_map_to_map_and_begins_again() -> None:
+    recipe = replace(SMALL["random"], difficulty=(0, 1, 5))
+    assert [recipe.difficulty_of(index) for index in range(7)] == [0, 0.25, 0.5, 0.75, 1, 0, 0.25]
+    assert not build(recipe, 5).levels.any()
+    assert build(recipe, 4) == build(SMALL["random"], 4)
+
+
+@pytest.mark.parametrize(
+    ("given", "kept", "text"),
+    [(0.5, 0.5, "0.5"), ([0, 1], (0.0, 1.0), "0,1"), ([0.25, 1, 9], (0.25, 1.0, 9), "0.25,1,9")],
+    ids=str,
+)
+def test_it_is_a_number_or_a_range_in_files_and_flags(given: object, kept: object, text: str) -> None:
+    recipe, sort = decode({"seed": 1, "difficulty": given}), parameters(Recipe)["difficulty"]
+    assert recipe.difficulty == kept
+    assert recipe.entry()["difficulty"] == given
+    assert sort.check("difficulty", sort.parse(text)) == kept
+    assert decode({"seed": 1, "difficulty": sort.parse(sort.format(given))}) == recipe
+
+
+@pytest.mark.parametrize(
+    "given", [-0.1, [1, 0], [0.5], [0, 1, 1], [0, 1, 2, 3], [0, "x"], "hard", None, [0, 1, 2.5]], ids=str
+)
+def test_what_is_no_difficulty_is_refused(given: object) -> None:
+    with pytest.raises(ParameterError, match="difficulty"):
+        decode({"seed": 1, "difficulty": given})

@@ -138,7 +138,7 @@ def _memory(recipe: Recipe, bytes_per_cell: int) -> int:
     cells = prod(_shape(recipe))
     model = (recipe.chunk_size + 2) ** 2 if recipe.mesh_type == "pallet" else cells
     piece = min(cells, model if recipe.mesh == "watertight" else PIECE**2)
-    scaling = BYTES_PER_CELL_OF_DIFFICULTY * (recipe.difficulty < 1)
+    scaling = BYTES_PER_CELL_OF_DIFFICULTY * (recipe.difficulty != 1)
     return cells * (BYTES_PER_CELL + scaling + bytes_per_cell) + piece * BYTES_PER_CELL_OF_A_PIECE[recipe.mesh]
 
 

@@ -28,9 +28,12 @@ _KEY = "difficulty of the map"
 def scaled_to_difficulty(levels: Levels, design: MapDesign, index: int) -> Levels:
     """The levels of map `index` at the difficulty of its design; a field without steps is lowered as a whole."""
     measure = partial(roughness, parts=parts_of(levels, design))
-    asked = design.difficulty * measure(levels)
+    difficulty = design.difficulty_of(index)
+    if difficulty == 1:
+        return levels
+    asked = difficulty * measure(levels)
     if not asked:
-        return scaled(levels, 0.5, design.difficulty)
+        return scaled(levels, 0.5, difficulty)
     drawn = generator(design.seed, index, _KEY).random(levels.shape)
     return nearest(partial(scaled, levels, _rounding(levels, drawn)), measure, asked, _halvings(levels))
 

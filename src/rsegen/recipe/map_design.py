@@ -10,6 +10,7 @@ from rsegen.errors import ParameterError, shown
 from rsegen.field.obstacles import Grid
 from rsegen.field.obstacles.base import MOST_LEVELS
 from rsegen.field.robot_limits import RobotLimits
+from rsegen.params.difficulty_range import Difficulty, DifficultySort, difficulty_of_map
 from rsegen.params.places import Cell, Size2D
 from rsegen.params.sorts import Choice, Float, Integer, ListOf, validate
 from rsegen.params.streams import SEEDS, fresh_seed
@@ -30,7 +31,13 @@ class MapDesign:
         str, Choice(("none", "divided", "outer"), help="frames: none, round every chunk, or one round the map")
     ] = "divided"
     frame_height_cm: Annotated[float, Float(0, 100_000, unit="cm", help="height of the frames")] = 10.0
-    difficulty: Annotated[float, Float(0, 1, help="how rough the map is: 1 as designed, 0 flat")] = 1.0
+    difficulty: Annotated[
+        Difficulty,
+        DifficultySort(
+            help="how rough the map is: 1 as designed, 0 flat; a range is drawn for each map, with a third number "
+            "it rises in so many steps from map to map, again and again"
+        ),
+    ] = 1.0
     max_step: Annotated[
         int | None,
         Integer(
@@ -87,6 +94,10 @@ class MapDesign:
             return None
         climb, drop, width = self.crossable_by
         return RobotLimits(climb_cm=climb, drop_cm=drop, width_cm=width)
+
+    def difficulty_of(self, index: int) -> float:
+        """The difficulty of map `index`."""
+        return difficulty_of_map(self.difficulty, self.seed, index)
 
     @property
     def is_constrained(self) -> bool:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, radians, tan
 from typing import NamedTuple
+
+TILT = radians(3)
+"""The largest tilt at which a robot may rest at its start."""
 
 TOUCHING = 0.0005
 """Metres above level ground up to which a part counts as standing on it."""
@@ -77,6 +80,13 @@ class Footprint:
     limit: float
     climb: float
     most: float = inf
+
+    @classmethod
+    def of_size(cls, length: float, width: float) -> Footprint:
+        """That of a robot of which only length and width are known, metres: it stands on all of its rectangle."""
+        limit = tan(TILT) * min(length, width) / 2
+        whole = Underside(Rectangle.around(length, width), 0.0)
+        return cls(undersides=(whole,), limit=limit, climb=limit)
 
     @property
     def outline(self) -> Rectangle:

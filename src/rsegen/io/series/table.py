@@ -46,7 +46,7 @@ def series_row(number: int, difficulty: float, scene: Scene, rms_asked: float, f
         rms_asked=None if own.rms is None else _rounded(rms_asked),
         rms=_rounded(own.rms),
         rms_full=_rounded(full),
-        recipe_difficulty=scene.recipe.difficulty,
+        recipe_difficulty=scene.recipe.difficulty_of(scene.index),
         highest_step=_rounded(own.highest),
         opening_west_east=ways.west_east,
         opening_south_north=ways.south_north,

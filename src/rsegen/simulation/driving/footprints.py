@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from math import inf, radians, sqrt, tan
+from math import inf, sqrt, tan
 
 import numpy as np
 
 from rsegen.field.spots import Footprint, Rectangle, Underside
-from rsegen.field.spots.footprint import TOUCHING
+from rsegen.field.spots.footprint import TILT, TOUCHING
 from rsegen.field.stepfield import Array
 from rsegen.simulation.robots.base import DrivableRobot, Robot
 from rsegen.simulation.robots.links import Part, PoseTuple
 from rsegen.simulation.robots.rotation import rotation
 from rsegen.simulation.robots.solids import Box, Cylinder
-
-TILT = radians(3)
-"""The largest tilt at which a robot may rest at its start."""
 
 _RISES = (0.001, 0.005, 0.02, inf)
 """Metres: a round part is taken for rectangles that are as wide as it is at these heights above its lowest point."""
@@ -28,14 +25,7 @@ def footprint_of(robot: DrivableRobot) -> Footprint:
     if isinstance(robot, Robot):
         return _of_links(robot)
     length, width, _ = robot.size
-    return plain_footprint(length, width)
-
-
-def plain_footprint(length: float, width: float) -> Footprint:
-    """The footprint of a robot of which only the size is known: it stands on all of its rectangle."""
-    limit = tan(TILT) * min(length, width) / 2
-    whole = Underside(Rectangle.around(length, width), 0.0)
-    return Footprint(undersides=(whole,), limit=limit, climb=limit)
+    return Footprint.of_size(length, width)
 
 
 @lru_cache(maxsize=16)

@@ -9,7 +9,7 @@ from dataclasses import replace
 from rsegen.field.spots import Footprint, Spot
 from rsegen.params.sorts import Float, Integer, ListOf
 from rsegen.params.streams import SEEDS, fresh_seed
-from rsegen.simulation.driving.footprints import footprint_of, plain_footprint
+from rsegen.simulation.driving.footprints import footprint_of
 from rsegen.simulation.driving.robot_runs import spot_generator
 from rsegen.simulation.driving.start_poses import spots_on_map
 from rsegen.simulation.robots import robot_of
@@ -49,7 +49,7 @@ def spot_footprint(
     """The footprint of a robot, or that of a size."""
     if size is not None:
         length, width = SIZE.check("size", size)
-        found = plain_footprint(length, width)
+        found = Footprint.of_size(length, width)
     else:
         found = footprint_of(robot_of(robot))
     if max_difference_cm is None:

@@ -1,0 +1,245 @@
+"""A terrain for a curriculum: many maps side by side in one field, harder from row to row, a kind in each column.
+
+    recipes --build, at the difficulty of each row--> tiles --with flat ground around them--> StepField
+
+Rows go along +x, from the easiest; columns along +y.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import gcd
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsegen.errors import ParameterError, shown
+from rsegen.field.obstacles.matrix import Matrix
+from rsegen.field.spots import Footprint, even_spots
+from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
+from rsegen.params.sorts import Float, Integer, ListOf, validate
+from rsegen.params.streams import generator
+from rsegen.recipe.building import build
+from rsegen.recipe.placement import Placement
+from rsegen.recipe.recipe import Recipe
+
+_ALIKE = ("unit_cm", "block_width_cm", "friction")
+"""Parameters that the whole terrain has once."""
+
+_LARGEST_CHUNK = 1000
+
+_SIZE, _COUNT = ListOf(Float(0.01, 100, unit="m"), 2), Integer(1, 1000)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Terrain:
+    """Maps of one or several recipes as one field.
+
+    recipes: its kinds, each in as many neighbouring columns as the others; all tiles are of the same size.
+    difficulty: that of the first row and that of the last; the rows between rise evenly. 0 is flat, 1 as designed.
+    """
+
+    recipes: Recipe | Sequence[Recipe]
+    rows: Annotated[int, Integer(1, 1000, help="tiles along x, from the easiest to the hardest")] = 10
+    columns: Annotated[int, Integer(1, 1000, help="tiles along y")] = 20
+    difficulty: Annotated[
+        tuple[float, float], ListOf(Float(0, 1), 2, help="difficulty of the first row and of the last: 0 flat, 1 full")
+    ] = (0.0, 1.0)
+    gap: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground between tiles")] = 0
+    border: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground around all tiles")] = 10
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if not isinstance(self.recipes, Recipe | list | tuple) or not all(
+            isinstance(one, Recipe) for one in self._kinds
+        ):
+            raise ParameterError("recipes", f"{shown(self.recipes)} is not a recipe or a list of recipes")
+        if not 0 < len(self._kinds) <= self.columns:
+            raise ParameterError("recipes", f"{len(self._kinds)} for {self.columns} columns; give one for each at most")
+        for number, recipe in enumerate(self._kinds):
+            self._check_tile(f"recipes[{number}]", recipe)
+
+    def _check_tile(self, where: str, recipe: Recipe) -> None:
+        first = self._kinds[0]
+        for name in _ALIKE:
+            own, others = getattr(recipe, name), getattr(first, name)
+            if own != others:
+                raise ParameterError(
+                    f"{where}.{name}", f"{own:g}, and {others:g} in the first recipe; give one for all"
+                )
+        if (tile := _tile_shape(recipe)) != _tile_shape(first):
+            sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, _tile_shape(first)))
+            raise ParameterError(where, f"tiles of {sides} cells with their frames; give recipes of one size")
+        if isinstance(recipe.difficulty, tuple):
+            given = shown(list(recipe.difficulty))
+            raise ParameterError(f"{where}.difficulty", f"{given} is a range, and rows have their own; give one number")
+        if recipe.boundary != "none" and recipe.frame_height_cm % recipe.unit_cm:
+            problem = f"{recipe.frame_height_cm:g} is no multiple of the unit, {recipe.unit_cm:g}"
+            raise ParameterError(
+                f"{where}.frame_height_cm", f"{problem}; the frames of a terrain are blocks like others"
+            )
+
+    @property
+    def _kinds(self) -> Sequence[Recipe]:
+        return (self.recipes,) if isinstance(self.recipes, Recipe) else self.recipes
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The name of the recipe of each column."""
+        return tuple(self._kinds[self._kind_of(column)].name for column in range(self.columns))
+
+    @property
+    def difficulties(self) -> Array:
+        """The difficulty of each row, (rows,)."""
+        return np.linspace(*self.difficulty, self.rows)
+
+    @cached_property
+    def levels(self) -> Levels:
+        """The levels of the cells of each tile, frames counted: (rows, columns, n_x, n_y)."""
+        n_x, n_y = _tile_shape(self._kinds[0])
+        levels = np.empty((self.rows, self.columns, n_x, n_y), dtype=np.int16)
+        for row, difficulty in enumerate(self.difficulties.tolist()):
+            eased = [_eased(recipe, difficulty) for recipe in self._kinds]
+            for column in range(self.columns):
+                recipe = eased[self._kind_of(column)]
+                levels[row, column] = _cells(build(recipe, row * self.columns + column), recipe)
+        levels.setflags(write=False)
+        return levels
+
+    @cached_property
+    def field(self) -> StepField:
+        """All tiles in one field, whose middle is the origin."""
+        first = self._kinds[0]
+        levels = np.zeros(self._shape, dtype=np.int16)
+        for row in range(self.rows):
+            for column in range(self.columns):
+                levels[self._window(row, column)] = self.levels[row, column]
+        return StepField(
+            levels=levels,
+            frame=np.zeros(levels.shape, dtype=bool),
+            block_width=first.block_width_cm / 100,
+            unit=first.unit_cm / 100,
+            frame_height=first.frame_height_cm / 100,
+        )
+
+    @property
+    def tile_size(self) -> tuple[float, float]:
+        """Metres of a tile along x and y, frames counted."""
+        n_x, n_y = _tile_shape(self._kinds[0])
+        width = self.field.block_width
+        return round(n_x * width, NANOMETRE_DIGITS), round(n_y * width, NANOMETRE_DIGITS)
+
+    @property
+    def origins(self) -> Array:
+        """The middle of each tile, (rows, columns, 3), metres; z is the highest of the cells that meet there."""
+        n_x, n_y = self.levels.shape[2:]
+        amid = self.levels[:, :, (n_x - 1) // 2 : n_x // 2 + 1, (n_y - 1) // 2 : n_y // 2 + 1]
+        return np.concatenate([self._middles, amid.max(axis=(2, 3))[..., None] * self.field.unit], axis=2)
+
+    def spots(
+        self,
+        footprint: Footprint | Sequence[float],
+        count: int = 1,
+        *,
+        seed: int = 0,
+        evenest: bool = False,
+    ) -> Array:
+        """Even places on each tile for a start or a goal, (rows, columns, count, 4): x, y, z [m] and yaw [rad].
+
+        footprint: of a robot, or the length and width in metres of one that stands on all of its rectangle, level
+        within 3 degrees; evenest: where no place of a tile is even, take the least uneven one. ParameterError names the
+        first tile that has too few.
+        """
+        if not isinstance(footprint, Footprint):
+            footprint = Footprint.of_size(*_SIZE.check("footprint", footprint))
+        count = _COUNT.check("count", count)
+        found = np.empty((self.rows, self.columns, count, 4))
+        for row in range(self.rows):
+            for column in range(self.columns):
+                tile = self._tile(row, column)
+                rng = generator(seed, row * self.columns + column, "spots of a terrain")
+                try:
+                    spots = even_spots(tile, footprint, count, rng, evenest=evenest)
+                except ParameterError as error:
+                    raise error.inside(f"tile {row}, {column}") from None
+                found[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in spots]
+        found[..., :2] += self._middles[:, :, None]
+        return found
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        """The recipe of the whole terrain as one map: all that rsegen does with a map it does with this one."""
+        first, (n_x, n_y) = self._kinds[0], self._shape
+        side = next(side for side in range(min(gcd(n_x, n_y), _LARGEST_CHUNK), 0, -1) if gcd(n_x, n_y) % side == 0)
+        return replace(
+            first,
+            name="terrain",
+            description="",
+            maps=1,
+            first_map=0,
+            chunk_size=side,
+            chunks=(n_x // side, n_y // side),
+            boundary="none",
+            difficulty=1.0,
+            max_step=None,
+            crossable_by=None,
+            inventory=None,
+            obstacles=(Placement(obstacle=Matrix.of(self.field.levels), key="terrain"),),
+        )
+
+    @property
+    def _shape(self) -> tuple[int, int]:
+        """Cells of the whole field."""
+        n_x, n_y = _tile_shape(self._kinds[0])
+        along_x, along_y = (
+            tiles * cells + (tiles - 1) * self.gap + 2 * self.border
+            for tiles, cells in ((self.rows, n_x), (self.columns, n_y))
+        )
+        return along_x, along_y
+
+    def _window(self, row: int, column: int) -> tuple[slice, slice]:
+        """The cells of a tile in the field."""
+        n_x, n_y = _tile_shape(self._kinds[0])
+        x, y = (self.border + tile * (cells + self.gap) for tile, cells in ((row, n_x), (column, n_y)))
+        return slice(x, x + n_x), slice(y, y + n_y)
+
+    def _tile(self, row: int, column: int) -> StepField:
+        """A tile as a field of its own."""
+        levels = self.levels[row, column]
+        return replace(self.field, levels=levels, frame=np.zeros(levels.shape, dtype=bool))
+
+    @property
+    def _middles(self) -> Array:
+        """x and y of the middle of each tile, (rows, columns, 2), metres."""
+        tile = _tile_shape(self._kinds[0])
+        x, y = (
+            (np.arange(tiles) - (tiles - 1) / 2) * (cells + self.gap) * self.field.block_width
+            for tiles, cells in zip((self.rows, self.columns), tile, strict=True)
+        )
+        return np.round(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1), NANOMETRE_DIGITS)
+
+    def _kind_of(self, column: int) -> int:
+        return column * len(self._kinds) // self.columns
+
+
+def _eased(recipe: Recipe, difficulty: float) -> Recipe:
+    """The recipe at a share of its own difficulty, which is one number."""
+    return replace(recipe, difficulty=recipe.difficulty * difficulty) if difficulty != 1 else recipe  # type: ignore[operator]
+
+
+def _tile_shape(recipe: Recipe) -> tuple[int, int]:
+    """Cells of a map along x and y, frames counted."""
+    n_x, n_y = recipe.grid.shape
+    if recipe.boundary == "none":
+        return n_x, n_y
+    frames_x, frames_y = recipe.chunks if recipe.boundary == "divided" else (1, 1)
+    return n_x + 2 * frames_x, n_y + 2 * frames_y
+
+
+def _cells(field: StepField, recipe: Recipe) -> NDArray[np.int16]:
+    """The levels of a map in which frames are blocks."""
+    frame = round(recipe.frame_height_cm / recipe.unit_cm)
+    return np.where(field.frame, np.int16(frame), field.levels)

@@ -1,0 +1,117 @@
+"""A terrain: rows of rising difficulty, a kind in each column, origins and spots where a robot can stand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import rsegen
+from rsegen import Peak, Placement, Random, Recipe, Terrain
+from rsegen.errors import ParameterError
+from rsegen.field.metrics.batch import batch_metrics
+
+ROUGH = Recipe(name="rough", seed=1, unit_cm=5, boundary="none", obstacles=[Placement(obstacle=Random(max_height=6))])
+TABLE = replace(ROUGH, name="table", obstacles=[Placement(obstacle=Peak(max_height=6), first=(1, 1), last=(9, 9))])
+HILL = replace(ROUGH, name="hill", obstacles=[Placement(obstacle=Peak(max_height=6, softness=60))])
+
+
+def test_rows_rise_from_flat_to_full() -> None:
+    terrain = Terrain(recipes=ROUGH, rows=6, columns=8)
+    assert terrain.difficulties.tolist() == pytest.approx([0, 0.2, 0.4, 0.6, 0.8, 1])
+    field = rsegen.build(ROUGH, 0)
+    rms = [
+        batch_metrics(row, replace(field, levels=np.zeros_like(field.levels)))["steps.rms"].mean()
+        for row in terrain.levels
+    ]
+    assert rms[0] == 0
+    assert np.diff(rms).min() > 0.7 * rms[-1] / 5
+    for column in range(8):
+        assert np.array_equal(terrain.levels[-1, column], rsegen.build(ROUGH, 5 * 8 + column).levels)
+
+
+def test_columns_are_kinds_side_by_side() -> None:
+    terrain = Terrain(recipes=[ROUGH, HILL], rows=3, columns=5)
+    assert terrain.kinds == ("rough",) * 3 + ("hill",) * 2
+    assert np.array_equal(terrain.levels[2, 4], rsegen.build(HILL, 14).levels)
+
+
+@given(rows=st.integers(1, 4), columns=st.integers(1, 4), gap=st.integers(0, 3), border=st.integers(0, 3))
+def test_each_tile_lies_round_its_origin_with_flat_ground_between(
+    rows: int, columns: int, gap: int, border: int
+) -> None:
+    terrain = Terrain(recipes=ROUGH, rows=rows, columns=columns, gap=gap, border=border, difficulty=(1, 1))
+    field, rest = terrain.field, terrain.field.heights.copy()
+    x, y = ((edges[:-1] + edges[1:]) / 2 for edges in field.edges())
+    for row in range(rows):
+        for column in range(columns):
+            middle, (size_x, size_y) = terrain.origins[row, column], terrain.tile_size
+            inside = np.ix_(np.abs(x - middle[0]) < size_x / 2, np.abs(y - middle[1]) < size_y / 2)
+            assert np.array_equal(field.levels[inside], terrain.levels[row, column])
+            near = np.ix_(np.abs(x - middle[0]) < field.block_width, np.abs(y - middle[1]) < field.block_width)
+            assert middle[2] == pytest.approx(field.heights[near].max())
+            rest[inside] = 0
+    assert not rest.any()
+    assert field.shape == (rows * 10 + (rows - 1) * gap + 2 * border, columns * 10 + (columns - 1) * gap + 2 * border)
+
+
+def test_frames_are_blocks_of_their_height() -> None:
+    framed = replace(ROUGH, boundary="divided", frame_height_cm=10, chunks=(2, 1))
+    terrain = Terrain(recipes=framed, rows=1, columns=2, difficulty=(1, 1), border=0)
+    field = rsegen.build(framed, 1)
+    assert terrain.levels.shape == (1, 2, *field.shape)
+    assert np.allclose(terrain.levels[0, 1] * 0.05, field.heights)
+
+
+def test_its_recipe_is_the_same_field() -> None:
+    terrain = Terrain(recipes=[ROUGH, HILL], rows=2, columns=3, gap=1, border=4)
+    assert rsegen.build(terrain.recipe, 0) == terrain.field
+    assert rsegen.compose(terrain.recipe).name == "terrain_0000"
+
+
+def test_spots_are_even_places_of_their_tiles() -> None:
+    terrain = Terrain(recipes=TABLE, rows=3, columns=2, border=2, gap=2)
+    spots = terrain.spots((0.3, 0.2), 2, seed=3)
+    assert spots.shape == (3, 2, 2, 4)
+    assert np.array_equal(spots, terrain.spots((0.3, 0.2), 2, seed=3))
+    field = terrain.field
+    for row, column, number in np.ndindex(3, 2, 2):
+        x, y, z, yaw = spots[row, column, number]
+        assert abs(x - terrain.origins[row, column, 0]) < terrain.tile_size[0] / 2
+        assert abs(y - terrain.origins[row, column, 1]) < terrain.tile_size[1] / 2
+        ahead = np.array([np.cos(yaw), np.sin(yaw)]) * 0.149
+        for at in (np.array([x, y]), np.array([x, y]) + ahead, np.array([x, y]) - ahead):
+            i, j = (int(value // field.block_width + cells / 2) for value, cells in zip(at, field.shape, strict=True))
+            assert field.heights[i, j] == pytest.approx(z)
+
+
+def test_a_tile_without_an_even_place_is_named() -> None:
+    terrain = Terrain(recipes=ROUGH, rows=2, columns=2)
+    with pytest.raises(ParameterError, match=r"^tile 1, 0.robot: no place is even enough"):
+        terrain.spots((0.6, 0.6))
+    assert terrain.spots((0.6, 0.6), evenest=True).shape == (2, 2, 1, 4)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"recipes": []}, "recipes: 0 for 20 columns"),
+        ({"recipes": [ROUGH] * 3, "columns": 2}, "recipes: 3 for 2 columns"),
+        ({"recipes": ["rough"]}, "recipes: .* is not a recipe or a list of recipes"),
+        ({"rows": 0}, "rows: 0 is outside 1..1000"),
+        ({"difficulty": 0.5}, "difficulty: 0.5 is not a list of 2"),
+        ({"recipes": [ROUGH, replace(ROUGH, chunk_size=8)]}, r"recipes\[1\]: tiles of 8 x 8 and 10 x 10 cells"),
+        ({"recipes": [ROUGH, replace(ROUGH, unit_cm=10)]}, r"recipes\[1\].unit_cm: 10, and 5 in the first recipe"),
+        ({"recipes": replace(ROUGH, difficulty=(0, 1))}, r"recipes\[0\].difficulty: .* is a range"),
+        ({"recipes": replace(ROUGH, boundary="outer", frame_height_cm=7)}, r"frame_height_cm: 7 is no multiple"),
+    ],
+    ids=str,
+)
+def test_what_cannot_be_is_said(given: Mapping[str, Any], message: str) -> None:
+    with pytest.raises(ParameterError, match=message):
+        Terrain(**{"recipes": ROUGH, **given})
