@@ -14,7 +14,6 @@ from math import gcd
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rsegen.errors import ParameterError, shown
 from rsegen.field.obstacles.matrix import Matrix
@@ -22,9 +21,9 @@ from rsegen.field.spots import Footprint, even_spots
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
 from rsegen.params.sorts import Float, Integer, ListOf, validate
 from rsegen.params.streams import generator
-from rsegen.recipe.building import build
 from rsegen.recipe.placement import Placement
 from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.tiles import check_tile, eased, tile_levels, tile_shape
 
 _ALIKE = ("unit_cm", "block_width_cm", "friction")
 """Parameters that the whole terrain has once."""
@@ -70,17 +69,13 @@ class Terrain:
                 raise ParameterError(
                     f"{where}.{name}", f"{own:g}, and {others:g} in the first recipe; give one for all"
                 )
-        if (tile := _tile_shape(recipe)) != _tile_shape(first):
-            sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, _tile_shape(first)))
+        if (tile := tile_shape(recipe)) != tile_shape(first):
+            sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, tile_shape(first)))
             raise ParameterError(where, f"tiles of {sides} cells with their frames; give recipes of one size")
-        if isinstance(recipe.difficulty, tuple):
-            given = shown(list(recipe.difficulty))
-            raise ParameterError(f"{where}.difficulty", f"{given} is a range, and rows have their own; give one number")
-        if recipe.boundary != "none" and recipe.frame_height_cm % recipe.unit_cm:
-            problem = f"{recipe.frame_height_cm:g} is no multiple of the unit, {recipe.unit_cm:g}"
-            raise ParameterError(
-                f"{where}.frame_height_cm", f"{problem}; the frames of a terrain are blocks like others"
-            )
+        try:
+            check_tile(recipe)
+        except ParameterError as error:
+            raise error.inside(where) from None
 
     @property
     def _kinds(self) -> Sequence[Recipe]:
@@ -99,13 +94,12 @@ class Terrain:
     @cached_property
     def levels(self) -> Levels:
         """The levels of the cells of each tile, frames counted: (rows, columns, n_x, n_y)."""
-        n_x, n_y = _tile_shape(self._kinds[0])
+        n_x, n_y = tile_shape(self._kinds[0])
         levels = np.empty((self.rows, self.columns, n_x, n_y), dtype=np.int16)
         for row, difficulty in enumerate(self.difficulties.tolist()):
-            eased = [_eased(recipe, difficulty) for recipe in self._kinds]
+            kinds = [eased(recipe, difficulty) for recipe in self._kinds]
             for column in range(self.columns):
-                recipe = eased[self._kind_of(column)]
-                levels[row, column] = _cells(build(recipe, row * self.columns + column), recipe)
+                levels[row, column] = tile_levels(kinds[self._kind_of(column)], row * self.columns + column)
         levels.setflags(write=False)
         return levels
 
@@ -128,7 +122,7 @@ class Terrain:
     @property
     def tile_size(self) -> tuple[float, float]:
         """Metres of a tile along x and y, frames counted."""
-        n_x, n_y = _tile_shape(self._kinds[0])
+        n_x, n_y = tile_shape(self._kinds[0])
         width = self.field.block_width
         return round(n_x * width, NANOMETRE_DIGITS), round(n_y * width, NANOMETRE_DIGITS)
 
@@ -193,7 +187,7 @@ class Terrain:
     @property
     def _shape(self) -> tuple[int, int]:
         """Cells of the whole field."""
-        n_x, n_y = _tile_shape(self._kinds[0])
+        n_x, n_y = tile_shape(self._kinds[0])
         along_x, along_y = (
             tiles * cells + (tiles - 1) * self.gap + 2 * self.border
             for tiles, cells in ((self.rows, n_x), (self.columns, n_y))
@@ -202,7 +196,7 @@ class Terrain:
 
     def _window(self, row: int, column: int) -> tuple[slice, slice]:
         """The cells of a tile in the field."""
-        n_x, n_y = _tile_shape(self._kinds[0])
+        n_x, n_y = tile_shape(self._kinds[0])
         x, y = (self.border + tile * (cells + self.gap) for tile, cells in ((row, n_x), (column, n_y)))
         return slice(x, x + n_x), slice(y, y + n_y)
 
@@ -214,7 +208,7 @@ class Terrain:
     @property
     def _middles(self) -> Array:
         """x and y of the middle of each tile, (rows, columns, 2), metres."""
-        tile = _tile_shape(self._kinds[0])
+        tile = tile_shape(self._kinds[0])
         x, y = (
             (np.arange(tiles) - (tiles - 1) / 2) * (cells + self.gap) * self.field.block_width
             for tiles, cells in zip((self.rows, self.columns), tile, strict=True)
@@ -223,23 +217,3 @@ class Terrain:
 
     def _kind_of(self, column: int) -> int:
         return column * len(self._kinds) // self.columns
-
-
-def _eased(recipe: Recipe, difficulty: float) -> Recipe:
-    """The recipe at a share of its own difficulty, which is one number."""
-    return replace(recipe, difficulty=recipe.difficulty * difficulty) if difficulty != 1 else recipe  # type: ignore[operator]
-
-
-def _tile_shape(recipe: Recipe) -> tuple[int, int]:
-    """Cells of a map along x and y, frames counted."""
-    n_x, n_y = recipe.grid.shape
-    if recipe.boundary == "none":
-        return n_x, n_y
-    frames_x, frames_y = recipe.chunks if recipe.boundary == "divided" else (1, 1)
-    return n_x + 2 * frames_x, n_y + 2 * frames_y
-
-
-def _cells(field: StepField, recipe: Recipe) -> NDArray[np.int16]:
-    """The levels of a map in which frames are blocks."""
-    frame = round(recipe.frame_height_cm / recipe.unit_cm)
-    return np.where(field.frame, np.int16(frame), field.levels)

@@ -50,7 +50,8 @@ class Robot:
     """A robot; the origin of its model is on the ground below its centre, and the first link is its body.
 
     size, clearance: overall length, width and height, and ground clearance of the body, metres
-    climbs: the highest step that it drives up in Gazebo Classic, measured, metres
+    climbs: the highest single step that it drives up in Gazebo Classic, measured, metres
+    crosses: the highest step of a way across a map up to which it mostly comes across, measured, metres; None: `climbs`
     source: the origin of its figures, and which are ours
     """
 
@@ -63,6 +64,7 @@ class Robot:
     links: tuple[Link, ...]
     joints: tuple[Joint, ...]
     drive: Drive
+    crosses: float | None = None
     servos: tuple[Servo, ...] = ()
     lidar: Lidar | None = None
 
@@ -78,8 +80,8 @@ class Robot:
 
     @property
     def climber(self) -> RobotLimits:
-        """Its limits for the metrics."""
-        return RobotLimits.of(self.climbs, self.size[1])
+        """Its limits for the metrics: on a map it meets several steps at once, and stands on them askew."""
+        return RobotLimits.of(self.climbs if self.crosses is None else self.crosses, self.size[1])
 
     @property
     def mass(self) -> float:

@@ -1,0 +1,10 @@
+"""Step fields for those who train robots: what plugs into their frameworks, a file for each.
+
+    isaaclab     StepFieldTerrain, the `function` of a sub-terrain of Isaac Lab
+    mjlab        StepFieldTerrainCfg, a sub-terrain of mjlab
+    mujoco       add_map to an MjSpec; BlockGrid, whose map changes without compiling anew
+    newton       add_map to a ModelBuilder
+    gymnasium    NewFieldAtReset, a wrapper around an environment
+
+Only the file of a framework imports it, so none of them is needed for the others.
+"""

@@ -1,0 +1,95 @@
+"""A map in the middle of a rectangle of level ground, as sub-terrains of trainers are: from (0, 0) to its size."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rsegen.errors import ParameterError
+from rsegen.exporters.formats.columns import Column, columns
+from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.params.streams import SEEDS
+from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.tiles import check_tile, eased, tile_levels, tile_shape
+
+_SAME = 1e-6
+"""Metres below which lengths count as equal."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Tile:
+    """A tile, the ground included: all of its cells are a level higher than they are, and it is a unit lower.
+
+    raised: the field around the origin; size: metres along x and y; origin: (3,), the middle of its map, metres, z that
+    of the highest of the cells that meet there.
+    """
+
+    raised: StepField
+    size: tuple[float, float]
+    origin: Array
+
+    def mesh(self, kind: str = "merged") -> tuple[Array, Ints]:
+        """Vertices (n, 3) in metres and triangles (m, 3) of its surface; `watertight`: closed."""
+        mesh = self.raised.mesh(kind)
+        return mesh.vertices + self._corner, mesh.triangles
+
+    def columns(self) -> Iterator[Column]:
+        """Few boxes of one level each that fill it, metres; their material is the level, 0 for the ground."""
+        corner = self._corner
+        for centre, size, material in columns(self.raised):
+            x, y, z = (np.array(centre) + corner).tolist()
+            yield Column((x, y, z), size, material - 1)
+
+    @property
+    def _corner(self) -> Array:
+        """From the middle of the field to the corner of the tile, and from its raised ground to z = 0."""
+        return np.array([self.size[0] / 2, self.size[1] / 2, -self.raised.unit])
+
+
+def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -> Tile:
+    """Map `index` of a recipe at a share of its difficulty, amid level ground of a size in metres.
+
+    ParameterError if the map is larger, or if its blocks do not divide the size.
+    """
+    check_tile(recipe)
+    width, unit = recipe.block_width_cm / 100, recipe.unit_cm / 100
+    n_x, n_y = (_cells(along, axis, width) for axis, along in zip("xy", size, strict=True))
+    m_x, m_y = tile_shape(recipe)
+    if m_x > n_x or m_y > n_y:
+        problem = f"a map of {m_x} x {m_y} cells is larger than a tile of {n_x} x {n_y}"
+        raise ParameterError("size", f"{problem}; give {m_x * width:g} x {m_y * width:g} m or more, or smaller maps")
+    low_x, low_y = (n_x - m_x) // 2, (n_y - m_y) // 2
+    levels = np.zeros((n_x, n_y), dtype=np.int16)
+    own = tile_levels(eased(recipe, difficulty), index)
+    levels[low_x : low_x + m_x, low_y : low_y + m_y] = own
+    amid = own[(m_x - 1) // 2 : m_x // 2 + 1, (m_y - 1) // 2 : m_y // 2 + 1]
+    raised = StepField(
+        levels=levels + np.int16(1),
+        frame=np.zeros(levels.shape, dtype=bool),
+        block_width=width,
+        unit=unit,
+        frame_height=0.0,
+    )
+    origin = np.array([(low_x + m_x / 2) * width, (low_y + m_y / 2) * width, amid.max() * unit])
+    return Tile(raised=raised, size=(n_x * width, n_y * width), origin=origin)
+
+
+def index_of(*numbers: float | None) -> int:
+    """The index of a map that follows from some numbers, so that the same ones always give the same map."""
+    words = b"".join(struct.pack("<d", np.nan if number is None else number) for number in numbers)
+    return int.from_bytes(hashlib.blake2b(words, digest_size=8).digest(), "little") % SEEDS
+
+
+def _cells(along: float, axis: str, width: float) -> int:
+    """Blocks along a side of a tile."""
+    cells = round(along / width)
+    if cells < 1 or abs(cells * width - along) > _SAME:
+        near = " or ".join(f"{count * width:g}" for count in (int(along / width), int(along / width) + 1) if count)
+        raise ParameterError(
+            "size", f"{along:g} m along {axis} are no multiple of the blocks' {width:g} m; give {near}"
+        )
+    return cells
