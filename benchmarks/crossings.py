@@ -53,7 +53,8 @@ KINDS: Mapping[str, Mapping[str, Any]] = {
 SHARES = (0.2, 0.35, 0.5, 0.7, 0.95)
 """Units of the maps, as shares of the highest step that a robot climbs."""
 
-SEEDS = (1,)
+SEEDS = (2,)
+"""Of other maps than those by which the robots' limits were set, which are of seed 1."""
 
 BINS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, np.inf)
 """Bounds of the rows of the table: the highest step on the way, as a share of what the robot climbs."""
