@@ -20,12 +20,12 @@ MUTANTS ?=
 FUZZ ?=
 CRASH ?=
 
-.PHONY: worlds test test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: learners worlds test test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in src/rsegen/recipe/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
 
-test: $(VENV)/developer gazebo screen
+test: $(VENV)/developer gazebo screen learners
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest $(ARGS)
 
 test-fast: $(VENV)/developer
@@ -89,6 +89,10 @@ gazebo:
 	scripts/sdformat || test $$? = 3
 	scripts/gazebo-engine || test $$? = 3
 	scripts/ros2 || test $$? = 3
+
+# mjlab for the tests of what plugs into it, without what it needs for training; where it cannot be, they say so.
+learners: $(VENV)/developer
+	test -d $(VENV)/mjlab || $(BIN)/python -m pip install --quiet --no-deps --target $(VENV)/mjlab mjlab==1.6.0 || rm -rf $(VENV)/mjlab
 
 # A screen for the tests of the window.
 screen:

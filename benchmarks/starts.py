@@ -180,8 +180,8 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
         here = [each for each in found if (each.simulator, each.robot, each.route) == (simulator, robot, route)]
         yield f"| {SIMULATORS[simulator].title} | {robot} | {route} | {' | '.join(_cells(here))} |"
     yield (
-        f"\nThe ten examples and seeds {SEEDS[0]} to {SEEDS[-1]} (a straight route starts alike for each); level is a "
-        f"robot that rests within {MOST_TILT:g} degrees and {100 * MOST_FALL:g} cm of its start {SECONDS:g} s after it. "
+        f"\nThe ten examples and seeds {SEEDS[0]} to {SEEDS[-1]} (a straight route starts alike for each). Level: a "
+        f"robot rests within {MOST_TILT:g} degrees and {100 * MOST_FALL:g} cm of its start {SECONDS:g} s after it. "
         f"Robots are let go 0.5 cm above the ground. By `python -m benchmarks.starts` in "
         f"{' and '.join(record['simulators'])}."
     )

@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from benchmarks import datasets
+from benchmarks import crossings, datasets, starts
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from docs import difficulty, reliability
@@ -23,10 +23,14 @@ from rsegen import (
     FORMATS,
     KINDS,
     CutSettings,
+    DiagonalBarrier,
+    Peak,
     Placement,
+    Random,
     Recipe,
     RobotLimits,
     Scene,
+    Terrain,
     compose,
     load,
     metrics,
@@ -49,6 +53,8 @@ from rsegen.simulation.robots import ROBOTS
 DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
 DATASETS = DOCS / "datasets.md"
+DRIVING = DOCS / "driving.md"
+METRICS = DOCS / "metrics.md"
 RELIABILITY = DOCS / "reliability.md"
 ROBOTS_PAGE = DOCS / "robots.md"
 FORMATS_PAGE = DOCS / "formats.md"
@@ -56,6 +62,7 @@ README = DOCS.parent / "README.md"
 EXPERIMENT = RESULTS / "experiment.json"
 PLOT = "\n![Real-time factor, speed and memory over the side of the map](pictures/experiment.png)\n"
 WAYS = DOCS / "pictures" / "ways.png"
+TERRAIN = DOCS / "pictures" / "terrain.png"
 DIFFICULTY = DOCS / "difficulty.md"
 SHEET = DOCS / "pictures" / "sheet.png"
 SHEET_OF_A_PALLET = DOCS / "pictures" / "sheet-pallet.png"
@@ -68,6 +75,8 @@ def texts() -> dict[Path, str]:
     return {
         README: with_table(README.read_text("utf-8"), figures),
         DOCS / "benchmarks.md": page(figures),
+        DRIVING: filled(DRIVING.read_text("utf-8"), starts.table(json.loads(starts.FILE.read_text("utf-8")))),
+        METRICS: filled(METRICS.read_text("utf-8"), crossings.table(json.loads(crossings.FILE.read_text("utf-8")))),
         DATASETS: filled(DATASETS.read_text("utf-8"), datasets.table(loaded(datasets.FILE))),
         DOCS / "contact.md": contact + "\n" + (RESULTS / "contact-sim.md").read_text("utf-8"),
         GAZEBO: filled(GAZEBO.read_text("utf-8"), _told_apart(contact)),
@@ -76,6 +85,7 @@ def texts() -> dict[Path, str]:
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
         DOCS / "examples.md": "\n".join(_examples()) + "\n",
         DOCS / "experiment.md": experiments.report_page(*load_summary(EXPERIMENT)) + PLOT,
+        DOCS / "driven.md": experiments.report_page(*load_summary(RESULTS / "driven.json")),
         DOCS / "burgers.md": experiments.report_page(*load_summary(RESULTS / "burgers.json")),
         DOCS / "representations.md": experiments.report_page(*load_summary(RESULTS / "representations.json")),
         DIFFICULTY: filled(DIFFICULTY.read_text("utf-8"), difficulty.table()),
@@ -90,6 +100,7 @@ def pictures() -> dict[Path, Scene]:
     shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES.values()}
     shown |= {DOCS / "pictures" / f"kind-{kind}.png": _alone(kind) for kind in KINDS}
     shown[WAYS] = load(EXAMPLES["mixed-course"])
+    shown[TERRAIN] = _terrain()
     shown |= {SHEET: load(EXAMPLES["five-pallet-dash"]), SHEET_OF_A_PALLET: load(EXAMPLES["red-diagonal-pallet"])}
     return {path: compose(recipe) for path, recipe in shown.items()}
 
@@ -150,6 +161,20 @@ _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {
     SHEET: partial(_page, number=0),
     SHEET_OF_A_PALLET: partial(_page, number=1),
 }
+
+
+def _terrain() -> Recipe:
+    """Ten rows and six columns of three kinds."""
+    kinds = {
+        "rubble": Random(max_height=6),
+        "ridge": DiagonalBarrier(max_height=8, softness=30),
+        "hill": Peak(max_height=9, softness=80),
+    }
+    recipes = [
+        Recipe(name=name, seed=7, chunk_size=20, unit_cm=5, boundary="none", obstacles=(Placement(obstacle=obstacle),))
+        for name, obstacle in kinds.items()
+    ]
+    return Terrain(recipes=recipes, rows=10, columns=6, gap=2, border=6).recipe
 
 
 def _alone(kind: str) -> Recipe:

@@ -16,6 +16,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "worlds": {
             "generate": "write worlds and models",
             "series": "write maps of difficulty that rises evenly",
+            "terrain": "write one field of many maps, in rows of rising difficulty, for learning",
             "import": "write a world from measured heights, an image or a map of ROS",
             "gui": "open the window",
         },

@@ -19,7 +19,7 @@ from rsegen.errors import ParameterError, shown
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.spots import Footprint, even_spots
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
-from rsegen.params.sorts import Float, Integer, ListOf, validate
+from rsegen.params.sorts import Float, Integer, ListOf, parameters, validate
 from rsegen.params.streams import generator
 from rsegen.recipe.placement import Placement
 from rsegen.recipe.recipe import Recipe
@@ -30,7 +30,7 @@ _ALIKE = ("unit_cm", "block_width_cm", "friction")
 
 _LARGEST_CHUNK = 1000
 
-_SIZE, _COUNT = ListOf(Float(0.01, 100, unit="m"), 2), Integer(1, 1000)
+SIZE, _COUNT = ListOf(Float(0.01, 100, unit="m"), 2), Integer(1, 1000)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +49,7 @@ class Terrain:
     ] = (0.0, 1.0)
     gap: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground between tiles")] = 0
     border: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground around all tiles")] = 10
+    name: Annotated[str, replace(parameters(Recipe)["name"], help="of the terrain as a map")] = "terrain"
 
     def __post_init__(self) -> None:
         validate(self)
@@ -148,7 +149,7 @@ class Terrain:
         first tile that has too few.
         """
         if not isinstance(footprint, Footprint):
-            footprint = Footprint.of_size(*_SIZE.check("footprint", footprint))
+            footprint = Footprint.of_size(*SIZE.check("footprint", footprint))
         count = _COUNT.check("count", count)
         found = np.empty((self.rows, self.columns, count, 4))
         for row in range(self.rows):
@@ -170,7 +171,7 @@ class Terrain:
         side = next(side for side in range(min(gcd(n_x, n_y), _LARGEST_CHUNK), 0, -1) if gcd(n_x, n_y) % side == 0)
         return replace(
             first,
-            name="terrain",
+            name=self.name,
             description="",
             maps=1,
             first_map=0,

@@ -101,21 +101,30 @@ def test_physics_takes_it_for_static_triangles_with_the_map_s_friction(scene: Sc
 
 
 @pytest.mark.parametrize("name", ["slippery-default", "slippery-high"])
-def test_physics_finds_the_friction_of_every_subset_of_faces(name: str, tmp_path: Path) -> None:
-    from pxr import UsdPhysics, UsdShade, UsdValidation
+def test_each_friction_has_a_mesh_of_its_own(name: str, tmp_path: Path) -> None:
+    """As engines read one per mesh; together they are the whole surface."""
+    from pxr import UsdGeom, UsdPhysics, UsdShade, UsdValidation
 
     scene = SLIPPERY[name]
     stage = opened(scene, tmp_path)
-    binding = UsdShade.MaterialBindingAPI(surface(stage).GetPrim())
-    found = {}
-    for prim in [binding.GetPrim(), *(subset.GetPrim() for subset in binding.GetMaterialBindSubsets())]:
+    meshes = [UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
+    found, frictions, area = {}, [], 0.0
+    for mesh in meshes:
+        prim = mesh.GetPrim()
         material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
         physics = UsdPhysics.MaterialAPI(material.GetPrim())
-        found[prim.GetName()] = physics.GetDynamicFrictionAttr().Get()
-        assert physics.GetStaticFrictionAttr().Get() == found[prim.GetName()]
-        assert UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0].GetPrim() != material.GetPrim()
+        frictions.append(physics.GetDynamicFrictionAttr().Get())
+        assert physics.GetStaticFrictionAttr().Get() == frictions[-1]
+        assert prim.HasAPI(UsdPhysics.MeshCollisionAPI)
+        for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
+            found[subset.GetPrim().GetName()] = frictions[-1]
+        area += triangles(mesh).area
+    assert len(set(frictions)) == len(meshes) > 1
     own = {"frame": 0, "level_1": 1, "level_2": 2}
-    assert found == pytest.approx({"surface": 0.9} | {name: scene.friction_of(kind) for name, kind in own.items()})
+    assert found == pytest.approx({name: scene.friction_of(kind) for name, kind in own.items()})
+    (tmp_path / "whole").mkdir()
+    whole = opened(compose(replace(scene.recipe, frame_friction=None, level_friction=None)), tmp_path / "whole")
+    assert area == pytest.approx(triangles(surface(whole)).area, rel=1e-5)
     known = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
     assert not UsdValidation.ValidationContext(known).Validate(stage)
 

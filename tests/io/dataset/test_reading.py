@@ -91,8 +91,9 @@ def test_metrics_are_those_of_each_map(tmp_path: Path, form: str) -> None:
         )
 
 
-def test_tiles_get_harder_from_row_to_row(dataset: Dataset) -> None:
-    found = dataset.tiles(3, 5, by="spread.deviation")
+@pytest.mark.parametrize("spacing", ["value", "rank"])
+def test_tiles_get_harder_from_row_to_row(spacing: str, dataset: Dataset) -> None:
+    found = dataset.tiles(3, 5, by="spread.deviation", spacing=spacing)
     assert (np.diff(found.difficulty.ravel()) >= 0).all()
     assert len(set(found.places.ravel())) == 15
     assert found.difficulty[0, 0] == dataset.metrics["spread.deviation"].min()
@@ -101,6 +102,15 @@ def test_tiles_get_harder_from_row_to_row(dataset: Dataset) -> None:
         place = found.places[row_, column]
         assert np.array_equal(found.levels[row_, column], dataset[place])
         assert np.array_equal(found.heights[row_, column], dataset.heights(int(place)))
+
+
+def test_rows_are_nearest_to_evenly_spaced_values(dataset: Dataset) -> None:
+    found, every = dataset.tiles(3, 4, by="spread.deviation"), dataset.metrics["spread.deviation"]
+    low, high = every.min(), every.max()
+    for row, wanted in zip(found.difficulty, (low, (low + high) / 2, high), strict=True):
+        assert np.abs(row - wanted).max() <= np.sort(np.abs(every - wanted))[11]
+    middle = np.sort(np.abs(every - (low + high) / 2))[:4]
+    assert np.abs(found.difficulty[1] - (low + high) / 2).max() == pytest.approx(middle.max())
 
 
 def test_origins_are_the_middles_of_the_tiles_on_top_of_their_blocks(dataset: Dataset) -> None:

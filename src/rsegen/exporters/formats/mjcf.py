@@ -41,7 +41,10 @@ class Mjcf(Format):
             "or a visual mesh with collision boxes",
         ),
     ] = "boxes"
-    pixels: Annotated[int, Integer(1, 100, help="samples per cell and side of a height field")] = 10
+    pixels: Annotated[
+        int,
+        Integer(1, 100, help="samples per cell and side of a height field; more than 4 are too many for mujoco_warp"),
+    ] = 4
 
     @property
     def bytes_a_cell(self) -> int:
@@ -91,7 +94,7 @@ def _meshes(scene: Scene) -> _Body:
     named = {_material(scene, material): content for material, content in objs.items()}
     meshes = (f'    <mesh name="{name}" file="{name}.obj" inertia="shell"/>\n' for name in named)
     visuals = (
-        f'      <geom type="mesh" mesh="{name}" material="{name}" contype="0" conaffinity="0" group="2"/>\n'
+        f'      <geom type="mesh" mesh="{name}" material="{name}" mass="0" contype="0" conaffinity="0" group="2"/>\n'
         for name in named
     )
     collisions = (_box(scene, column) for column in columns(scene.field))
@@ -152,7 +155,7 @@ def _map(scene: Scene, body: _Body) -> Iterator[str]:
 <mujoco model="{name}">
   <default>
     <default class="{name}">
-      <geom type="box" {_friction(scene.friction)}{body.collisions}/>
+      <geom type="box" mass="0" {_friction(scene.friction)}{body.collisions}/>
     </default>
   </default>
   <asset>
@@ -209,5 +212,5 @@ def _box(scene: Scene, column: Column, material: str = "") -> str:
 
 
 def _friction(sliding: float) -> str:
-    """The friction attribute; torsional and rolling friction are MuJoCo's defaults."""
-    return f'friction="{decimal(sliding)} 0.005 0.0001"'
+    """The friction attribute; torsional and rolling friction are left to the engine, of which some have none."""
+    return f'friction="{decimal(sliding)}"'

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,9 +31,13 @@ class Solid(NamedTuple):
     def parts(self) -> Iterator[tuple[int, Solid]]:
         """Each material with the mesh of its triangles, which has vertices of its own."""
         for material in np.unique(self.materials).tolist():
-            of_it = self.materials == material
-            used, corners = np.unique(self.triangles[of_it], return_inverse=True)
-            yield material, Solid(self.vertices[used], corners.reshape(-1, 3), self.materials[of_it])
+            yield material, self.of([material])
+
+    def of(self, materials: Sequence[int]) -> Solid:
+        """The mesh of the triangles of these materials, with vertices of its own."""
+        chosen = np.isin(self.materials, materials)
+        used, corners = np.unique(self.triangles[chosen], return_inverse=True)
+        return Solid(self.vertices[used], corners.reshape(-1, 3), self.materials[chosen])
 
 
 def solid(field: StepField) -> Solid:

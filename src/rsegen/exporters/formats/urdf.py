@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.formats.coloured import coloured_objs
@@ -19,6 +19,7 @@ from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import StepField
 from rsegen.geometry import boxes
+from rsegen.params.sorts import Flag
 
 
 @register
@@ -28,6 +29,10 @@ class Urdf(Format):
 
     name: ClassVar[str] = "urdf"
 
+    world: Annotated[
+        bool, Flag(help="hold the map by a fixed joint to a link `world`, for engines that let it fall (Drake, DART)")
+    ] = False
+
     @property
     def bytes_a_cell(self) -> int:
         """The memory of a few boxes and faces."""
@@ -35,18 +40,21 @@ class Urdf(Format):
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The URDF file, and the visual meshes in the folder meshes."""
-        return urdf_files(scene)
+        return urdf_files(scene, world=self.world)
 
 
-def urdf_files(scene: Scene, folder: str = "", root: str = "") -> dict[str, Iterable[bytes]]:
-    """The files of a map's URDF below `folder`; its mesh URIs start with `root`, else they are relative to the file."""
+def urdf_files(scene: Scene, folder: str = "", root: str = "", *, world: bool = False) -> dict[str, Iterable[bytes]]:
+    """The files of a map's URDF below `folder`; its mesh URIs start with `root`, else they are relative to the file.
+
+    world: hold the map by a joint to a link of that name
+    """
     objs = coloured_objs(scene)
     meshes = {folder + _mesh(scene, material): content for material, content in objs.items()}
     colours = {f"{folder}meshes/{scene.name}.mtl": mtl(scene)} if meshes else {}
-    return {f"{folder}{scene.name}.urdf": utf8(_robot(scene, objs, root)), **meshes, **colours}
+    return {f"{folder}{scene.name}.urdf": utf8(_robot(scene, objs, root, world=world)), **meshes, **colours}
 
 
-def _robot(scene: Scene, materials: Iterable[int], root: str) -> Iterator[str]:
+def _robot(scene: Scene, materials: Iterable[int], root: str, *, world: bool) -> Iterator[str]:
     """The URDF text: one link per friction coefficient; the first has the map's name and all visual meshes."""
     hint = "" if root else "\n     In a ROS package, write package://PACKAGE/PATH/meshes/ for meshes/."
     yield f"""\
@@ -54,6 +62,9 @@ def _robot(scene: Scene, materials: Iterable[int], root: str) -> Iterator[str]:
 <!-- made by rsegen: metres, z up, the middle of the map at 0 0 0, the ground at z = 0.{hint} -->
 <robot name="{scene.name}">
 """
+    if world:
+        yield '  <link name="world"/>\n'
+        yield _joint("world", scene.name)
     visuals = [_visual(scene, material, root) for material in materials]
     for number, (friction, field) in enumerate(split_by_friction(scene, scene.field)):
         name = f"{scene.name}_friction_{decimal(friction)}" if number else scene.name

@@ -1,4 +1,7 @@
-"""The format `usd`: the map as one mesh with a material per colour, and a static triangle mesh collider."""
+"""The format `usd`: the map as a mesh with a material per colour, and a static triangle mesh collider.
+
+Engines such as Newton read one friction per mesh, so a map of several has a mesh prim for each part of its surface.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,7 @@ from rsegen.exporters.formats.base import Extra, Format, register
 from rsegen.exporters.formats.solid import Solid, solid
 from rsegen.exporters.formats.srgb import srgb_to_linear
 from rsegen.exporters.gazebo.obj import material_name
+from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Colour, Scene
 from rsegen.field.stepfield import Array
 from rsegen.params.sorts import Flag
@@ -28,7 +32,10 @@ class Usd(Format):
     name: ClassVar[str] = "usd"
     extra: ClassVar[Extra | None] = Extra("usd", "pxr")
 
-    binary: Annotated[bool, Flag(help="binary file (.usdc) instead of text (.usda)")] = False
+    binary: Annotated[
+        bool,
+        Flag(help="binary file (.usdc), which opens faster than text (.usda) and depends on the version of usd-core"),
+    ] = True
 
     @property
     def bytes_a_cell(self) -> int:
@@ -75,18 +82,27 @@ def _stage(scene: Scene) -> Any:
     Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
     stage.SetDefaultPrim(root.GetPrim())
     found = solid(scene.field)
-    if len(found.triangles):
-        mesh = _mesh(root, scene, found)
-        _bind_colours(root, scene, mesh, found)
-        _add_physics(root, scene, mesh, found)
+    for number, (friction, part) in enumerate(_by_friction(scene, found)):
+        name = f"surface_friction_{prim_name(decimal(friction))}" if number else "surface"
+        mesh = _mesh(root, scene, part, name)
+        _bind_colours(root, scene, mesh, part)
+        _add_physics(root, mesh, friction, name.replace("surface", "friction"))
     return stage
 
 
-def _mesh(root: Any, scene: Scene, found: Solid) -> Any:
-    """The mesh prim: triangles with a colour and a normal each, in single precision, as in USD."""
+def _by_friction(scene: Scene, found: Solid) -> Iterator[tuple[float, Solid]]:
+    """Each friction coefficient with its part of a surface; most often all of it has the same."""
+    for friction, materials in scene.by_friction(scene.field):
+        part = found if materials is None else found.of(materials)
+        if len(part.triangles):
+            yield friction, part
+
+
+def _mesh(root: Any, scene: Scene, found: Solid, name: str) -> Any:
+    """A mesh prim: triangles with a colour and a normal each, in single precision, as in USD."""
     from pxr import UsdGeom, Vt
 
-    mesh = UsdGeom.Mesh.Define(root.GetPrim().GetStage(), root.GetPath().AppendChild("surface"))
+    mesh = UsdGeom.Mesh.Define(root.GetPrim().GetStage(), root.GetPath().AppendChild(name))
     points = Vt.Vec3fArray.FromNumpy(found.vertices.astype(np.float32))
     mesh.CreatePointsAttr(points)
     mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(points))
@@ -145,20 +161,14 @@ def _looks(root: Any) -> Any:
     return stage
 
 
-def _add_physics(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
-    """Add a triangle mesh collider without a rigid body, and the friction of each part."""
+def _add_physics(root: Any, mesh: Any, friction: float, name: str) -> None:
+    """Add a triangle mesh collider without a rigid body, and its friction."""
     from pxr import UsdPhysics, UsdShade
 
     UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
     UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr(UsdPhysics.Tokens.none)
     binding = UsdShade.MaterialBindingAPI(mesh.GetPrim())
-    frictions = [scene.friction_of(kind) for kind in np.unique(found.materials).tolist()]
-    whole = scene.friction if len(set(frictions)) > 1 else frictions[0]
-    binding.Bind(_friction_material(root, "friction", whole), materialPurpose="physics")
-    for subset, friction in zip(binding.GetMaterialBindSubsets(), frictions, strict=True):
-        if friction != whole:
-            material = _friction_material(root, f"friction_{subset.GetPrim().GetName()}", friction)
-            UsdShade.MaterialBindingAPI(subset.GetPrim()).Bind(material, materialPurpose="physics")
+    binding.Bind(_friction_material(root, name, friction), materialPurpose="physics")
 
 
 def _friction_material(root: Any, name: str, friction: float) -> Any:

@@ -162,12 +162,13 @@ class Dataset:
         rows = mapped(self.folder / name, (len(maps),), ROW)
         return {column: rows[column] for column in ROW.names or ()}
 
-    def tiles(self, rows: int, columns: int, by: str | Measure = "steps.rms") -> Tiles:
+    def tiles(self, rows: int, columns: int, by: str | Measure = "steps.rms", *, spacing: str = "value") -> Tiles:
         """A terrain of rows x columns maps that gets harder from row to row, by any metric.
 
-        It is one of rsegen's own, one of a plug-in, or a function StepField -> float; the last two measure every map.
+        by: one of rsegen's own, one of a plug-in, or a function StepField -> float; the last two measure every map.
+        spacing: `value`, the metric rises evenly from the least to the greatest of the data set; or `rank`, its rank.
         """
-        return tiles(self, rows, columns, by)
+        return tiles(self, rows, columns, by, spacing)
 
     def verify(self, rebuild: int = 8) -> None:
         """Raise DatasetDamaged for the first file with a wrong checksum, or map that is built again and differs.

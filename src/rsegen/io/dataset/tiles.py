@@ -5,6 +5,7 @@ rows (+x): from the easiest map to the hardest       columns (+y): maps of about
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -14,10 +15,14 @@ from rsegen.errors import ParameterError, UnknownName
 from rsegen.field.metrics.batch import COLUMNS
 from rsegen.field.metrics.custom import METRICS, Measure, Metric
 from rsegen.field.stepfield import Array, Ints
-from rsegen.params.sorts import Integer
+from rsegen.params.sorts import Choice, Integer
 
 if TYPE_CHECKING:
     from rsegen.io.dataset.reading import Dataset
+
+
+SPACING = Choice(("value", "rank"))
+"""Whether the metric rises evenly from row to row, or its rank among all maps."""
 
 
 class Tiles(NamedTuple):
@@ -39,15 +44,15 @@ class Tiles(NamedTuple):
     size: tuple[float, float]
 
 
-def tiles(dataset: Dataset, rows: int, columns: int, by: str | Measure) -> Tiles:
-    """The maps at evenly spaced ranks of a metric, from least to greatest; maps without a value are left out."""
+def tiles(dataset: Dataset, rows: int, columns: int, by: str | Measure, spacing: str) -> Tiles:
+    """Maps from the least to the greatest of a metric, evenly spaced; maps without a value are left out."""
+    spacing = SPACING.check("spacing", spacing)
     rows, columns = (Integer(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
     figures, named = _figures(dataset, by)
     ranked = np.argsort(figures, kind="stable")[: np.count_nonzero(~np.isnan(figures))]
     if rows * columns > len(ranked):
         raise ParameterError("rows", f"{rows} x {columns} tiles need as many maps, and {len(ranked)} have a {named}")
-    spaced = np.linspace(0, len(ranked) - 1, rows * columns).round().astype(np.intp)
-    places = ranked[spaced].reshape(rows, columns)
+    places = (_by_rank if spacing == "rank" else partial(_by_value, figures))(ranked, rows, columns)
     levels = dataset[places.ravel()]
     heights = np.array([dataset.layout.field(one).heights for one in levels])
     size = dataset.layout.flat_field.extent
@@ -59,6 +64,23 @@ def tiles(dataset: Dataset, rows: int, columns: int, by: str | Measure) -> Tiles
         difficulty=figures[places],
         size=size,
     )
+
+
+def _by_rank(ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
+    """The maps at evenly spaced ranks, row by row."""
+    spaced = np.linspace(0, len(ranked) - 1, rows * columns).round().astype(np.intp)
+    return ranked[spaced].reshape(rows, columns)
+
+
+def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
+    """For each of evenly spaced values the maps that are nearest to it and in no other row, from least to greatest."""
+    values, free = figures[ranked], np.ones(len(ranked), dtype=bool)
+    found = np.empty((rows, columns), dtype=np.intp)
+    for row, wanted in enumerate(np.linspace(values[0], values[-1], rows)):
+        left = np.flatnonzero(free)
+        nearest = np.sort(left[np.argsort(np.abs(values[left] - wanted), kind="stable")[:columns]])
+        free[nearest], found[row] = False, ranked[nearest]
+    return found
 
 
 def _figures(dataset: Dataset, by: str | Measure) -> tuple[NDArray[np.float32], str]:

@@ -1,0 +1,60 @@
+"""rsegen terrain: a world of all tiles, and a file that says where each is and how hard."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen import Terrain, load
+from rsegen.cli import main
+from rsegen.recipe.examples import EXAMPLES
+
+SMALL = ("peak", "figure-7", "--rows", "3", "--columns", "4", "--gap", "1", "--border", "2")
+
+
+def test_it_is_the_terrain_of_the_recipes(tmp_path: Path) -> None:
+    main(["terrain", *SMALL, "--spots", "0.3,0.2", "--formats", "arrays", "-o", str(tmp_path)])
+    expected = Terrain(recipes=[load(EXAMPLES[name]) for name in SMALL[:2]], rows=3, columns=4, gap=1, border=2)
+    assert rsegen.build(load(tmp_path / "terrain_0000" / "recipe.json")) == expected.field
+    said = json.loads((tmp_path / "terrain_0000.json").read_text())
+    assert said["kinds"] == list(expected.kinds)
+    assert said["difficulty"] == [0, 0.5, 1]
+    assert np.array_equal(said["origins"], expected.origins)
+    assert np.shape(said["spots"]) == (3, 4, 4)
+    assert (tmp_path / "terrain_0000" / "arrays").is_dir()
+
+
+def test_a_seed_is_that_of_all_recipes(tmp_path: Path) -> None:
+    for seed in ("1", "2", "3"):
+        main(["terrain", *SMALL, "--seed", seed, "--name", f"of-{seed}", "-o", str(tmp_path)])
+    fields = [rsegen.build(load(tmp_path / f"of-{seed}_0000" / "recipe.json")) for seed in "123"]
+    assert fields[0] != fields[1] != fields[2]
+
+
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        (("--rows", "0"), "--rows: 0 is outside 1..1000"),
+        (("--difficulty", "0.5"), "--difficulty: [0.5] is not a list of 2"),
+        (("--columns", "1"), "recipes: 2 for 1 columns"),
+        (("--spots", "1"), "--spots: "),
+    ],
+    ids=lambda value: value if isinstance(value, str) else " ".join(value),
+)
+def test_what_cannot_be_is_said_in_a_line(
+    flags: tuple[str, ...], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["terrain", *SMALL, *flags, "-o", str(tmp_path)]) == 2
+    assert message in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_is_there_is_not_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "terrain_0000.json").write_text("mine")
+    assert main(["terrain", *SMALL, "-o", str(tmp_path)]) == 2
+    assert "terrain_0000.json" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["terrain_0000.json"]
