@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from benchmarks import crossings, datasets, starts
+from benchmarks import crossings, datasets, learning, starts
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from docs import difficulty, reliability
@@ -54,6 +54,7 @@ DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
 DATASETS = DOCS / "datasets.md"
 DRIVING = DOCS / "driving.md"
+LEARNING = DOCS / "learning.md"
 METRICS = DOCS / "metrics.md"
 RELIABILITY = DOCS / "reliability.md"
 ROBOTS_PAGE = DOCS / "robots.md"
@@ -77,6 +78,7 @@ def texts() -> dict[Path, str]:
         DOCS / "benchmarks.md": page(figures),
         DRIVING: filled(DRIVING.read_text("utf-8"), starts.table(json.loads(starts.FILE.read_text("utf-8")))),
         METRICS: filled(METRICS.read_text("utf-8"), crossings.table(json.loads(crossings.FILE.read_text("utf-8")))),
+        LEARNING: filled(LEARNING.read_text("utf-8"), learning.table(json.loads(learning.FILE.read_text("utf-8")))),
         DATASETS: filled(DATASETS.read_text("utf-8"), datasets.table(loaded(datasets.FILE))),
         DOCS / "contact.md": contact + "\n" + (RESULTS / "contact-sim.md").read_text("utf-8"),
         GAZEBO: filled(GAZEBO.read_text("utf-8"), _told_apart(contact)),

@@ -69,7 +69,7 @@ def test_levels_are_read_as_one_array(dataset: Dataset) -> None:
         with pytest.raises(IndexError, match=f"there is no map {beyond}"):
             dataset[beyond]
     with pytest.raises(ValueError, match="read-only"):
-        dataset[0][0, 0] = 1
+        dataset.levels[0][0, 0] = 1
 
 
 @pytest.mark.slow
@@ -89,6 +89,15 @@ def test_metrics_are_those_of_each_map(tmp_path: Path, form: str) -> None:
         assert {name: found[name][index] for name in COLUMNS} == pytest.approx(
             {name: alone[name] for name in COLUMNS}, rel=1e-6
         )
+
+
+def test_what_is_read_may_be_written_to_and_the_files_stay(dataset: Dataset) -> None:
+    """As torch wants it of what it makes tensors of."""
+    for found in (dataset[3], dataset[-1], dataset[:2], dataset[[1, 2]], dataset.__getitems__([4, 0, 4])):
+        assert found.flags.writeable
+        found[:] = 1
+    assert np.array_equal(dataset.__getitems__([4, 0, 4]), np.stack([dataset[4], dataset[0], dataset[4]]))
+    dataset.verify()
 
 
 @pytest.mark.parametrize("spacing", ["value", "rank"])

@@ -127,6 +127,11 @@ class Dataset:
         return self.recipe.maps
 
     def __getitem__(self, maps: int | slice | Ints | Mask | list[int]) -> Ints:
+        found = self.levels[maps]
+        return found if found.flags.writeable else found.copy()
+
+    def __getitems__(self, maps: list[int]) -> Ints:
+        """Several maps at once, (maps, n_x, n_y), which torch's DataLoader asks for."""
         return self.levels[maps]
 
     def __iter__(self) -> Iterator[Ints]:

@@ -1,0 +1,171 @@
+"""How fast maps for learning are made: `python -m benchmarks.learning` measures, a minute on one core.
+
+Each row is beside another way in the same run, so that the ratio says something on any machine: the median of the
+ratios of several turns, seconds of CPU. Kept in benchmarks/results/learning.json; docs/learning.md has them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+import rsegen
+from benchmarks.figures import RESULTS
+from benchmarks.machine import machine
+from rsegen import Placement, Random, Recipe, Terrain
+
+FILE = RESULTS / "learning.json"
+LEVELS = 5
+TURNS = 7
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Row:
+    """One work beside another: seconds of CPU of both, how many things it makes, and the median of their ratios."""
+
+    work: str
+    seconds: float
+    count: int
+    unit: str
+    beside: str
+    beside_seconds: float
+    ratio: float
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Exit code: 0."""
+    options = _options(arguments)
+    record = {"machine": machine(), "rows": [asdict(row) for row in rows()]}
+    print("\n".join(table(record)))
+    if not options.only_print:
+        FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+    return 0
+
+
+def rows() -> Iterator[Row]:
+    """All of them."""
+    for side, maps in ((10, 50_000), (40, 3_000)):
+        recipe = _recipe(side)
+        yield _compared(
+            f"`build_many`, random {side} x {side}",
+            lambda recipe=recipe, maps=maps: rsegen.build_many(recipe, range(maps)),
+            maps,
+            "maps",
+            "numpy, as many numbers in one call",
+            lambda side=side, maps=maps: _in_one_call(side, maps),
+        )
+    small, few = _recipe(10), 2_000
+    yield _compared(
+        "`build_many`, random 10 x 10",
+        lambda: rsegen.build_many(small, range(few)),
+        few,
+        "maps",
+        "`build` in a loop",
+        lambda: [rsegen.build(small, index) for index in range(few)],
+    )
+    terrain = Terrain(recipes=_recipe(40), rows=10, columns=20)
+    yield _compared(
+        "`Terrain`, 10 x 20 tiles of 40 x 40, its field",
+        lambda: Terrain(recipes=_recipe(40), rows=10, columns=20).field,
+        200,
+        "tiles",
+        "its merged mesh",
+        terrain.field.mesh,
+    )
+    yield from _in_place()
+
+
+def _in_place() -> Iterator[Row]:
+    """New maps in a compiled model of MuJoCo, beside steps of physics on it."""
+    try:
+        import mujoco
+
+        from rsegen.learning.mujoco import BlockGrid
+    except ImportError:
+        return
+    grid, spec, count = BlockGrid(_recipe(10)), mujoco.MjSpec(), 4096
+    grid.add_to(spec)
+    for number in range(4):
+        body = spec.worldbody.add_body(pos=[0.2 * number - 0.3, 0, 0.6])
+        body.add_freejoint()
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.05, 0, 0])
+    model = spec.compile()
+    state = mujoco.MjData(model)
+    levels = rsegen.build_many(grid.recipe, range(count))
+
+    def steps() -> None:
+        mujoco.mj_resetData(model, state)
+        for _ in range(count):
+            mujoco.mj_step(model, state)
+
+    steps_of_physics = f"{count:,} steps of MuJoCo on it, with four balls"
+    yield _compared(
+        "`BlockGrid.write`, 10 x 10 blocks",
+        lambda: [grid.write(model, one) for one in levels],
+        count,
+        "maps",
+        steps_of_physics,
+        steps,
+    )
+    yield _compared(
+        f"its arrays for {count:,} worlds at once",
+        lambda: (grid.pos(levels), grid.size(levels)),
+        count,
+        "maps",
+        steps_of_physics,
+        steps,
+    )
+
+
+def _recipe(side: int) -> Recipe:
+    obstacle = Random(max_height=LEVELS)
+    return Recipe(seed=7, chunk_size=side, boundary="none", unit_cm=5, obstacles=(Placement(obstacle=obstacle),))
+
+
+def _in_one_call(side: int, maps: int) -> np.ndarray:
+    return (LEVELS * np.random.default_rng(7).random((maps, side, side))).astype(np.int16)
+
+
+def _compared(
+    work: str, ours: Callable[[], object], count: int, unit: str, beside: str, other: Callable[[], object]
+) -> Row:
+    """Both in turns, after one of each that is not counted."""
+    pairs = [(_seconds(ours), _seconds(other)) for _ in range(TURNS + 1)][1:]
+    mine, its = (statistics.median(times) for times in zip(*pairs, strict=True))
+    ratio = statistics.median(one / two for one, two in pairs)
+    return Row(work=work, seconds=mine, count=count, unit=unit, beside=beside, beside_seconds=its, ratio=ratio)
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    """Of CPU."""
+    begin = time.process_time()
+    work()
+    return time.process_time() - begin
+
+
+def table(record: Mapping[str, Any]) -> Iterator[str]:
+    """The figures as lines of Markdown."""
+    yield "| work | CPU s | a second | beside | CPU s | ratio |"
+    yield "|---|---|---|---|---|---|"
+    for row in (Row(**each) for each in record["rows"]):
+        rate = f"{row.count / row.seconds:,.0f} {row.unit}"
+        yield f"| {row.work} | {row.seconds:.3g} | {rate} | {row.beside} | {row.beside_seconds:.3g} | {row.ratio:.3g} |"
+    yield f"\nMeasured by `python -m benchmarks.learning` on: {record['machine']}."
+
+
+def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.learning", description=__doc__.splitlines()[0])
+    parser.add_argument("--only-print", action="store_true", help="keep no record")
+    return parser.parse_args(arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
