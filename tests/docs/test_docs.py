@@ -86,6 +86,22 @@ def test_the_python_of_the_page_of_data_sets_works(tmp_path: Path) -> None:
     assert found.stdout.splitlines()[-1] == "(10, 20, 10, 10) (10, 20, 3)"
 
 
+@pytest.mark.slow
+def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
+    """But for Isaac Lab's configuration: no package here has all of it."""
+    for library in ("mujoco", "trimesh", "pxr"):
+        pytest.importorskip(library)
+    gymnasium = pytest.importorskip("gymnasium")
+    terrain, exports, many, _, in_place, reset = blocks(ROOT / "docs" / "learning.md", "python")
+    ant = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets" / "ant.xml"
+    (tmp_path / "robot.xml").write_bytes(ant.read_bytes())
+    write_ant = 'open("ant_on_blocks.xml", "w").write(spec.to_xml())'
+    script = "\n".join([terrain, exports, many, in_place, write_ant, reset, 'assert info["map"] >= 0'])
+    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
+    assert (tmp_path / "worlds" / "terrain_0000" / "terrain_0000.world").is_file()
+    assert (tmp_path / "terrain.glb").stat().st_size > 100_000
+
+
 def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None:
     (source,) = blocks(ROOT / "CONTRIBUTING.md", "python")
     shutil.copytree(ROOT / "src" / "rsegen", tmp_path / "rsegen")

@@ -1,6 +1,6 @@
 """Gymnasium: a wrapper that gives an environment of MuJoCo a new field at each reset.
 
-    env = NewFieldAtReset(gymnasium.make("Ant-v5", xml_file="ant_on_blocks.xml"), grid)
+    env = NewFieldAtReset(gymnasium.make("Ant-v5", xml_file="./ant_on_blocks.xml"), grid)
     observation, info = env.reset(seed=7)    # info["map"] is the index of the map
 
 The model has the blocks of the grid: `grid.add_to(spec)`.

@@ -90,7 +90,7 @@ class _InManyMaps:
                 impose_on(own, patch, top_level=self._recipe.top_level)
             return
         patch = self._patch
-        if isinstance(obstacle, Region):
+        if obstacle.draws_by_cell and isinstance(obstacle, Region):
             uniform = np.empty((len(levels), *patch.levels.shape))
             for own, rng in zip(uniform, self._rngs, strict=False):
                 rng.random(out=own)
