@@ -111,7 +111,7 @@ def trials(simulator: str, robots: Sequence[str], say: Callable[[str], None] = l
 
 def _trial(simulator: str, robot: Robot, kind: str, share: float, seed: int) -> Trial:
     scene = _scene(kind, 100 * share * robot.climbs, seed)
-    way = planned_way(scene.field, robot.size[1], robot.climber)
+    way = planned_way(scene.field, robot.size[1], robot.limits)
     length = float(np.hypot(*np.diff(way.points, axis=0).T).sum())
     seconds = _PATIENCE * length / driving_speed(robot) + _START
     (driven,) = rsegen.drive(

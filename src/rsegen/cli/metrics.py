@@ -40,7 +40,9 @@ def add(commands: Subparsers) -> None:
     )
     add_target_flags(command, usual="all")
     group = command.add_argument_group("robot", "the limits of a kind of robot, each overridden by a flag")
-    group.add_argument("--robot", metavar="KIND", help="what a robot of those below climbs, and its width")
+    group.add_argument(
+        "--robot", metavar="KIND", help="the steps that a robot of those below mostly crosses, and its width"
+    )
     add_parameter_flags(group, RobotLimits)
     output = command.add_argument_group("output")
     form = output.add_mutually_exclusive_group()
@@ -82,7 +84,7 @@ def _climber(arguments: argparse.Namespace) -> RobotLimits | None:
     """The robot that the flags describe."""
     said = given(RobotLimits, arguments)
     if arguments.robot is not None:
-        return replace(robot(arguments.robot, "--robot").climber, **said)
+        return replace(robot(arguments.robot, "--robot").limits, **said)
     if said and "climb_cm" not in said:
         raise ParameterError("--climb-cm", f"is missing; {_NO_ROBOT}")
     return RobotLimits(**said) if said else None

@@ -38,7 +38,7 @@ def test_the_paper_s_plan_has_the_paper_s_rows() -> None:
 def test_no_step_of_the_driven_plan_is_higher_than_those_that_its_robots_cross() -> None:
     for row in load_plan("driven").rows:
         found = steps(build(row.map_of(80, seed=1)))
-        assert found.share_above(robot(row.robot).climber.climb_cm / 100) == 0
+        assert found.share_above(robot(row.robot).limits.climb_cm / 100) == 0
     paper = steps(build(load_plan("paper").rows[0].map_of(80, seed=1)))
     assert paper.share_above(0.01) == pytest.approx(12 / 25, abs=0.02)
 

@@ -47,7 +47,7 @@ def crossing(field: StepField, robot: str) -> str:
     """Whether a robot of some kind can cross a field, by the step that it climbs and its width; if not, how much of
     the field it reaches.
     """
-    found = traversability(field, ROBOTS[robot].climber)
+    found = traversability(field, ROBOTS[robot].limits)
     ways = {"west to east": found.west_east, "south to north": found.south_north}
     across = [name for name, way in ways.items() if way.crosses]
     return f"crosses {' and '.join(across)}" if across else f"does not cross; reaches {found.cover:.0%} of the map"

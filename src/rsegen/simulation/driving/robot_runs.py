@@ -69,7 +69,7 @@ def _straight(robot: DrivableRobot, line: float, goal: float) -> Route:
 
 
 def _one_behind_the_other(field: StepField, robot: DrivableRobot, count: int) -> list[RobotRun]:
-    limits = robot.climber if isinstance(robot, Robot) else None
+    limits = robot.limits if isinstance(robot, Robot) else None
     way, footprint = planned_way(field, robot.size[1], limits), footprint_of(robot)
     first = adjacent_pose(field, footprint, float(way.points[0, 1]))
     return [

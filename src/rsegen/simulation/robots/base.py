@@ -80,6 +80,11 @@ class Robot:
 
     @property
     def climber(self) -> RobotLimits:
+        """The highest single step that it drives up, and its width."""
+        return RobotLimits.of(self.climbs, self.size[1])
+
+    @property
+    def limits(self) -> RobotLimits:
         """Its limits for the metrics: on a map it meets several steps at once, and stands on them askew."""
         return RobotLimits.of(self.climbs if self.crosses is None else self.crosses, self.size[1])
 
