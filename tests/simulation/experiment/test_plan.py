@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 
 from rsegen import build
-from rsegen.errors import UserError
+from rsegen.errors import ParameterError, UserError
 from rsegen.field.metrics.steps import steps
-from rsegen.simulation.experiment.plan import PLANS, ExperimentPlan, TableRow, load_plan
+from rsegen.simulation.experiment.plan import PLANS, ExperimentPlan, TableRow, load_plan, read_plan
+from rsegen.simulation.experiment.trial import refuse_crowded
 from rsegen.simulation.robots import robot
 
 ROWS = "rows:\n  - {robot: burger, sizes: [0, 10]}\n"
@@ -33,6 +34,13 @@ def test_the_paper_s_plan_has_the_paper_s_rows() -> None:
     assert {0, 10, 20, 40, 60, 80} <= set(sizes["crawler"])
     assert {(row.robots, row.unit_cm) for row in plan.rows if row.robot == "burger"} == {(3, 1)}
     assert {(row.robots, row.unit_cm) for row in plan.rows if row.robot == "crawler"} == {(1, 10)}
+
+
+def test_a_plan_with_more_robots_than_its_smallest_map_holds_is_refused_before_any_trial() -> None:
+    rows = [{"sizes": [0, 10]}, {"robot": "crawler", "robots": 9, "sizes": [0, 80, 20]}]
+    with pytest.raises(ParameterError, match=r"^rows\[1\].robots: found room for \d of 9"):
+        refuse_crowded(read_plan("crowd", {"rows": rows}))
+    refuse_crowded(read_plan("alone", {"rows": [{"robot": "crawler", "robots": 1, "sizes": [0, 10]}]}))
 
 
 def test_no_step_of_the_driven_plan_is_higher_than_those_that_its_robots_cross() -> None:

@@ -22,7 +22,7 @@ from rsegen.simulation.experiment.plot import plot
 from rsegen.simulation.experiment.report import report_page, trials_csv
 from rsegen.simulation.experiment.results import Results, ResultsLog, is_results_log, read_cell, read_outcome
 from rsegen.simulation.experiment.tracks import refuse_loss_of_tracks, remove_tracks, write_tracks
-from rsegen.simulation.experiment.trial import run_trial
+from rsegen.simulation.experiment.trial import refuse_crowded, run_trial
 from rsegen.simulation.simulators.launching import choose_installation
 
 RESULTS_FILE = "results.jsonl"
@@ -72,6 +72,7 @@ def experiment(
     names = dict.fromkeys(str(row.simulator) for row in plan.rows)
     installed = {name: choose_installation("both", name) for name in names}
     refuse_without_frames(plan, installed)
+    refuse_crowded(plan)
     _refuse_loss(plan, folder)
     if force:
         _remove(folder)

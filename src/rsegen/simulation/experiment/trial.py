@@ -10,17 +10,19 @@ from math import ceil
 from pathlib import Path
 from statistics import fmean
 
+from rsegen.errors import ParameterError
 from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import Scene, compose
 from rsegen.io.worlds import generate
 from rsegen.simulation.driving.camera import camera_model
 from rsegen.simulation.driving.drive_metrics import Trajectory
+from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.driving.routes import Wandering
 from rsegen.simulation.driving.world_with_robots import world_with_robots
 from rsegen.simulation.experiment.driving_figures import driving_figures, trajectories
 from rsegen.simulation.experiment.frames import CAMERA_PIXELS, SOURCES
-from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan
+from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan, TableRow
 from rsegen.simulation.experiment.trial_server import Setup, Span, total, trial_server
 from rsegen.simulation.robots import robot
 from rsegen.simulation.simulators import Installation
@@ -81,13 +83,29 @@ def run_trial(plan: ExperimentPlan, cell: Cell, repeat: int, here: Installation)
         return retried(lambda: _trial(setups, plan.seconds, here, is_empty=not cell.size))
 
 
+def refuse_crowded(plan: ExperimentPlan) -> None:
+    """Raise a ParameterError, before any trial, if the smallest map of a row has no room for its robots."""
+    for number, row in enumerate(plan.rows):
+        smallest = min((size for size in row.sizes if size), default=0)
+        for repeat in range(plan.repeats if smallest else 0):
+            try:
+                _runs(row, compose(row.map_of(smallest, plan.seed + repeat)), plan.seed + repeat)
+            except ParameterError as error:
+                raise error.inside(f"rows[{number}]") from None
+
+
+def _runs(row: TableRow, scene: Scene, seed: int) -> Sequence[RobotRun]:
+    """The runs of the robots of a row on one of its maps."""
+    return robot_runs(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed, evenest=True)
+
+
 @contextmanager
 def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> Iterator[Setup]:
     """A temporary world file with robots, of a map or empty."""
     row = plan.rows[cell.row]
     recipe = row.map_of(cell.size, seed)
     scene = compose(recipe)
-    runs = robot_runs(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed, evenest=True)
+    runs = _runs(row, scene, seed)
     models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
     real = cell.pace in IN_REAL_TIME
     frames = cell.pace if cell.pace in SOURCES else None
