@@ -23,7 +23,8 @@ import errno
 import reprlib
 import shlex
 import sys
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
+from contextlib import contextmanager
 
 REFUSED = frozenset(
     {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST}
@@ -107,6 +108,15 @@ class ParameterError(UserError, ValueError):
     def of(self, source: str) -> ParameterError:
         """The same error with the file or flag that it comes from: `recipe.yaml: obstacles[2].softness`."""
         return type(self)(f"{source}: {self.where}" if self.where else source, self.problem)
+
+
+@contextmanager
+def inside(outer: str) -> Iterator[None]:
+    """ParameterErrors that are raised in it are seen from outside."""
+    try:
+        yield
+    except ParameterError as error:
+        raise error.inside(outer) from None
 
 
 class UnknownName(ParameterError):

@@ -125,7 +125,9 @@ class StepField:
                 yield Pallet(chunk=(i, j), centre=(float(x), float(y)), field=self._part(part))
 
     def mesh(self, kind: str = "merged") -> Mesh:
-        """The field as a mesh: `merged` (its visible surface), `watertight` (closed) or `blocks` (nothing merged)."""
+        """The field as a mesh: `merged`, its visible surface in few faces; `watertight`, closed, in few faces;
+        `closed`, in many squares and a fraction of the time; or `blocks`, six faces for each.
+        """
         from rsegen.geometry import whole_mesh
 
         return whole_mesh(self, kind)

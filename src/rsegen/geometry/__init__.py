@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from rsegen.errors import UnknownName
 from rsegen.field.stepfield import CellWindow, StepField
 from rsegen.geometry.boxes import Boxes, box_per_block, boxes
+from rsegen.geometry.closed import closed
 from rsegen.geometry.label_grid import split_window
 from rsegen.geometry.mesh import NORMALS, Mesh
 from rsegen.geometry.surface import surface
@@ -30,8 +31,8 @@ PIECE = 512
 """Side of the pieces, in cells, that large maps are split into, so that memory does not grow with the map."""
 
 
-MESHES = {"merged": surface, "watertight": watertight, "blocks": unmerged}
-"""What makes a mesh of a field, by the name that a recipe's `mesh` gives it."""
+MESHES = {"merged": surface, "watertight": watertight, "closed": closed, "blocks": unmerged}
+"""What makes a mesh of a field, by the name that a recipe's `mesh` gives it; `closed` is for programs alone."""
 
 
 def meshes(field: StepField, mesh: str, window: CellWindow | None = None) -> Iterator[Mesh]:

@@ -66,8 +66,8 @@ def _outlines(rings: Faces, grid: LabelGrid) -> _Outlines:
     after = np.arange(1, len(places) + 1)
     after[first[:, 0][1:] - 1] = first[:, 0][:-1]
     after[-1:] = first[-1:, 0]
-    beyond = _beyond(rings, grid.lattice).ravel()[side]
-    sheet = beyond & _pinched(places, grid)
+    far = beyond(rings, grid.lattice).ravel()[side]
+    sheet = far & pinched(places, grid)
     return _Outlines(2 * places + sheet, after, side // 4, side % 4, first)
 
 
@@ -96,7 +96,7 @@ def _key(places: Ints, axis: int, lattice: Lattice) -> Ints:
     return (lines[one] * shape[other] + lines[other]) * shape[axis] + lines[axis]
 
 
-def _beyond(rings: Faces, lattice: Lattice) -> Mask:
+def beyond(rings: Faces, lattice: Lattice) -> Mask:
     """Whether the block of a corner lies on the side of larger y of it: (m, 4)."""
     y = lattice.unravelled(rings.corners)[1]
     found: Mask = y == y.min(axis=1, keepdims=True)
@@ -105,7 +105,7 @@ def _beyond(rings: Faces, lattice: Lattice) -> Mask:
     return found
 
 
-def _pinched(places: Ints, grid: LabelGrid) -> Mask:
+def pinched(places: Ints, grid: LabelGrid) -> Mask:
     """Whether two diagonally opposite blocks touch at a point while the other two are lower."""
     x, y, z = grid.lattice.unravelled(places)
     top = grid.labels // grid.materials

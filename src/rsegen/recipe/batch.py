@@ -7,13 +7,12 @@ only the other obstacles are asked map by map.
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from functools import partial
 
 import numpy as np
 
-from rsegen.errors import ParameterError, shown
+from rsegen.errors import ParameterError, inside, shown
 from rsegen.field.obstacles import Grid, Patch
 from rsegen.field.obstacles.base import Region
 from rsegen.field.stepfield import Levels
@@ -43,7 +42,7 @@ def build_many(recipe: MapDesign, indices: Iterable[int]) -> Levels:
     at_once = max(_CELLS_AT_ONCE // (recipe.grid.n_x * recipe.grid.n_y), 1)
     for low in range(0, len(wanted), at_once):
         for number, obstacle in enumerate(obstacles):
-            with _said_of(f"obstacles[{number}]"):
+            with inside(f"obstacles[{number}]"):
                 obstacle.impose_on_next(levels[low : low + at_once])
     if recipe.difficulty != 1:
         from rsegen.recipe.difficulty import scaled_to_difficulty
@@ -62,15 +61,6 @@ def _checked(indices: Iterable[int]) -> Sequence[int]:
         if not 0 <= index < SEEDS:
             raise ParameterError("indices", f"{index} is outside 0..{SEEDS - 1}")
     return wanted
-
-
-@contextmanager
-def _said_of(where: str) -> Iterator[None]:
-    """ParameterErrors name the obstacle in which they occur."""
-    try:
-        yield
-    except ParameterError as error:
-        raise error.inside(where) from None
 
 
 class _InManyMaps:

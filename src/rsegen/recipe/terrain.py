@@ -15,7 +15,7 @@ from typing import Annotated
 
 import numpy as np
 
-from rsegen.errors import ParameterError, shown
+from rsegen.errors import ParameterError, inside, shown
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.spots import Footprint, even_spots
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
@@ -73,10 +73,8 @@ class Terrain:
         if (tile := tile_shape(recipe)) != tile_shape(first):
             sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, tile_shape(first)))
             raise ParameterError(where, f"tiles of {sides} cells with their frames; give recipes of one size")
-        try:
+        with inside(where):
             check_tile(recipe)
-        except ParameterError as error:
-            raise error.inside(where) from None
 
     @property
     def _kinds(self) -> Sequence[Recipe]:
@@ -156,10 +154,8 @@ class Terrain:
             for column in range(self.columns):
                 tile = self._tile(row, column)
                 rng = generator(seed, row * self.columns + column, "spots of a terrain")
-                try:
+                with inside(f"tile {row}, {column}"):
                     spots = even_spots(tile, footprint, count, rng, evenest=evenest)
-                except ParameterError as error:
-                    raise error.inside(f"tile {row}, {column}") from None
                 found[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in spots]
         found[..., :2] += self._middles[:, :, None]
         return found

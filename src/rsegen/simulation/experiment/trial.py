@@ -10,7 +10,7 @@ from math import ceil
 from pathlib import Path
 from statistics import fmean
 
-from rsegen.errors import ParameterError
+from rsegen.errors import inside
 from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import Scene, compose
 from rsegen.io.worlds import generate
@@ -87,11 +87,9 @@ def refuse_crowded(plan: ExperimentPlan) -> None:
     """Raise a ParameterError, before any trial, if the smallest map of a row has no room for its robots."""
     for number, row in enumerate(plan.rows):
         smallest = min((size for size in row.sizes if size), default=0)
-        for repeat in range(plan.repeats if smallest else 0):
-            try:
-                _runs(row, compose(row.map_of(smallest, plan.seed + repeat)), plan.seed + repeat)
-            except ParameterError as error:
-                raise error.inside(f"rows[{number}]") from None
+        with inside(f"rows[{number}]"):
+            for seed in range(plan.seed, plan.seed + plan.repeats) if smallest else ():
+                _runs(row, compose(row.map_of(smallest, seed)), seed)
 
 
 def _runs(row: TableRow, scene: Scene, seed: int) -> Sequence[RobotRun]:
