@@ -80,6 +80,15 @@ def rows() -> Iterator[Row]:
         "its merged mesh",
         terrain.field.mesh,
     )
+    large = rsegen.build(_recipe(200), 0)
+    yield _compared(
+        '`field.mesh("closed")`, random 200 x 200',
+        lambda: large.mesh("closed"),
+        200**2,
+        "blocks",
+        '`field.mesh("watertight")`',
+        lambda: large.mesh("watertight"),
+    )
     yield from _in_place()
 
 

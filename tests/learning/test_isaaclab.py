@@ -39,7 +39,7 @@ def _heights(mesh: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return found.reshape(len(x), len(y))
 
 
-@pytest.mark.parametrize("kind", ["merged", "watertight"])
+@pytest.mark.parametrize("kind", ["merged", "watertight", "closed"])
 def test_the_map_is_amid_level_ground_from_0_to_the_size(kind: str) -> None:
     (mesh,), origin = StepFieldTerrain(RECIPE, mesh=kind)(1.0, SubTerrain())
     assert mesh.bounds[0] == pytest.approx([0, 0, -0.05])
@@ -53,7 +53,7 @@ def test_the_map_is_amid_level_ground_from_0_to_the_size(kind: str) -> None:
     own[5:15, 2:12] = 0
     assert not own.any()
     assert origin[:2] == pytest.approx([1.0, 0.7])
-    assert mesh.is_watertight == (kind == "watertight")
+    assert mesh.is_watertight == (kind != "merged")
 
 
 def test_seed_and_difficulty_alone_choose_the_map() -> None:
