@@ -13,6 +13,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -56,11 +57,11 @@ def rows() -> Iterator[Row]:
         recipe = _recipe(side)
         yield _compared(
             f"`build_many`, random {side} x {side}",
-            lambda recipe=recipe, maps=maps: rsegen.build_many(recipe, range(maps)),
+            partial(rsegen.build_many, recipe, range(maps)),
             maps,
             "maps",
             "numpy, as many numbers in one call",
-            lambda side=side, maps=maps: _in_one_call(side, maps),
+            partial(_in_one_call, side, maps),
         )
     small, few = _recipe(10), 2_000
     yield _compared(
@@ -110,6 +111,10 @@ def _in_place() -> Iterator[Row]:
     state = mujoco.MjData(model)
     levels = rsegen.build_many(grid.recipe, range(count))
 
+    def writes() -> None:
+        for one in levels:
+            grid.write(model, one)
+
     def steps() -> None:
         mujoco.mj_resetData(model, state)
         for _ in range(count):
@@ -118,7 +123,7 @@ def _in_place() -> Iterator[Row]:
     steps_of_physics = f"{count:,} steps of MuJoCo on it, with four balls"
     yield _compared(
         "`BlockGrid.write`, 10 x 10 blocks",
-        lambda: [grid.write(model, one) for one in levels],
+        writes,
         count,
         "maps",
         steps_of_physics,
