@@ -25,6 +25,7 @@ def test_it_is_closed_and_has_the_volume_of_the_blocks(field: StepField) -> None
     assert found.volume == pytest.approx(field.heights.sum() * field.block_width**2)
     _, uses = np.unique(np.sort(found.edges, axis=1), axis=0, return_counts=True)
     assert set(uses) == {2}
+    assert np.array_equal(np.unique(mesh.faces), np.arange(len(mesh.vertices)))
 
 
 @given(fields())

@@ -16,17 +16,22 @@ from rsegen.geometry.faces import Faces, welded
 from rsegen.geometry.label_grid import LabelGrid, label_grid
 from rsegen.geometry.mesh import Mesh
 from rsegen.geometry.rectangles import Rectangles
-from rsegen.geometry.watertight import beyond, pinched
+from rsegen.geometry.watertight import pinched
+
+_FAR = np.array([[1, 0, 0, 1], [1, 0, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1], [1, 1, 0, 0], [0, 0, 1, 1]], dtype=bool)
+"""For each of NORMALS, at which corners of a face its block lies on the side of larger y."""
 
 
 def closed(field: StepField) -> Mesh:
     """The closed mesh of a field, in squares; empty if every cell is at level 0."""
     grid = label_grid(field)
     faces = Faces.joined([*_tops_and_bottoms(grid), _sides(grid, axis=0), _sides(grid, axis=1)])
-    places = faces.corners.ravel()
-    sheet = beyond(faces, grid.lattice).ravel() & pinched(places, grid)
-    points, corners = welded(2 * places + sheet, 2 * prod(grid.lattice.shape))
-    return grid.lattice.mesh(faces._replace(corners=corners.reshape(-1, 4)), points // 2)
+    points, corners = welded(faces.corners, prod(grid.lattice.shape))
+    doubled = pinched(points, grid)
+    second = (len(points) - 1 + np.cumsum(doubled)).astype(corners.dtype)
+    own = doubled[corners] & _FAR[faces.normals]
+    corners[own] = second[corners[own]]
+    return grid.lattice.mesh(faces._replace(corners=corners), np.concatenate([points, points[doubled]]))
 
 
 def _tops_and_bottoms(grid: LabelGrid) -> tuple[Faces, Faces]:

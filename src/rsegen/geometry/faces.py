@@ -26,7 +26,7 @@ class Faces(NamedTuple):
     def joined(cls, parts: Iterable[Faces]) -> Faces:
         """All faces of the parts, sorted by material."""
         faces = cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-        return faces.rows(np.argsort(faces.materials, kind="stable"))
+        return faces.rows(np.argsort(faces.materials.astype(np.int16), kind="stable"))
 
     def rows(self, which: Ints) -> Faces:
         """The faces of these indices."""

@@ -66,8 +66,8 @@ def _outlines(rings: Faces, grid: LabelGrid) -> _Outlines:
     after = np.arange(1, len(places) + 1)
     after[first[:, 0][1:] - 1] = first[:, 0][:-1]
     after[-1:] = first[-1:, 0]
-    far = beyond(rings, grid.lattice).ravel()[side]
-    sheet = far & pinched(places, grid)
+    beyond = _beyond(rings, grid.lattice).ravel()[side]
+    sheet = beyond & pinched(places, grid)
     return _Outlines(2 * places + sheet, after, side // 4, side % 4, first)
 
 
@@ -96,7 +96,7 @@ def _key(places: Ints, axis: int, lattice: Lattice) -> Ints:
     return (lines[one] * shape[other] + lines[other]) * shape[axis] + lines[axis]
 
 
-def beyond(rings: Faces, lattice: Lattice) -> Mask:
+def _beyond(rings: Faces, lattice: Lattice) -> Mask:
     """Whether the block of a corner lies on the side of larger y of it: (m, 4)."""
     y = lattice.unravelled(rings.corners)[1]
     found: Mask = y == y.min(axis=1, keepdims=True)
