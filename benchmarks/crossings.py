@@ -141,7 +141,8 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
     """The figures as lines of Markdown."""
     found = [Trial(**each) for each in record["trials"]]
     robots = list(dict.fromkeys(each.robot for each in found))
-    heads = [f"{name} (climbs {100 * ROBOTS[name].climbs:g} cm)" for name in robots]
+    limits = {name: (100 * ROBOTS[name].climbs, ROBOTS[name].limits.climb_cm) for name in robots}
+    heads = [f"{name} (climbs {climbs:g} cm, limit {limit:g} cm)" for name, (climbs, limit) in limits.items()]
     yield "| highest step of the way, of what the robot climbs | " + " | ".join(heads) + " |"
     yield "|---|" + "---|" * len(robots)
     for low, high in pairwise(BINS):
