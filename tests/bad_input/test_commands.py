@@ -232,6 +232,7 @@ def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, c
         "metrics": ["a.yaml"],
         "dataset": ["-o", "out"],
         "series": ["-o", "out"],
+        "terrain": ["a.yaml", "-o", "out"],
         "sheet": ["a.yaml", "-o", "s.pdf"],
         "export": ["a.yaml", "--to", "stl", "-o", "out"],
     }

@@ -45,8 +45,8 @@ def test_the_watertight_mesh_of_a_field_is_watertight_in_trimesh(scene: Scene) -
 
 
 def test_an_unknown_mesh_is_named_with_the_known_ones(scene: Scene) -> None:
-    with pytest.raises(UnknownName, match=r"unknown mesh 'closed'.*blocks, merged, watertight"):
-        scene.field.mesh("closed")
+    with pytest.raises(UnknownName, match=r"unknown mesh 'sealed'.*blocks, closed, merged, watertight"):
+        scene.field.mesh("sealed")
 
 
 def test_the_boxes_of_a_field_fill_its_volume(scene: Scene) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 from rsegen import Recipe
 from rsegen.errors import ParameterError
+from rsegen.params.difficulty_range import DifficultySort
 from rsegen.params.places import CellRef, Size2D
 from rsegen.params.sorts import Choice, Flag, Float, Integer, ListOf, Parameter, Text, parameters
 from rsegen.recipe.codec import decode
@@ -27,6 +28,8 @@ def _candidates(parameter: Parameter) -> list[Any]:
             return list(reversed(values))
         case Integer() | Float() | Text():
             return [*NUMBERS, *TEXTS]
+        case DifficultySort():
+            return [0.5]
         case Size2D() | CellRef():
             return [[2, 3]]
         case ListOf(sort=sort, length=length):

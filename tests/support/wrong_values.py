@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from rsegen import KINDS, Placement, Recipe
+from rsegen.params.difficulty_range import DifficultySort
 from rsegen.params.places import CellRef, Size2D
 from rsegen.params.sorts import Choice, Float, Integer, ListOf, Parameter, Text, parameters
 from tests.support.complaints import MANY_DIGITS, NO_WORD
@@ -46,6 +47,17 @@ def _takes_words(name: str, parameter: Parameter, value: object) -> bool:
     return (name == "description" and value in ("", NO_WORD)) or (name in ("name", "key") and value == NO_WORD)
 
 
+_OF_A_SORT: Mapping[type, tuple[object, ...]] = {
+    Choice: ("", 1, []),
+    Text: (1, 2.5, "x\n", "\n", "\0", "\ud800", "x" * 501),
+    CellRef: (1, 1.5, [], [1], [1, 2, 3], [0, -1], [0, 0.5], [0, True], [0, None], [0, "1"], "random,random"),
+    Size2D: (0, -1, 1.5, 10**9 + 1, MANY_DIGITS, "2", "2x2", [], [1], [1, 2, 3], [1, 0], [1, True]),
+    ListOf: (-1, [], [[1]], [0, None], [0, NO_WORD], [-0.5], [1001.5]),
+    DifficultySort: (-0.1, 1.1, "0", [], [0.5], [1, 0], [0, 1, 1], [0, 1, 2.5], [0, 1, 2, 3], [0, None], [0, math.nan]),
+}
+_OF_OTHERS = (1, [], "1,2", [1, -1], [1, math.nan], [1, math.inf], [1, True], [1, "2"], [1, None], [0] * 5)
+
+
 def _wrong_values(parameter: Parameter) -> Iterator[object]:
     yield from (True, NO_WORD, {}, {"a": [1]}, [[[[1]]]], math.nan, math.inf, -math.inf)
     match parameter:
@@ -54,18 +66,8 @@ def _wrong_values(parameter: Parameter) -> Iterator[object]:
             yield from () if high is None else (high + 1, MANY_DIGITS, 1e300)
         case Float(low=low, high=high):
             yield from (math.nextafter(low, -math.inf), math.nextafter(high, math.inf), str(low), MANY_DIGITS)
-        case Choice():
-            yield from ("", 1, [])
-        case Text():
-            yield from (1, 2.5, "x\n", "\n", "\0", "\ud800", "x" * 501)
-        case CellRef():
-            yield from (1, 1.5, [], [1], [1, 2, 3], [0, -1], [0, 0.5], [0, True], [0, None], [0, "1"], "random,random")
-        case Size2D():
-            yield from (0, -1, 1.5, 10**9 + 1, MANY_DIGITS, "2", "2x2", [], [1], [1, 2, 3], [1, 0], [1, True])
-        case ListOf():
-            yield from (-1, [], [[1]], [0, None], [0, NO_WORD], [-0.5], [1001.5])
         case _:
-            yield from (1, [], "1,2", [1, -1], [1, math.nan], [1, math.inf], [1, True], [1, "2"], [1, None], [0] * 5)
+            yield from _OF_A_SORT.get(type(parameter), _OF_OTHERS)
 
 
 def _wrong_texts(parameter: Parameter) -> Iterator[str]:

@@ -104,7 +104,7 @@ def test_a_robot_s_figures_are_its_own_and_each_is_overridden(capsys: pytest.Cap
         return dict(json.loads(printed(capsys, PALLET, "--json", "--robot", "burger", *flags))[0]["reach"]["climber"])
 
     usual = climber()
-    assert usual["climb_cm"] / 100 == pytest.approx(kind.crosses)
+    assert usual["climb_cm"] / 100 == pytest.approx(kind.climbs * kind.crosses)
     assert usual["width_cm"] / 100 == pytest.approx(kind.size[1])
     assert climber("--climb-cm", "10", "--drop-cm", "20") == {**usual, "climb_cm": 10, "drop_cm": 20}
 

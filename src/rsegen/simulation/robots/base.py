@@ -51,7 +51,7 @@ class Robot:
 
     size, clearance: overall length, width and height, and ground clearance of the body, metres
     climbs: the highest single step that it drives up in Gazebo Classic, measured, metres
-    crosses: the highest step of a way across a map up to which it mostly comes across, measured, metres; None: `climbs`
+    crosses: the highest step of a way across a map up to which it mostly comes across, as a share of `climbs`, measured
     source: the origin of its figures, and which are ours
     """
 
@@ -64,7 +64,7 @@ class Robot:
     links: tuple[Link, ...]
     joints: tuple[Joint, ...]
     drive: Drive
-    crosses: float | None = None
+    crosses: float = 1.0
     servos: tuple[Servo, ...] = ()
     lidar: Lidar | None = None
 
@@ -86,7 +86,7 @@ class Robot:
     @property
     def limits(self) -> RobotLimits:
         """Its limits for the metrics: on a map it meets several steps at once, and stands on them askew."""
-        return RobotLimits.of(self.climbs if self.crosses is None else self.crosses, self.size[1])
+        return RobotLimits.of(self.climbs * self.crosses, self.size[1])
 
     @property
     def mass(self) -> float:
