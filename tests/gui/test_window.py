@@ -156,6 +156,17 @@ def test_difficulty_stands_in_the_form_and_eases_the_map(window: Window) -> None
     assert window.session.recipe.difficulty == 1
 
 
+def test_a_range_of_difficulty_is_shown_and_stays(window: Window) -> None:
+    window.session.set("difficulty", [0.2, 1, 5])
+    field = find(window, QDoubleSpinBox, "difficulty_field")
+    assert field.text() == "[0.2, 1, 5]"
+    choose(window, "peak")
+    click(window, "add")
+    assert window.session.recipe.difficulty == (0.2, 1, 5)
+    field.setValue(0.5)
+    assert window.session.recipe.difficulty == 0.5
+
+
 def test_frictions_stand_in_the_form_and_what_is_wrong_under_them(window: Window) -> None:
     field = find(window, QLineEdit, "level_friction_field")
     error_label = find(window, QLabel, "level_friction_error")

@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles.matrix import Rows
 from rsegen.gui.widgets.named import named
+from rsegen.params.difficulty_range import DifficultySort
 from rsegen.params.places import Size2D
 from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, parameters
 
@@ -264,6 +265,8 @@ def shortened(value: Json) -> str:
 def editor(owner: type, name: str) -> Editor:
     """The editor for a parameter of a dataclass; one whose default is None gets a text field, which may be empty."""
     parameter = parameters(owner)[name]
+    if isinstance(parameter, DifficultySort):
+        parameter = Float(0, 1, help=parameter.help)  # of a range the text is shown, and kept until it is changed
     if next(field.default for field in fields(owner) if field.name == name) is None:
         return TextEditor(name, parameter)
     if isinstance(parameter, Choice):

@@ -28,7 +28,9 @@ class MapStatusBar(QStatusBar):
         self.levels, self.numbers = LevelBar(), named(QLabel(), "numbers")
         self.costs, self.cell = named(QLabel(indent=12), "costs"), named(QLabel(), "cell")
         self.robot = named(
-            QComboBox(), "robot", tip="whether this robot can cross the map, by what it climbs and its width"
+            QComboBox(),
+            "robot",
+            tip="whether this robot can cross the map, by the steps that it mostly crosses and its width",
         )
         self.robot.addItems(["no robot", *robot_names()])
         self.crossing = named(QLabel(), "crossing")
