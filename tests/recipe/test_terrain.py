@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen import Peak, Placement, Random, Recipe, Terrain
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, UserError
 from rsegen.field.metrics.batch import batch_metrics
 
 ROUGH = Recipe(name="rough", seed=1, unit_cm=5, boundary="none", obstacles=[Placement(obstacle=Random(max_height=6))])
@@ -106,12 +106,20 @@ def test_a_tile_without_an_even_place_is_named() -> None:
         ({"rows": 0}, "rows: 0 is outside 1..1000"),
         ({"difficulty": 0.5}, "difficulty: 0.5 is not a list of 2"),
         ({"recipes": [ROUGH, replace(ROUGH, chunk_size=8)]}, r"recipes\[1\]: tiles of 8 x 8 and 10 x 10 cells"),
-        ({"recipes": [ROUGH, replace(ROUGH, unit_cm=10)]}, r"recipes\[1\].unit_cm: 10, and 5 in the first recipe"),
+        ({"recipes": [ROUGH, replace(ROUGH, unit_cm=10)]}, r"recipes\[1\].unit_cm: 10.0, and 5.0 in the first recipe"),
+        (
+            {"recipes": [ROUGH, replace(ROUGH, level_friction=(0.5,))]},
+            r"recipes\[1\].level_friction: .* give one for all",
+        ),
+        (
+            {"rows": 1000, "columns": 1000, "recipes": replace(ROUGH, chunk_size=40)},
+            "rows: a terrain of 40,020 x 40,020",
+        ),
         ({"recipes": replace(ROUGH, difficulty=(0, 1))}, r"recipes\[0\].difficulty: .* is a range"),
         ({"recipes": replace(ROUGH, boundary="outer", frame_height_cm=7)}, r"frame_height_cm: 7 is no multiple"),
     ],
-    ids=str,
+    ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_what_cannot_be_is_said(given: Mapping[str, Any], message: str) -> None:
-    with pytest.raises(ParameterError, match=message):
+    with pytest.raises(UserError, match=message):
         Terrain(**{"recipes": ROUGH, **given})

@@ -15,7 +15,7 @@ from typing import Annotated
 
 import numpy as np
 
-from rsegen.errors import ParameterError, inside, shown
+from rsegen.errors import ParameterError, TooLarge, inside, shown
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.spots import Footprint, even_spots
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
@@ -25,10 +25,13 @@ from rsegen.recipe.placement import Placement
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import check_tile, eased, tile_levels, tile_shape
 
-_ALIKE = ("unit_cm", "block_width_cm", "friction")
+_ALIKE = ("unit_cm", "block_width_cm", "friction", "level_friction", "level_colours")
 """Parameters that the whole terrain has once."""
 
 _LARGEST_CHUNK = 1000
+
+_MOST_CELLS = 2**27
+"""Of a terrain: what follows from them takes hundreds of bytes for each."""
 
 SIZE, _COUNT = ListOf(Float(0.01, 100, unit="m"), 2), Integer(1, 1000)
 
@@ -39,6 +42,7 @@ class Terrain:
 
     recipes: its kinds, each in as many neighbouring columns as the others; all tiles are of the same size.
     difficulty: that of the first row and that of the last; the rows between rise evenly. 0 is flat, 1 as designed.
+    Frames become blocks of their height. UserError if the recipes do not go together, or it is too large.
     """
 
     recipes: Recipe | Sequence[Recipe]
@@ -61,15 +65,17 @@ class Terrain:
             raise ParameterError("recipes", f"{len(self._kinds)} for {self.columns} columns; give one for each at most")
         for number, recipe in enumerate(self._kinds):
             self._check_tile(f"recipes[{number}]", recipe)
+        n_x, n_y = self._shape
+        if n_x * n_y > _MOST_CELLS:
+            raise TooLarge(f"rows: a terrain of {n_x:,} x {n_y:,} cells is too large; give fewer or smaller tiles")
 
     def _check_tile(self, where: str, recipe: Recipe) -> None:
         first = self._kinds[0]
         for name in _ALIKE:
             own, others = getattr(recipe, name), getattr(first, name)
             if own != others:
-                raise ParameterError(
-                    f"{where}.{name}", f"{own:g}, and {others:g} in the first recipe; give one for all"
-                )
+                problem = f"{shown(own)}, and {shown(others)} in the first recipe; give one for all"
+                raise ParameterError(f"{where}.{name}", problem)
         if (tile := tile_shape(recipe)) != tile_shape(first):
             sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, tile_shape(first)))
             raise ParameterError(where, f"tiles of {sides} cells with their frames; give recipes of one size")
