@@ -83,10 +83,10 @@ def _stage(scene: Scene) -> Any:
     stage.SetDefaultPrim(root.GetPrim())
     found = solid(scene.field)
     for number, (friction, part) in enumerate(_by_friction(scene, found)):
-        name = f"surface_friction_{prim_name(decimal(friction))}" if number else "surface"
-        mesh = _mesh(root, scene, part, name)
+        own = f"friction_{decimal(friction).replace('.', '_')}" if number else "friction"
+        mesh = _mesh(root, scene, part, f"surface_{own}" if number else "surface")
         _bind_colours(root, scene, mesh, part)
-        _add_physics(root, mesh, friction, name.replace("surface", "friction"))
+        _add_physics(root, mesh, friction, own)
     return stage
 
 
