@@ -78,6 +78,14 @@ def test_wheels_cross_steps_and_a_small_caster_does_not(
     assert np.diff(robot.trajectory.rows[:, 0]) == pytest.approx(0.05)
 
 
+def test_no_command_tilts_a_burger_on_level_ground(gazebo: Installation) -> None:
+    """It wanders, backs away and turns back; in Gazebo Sim it would nod if its wheels changed speed at once."""
+    ground = Recipe(seed=7, boundary="none")
+    (robot,) = rsegen.drive(ground, route="random", duration=12, seed=2, simulator=gazebo.simulator.name).robots
+    assert robot.metrics.tilt < 0.01
+    assert robot.metrics.distance > 1
+
+
 def test_python_gives_what_the_command_line_does(gazebo: Installation, tmp_path: Path) -> None:
     done: list[float] = []
     folder = course(tmp_path, 1)

@@ -61,7 +61,7 @@ BURGER = register(
         source=(
             "sizes, wheels, mass and top speeds: ROBOTIS e-manual and turtlebot3_description; ours: even densities,"
             " a hull that touches with balls at its corners, tyres with their middle, a caster without friction,"
-            " the motors' inertia"
+            " the motors' inertia and acceleration"
         ),
         size=(0.138, 0.178, 0.192),
         clearance=0.010,
@@ -70,7 +70,13 @@ BURGER = register(
         links=(_BASE, _wheel("left", _SEPARATION / 2), _wheel("right", -_SEPARATION / 2)),
         joints=(_axle("left"), _axle("right")),
         drive=Wheels(
-            left=("left_axle",), right=("right_axle",), separation=_SEPARATION, radius=_RADIUS, speed=0.22, turn=2.84
+            left=("left_axle",),
+            right=("right_axle",),
+            separation=_SEPARATION,
+            radius=_RADIUS,
+            speed=0.22,
+            turn=2.84,
+            acceleration=1.0,
         ),
         lidar=Lidar(pose=(_BACK, 0, 0.182, 0, 0, 0), rays=360, nearest=0.12, farthest=3.5, rate=5),
     )

@@ -41,12 +41,15 @@ class Wheels(Drive):
     slip         how much faster skidding wheels must turn against each other than rolling ones, for the same turn rate
     spread       by how much farther apart than the wheels the hinges' origins are, on the same axles: Classic's plug-in
                  takes the distance between them for the separation, and no turn rate above pi
+    acceleration of the wheels' rims in Gazebo Sim, m/s^2, whose drive else changes speed at once, so that light robots
+                 tip over; Classic's has the limits of its motors
     """
 
     left: tuple[str, ...]
     right: tuple[str, ...]
     slip: float = 1
     spread: float = 1
+    acceleration: float | None = None
 
     def plugins(self, simulator: str) -> str:
         """DiffDrive in both; Classic's knows one pair of wheels, and calls left what is right."""
@@ -64,7 +67,14 @@ class Wheels(Drive):
     def _system(self) -> str:
         sides = elements("left_joint", self.left) + elements("right_joint", self.right)
         sizes = element("wheel_separation", self.separation * self.slip) + element("wheel_radius", self.radius)
-        return sides + sizes + _limits("linear", self.speed) + _limits("angular", self.turn)
+        limits = _limits("linear", self.speed) + _limits("angular", self.turn)
+        return sides + sizes + limits + self._accelerations()
+
+    def _accelerations(self) -> str:
+        if self.acceleration is None:
+            return ""
+        turning = 2 * self.acceleration / self.separation
+        return _limits("linear", self.acceleration, "acceleration") + _limits("angular", turning, "acceleration")
 
 
 _MOVING = 0.1  # m/s, below which SimpleTrackedVehicle takes a turn for one in place
@@ -123,8 +133,8 @@ class Tracks(Drive):
         return element("tracks_separation", self.separation) + element("steering_efficiency", self.efficiency)
 
 
-def _limits(kind: str, most: float) -> str:
-    return element(f"max_{kind}_velocity", most) + element(f"min_{kind}_velocity", -most)
+def _limits(kind: str, most: float, of: str = "velocity") -> str:
+    return element(f"max_{kind}_{of}", most) + element(f"min_{kind}_{of}", -most)
 
 
 def _limited(tag: str, most: float) -> str:
