@@ -55,7 +55,18 @@ _OF_A_SORT: Mapping[type, tuple[object, ...]] = {
     ListOf: (-1, [], [[1]], [0, None], [0, NO_WORD], [-0.5], [1001.5]),
     DifficultySort: (-0.1, 1.1, "0", [], [0.5], [1, 0], [0, 1, 1], [0, 1, 2.5], [0, 1, 2, 3], [0, None], [0, math.nan]),
 }
-_OF_OTHERS = (1, [], "1,2", [1, -1], [1, math.nan], [1, math.inf], [1, True], [1, "2"], [1, None], [0] * 5)
+_OF_OTHERS: tuple[object, ...] = (
+    1,
+    [],
+    "1,2",
+    [1, -1],
+    [1, math.nan],
+    [1, math.inf],
+    [1, True],
+    [1, "2"],
+    [1, None],
+    [0] * 5,
+)
 
 
 def _wrong_values(parameter: Parameter) -> Iterator[object]:
