@@ -162,7 +162,7 @@ def test_a_range_of_difficulty_is_shown_and_stays(window: Window) -> None:
     assert field.text() == "[0.2, 1, 5]"
     choose(window, "peak")
     click(window, "add")
-    assert window.session.recipe.difficulty == (0.2, 1, 5)
+    assert window.session.recipe.entry()["difficulty"] == [0.2, 1, 5]
     field.setValue(0.5)
     assert window.session.recipe.entry()["difficulty"] == 0.5
 
