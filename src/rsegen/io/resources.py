@@ -13,6 +13,7 @@ from pathlib import Path
 from rsegen.errors import TooLarge, shown
 from rsegen.geometry import PIECE
 from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.tiles import tile_shape
 
 BYTES_PER_CELL = 16
 """Of memory for every cell of a map: measured between 1000 x 1000 and 4000 x 4000 blocks, rounded up."""
@@ -119,12 +120,12 @@ def _checked_memory(recipe: Recipe, bytes_per_cell: int, free: int) -> int:
     """The bytes of memory that one map needs; TooLarge if fewer are free, or if it would take hours."""
     needed = _memory(recipe, bytes_per_cell)
     if needed > free:
-        n_x, n_y = _shape(recipe)
+        n_x, n_y = tile_shape(recipe)
         raise TooLarge(
             f"chunks: a map of {n_x} x {n_y} cells needs about {format_bytes(needed)} of memory, "
             f"{format_bytes(free)} are free; give fewer chunks or a smaller chunk_size"
         )
-    cells = prod(_shape(recipe))
+    cells = prod(tile_shape(recipe))
     if len(recipe.obstacles) * cells > MOST_WORK:
         raise TooLarge(
             f"obstacles: {len(recipe.obstacles):,} of them on a map of {cells:,} cells would take too long; "
@@ -135,19 +136,11 @@ def _checked_memory(recipe: Recipe, bytes_per_cell: int, free: int) -> int:
 
 def _memory(recipe: Recipe, bytes_per_cell: int) -> int:
     """The bytes of memory that one map needs at its peak. A watertight mesh is made of a whole model at once."""
-    cells = prod(_shape(recipe))
+    cells = prod(tile_shape(recipe))
     model = (recipe.chunk_size + 2) ** 2 if recipe.mesh_type == "pallet" else cells
     piece = min(cells, model if recipe.mesh == "watertight" else PIECE**2)
     scaling = BYTES_PER_CELL_OF_DIFFICULTY * (recipe.difficulty != 1)
     return cells * (BYTES_PER_CELL + scaling + bytes_per_cell) + piece * BYTES_PER_CELL_OF_A_PIECE[recipe.mesh]
-
-
-def _shape(recipe: Recipe) -> tuple[int, int]:
-    """Cells along x and y, frames included: small chunks have more frame than blocks."""
-    chunks_x, chunks_y = recipe.chunks
-    frames_x, frames_y = {"none": (0, 0), "outer": (2, 2), "divided": (2 * chunks_x, 2 * chunks_y)}[recipe.boundary]
-    n_x, n_y = recipe.grid.shape
-    return n_x + frames_x, n_y + frames_y
 
 
 def _free_memory() -> int:

@@ -14,7 +14,7 @@ from rsegen.exporters.formats.columns import Column, columns
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.tiles import check_tile, eased, tile_levels, tile_shape
+from rsegen.recipe.tiles import amid, check_tile, eased, tile_levels, tile_shape
 
 _SAME = 1e-6
 """Metres below which lengths count as equal."""
@@ -66,7 +66,6 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
     levels = np.zeros((n_x, n_y), dtype=np.int16)
     own = tile_levels(eased(recipe, difficulty), index)
     levels[low_x : low_x + m_x, low_y : low_y + m_y] = own
-    amid = own[(m_x - 1) // 2 : m_x // 2 + 1, (m_y - 1) // 2 : m_y // 2 + 1]
     raised = StepField(
         levels=levels + np.int16(1),
         frame=np.zeros(levels.shape, dtype=bool),
@@ -74,7 +73,7 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
         unit=unit,
         frame_height=0.0,
     )
-    origin = np.array([(low_x + m_x / 2) * width, (low_y + m_y / 2) * width, amid.max() * unit])
+    origin = np.array([(low_x + m_x / 2) * width, (low_y + m_y / 2) * width, float(amid(own)) * unit])
     return Tile(raised=raised, size=(n_x * width, n_y * width), origin=origin)
 
 

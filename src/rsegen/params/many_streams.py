@@ -6,7 +6,6 @@ turns 128 bits into the state, and PCG64 (O'Neill 2014), whose first two steps b
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import cycle
 from typing import Any
@@ -14,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsegen.params.streams import digest
+
 Words = NDArray[np.uint32]
 
 _WORDS = 4
 """32-bit words of a digest, and of the pool into which they are mixed."""
-
-_DIGEST_BYTES = 16
 
 _AT_ONCE = 4096
 """Generators whose states are worked out together."""
@@ -48,9 +47,7 @@ def generators(seed: int, indices: Sequence[int], key: str) -> Iterator[np.rando
 
 def _digests(seed: int, indices: Iterable[int], key: str) -> Words:
     """(maps, 4): what `streams.generator` seeds each generator with."""
-    digest, before, after = hashlib.blake2b, f"{seed}/", f"/{key}"
-    texts = (f"{before}{index}{after}".encode() for index in indices)
-    found = b"".join(digest(text, digest_size=_DIGEST_BYTES).digest() for text in texts)
+    found = b"".join(digest(seed, index, key) for index in indices)
     return np.frombuffer(found, "<u4").reshape(-1, _WORDS).astype(np.uint32)
 
 

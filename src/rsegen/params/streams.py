@@ -21,8 +21,12 @@ def fresh_seed() -> int:
 
 def generator(seed: int, index: int, key: str) -> np.random.Generator:
     """The generator of the obstacle `key` in map `index`: no other obstacle or map has a say in it."""
-    digest = hashlib.blake2b(f"{seed}/{index}/{key}".encode(), digest_size=16).digest()
-    return np.random.Generator(np.random.PCG64(np.frombuffer(digest, "<u4")))
+    return np.random.Generator(np.random.PCG64(np.frombuffer(digest(seed, index, key), "<u4")))
+
+
+def digest(seed: int, index: int, key: str) -> bytes:
+    """The 16 bytes that seed the generator of the obstacle `key` in map `index`."""
+    return hashlib.blake2b(f"{seed}/{index}/{key}".encode(), digest_size=16).digest()
 
 
 def randint(rng: np.random.Generator, low: int, high: int) -> int:

@@ -23,7 +23,7 @@ from rsegen.params.sorts import Float, Integer, ListOf, parameters, validate
 from rsegen.params.streams import generator
 from rsegen.recipe.placement import Placement
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.tiles import check_tile, eased, tile_levels, tile_shape
+from rsegen.recipe.tiles import amid, check_tile, eased, tile_levels, tile_shape
 
 _ALIKE = ("unit_cm", "block_width_cm", "friction", "level_friction", "level_colours")
 """Parameters that the whole terrain has once."""
@@ -119,7 +119,7 @@ class Terrain:
         return StepField(
             levels=levels,
             frame=np.zeros(levels.shape, dtype=bool),
-            block_width=first.block_width_cm / 100,
+            block_width=self._block_width,
             unit=first.unit_cm / 100,
             frame_height=first.frame_height_cm / 100,
         )
@@ -128,15 +128,13 @@ class Terrain:
     def tile_size(self) -> tuple[float, float]:
         """Metres of a tile along x and y, frames counted."""
         n_x, n_y = tile_shape(self._kinds[0])
-        width = self.field.block_width
+        width = self._block_width
         return round(n_x * width, NANOMETRE_DIGITS), round(n_y * width, NANOMETRE_DIGITS)
 
     @property
     def origins(self) -> Array:
         """The middle of each tile, (rows, columns, 3), metres; z is the highest of the cells that meet there."""
-        n_x, n_y = self.levels.shape[2:]
-        amid = self.levels[:, :, (n_x - 1) // 2 : n_x // 2 + 1, (n_y - 1) // 2 : n_y // 2 + 1]
-        return np.concatenate([self._middles, amid.max(axis=(2, 3))[..., None] * self.field.unit], axis=2)
+        return np.concatenate([self._middles, amid(self.levels)[..., None] * (self._kinds[0].unit_cm / 100)], axis=2)
 
     def spots(
         self,
@@ -188,6 +186,11 @@ class Terrain:
         )
 
     @property
+    def _block_width(self) -> float:
+        """Metres."""
+        return self._kinds[0].block_width_cm / 100
+
+    @property
     def _shape(self) -> tuple[int, int]:
         """Cells of the whole field."""
         n_x, n_y = tile_shape(self._kinds[0])
@@ -213,7 +216,7 @@ class Terrain:
         """x and y of the middle of each tile, (rows, columns, 2), metres."""
         tile = tile_shape(self._kinds[0])
         x, y = (
-            (np.arange(tiles) - (tiles - 1) / 2) * (cells + self.gap) * self.field.block_width
+            (np.arange(tiles) - (tiles - 1) / 2) * (cells + self.gap) * self._block_width
             for tiles, cells in zip((self.rows, self.columns), tile, strict=True)
         )
         return np.round(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1), NANOMETRE_DIGITS)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.stepfield import Levels
+from rsegen.field.stepfield import Array, Ints, Levels
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 
@@ -29,6 +29,12 @@ def tile_shape(recipe: Recipe) -> tuple[int, int]:
         return n_x, n_y
     frames_x, frames_y = recipe.chunks if recipe.boundary == "divided" else (1, 1)
     return n_x + 2 * frames_x, n_y + 2 * frames_y
+
+
+def amid(levels: Ints | Array) -> Ints | Array:
+    """The highest of the cells that meet in the middle of each map, (...,), of levels or heights (..., n_x, n_y)."""
+    x, y = (slice((cells - 1) // 2, cells // 2 + 1) for cells in levels.shape[-2:])
+    return np.asarray(levels[..., x, y].max(axis=(-2, -1)))
 
 
 def eased(recipe: Recipe, share: float) -> Recipe:

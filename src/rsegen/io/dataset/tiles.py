@@ -16,6 +16,7 @@ from rsegen.field.metrics.batch import COLUMNS
 from rsegen.field.metrics.custom import METRICS, Measure, Metric
 from rsegen.field.stepfield import Array, Ints
 from rsegen.params.sorts import Choice, Integer
+from rsegen.recipe.tiles import amid
 
 if TYPE_CHECKING:
     from rsegen.io.dataset.reading import Dataset
@@ -95,8 +96,6 @@ def _figures(dataset: Dataset, by: str | Measure) -> tuple[NDArray[np.float32], 
 
 
 def _origins(heights: Array, shape: tuple[int, int], size: tuple[float, float]) -> Array:
-    n_x, n_y = heights.shape[1:]
-    amid = heights[:, (n_x - 1) // 2 : n_x // 2 + 1, (n_y - 1) // 2 : n_y // 2 + 1]
     x, y = ((np.arange(n) - (n - 1) / 2) * metres for n, metres in zip(shape, size, strict=True))
     xy = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
-    return np.concatenate([xy, amid.max(axis=(1, 2)).reshape(*shape, 1)], axis=-1)
+    return np.concatenate([xy, amid(heights).reshape(*shape, 1)], axis=-1)
