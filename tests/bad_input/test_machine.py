@@ -91,7 +91,7 @@ def test_a_run_that_is_stopped_leaves_whole_maps_only(tmp_path: Path, name: str)
 
 
 def test_a_run_that_is_stopped_in_its_only_map_leaves_nothing(tmp_path: Path) -> None:
-    process = started("generate", *OBSTACLE, "--chunks", "20", "--mesh-type", "multi", "-o", tmp_path / "a" / "b")
+    process = started("generate", *OBSTACLE, "--chunks", "200", "--mesh-type", "multi", "-o", tmp_path / "a" / "b")
     until_it_has(process, lambda: list(tmp_path.glob("a/b/.rsegen.*")))
     process.send_signal(signal.SIGINT)
     code, err = ended(process)

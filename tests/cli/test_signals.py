@@ -82,6 +82,29 @@ def test_a_stop_that_python_loses_is_repeated(folder: Path) -> None:
     assert (process.returncode, err) == (1, "rsegen: stopped\n")
 
 
+IMPORTS = {
+    "drops it": "try: signal.raise_signal(signal.SIGINT)\nexcept: pass\n",  # as compiled modules do
+    "never ends": "signal.raise_signal(signal.SIGINT)\nwhile True: time.sleep(60)\n",
+}
+
+
+@pytest.mark.parametrize("lines", IMPORTS.values(), ids=IMPORTS)
+def test_a_stop_while_a_module_is_imported_is_not_lost(folder: Path, lines: str) -> None:
+    (folder / "imported.py").write_text("import signal, time\n" + lines)
+    (folder / "plugin.py").write_text(
+        "import sys, time\n"
+        "from rsegen.cli import examples\n"
+        "sys.path.append('.')\n"
+        "def run(arguments):\n"
+        "    import imported\n"
+        "    time.sleep(60)\n"
+        "examples.run = run\n"
+    )
+    process = started("--plugin", "plugin.py", "examples")
+    _, err = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, err) == (1, "rsegen: stopped\n")
+
+
 @pytest.mark.parametrize(
     "command", [["info", "peak"], ["obstacles"], ["metrics", "peak"], ["schema"]], ids=lambda c: c[0]
 )

@@ -7,13 +7,16 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, NoReturn
+from types import FrameType
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # rsegen --help needs none of it
     from rsegen.recipe.recipe import Recipe
 
 _AGAIN = 0.02
 """Seconds until a stop that Python lost is tried again."""
+_IMPORT = 50
+"""How many of these an import may take: what stops it after that stops it at any line."""
 
 
 class Stop:
@@ -25,32 +28,54 @@ class Stop:
         if threading.current_thread() is not threading.main_thread():
             found = []
         self._before = {each: signal.getsignal(each) for each in found if signal.getsignal(each) is not signal.SIG_IGN}
+        self._put_off = 0
+        self._repeating: threading.Timer | None = None
         self.happened = False
 
     def heed(self) -> None:
         """From now on a signal raises a KeyboardInterrupt."""
         self._set(self._stop)
 
-    def _stop(self, signal_: int, frame: object) -> NoReturn:
+    def _stop(self, signal_: int, frame: FrameType | None) -> None:
         self._set(signal.SIG_IGN)
         self.happened = True
-        raise KeyboardInterrupt
+        if self._put_off == _IMPORT or not _importing(frame):
+            raise KeyboardInterrupt
+        self._put_off += 1
+        self.again()
 
-    def _set(self, handler: Callable[[int, object], object] | signal.Handlers) -> None:
+    def _set(self, handler: Callable[[int, FrameType | None], object] | signal.Handlers) -> None:
         for each in self._before:
             signal.signal(each, handler)
 
     def restore(self) -> None:
         """What the signals did before."""
+        if self._repeating:
+            self._repeating.cancel()
         for each, before in self._before.items():
             signal.signal(each, before)
 
     def again(self) -> None:
         """Stop once more, in a moment."""
         self.heed()
-        waiting = threading.Timer(_AGAIN, signal.raise_signal, [next(iter(self._before))])
-        waiting.daemon = True
-        waiting.start()
+        self._repeating = threading.Timer(_AGAIN, _signal_to_main, [next(iter(self._before))])
+        self._repeating.daemon = True
+        self._repeating.start()
+
+
+def _signal_to_main(number: int) -> None:
+    """Wake the main thread by a signal, wherever it waits; where the system can't, once it waits no more."""
+    if hasattr(signal, "pthread_kill") and (main := threading.main_thread().ident):
+        signal.pthread_kill(main, number)
+    else:
+        signal.raise_signal(number)
+
+
+def _importing(frame: FrameType | None) -> bool:
+    """Whether a module is being imported: compiled ones drop every exception that comes in some of their lines."""
+    while frame and not frame.f_code.co_filename.startswith("<frozen importlib"):
+        frame = frame.f_back
+    return frame is not None
 
 
 @contextmanager
