@@ -23,6 +23,8 @@ def main() -> int:
     code = 1
     try:
         code = run()
+    except SystemExit as done:  # --help
+        code = int(done.code or 0)
     except KeyboardInterrupt:  # so late that the command has said all that there is to say
         pass
     finally:
