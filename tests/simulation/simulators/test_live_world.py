@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import astuple
@@ -17,10 +18,12 @@ from rsegen.simulation.robots import robot
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.server import running_server
+from rsegen.simulation.simulators.sim_discovery import SERVICES, Discovery, Event
 from rsegen.simulation.simulators.sim_transport import transport_client
 from tests.simulation.real.conftest import gazebo_classic, gazebo_sim
 from tests.simulation.transport import connected_to, transport_world
 from tests.support.complaints import the_line
+from tests.support.patience import PATIENCE
 
 __all__ = ["gazebo_classic", "gazebo_sim"]
 
@@ -152,6 +155,28 @@ def connect_again_and_again(address: Mapping[str, str]) -> None:
     for _ in range(10):
         with connected_to(address):
             pass
+
+
+def test_a_server_that_cannot_be_connected_to_is_given_up_and_nothing_hangs() -> None:
+    """It was heard, and has gone since: requests are tried again until their time is over."""
+    address, service = {"GZ_PARTITION": "gone", "GZ_IP": "127.0.0.1"}, "/world/gone/control"
+    kind = {"socket_id": "gone", "request_type": "ignition.msgs.Empty", "response_type": "ignition.msgs.Boolean"}
+    gone = {"topic": f"@/gone@{service}", "address": "tcp://127.0.0.1:1", "node_uuid": "gone", "srv_pub": kind}
+    server, said = Discovery(SERVICES, "gone", address), []
+
+    def use() -> None:
+        with transport_client(address) as client:
+            server.send(Event.ADVERTISE, pub=gone)
+            with pytest.raises(SimulatorFailed) as failed:
+                client.request(service, "Empty", {}, timeout=2)
+            said.append(str(failed.value))
+
+    using = threading.Thread(target=use, daemon=True)
+    using.start()
+    using.join(PATIENCE)
+    server.close()
+    assert said == [f"Gazebo Sim: {service} does not answer"]
+    assert not using.is_alive()
 
 
 def test_a_server_that_ends_is_an_error() -> None:

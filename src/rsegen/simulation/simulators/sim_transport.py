@@ -17,7 +17,7 @@ import uuid
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import partial
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from typing import Any
 
 from rsegen.errors import SimulatorFailed
@@ -66,6 +66,7 @@ class TransportClient:
         self._attended, self._silent_beats = "", 0
         self._work: SimpleQueue[Callable[[], object]] = SimpleQueue()
         self._wake, self._woken = socket.socketpair()
+        self._wake.setblocking(False)
         self._topics = Discovery(TOPICS, self._process, environment)
         self._offers = Discovery(SERVICES, self._process, environment)
         self._sockets = Sockets(interfaces(environment)[0], self._process)
@@ -169,7 +170,8 @@ class TransportClient:
     def _do(self, work: Callable[[], object]) -> None:
         """Hand work to the thread that owns the sockets."""
         self._work.put(work)
-        self._wake.send(b"!")
+        with suppress(BlockingIOError):  # enough are waiting to wake it
+            self._wake.send(b"!")
 
     def _run(self) -> None:
         sockets, others = self._sockets, (self._woken, self._topics.receiver, self._offers.receiver)
@@ -206,10 +208,10 @@ class TransportClient:
                 self._topics.send(Event.SUBSCRIBE, sub={"topic": topic})
 
     def _read_work(self) -> None:
+        """Do what was handed over until now; what that hands over, such as another try, waits for the next turn."""
         self._woken.recv(4096)
-        with suppress(Empty):
-            while True:
-                self._work.get_nowait()()
+        for _ in range(self._work.qsize()):
+            self._work.get_nowait()()
 
     def _read_discovery(self, where: Discovery, advertised: Callable[[Message], None]) -> None:
         message = where.receive()
