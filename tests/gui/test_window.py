@@ -128,7 +128,7 @@ def test_a_problem_stands_beside_its_row_and_nothing_can_be_started(window: Wind
     window.forms.obstacle.default_ends.setChecked(False)
     click(window, "add")
     window.session.set("chunk_size", 5)
-    assert window.forms.error_label.text() == "obstacles[0].last[0]: 9 is outside 0..4"
+    assert window.forms.error_label.text() == "Row 1, X last: 9 is outside 0..4"
     assert cell(window, 0, 1).toolTip() == "9 is outside 0..4"
     assert not window.forms.start.isEnabled()
     window.session.undo()
@@ -331,7 +331,7 @@ def test_an_end_beside_the_map_is_said_to_be_and_everything_else_goes_on(window:
     click(window, "add")
     window.document.select(0)
     cell(window, 0, 5).setText("99, 99")
-    assert window.forms.error_label.text() == "obstacles[0].last[0]: 99 is outside 0..9"
+    assert window.forms.error_label.text() == "Row 1, X last: 99 is outside 0..9"
     cell(window, 0, 5).setText("8, 9")
     assert previewed(window) == build(window.session.recipe)
     assert window.forms.error_label.isHidden()
@@ -342,8 +342,15 @@ def test_tab_goes_through_the_window_as_it_is_read(window: Window) -> None:
     window.forms.obstacle.default_ends.setChecked(False)
     click(window, "add")
     window.document.select(0)
-    wanted = ["maps_field", "mesh_type_field", "seed_field", "keep_seed", "reroll", "kind", "max_height_field"]
-    wanted += ["softness_field", "default_ends", "x_first", "y_first", "x_last", "y_last", "add", "folder", "start"]
+    wanted = ["maps_field", "mesh_type_field", "seed_field", "keep_seed", "reroll", "kind"]
+    wanted += [
+        "max_height_field",
+        "max_height_field",
+        "softness_field",
+        "softness_field",
+        "default_ends",
+    ]  # slider, number
+    wanted += ["x_first", "y_first", "x_last", "y_last", "folder", "start", "add"]
     names, widget = [], window.nextInFocusChain()
     while widget is not None and widget is not window:
         if widget.focusPolicy() & Qt.FocusPolicy.TabFocus:

@@ -36,20 +36,26 @@ class Files:
         """Open a new recipe."""
         self._replace(Session.new)
 
-    def may_leave(self, *, discard: bool = False) -> bool:
-        """Whether the open recipe may be left: it is saved, or the user says so; `discard` names the buttons so."""
-        standard = QMessageBox.StandardButton
-        yes, no = (standard.Discard, standard.Cancel) if discard else (standard.Yes, standard.No)
-        question = "The recipe is not saved. Leave it?"
-        return not self._document.session.unsaved or (
-            QMessageBox.question(self._parent, "rsegen", question, yes | no) == yes
-        )
+    def may_leave(self) -> bool:
+        """Whether the open recipe may be left: it is saved, the user saves it now, or does not want to."""
+        session, standard = self._document.session, QMessageBox.StandardButton
+        if not session.unsaved:
+            return True
+        question, buttons = f"Save the changes of {session.title}?", standard.Save | standard.Discard | standard.Cancel
+        answer = QMessageBox.question(self._parent, "rsegen", question, buttons, standard.Save)
+        if answer == standard.Save:
+            self.save()
+        return answer == standard.Discard or not session.unsaved
 
     def choose_example(self) -> None:
         """Ask for an example, and open a copy of it."""
         dialog = ExampleDialog(self._parent)
-        dialog.chosen.connect(lambda path: self._replace(partial(Session.copied, path)))
+        dialog.chosen.connect(self.open_example)
         dialog.open()
+
+    def open_example(self, path: Path) -> None:
+        """Open a copy of an example."""
+        self._replace(partial(Session.copied, path))
 
     def choose_file(self) -> None:
         """Ask for a recipe, or for the manifest of a data set, and open it."""

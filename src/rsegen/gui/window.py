@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QSettings, QTimer
-from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import QDialog, QMainWindow, QSplitter
+from PySide6.QtCore import QSettings, QSize, Qt, QTimer
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
+from PySide6.QtWidgets import QDialog, QMainWindow, QMenu, QSplitter
 
 from rsegen.gui.dialogs.manual import show_manual
 from rsegen.gui.files import Files, dropped_path
 from rsegen.gui.menus import fill_edit_menu, fill_file_menu, fill_run_menu, fill_view_menu
 from rsegen.gui.model.document import Document
+from rsegen.gui.model.ends import fixed
 from rsegen.gui.model.map_numbers import Costs
 from rsegen.gui.model.preview import Preview
-from rsegen.gui.model.session import Session
+from rsegen.gui.model.session import Entry, Session
 from rsegen.gui.outputs import Outputs
 from rsegen.gui.widgets.command_menus import Command, CommandMenus
 from rsegen.gui.widgets.map_status import MapStatusBar
@@ -74,16 +75,25 @@ class Window(QMainWindow):
         forms.reroll.connect(lambda: document.session.reroll())
         forms.basic.keep.toggled.connect(self._keep_seed)
         forms.obstacle.edited.connect(lambda: document.edit(forms.obstacle.entry()))
-        forms.add.clicked.connect(lambda: self.add_obstacle())
-        forms.remove.clicked.connect(lambda: document.remove_last())
-        forms.clear.clicked.connect(lambda: document.session.clear())
+        forms.obstacle.fixed = self._fixed
+        forms.another.clicked.connect(lambda: document.select(-1))
         for button, run in ((forms.start, self.outputs.start), (forms.start_form.export, self.outputs.export)):
             button.pressed.connect(self.finish_typing)  # some desktops leave the keyboard with the field
             button.clicked.connect(lambda _=False, run=run: run())
         forms.start_form.changed.connect(lambda: self._menus.refresh())
+        forms.start_form.spawn.clicked.connect(lambda: self.outputs.spawn())
+        simulators = QMenu(forms.start_form.open_in)
+        self.simulators.add_to(simulators)
+        forms.start_form.open_in.setMenu(simulators)
 
     def _connect_views(self) -> None:
         table, plan, document = self.views.table, self.views.plan, self.document
+        bar, welcome = self.views.list_bar, self.views.welcome
+        bar.add.clicked.connect(lambda: self.add_obstacle())
+        bar.remove.clicked.connect(lambda: document.remove_selected_or_last())
+        bar.clear.clicked.connect(lambda: document.session.clear())
+        welcome.chosen.connect(self.files.open_example)
+        welcome.more.connect(self.files.choose_example)
         table.chosen.connect(document.select)
         table.switched.connect(lambda row, on: document.session.enable(row, enabled=on))
         table.edited.connect(lambda row, entry: document.session.change(row, entry))
@@ -105,7 +115,7 @@ class Window(QMainWindow):
             lambda name: self.simulators.open(name, self.session.recipe, self.status.shown_index())
         )
         for each in (self.simulators, self.outputs.spawn_job):
-            each.message.connect(self.status.showMessage)
+            each.message.connect(self.forms.note.show_message)
 
     def _add_menus(self) -> None:
         self._menus, bar, views = CommandMenus(self, self.finish_typing), self.menuBar(), self.views
@@ -129,13 +139,14 @@ class Window(QMainWindow):
         self.views.show_document(self.document)
         self.status.show_recipe(session.recipe)
         self.simulators.show_recipe(session.recipe, is_valid=session.problem is None)
-        self.setWindowTitle(f"{session.path.name if session.path else 'untitled'}[*] - rsegen")
+        self.setWindowTitle(f"{session.title}[*] - rsegen")
         self.setWindowModified(session.unsaved)
         self._menus.refresh()
         self._pause.start()
 
     def _preview(self) -> None:
-        self.previewer.preview(self.session.recipe, self.status.shown_index())
+        proposed = self.document.keyed(self.forms.obstacle.entry()) if self.document.is_proposing else None
+        self.previewer.preview(self.session.recipe, self.status.shown_index(), proposed)
 
     def _show_preview(self, preview: Preview) -> None:
         self.forms.show_failure("")
@@ -151,17 +162,41 @@ class Window(QMainWindow):
         self.status.show_costs(costs)
         self.forms.show_warnings(costs.warnings)
 
+    def _fixed(self, entry: Entry) -> Entry:
+        """An entry with its ends fixed where they are in the map that is shown."""
+        return fixed(self.document.keyed(entry), self.session.recipe, self.status.shown_index())
+
     def _keep_seed(self, kept: bool) -> None:  # noqa: FBT001  # a signal's
         self.session.seed_kept = kept
 
+    def _splitters(self) -> dict[str, QSplitter]:
+        return {"halves": self.halves, "views": self.views, "below": self.views.below}
+
     def _restore_geometry(self) -> None:
-        settings = QSettings("rsegen", "rsegen")
-        self.resize(1280, 720)
+        """The size and the parts as they were last, or by default; never larger than the screen."""
+        settings, room = QSettings("rsegen", "rsegen"), self.screen().availableSize()
+        self.resize(QSize(1280, 720).boundedTo(room * 0.95))
+        self.halves.setSizes([430, 850])
         if settings.contains("geometry"):
             self.restoreGeometry(settings.value("geometry"))
-            self.halves.restoreState(settings.value("halves"))
+        for name, splitter in self._splitters().items():
+            if settings.contains(name):
+                splitter.restoreState(settings.value(name))
+        self.forms.tabs.setCurrentIndex(int(str(settings.value("tab", 0))))
+
+    def _keep_geometry(self) -> None:
+        settings = QSettings("rsegen", "rsegen")
+        settings.setValue("geometry", self.saveGeometry())
+        for name, splitter in self._splitters().items():
+            settings.setValue(name, splitter.saveState())
+        settings.setValue("tab", self.forms.tabs.currentIndex())
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Escape selects no obstacle, so that the form is for a new one."""
+        if event.key() == Qt.Key.Key_Escape:
+            self.document.select(-1)
         else:
-            self.halves.setSizes([430, 850])
+            super().keyPressEvent(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         """Accept recipes, data sets and files of heights."""
@@ -176,7 +211,7 @@ class Window(QMainWindow):
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask if the recipe is not saved; then stop what is running, and wait for it."""
         self.finish_typing()
-        if not self.files.may_leave(discard=True):
+        if not self.files.may_leave():
             event.ignore()
             return
         self._pause.stop()
@@ -184,8 +219,6 @@ class Window(QMainWindow):
             dialog.close()
         for work in (self.outputs, self.previewer, self.simulators):
             work.stop()
-        settings = QSettings("rsegen", "rsegen")
-        settings.setValue("geometry", self.saveGeometry())
-        settings.setValue("halves", self.halves.saveState())
+        self._keep_geometry()
         self.views.view.close()
         super().closeEvent(event)

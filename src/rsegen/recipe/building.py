@@ -87,10 +87,14 @@ def flat_ground(grid: Grid, maps: int | None = None) -> Levels:
 
 def placed_by(grid: Grid, placement: Placement, rng: np.random.Generator) -> tuple[Cell, Cell, Patch]:
     """The cells of both ends of an obstacle, and the levels that it proposes there, by a generator."""
-    obstacle = placement.obstacle
-    usual_first, usual_last = obstacle.default_ends(grid)
-    first, last = obstacle.ends(grid, placement.first or usual_first, placement.last or usual_last, rng)
-    return first, last, obstacle.patch(grid, first, last, rng)
+    first, last = ends_by(grid, placement, rng)
+    return first, last, placement.obstacle.patch(grid, first, last, rng)
+
+
+def ends_by(grid: Grid, placement: Placement, rng: np.random.Generator) -> tuple[Cell, Cell]:
+    """The cells of both ends of an obstacle, by a generator where they are random."""
+    default_first, default_last = placement.obstacle.default_ends(grid)
+    return placement.obstacle.ends(grid, placement.first or default_first, placement.last or default_last, rng)
 
 
 def impose(levels: Levels, patch: Patch, blend: str, top_level: int) -> None:

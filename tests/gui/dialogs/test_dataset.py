@@ -152,9 +152,9 @@ def test_what_is_not_saved_is_asked_for(window: Window, rubble: Path) -> None:
     window.session.add({"kind": "peak", "max_height": 3})
     before = window.session
     window.files.open(rubble)
-    question = answer(Said.No)
+    question = answer(Said.Cancel)
     press_open(asked(window))
-    assert question == ["The recipe is not saved. Leave it?"]
+    assert question == ["Save the changes of untitled?"]
     assert window.session is before
 
 

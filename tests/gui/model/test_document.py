@@ -51,7 +51,7 @@ def test_a_row_is_not_shifted_out_of_the_list(document: Document) -> None:
 def test_the_selection_stays_in_a_list_that_becomes_shorter(document: Document) -> None:
     document.add(PEAK)
     document.add(BARRIER)
-    document.remove_last()
+    document.remove_selected_or_last()
     assert document.selected == 0
     document.session.clear()
     assert (document.selected, document.selected_entry) == (-1, None)

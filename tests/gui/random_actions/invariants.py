@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication, QLabel, QLineEdit
 
 from rsegen.errors import ParameterError
 from rsegen.gui.model.session import Draft, Session
-from rsegen.gui.model.typed_cells import cell_text
+from rsegen.gui.model.typed_cells import cell_text, problem_text
 from rsegen.gui.widgets.obstacle_table import KEYS
 from rsegen.gui.window import Window
 
@@ -58,7 +58,7 @@ def _problem(window: Window) -> Iterator[str]:
     try:
         recipe = session.draft.recipe()
     except ParameterError as error:
-        if str(session.problem) != str(error) or label.text() != str(error) or label.isHidden():
+        if str(session.problem) != str(error) or label.text() != problem_text(error) or label.isHidden():
             yield f"{error} is not shown, but {label.text()!r}"
         if window.forms.start.isEnabled() or window.outputs.is_possible:
             yield f"can be started though {error}"
@@ -88,7 +88,7 @@ def _list(window: Window) -> Iterator[str]:
 def _forms(window: Window) -> Iterator[str]:
     """The forms show the draft; fields in which a text was typed and not finished aside."""
     draft, document = window.session.draft, window.document
-    for form in (window.forms.basic, window.forms.advanced):
+    for form in (window.forms.basic, *window.forms.advanced.groups.values()):
         for name, each in form._editors.items():
             unfinished = isinstance(each.fields[0], QLineEdit) and each.fields[0].isModified()
             if not unfinished and each.value() != draft.values.get(name):
@@ -103,6 +103,6 @@ def _forms(window: Window) -> Iterator[str]:
 def _messages(window: Window) -> Iterator[str]:
     """Nothing that is shown is a mistake in rsegen."""
     labels = [label.text() for top in QApplication.topLevelWidgets() for label in top.findChildren(QLabel)]
-    for text in (*labels, window.status.currentMessage()):
+    for text in labels:
         if "internal error" in text or "Traceback" in text:
             yield text

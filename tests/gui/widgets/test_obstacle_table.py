@@ -108,8 +108,8 @@ def test_only_what_can_be_done_can_be_chosen(window: Window) -> None:
     assert "Redo" in possible(window)
     window.document.open(Session.new())
     assert possible(window).isdisjoint({"Undo", "Redo"} | ROWS)
-    assert not window.forms.remove.isEnabled()
-    assert not window.forms.clear.isEnabled()
+    assert not window.views.list_bar.remove.isEnabled()
+    assert not window.views.list_bar.clear.isEnabled()
 
 
 def edit(window: Window, row: int, column: int, text: str) -> None:
@@ -132,22 +132,22 @@ def test_a_kind_that_there_is_not_is_an_error_and_can_be_corrected(window: Windo
 @pytest.mark.parametrize(
     ("column", "text", "message"),
     [
-        (1, "peek", ".kind: unknown obstacle kind 'peek'; did you mean 'peak'?"),
-        (1, "", ".kind: unknown obstacle kind ''"),
-        (2, "abc", ".max_height: 'abc' is not a whole number; give 2..32767 units"),
-        (2, "5.5", ".max_height: '5.5' is not a whole number; give 2..32767 units"),
-        (2, "9" * 30, f".max_height: {'9' * 30} is outside 2..32767 units"),
-        (2, "", ".levels: is missing; give 2..32767 units"),
-        (3, "a,b", ".softness: 'a,b' is not a number; give 0..100 %"),
-        (3, "nan", ".softness: nan is not a finite number; give 0..100 %"),
-        (3, "<b>7</b>", ".softness: '<b>7</b>' is not a number; give 0..100 %"),
-        (4, "abc", ".first: 'abc' is not a place; give x and y"),
-        (4, "7", ".first: '7' is not a place; give x and y"),
-        (4, "a,b", ".first[0]: 'a' is not a coordinate"),
-        (5, "1,2,3", ".last: [1, 2, 3] is not a place; give x and y"),
-        (5, "2, 5.5", ".last[1]: '5.5' is not a coordinate"),
-        (5, "-1, 2", ".last[0]: -1 is not a coordinate"),
-        (5, f"2, {2**70}", f".last[1]: {2**70} is outside 0..9"),
+        (1, "peek", "type: unknown obstacle kind 'peek'; did you mean 'peak'?"),
+        (1, "", "type: unknown obstacle kind ''"),
+        (2, "abc", "height: 'abc' is not a whole number; give 2..32767 units"),
+        (2, "5.5", "height: '5.5' is not a whole number; give 2..32767 units"),
+        (2, "9" * 30, f"height: {'9' * 30} is outside 2..32767 units"),
+        (2, "", "height: is missing; give 2..32767 units"),
+        (3, "a,b", "softness: 'a,b' is not a number; give 0..100 %"),
+        (3, "nan", "softness: nan is not a finite number; give 0..100 %"),
+        (3, "<b>7</b>", "softness: '<b>7</b>' is not a number; give 0..100 %"),
+        (4, "abc", "first: 'abc' is not a place; give x and y"),
+        (4, "7", "first: '7' is not a place; give x and y"),
+        (4, "a,b", "X first: 'a' is not a coordinate"),
+        (5, "1,2,3", "last: [1, 2, 3] is not a place; give x and y"),
+        (5, "2, 5.5", "Y last: '5.5' is not a coordinate"),
+        (5, "-1, 2", "X last: -1 is not a coordinate"),
+        (5, f"2, {2**70}", f"Y last: {2**70} is outside 0..9"),
     ],
 )
 @pytest.mark.parametrize("selected", [-1, 1])
@@ -156,7 +156,7 @@ def test_a_cell_that_is_wrong_is_marked_and_named_and_nothing_can_be_started(
 ) -> None:
     window.document.select(selected)
     edit(window, 1, column, text)
-    assert window.forms.error_label.text().startswith(f"obstacles[1]{message}")
+    assert window.forms.error_label.text().startswith(f"Row 2, {message}")
     assert not window.forms.start.isEnabled()
     item = window.views.table.item(1, column)
     assert item is not None

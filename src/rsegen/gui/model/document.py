@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from rsegen.gui.model.ends import aligned, other_end
 from rsegen.gui.model.handles import Handle, handles_of
 from rsegen.gui.model.painting import UNPAINTED, can_paint, painted
-from rsegen.gui.model.session import Entry, Session, aligned
+from rsegen.gui.model.session import Entry, Session
 from rsegen.params.places import Cell
 
 
@@ -19,6 +20,7 @@ class Document:
     def __init__(self, session: Session) -> None:
         self.session = session
         self.selected = -1
+        self._proposes = False
         self.changed: Callable[[], None] = lambda: None
         self.opened: Callable[[], None] = lambda: None
 
@@ -27,26 +29,36 @@ class Document:
         """The obstacle that is selected, as a recipe file has it."""
         return self.session.draft.rows[self.selected].entry if self.selected >= 0 else None
 
+    @property
+    def is_proposing(self) -> bool:
+        """Whether the form has a new obstacle to be shown as a ghost: one was edited there, or the list is empty."""
+        return self.selected < 0 and (self._proposes or not self.session.draft.rows)
+
+    def keyed(self, entry: Entry) -> Entry:
+        """An entry with the key of the selected obstacle, or with the one that it gets when it is added."""
+        key = (self.selected_entry or {}).get("key")
+        return {**entry, "key": key} if key else self.session.keyed(entry)
+
     def handles(self, shape: Cell) -> list[Handle]:
         """The ends of all obstacles on a map of this number of blocks along x and y."""
         return handles_of(self.session.draft.rows, shape)
 
     def open(self, session: Session) -> None:
         """Edit another session, such as that of a file."""
-        self.session, self.selected = session, -1
+        self.session, self.selected, self._proposes = session, -1, False
         session.changed = self._session_changed
         self.opened()
 
     def select(self, row: int) -> None:
         """Select an obstacle; -1 selects none."""
-        self.selected = row
+        self.selected, self._proposes = row, False
         self.changed()
 
     # Changes of the list.
 
     def add(self, entry: Entry) -> None:
         """Add an obstacle at the end of the list, and select it."""
-        self.selected = len(self.session.draft.rows)
+        self.selected, self._proposes = len(self.session.draft.rows), False
         self.session.add(entry)
 
     def draw(self, entry: Entry, first: Cell, last: Cell) -> None:
@@ -78,24 +90,26 @@ class Document:
         if self.selected >= 0:
             self.session.remove(self.selected)
 
-    def remove_last(self) -> None:
-        """Remove the last obstacle."""
-        if self.session.draft.rows:
-            self.session.remove(len(self.session.draft.rows) - 1)
+    def remove_selected_or_last(self) -> None:
+        """Remove the selected obstacle; if none is selected, the last one."""
+        if rows := self.session.draft.rows:
+            self.session.remove(self.selected if self.selected >= 0 else len(rows) - 1)
 
     # Changes of one obstacle; those of one gesture are undone together.
 
     def edit(self, entry: Entry) -> None:
-        """Replace the parameters of the selected obstacle."""
+        """Replace the parameters of the selected obstacle; without one, propose this entry as a new obstacle."""
         if self.selected >= 0:
             self.session.change(self.selected, entry, gesture=("form", self.selected))
+        else:
+            self._proposes = True
+            self.changed()
 
     def move_end(self, row: int, end: str, cell: Cell) -> None:
         """Move the first or the last end of an obstacle to a cell, and select the obstacle."""
         entry = {**self.session.draft.rows[row].entry, end: list(cell)}
         self.selected = row
-        other = "first" if end == "last" else "last"
-        self.session.change(row, aligned(entry, other), gesture=("drag", row, end))
+        self.session.change(row, aligned(entry, other_end(end)), gesture=("drag", row, end))
 
     def paint(self, cells: Sequence[Cell], level: int, stroke: int) -> None:
         """Give cells a level: in the selected matrix, or else in a new one."""

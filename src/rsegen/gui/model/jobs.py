@@ -65,7 +65,7 @@ class WorldsJob(Job):
     def run(self, step: Callable[[object], None], *, force: bool) -> str:
         """Do what `rsegen generate` does."""
         made = generate(self.recipe, self.folder, force=force, sheet=self.sheets, progress=step)
-        return f"{_maps(len(made.maps))} in {self.folder}, seed {made.recipe.seed}"
+        return f"{_maps(len(made.maps))} in {self.folder.absolute()}, seed {made.recipe.seed}"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -9,7 +9,9 @@ from rsegen.errors import TooLarge
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.coarse import coarse, coarseness
 from rsegen.gui.model.colours import Rgb, legend
+from rsegen.gui.model.ghost import Ghost, ghost_of
 from rsegen.gui.model.map_numbers import Share, shares, size_text
+from rsegen.gui.model.session import Entry
 from rsegen.gui.model.solid import Solid, solid
 from rsegen.io.resources import refuse_too_large
 from rsegen.recipe.recipe import Recipe
@@ -27,7 +29,10 @@ BYTES_PER_CELL = 24
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Preview:
-    """A scene and what is shown of it: a solid of which each column is `factor` x `factor` cells, a legend, numbers."""
+    """A scene and what is shown of it: a solid of which each column is `factor` x `factor` cells, a legend, numbers.
+
+    ghost: the obstacle in the form that is not yet in the list, if there is one, and its solid.
+    """
 
     scene: Scene
     factor: int
@@ -36,6 +41,8 @@ class Preview:
     legend: Sequence[tuple[Rgb, str]]
     shares: Sequence[Share]
     numbers: str
+    ghost: Ghost | None = None
+    ghost_solid: Solid | None = None
 
 
 def is_quick(recipe: Recipe) -> bool:
@@ -44,19 +51,20 @@ def is_quick(recipe: Recipe) -> bool:
     return n_x * n_y <= QUICK_CELLS
 
 
-def preview(recipe: Recipe, index: int) -> Preview:
-    """The preview of one map of a recipe; TooLarge if there is too little memory for it."""
+def preview(recipe: Recipe, index: int, proposed: Entry | None = None) -> Preview:
+    """The preview of one map of a recipe and of one more obstacle; TooLarge if there is too little memory for it."""
     refuse_too_large(recipe, BYTES_PER_CELL)
     try:
-        return preview_of(compose(recipe, index))
+        return preview_of(compose(recipe, index), proposed)
     except MemoryError:
         raise TooLarge("this map needs more memory than is free; give fewer chunks or a smaller chunk_size") from None
 
 
-def preview_of(scene: Scene) -> Preview:
-    """The preview of a scene."""
+def preview_of(scene: Scene, proposed: Entry | None = None) -> Preview:
+    """The preview of a scene, with a ghost of one more obstacle."""
     factor = coarseness(scene.field, SHOWN_SIDE)
-    seen = replace(scene, field=coarse(scene.field, factor))
+    seen = _coarse(scene, factor)
+    ghost = ghost_of(scene, proposed) if proposed else None
     return Preview(
         scene=scene,
         factor=factor,
@@ -65,4 +73,10 @@ def preview_of(scene: Scene) -> Preview:
         legend=legend(scene),
         shares=shares(scene),
         numbers=size_text(scene),
+        ghost=ghost,
+        ghost_solid=solid(_coarse(ghost.scene, factor)) if ghost else None,
     )
+
+
+def _coarse(scene: Scene, factor: int) -> Scene:
+    return replace(scene, field=coarse(scene.field, factor))

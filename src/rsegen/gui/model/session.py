@@ -17,7 +17,7 @@ from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.io.recipe_file import load, save
 from rsegen.params.sorts import Json
 from rsegen.params.streams import fresh_seed
-from rsegen.recipe.codec import decode, decode_placement
+from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe import Recipe
 
 Entry = Mapping[str, Json]
@@ -52,12 +52,14 @@ class Draft:
 class Session:
     """A draft and its history.
 
-    changed: called after every change; path: the recipe's file, if it has one; seed_kept: Start draws no other seed;
+    changed: called after every change; path: the recipe's file, if it has one; copy_of: the name of the recipe that
+    was copied; seed_kept: Start draws no other seed;
     problem: why the draft is invalid; recipe: the last valid one.
     """
 
     draft: Draft
     path: Path | None = None
+    copy_of: str = ""
     seed_kept: bool = True
     changed: Callable[[], None] = lambda: None
     problem: ParameterError | None = None
@@ -84,7 +86,7 @@ class Session:
     @classmethod
     def copied(cls, path: Path) -> Session:
         """A session with a copy of the recipe of a file; it has no path."""
-        return cls(draft=draft_of(load(path)))
+        return cls(draft=draft_of(load(path)), copy_of=path.stem)
 
     @classmethod
     def imported(cls, recipe: Recipe) -> Session:
@@ -92,6 +94,13 @@ class Session:
         session = cls(draft=draft_of(recipe))
         session._saved = None
         return session
+
+    @property
+    def title(self) -> str:
+        """What the window calls the recipe."""
+        if self.path:
+            return self.path.name
+        return f"copy of {self.copy_of}" if self.copy_of else "untitled"
 
     # Global parameters.
 
@@ -108,9 +117,13 @@ class Session:
     def add(self, entry: Entry, at: int | None = None, *, gesture: object = None) -> int:
         """Add an obstacle, at the end by default; gives its row."""
         at = len(self.draft.rows) if at is None else at
-        row = ObstacleRow(entry=MappingProxyType({**entry, "key": self._free_key()}))
+        row = ObstacleRow(entry=MappingProxyType(self.keyed(entry)))
         self._put_rows((*self.draft.rows[:at], row, *self.draft.rows[at:]), gesture)
         return at
+
+    def keyed(self, entry: Entry) -> dict[str, Json]:
+        """An entry with the key that it gets when it is added."""
+        return {**entry, "key": self._free_key()}
 
     def duplicate(self, row: int) -> int:
         """Copy a row to the row below it; gives that row."""
@@ -206,30 +219,6 @@ class Session:
     def _free_key(self) -> str:
         taken = {row.entry.get("key") for row in self.draft.rows}
         return next(key for number in range(1, len(taken) + 2) if (key := f"obstacle-{number}") not in taken)
-
-
-def aligned(entry: Entry, end: str) -> Entry:
-    """An entry with one end moved in line with the other if its kind must be axis-aligned; else the entry as it is."""
-    ends = [_cell(entry.get(name)) for name in (end, "first" if end == "last" else "last")]
-    if _is_valid(entry) or not all(ends):
-        return entry
-    (x, y), (other_x, other_y) = ends
-    in_line = {**entry, end: [x, other_y] if abs(x - other_x) >= abs(y - other_y) else [other_x, y]}
-    return in_line if _is_valid(in_line) else entry
-
-
-def _is_valid(entry: Entry) -> bool:
-    try:
-        decode_placement(entry)
-    except ParameterError:
-        return False
-    return True
-
-
-def _cell(place: Json) -> tuple[int, ...]:
-    """A place of two numbers; empty for any other, such as a random one."""
-    known = isinstance(place, (list, tuple)) and len(place) == 2 and all(isinstance(at, int) for at in place)
-    return tuple(place) if known else ()
 
 
 def draft_of(recipe: Recipe) -> Draft:

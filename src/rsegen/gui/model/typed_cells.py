@@ -10,11 +10,23 @@ from rsegen.params.sorts import Json, parameters
 from rsegen.recipe.codec import OTHER_NAMES
 from rsegen.recipe.recipe import Placement
 
+TITLES = {"kind": "type", "max_height": "height"}
+"""What the window calls parameters whose name says less."""
+
+
+def kind_words(kind: str) -> str:
+    """The name of a kind in plain words: diagonal barrier."""
+    return kind.replace("_", " ")
+
 
 def cell_text(value: Json) -> str:
-    """A value of an entry as the text of a cell; empty for a value that is missing."""
+    """A value of an entry as the text of a cell, kinds in plain words; empty for a value that is missing."""
     if value is None:
         return ""
+    if isinstance(value, str) and value in KINDS:
+        return kind_words(value)
+    if isinstance(value, float):
+        return f"{value:g}"
     return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
 
 
@@ -25,7 +37,7 @@ def with_typed(entry: Entry, key: str, text: str) -> Entry:
     """
     text = text.strip()
     if key == "kind":
-        return _with_kind(entry, text)
+        return _with_kind(entry, next((kind for kind in KINDS if text in {kind, kind_words(kind)}), text))
     rest = {name: value for name, value in entry.items() if name != key}
     return {**rest, key: _parsed(entry["kind"], key, text)} if text else rest
 
@@ -38,6 +50,21 @@ def wrong_cell(problem: ParameterError | None) -> tuple[int, str]:
         return -1, ""
     key = after.removeprefix(".").partition("[")[0]
     return int(number), OTHER_NAMES.get(key, key)
+
+
+def problem_text(problem: ParameterError | None) -> str:
+    """A problem as the window says it: `Row 4, X first: 99 is outside 0..29`; empty if there is none."""
+    if problem is None:
+        return ""
+    row, key = wrong_cell(problem)
+    return f"Row {row + 1}, {_words(key, problem.where)}: {problem.problem}" if row >= 0 else str(problem)
+
+
+def _words(key: str, where: str) -> str:
+    """A parameter of an obstacle in plain words: X first for `obstacles[0].first[0]`."""
+    axis = {"[0]": "X ", "[1]": "Y "}.get(where[-3:], "") if key in {"first", "last"} else ""
+    number = where[where.rindex("[") :] if key and not axis and where.endswith("]") and "." in where else ""
+    return f"{axis}{TITLES.get(key, key).replace('_', ' ')}{number}" if key else "the obstacle"
 
 
 def _with_kind(entry: Entry, kind: str) -> Entry:

@@ -1,9 +1,9 @@
-"""The ends of an obstacle: a slider and a box for random per coordinate, and one box for the default ends."""
+"""The ends of an obstacle: a slider, a number and a box for random per coordinate, and one box for the default ends."""
 
 from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtWidgets import QCheckBox, QGridLayout, QLabel, QSlider, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QAbstractSpinBox, QCheckBox, QGridLayout, QLabel, QSlider, QSpinBox, QVBoxLayout, QWidget
 
 from rsegen.field.obstacles import Grid
 from rsegen.gui.model.session import Entry
@@ -15,28 +15,27 @@ _MOST = 2**31 - 1
 
 
 class Coordinate(QWidget):
-    """A slider for one coordinate, with its number below and a box that makes it random.
+    """A slider for one coordinate, a field with its number below, and a box that makes it random.
 
-    A value that the slider cannot show stands below it, and is kept until the user changes it.
+    A value that the slider cannot show stands in the field as text, and is kept until the user changes it.
     """
 
     edited = Signal()
 
     def __init__(self, title: str) -> None:
         super().__init__()
-        self.slider = named(QSlider(Qt.Orientation.Horizontal), title.lower().replace(" ", "_"), title=title)
-        self._number = QLabel("0", alignment=Qt.AlignmentFlag.AlignCenter, textFormat=Qt.TextFormat.PlainText)
-        self.random = named(QCheckBox("random"), f"{self.slider.objectName()}_random", tip="drawn anew for every map")
-        self._given = self._shown = self._read()
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 0, 0, 0)
-        grid.setVerticalSpacing(0)
-        grid.addWidget(QLabel(title), 0, 0)
-        grid.addWidget(self.random, 0, 1, alignment=Qt.AlignmentFlag.AlignRight)
-        grid.addWidget(self.slider, 1, 0, 1, 2)
-        grid.addWidget(self._number, 2, 0, 1, 2)
-        self.slider.valueChanged.connect(self._moved)
-        self.random.toggled.connect(self._moved)
+        name, tip = title.lower().replace(" ", "_"), f"{title}, in blocks of the map, counted from 0"
+        self.slider = named(QSlider(Qt.Orientation.Horizontal), name, title=f"{title} slider", tip=tip)
+        self.number = named(QSpinBox(), f"{name}_number", title=title, tip=tip)
+        self.number.setButtonSymbols(QAbstractSpinBox.ButtonSymbols.NoButtons)
+        self.number.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.random = named(QCheckBox("random"), f"{name}_random", tip="drawn anew for every map")
+        self._given = self._read()
+        self._shown: Json = self._given
+        self._lay_out(title)
+        self.slider.valueChanged.connect(self._change)
+        self.number.valueChanged.connect(self._typed)
+        self.random.toggled.connect(self._change)
 
     def value(self) -> Json:
         """The coordinate, or `random`."""
@@ -45,31 +44,58 @@ class Coordinate(QWidget):
 
     def show_value(self, value: Json, cells: int) -> None:
         """Show a value without a signal; the slider covers the map's cells."""
-        blockers = [QSignalBlocker(self.slider), QSignalBlocker(self.random)]
+        blockers = [QSignalBlocker(each) for each in (self.slider, self.number, self.random)]
         self.slider.setRange(0, min(cells - 1, _MOST))
         self.random.setChecked(value == "random")
         if isinstance(value, int):
             self.slider.setValue(min(max(value, 0), self.slider.maximum()))
+        self._show_number(value)
         del blockers
         self._given, self._shown = value, self._read()
-        self._label()
+
+    def _lay_out(self, title: str) -> None:
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setVerticalSpacing(0)
+        grid.addWidget(QLabel(title), 0, 0)
+        grid.addWidget(self.random, 0, 1, alignment=Qt.AlignmentFlag.AlignRight)
+        grid.addWidget(self.slider, 1, 0, 1, 2)
+        grid.addWidget(self.number, 2, 0, 1, 2, alignment=Qt.AlignmentFlag.AlignHCenter)
 
     def _read(self) -> Json:
         return "random" if self.random.isChecked() else self.slider.value()
 
-    def _moved(self) -> None:
-        self._label()
+    def _typed(self, number: int) -> None:
+        blocker = QSignalBlocker(self.slider)
+        self.slider.setValue(number)
+        del blocker
+        self._change()
+
+    def _change(self) -> None:
+        """Take over what the user has set, also where it is what the slider showed for another value."""
+        self._shown = None
+        self._show_number(self._read())
         self.edited.emit()
 
-    def _label(self) -> None:
-        self.slider.setEnabled(not self.random.isChecked())
-        self._number.setText(shortened(self.value()))
+    def _show_number(self, value: Json) -> None:
+        """Show a value in the field; Qt has a text for its minimum, which is one below the range for as long."""
+        blocker = QSignalBlocker(self.number)
+        is_shown = isinstance(value, int) and 0 <= value <= self.slider.maximum()
+        self.number.setSpecialValueText("" if is_shown else shortened(value))
+        self.number.setRange(0 if is_shown else -1, self.slider.maximum())
+        self.number.setValue(value if is_shown else -1)
+        del blocker
+        for each in (self.slider, self.number):
+            each.setEnabled(not self.random.isChecked())
 
 
 class EndsForm(QWidget):
-    """The first and the last end of an obstacle; an end that is no place is kept until the user changes it."""
+    """The first and the last end of an obstacle; an end that is no place is kept until the user changes it.
 
-    edited = Signal()
+    edited: `first` or `last`, the end that the user changed, or an empty text if both are random or fixed now.
+    """
+
+    edited = Signal(str)
 
     def __init__(self) -> None:
         super().__init__()
@@ -84,7 +110,8 @@ class EndsForm(QWidget):
         column.addLayout(grid)
         for number, coordinate in enumerate(self.coordinates):
             grid.addWidget(coordinate, number % 2, number // 2)
-            coordinate.edited.connect(self.edited)
+            end = "first" if number < 2 else "last"
+            coordinate.edited.connect(lambda end=end: self.edited.emit(end))
         self.default_ends.toggled.connect(self._toggled)
 
     def value(self) -> Entry:
@@ -116,7 +143,7 @@ class EndsForm(QWidget):
 
     def _toggled(self) -> None:
         self._show_coordinates()
-        self.edited.emit()
+        self.edited.emit("")
 
     def _show_coordinates(self) -> None:
         for coordinate in self.coordinates:

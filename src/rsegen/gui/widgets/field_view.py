@@ -86,6 +86,7 @@ class FieldView(QWidget):
         if self._actors:
             window = coarse_window(preview.scene.field, highlighted, preview.factor) if highlighted else None
             self._actors.show(preview.coarse, preview.solid, window)
+            self._actors.show_ghost(preview.ghost_solid)
             QWidget.update(self._plotter)
 
     def reset_camera(self) -> None:

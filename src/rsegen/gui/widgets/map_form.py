@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QCheckBox, QFormLayout, QHBoxLayout, QLabel, QPush
 from rsegen.errors import ParameterError
 from rsegen.gui.model.session import Entry
 from rsegen.gui.widgets.editors import Editor, editor
+from rsegen.gui.widgets.layouts import row_of
 from rsegen.gui.widgets.message_label import MessageLabel
 from rsegen.gui.widgets.named import named
 from rsegen.params.sorts import parameters
@@ -17,9 +18,6 @@ from rsegen.recipe.recipe import Recipe
 
 BASIC = ("maps", "chunk_size", "chunks", "unit_cm", "boundary", "mesh_type", "seed")
 """The parameters of the first tab: the paper's, and the seed."""
-
-ADVANCED = tuple(name for name in parameters(Recipe) if name not in BASIC)
-"""All other parameters, of the second tab."""
 
 KEEP = """Ticked: Start writes the maps that are shown, with this seed.
 Not ticked: every Start draws another seed first, which is shown and can be undone.
@@ -63,20 +61,36 @@ class MapForm(QWidget):
         for each in self._editors.values():
             each.finish_typing()
 
+    def show_matching(self, text: str) -> bool:
+        """Show only the parameters whose name or help contains a text; whether there are any."""
+        found = [name for name in self._editors if text.lower() in f"{_title(name)} {self._help(name)}".lower()]
+        for name, each in self._editors.items():
+            self._form.setRowVisible(each, name in found)
+            self._form.setRowVisible(self._error_labels[name], name in found and bool(self._error_labels[name].text()))
+        return bool(found)
+
+    def _help(self, name: str) -> str:
+        return f"{name} {parameters(Recipe)[name].help}"
+
     def _add(self, name: str) -> None:
         each, error_label = editor(Recipe, name), MessageLabel(f"{name}_error")
         each.edited.connect(lambda value: self.edited.emit(name, value))
         self._editors[name], self._error_labels[name] = each, error_label
-        label = QLabel(TITLES.get(name, name.replace("_cm", "").replace("_", " ").capitalize()))
+        label = QLabel(_title(name))
         label.setBuddy(each)
-        self._form.addRow(label, self._with_dice(each) if name == "seed" else each)
+        self._form.addRow(label, each)
+        if name == "seed":
+            self._form.addRow("", self._seed_buttons())
         self._form.addRow(error_label)
 
-    def _with_dice(self, each: Editor) -> QWidget:
-        row, dice = QWidget(), named(QPushButton("Re-roll"), "reroll", tip="draw another seed (Ctrl+R)")
+    def _seed_buttons(self) -> QHBoxLayout:
+        """Below the seed, so that its up to 19 digits are seen."""
+        dice = named(QPushButton("Re-roll"), "reroll", tip="draw another seed (Ctrl+R)")
         dice.clicked.connect(self.reroll)
-        box = QHBoxLayout(row)
-        box.setContentsMargins(0, 0, 0, 0)
-        for widget in (each, self.keep, dice):
-            box.addWidget(widget)
+        row = row_of(self.keep, dice)
+        row.addStretch(1)
         return row
+
+
+def _title(name: str) -> str:
+    return TITLES.get(name, name.replace("_cm", "").replace("_", " ").capitalize())

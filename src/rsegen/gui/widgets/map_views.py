@@ -13,8 +13,10 @@ from rsegen.gui.model.preview import Preview
 from rsegen.gui.widgets.brush_bar import BrushBar
 from rsegen.gui.widgets.field_view import FieldView
 from rsegen.gui.widgets.layouts import column_of, group_of
+from rsegen.gui.widgets.list_bar import ListBar
 from rsegen.gui.widgets.obstacle_table import ObstacleTable
 from rsegen.gui.widgets.plan_view import PlanView
+from rsegen.gui.widgets.welcome import Welcome
 
 
 class MapViews(QSplitter):
@@ -23,14 +25,15 @@ class MapViews(QSplitter):
     def __init__(self) -> None:
         super().__init__(Qt.Orientation.Vertical)
         self.table, self.view, self.plan, self.brushes = ObstacleTable(), FieldView(), PlanView(), BrushBar()
+        self.list_bar, self.welcome = ListBar(), Welcome()
         self.brushes.chosen.connect(self.plan.set_brush)
-        below = QSplitter()
-        below.addWidget(column_of(self.brushes, self.plan))
-        below.addWidget(group_of("Obstacles, imposed from the first to the last", self.table))
-        below.setStretchFactor(0, 1)
-        below.setSizes([330, 520])
-        self.addWidget(self.view)
-        self.addWidget(below)
+        self.below = QSplitter()
+        self.below.addWidget(column_of(self.brushes, self.plan))
+        self.below.addWidget(group_of("Obstacles, imposed from the first to the last", self.list_bar, self.table))
+        self.below.setStretchFactor(0, 1)
+        self.below.setSizes([330, 520])
+        self.addWidget(column_of(self.welcome, self.view))
+        self.addWidget(self.below)
         self.setSizes([380, 320])
 
     def show_document(self, document: Document) -> None:
@@ -38,6 +41,9 @@ class MapViews(QSplitter):
         session = document.session
         if self.plan.cells:
             self.plan.show_handles(document.handles(self.plan.cells), _selected(document))
+        self.welcome.setVisible(not session.draft.rows)
+        self.list_bar.show_rows(len(session.draft.rows))
+        self.table.show_grid(session.recipe.grid)
         self.table.show_rows(session.draft.rows, document.selected, session.problem)
         self.brushes.show_unit(session.recipe.unit_cm)
 
@@ -45,6 +51,7 @@ class MapViews(QSplitter):
         """Show a preview, the handles of the obstacles, and the cells of the selected one."""
         self.view.show_preview(preview, _selected_cells(preview.scene, document))
         self.plan.show(preview.scene, document.handles(preview.scene.field.blocks.shape), _selected(document))
+        self.plan.show_ghost(preview.ghost)
 
 
 def _selected(document: Document) -> int | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 from typing import Literal
 
-from PySide6.QtCore import QEvent, Qt
+from PySide6.QtCore import QEvent, Qt, QTimer
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QLabel
 
@@ -15,6 +15,9 @@ Tone = Literal["error", "warning"]
 
 _INKS: dict[Tone, tuple[str, str]] = {"error": ("#b3261e", "#ff8a80"), "warning": ("#7a4f00", "#ffca70")}
 """The text colours on a light and on a dark background."""
+
+PASSES = 15_000
+"""Milliseconds for which a note is shown."""
 
 
 def ink(tone: Tone, palette: QPalette) -> QColor:
@@ -55,3 +58,20 @@ class MessageLabel(QLabel):
         if palette.color(QPalette.ColorRole.WindowText) != colour:
             palette.setColor(QPalette.ColorRole.WindowText, colour)
             self.setPalette(palette)
+
+
+class PassingNote(QLabel):
+    """What was just done, such as a map that is in the simulation now: it disappears by itself."""
+
+    def __init__(self) -> None:
+        super().__init__(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
+        named(self, "note", title="what was done last")
+        self._pause = QTimer(self, singleShot=True, interval=PASSES)
+        self._pause.timeout.connect(self.hide)
+        self.hide()
+
+    def show_message(self, text: str) -> None:
+        """Show a message for some seconds."""
+        self.setText(text)
+        self.show()
+        self._pause.start()

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import MISSING
 from itertools import pairwise
 
-from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtWidgets import QComboBox, QFormLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QFormLayout, QLabel, QVBoxLayout, QWidget
 
 from rsegen.field.obstacles import KINDS, Grid, Obstacle
+from rsegen.gui.model.ends import aligned, other_end
 from rsegen.gui.model.session import Entry
-from rsegen.gui.widgets.editors import Editor, editor, shortened
+from rsegen.gui.widgets.editors import Editor, SliderEditor, editor
 from rsegen.gui.widgets.ends_form import EndsForm
+from rsegen.gui.widgets.kind_box import KindBox
 from rsegen.gui.widgets.named import named
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Json, parameters
@@ -19,7 +22,16 @@ from rsegen.recipe.recipe import Placement
 
 DEFAULT = {"kind": "horizontal_barrier", "max_height": 5, "softness": 0}
 
-_EXACTLY = Qt.MatchFlag.MatchExactly | Qt.MatchFlag.MatchCaseSensitive
+SLIDERS = {"max_height": 20, "softness": 100}
+"""The parameters that have a slider, and where it ends."""
+
+BLENDS = {
+    "replace": "This obstacle overwrites the earlier ones.",
+    "max": "The higher one counts: this obstacle or the earlier ones.",
+    "add": "This obstacle is put on top of the earlier ones.",
+    "min": "The lower one counts: this obstacle cuts into the earlier ones.",
+}
+
 _LISTED = 12
 
 
@@ -27,21 +39,22 @@ class ObstacleForm(QWidget):
     """Edits one obstacle as an entry of a recipe file; `edited` is emitted when the user changes it.
 
     Values that it cannot show, such as those typed into the list, are kept until the user changes them.
+    fixed: gives an entry with fixed ends, for one whose ends were random until now.
     """
 
     edited = Signal()
 
     def __init__(self) -> None:
         super().__init__()
-        self.kind = named(QComboBox(), "kind", title="obstacle type")
-        self.kind.addItems(list(KINDS))
-        self.kind.currentTextChanged.connect(self._change_kind)
+        self.fixed: Callable[[Entry], Entry] = lambda entry: entry
+        self.kind = KindBox()
+        self.kind.chosen.connect(self._change_kind)
         self.ends = EndsForm()
-        self.ends.edited.connect(self._emit)
+        self.ends.edited.connect(self._move_end)
         self.default_ends = self.ends.default_ends
-        self._heights = named(QLabel(wordWrap=True), "heights")
+        self._about = _words("about_kind")
         self._editors: dict[str, Editor] = {}
-        self._fields = QFormLayout()
+        self._fields = QFormLayout(verticalSpacing=3)
         self._lay_out()
         self._given: Entry = DEFAULT
         self._grid, self._unit = Grid(10, 10, 10), 10.0
@@ -51,18 +64,15 @@ class ObstacleForm(QWidget):
         """The obstacle in the form, as a recipe file has it."""
         values = {name: each.value() for name, each in self._editors.items()}
         found = {name: value for name, value in values.items() if value is not None}
-        if self.kind.currentIndex() >= 0:
-            return {"kind": self.kind.currentText(), **found, **self.ends.value()}
+        if self.kind.kind:
+            return {"kind": self.kind.kind, **found, **self.ends.value()}
         others = {name: value for name, value in self._given.items() if name not in {*values, "first", "last"}}
         return {**others, **found, **self.ends.value()}
 
     def show_entry(self, entry: Entry, grid: Grid, unit_cm: float) -> None:
         """Show an obstacle without a signal; of an unknown kind, typed into the list, what all kinds have."""
         self._given, self._grid, self._unit = entry, grid, unit_cm
-        blocker = QSignalBlocker(self.kind)
-        self.kind.setPlaceholderText(shortened(entry["kind"]))
-        self.kind.setCurrentIndex(self.kind.findText(entry["kind"], _EXACTLY))
-        del blocker
+        self.kind.show_kind(entry["kind"])
         self._make_fields()
         for name, each in self._editors.items():
             each.show_value(entry.get(name, _default(self._class, name)))
@@ -81,7 +91,7 @@ class ObstacleForm(QWidget):
     @property
     def _class(self) -> type[Obstacle]:
         """The class of the kind; of an unknown kind what all have in common."""
-        return KINDS.get(self.kind.currentText(), Obstacle)
+        return KINDS.get(self.kind.kind, Obstacle)
 
     def _lay_out(self) -> None:
         column = QVBoxLayout(self)
@@ -89,8 +99,8 @@ class ObstacleForm(QWidget):
         top = QFormLayout()
         top.addRow("Obstacle type", self.kind)
         column.addLayout(top)
+        column.addWidget(self._about)
         column.addLayout(self._fields)
-        column.addWidget(self._heights)
         column.addWidget(self.ends)
 
     def _make_fields(self) -> None:
@@ -101,15 +111,32 @@ class ObstacleForm(QWidget):
             return
         while self._fields.rowCount():
             _remove_later(self._fields.takeRow(0))
-        self._editors = {}
-        for name in sorts:
-            self._editors[name] = each = editor(cls if name in parameters(cls) else Placement, name)
+        self._editors, self._heights, self._blend = {}, _words("heights"), _words("about_blend")
+        for name, sort in sorts.items():
+            most = SLIDERS.get(name)
+            each = SliderEditor(name, sort, most) if most else editor(_owner(cls, name), name)
+            self._editors[name] = each
             each.edited.connect(self._emit)
             self._fields.addRow(name.replace("_", " ").capitalize(), each)
+            if below := {"max_height": self._heights, "blend": self._blend}.get(name):
+                self._fields.addRow("", below)
         _tab_through(self.kind, *(field for each in self._editors.values() for field in each.fields), self.default_ends)
 
+    def _move_end(self, end: str) -> None:
+        """Straighten an obstacle one of whose ends was moved, or fix ends that were random."""
+        entry = self.entry()
+        if not end and not self.default_ends.isChecked():
+            rest = {name: value for name, value in entry.items() if name not in {"first", "last"}}
+            entry = dict(self.fixed(rest))
+        elif end:
+            entry = dict(aligned(entry, other_end(end)))
+        if entry != self.entry():
+            self.ends.show_entry(entry, self._grid)
+        self._emit()
+
     def _change_kind(self) -> None:
-        self.show_entry(self.entry(), self._grid, self._unit)
+        entry = self.entry()
+        self.show_entry(aligned(entry, "last"), self._grid, self._unit)
         self.edited.emit()
 
     def _emit(self) -> None:
@@ -117,16 +144,21 @@ class ObstacleForm(QWidget):
         self.edited.emit()
 
     def _describe(self) -> None:
-        self.kind.setToolTip(summary(self._class))
+        self._about.setText(summary(self._class).replace("`", "") if self.kind.kind else "")
+        self._blend.setText(BLENDS.get(str(self._editors["blend"].value()), ""))
         self.default_ends.setText(self._class.default_place)
         top = self._editors["max_height"].value()
         self._heights.setText(f"Heights: {_heights(top, self._unit)} cm" if isinstance(top, int) and top > 0 else "")
 
 
+def _words(name: str) -> QLabel:
+    return named(QLabel(wordWrap=True), name)
+
+
 def _remove_later(row: QFormLayout.TakeRowResult) -> None:
     """Take the widgets of a row out, and delete them when Qt is done with them: one may be about to get the focus."""
     for item in (row.labelItem, row.fieldItem):
-        if widget := item.widget():
+        if widget := item and item.widget():  # some rows have no label
             widget.hide()
             widget.setParent(None)
             widget.deleteLater()
@@ -140,6 +172,10 @@ def _tab_through(*widgets: QWidget) -> None:
 def _heights(top: int, unit_cm: float) -> str:
     """The heights of the levels in centimetres; of many, the lowest."""
     return ", ".join([f"{level * unit_cm:g}" for level in range(min(top, _LISTED))] + ["..."] * (top > _LISTED))
+
+
+def _owner(cls: type[Obstacle], name: str) -> type:
+    return cls if name in parameters(cls) else Placement
 
 
 def _default(cls: type[Obstacle], name: str) -> Json:

@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
     QAbstractItemView,
     QApplication,
     QHeaderView,
-    QLineEdit,
     QStyle,
     QTableWidget,
     QTableWidgetItem,
@@ -18,8 +17,10 @@ from PySide6.QtWidgets import (
 )
 
 from rsegen.errors import ParameterError
+from rsegen.field.obstacles import Grid
 from rsegen.gui.model.session import ObstacleRow
 from rsegen.gui.model.typed_cells import cell_text, with_typed, wrong_cell
+from rsegen.gui.widgets.cell_editors import PROBLEM, CellEditors
 from rsegen.gui.widgets.message_label import ink, plain_tooltip
 from rsegen.gui.widgets.named import named
 
@@ -55,6 +56,9 @@ class ObstacleTable(QTableWidget):
         self._dragged: int | None = None
         self._pressed = 0
         self._gap: int | None = None
+        self._cells = CellEditors(KEYS, self)
+        self.setItemDelegate(self._cells)
+        self.setTabKeyNavigation(False)
         self.itemChanged.connect(self._changed)
         self.itemSelectionChanged.connect(lambda: self.chosen.emit(self.selected))
 
@@ -92,15 +96,20 @@ class ObstacleTable(QTableWidget):
 
     def finish_typing(self) -> None:
         """Take over a text that was typed into a cell and not yet finished with Enter."""
-        for field in self.viewport().findChildren(QLineEdit):
-            if not field.isHidden():  # Qt deletes hidden ones soon
-                self.commitData(field)
+        if self._cells.open_editor:
+            self.commitData(self._cells.open_editor)
+
+    def show_grid(self, grid: Grid) -> None:
+        """Limit the coordinates of the ends to the blocks of a map."""
+        self._cells.grid = grid
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Select the row that is pressed, and start to drag it."""
+        """Select the row that is pressed, and start to drag it; beside the rows, select none."""
         row = self.rowAt(event.position().toPoint().y())
         super().mousePressEvent(event)
-        if event.button() == Qt.MouseButton.LeftButton and row >= 0:
+        if row < 0:
+            self.chosen.emit(-1)
+        elif event.button() == Qt.MouseButton.LeftButton:
             self._dragged, self._pressed = row, event.position().toPoint().y()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
@@ -182,4 +191,5 @@ class ObstacleTable(QTableWidget):
         """Show a problem of a row as the tooltip of a cell; the one that is wrong is marked."""
         item.setForeground(ink("error", self.palette()) if text else QBrush())
         item.setToolTip(plain_tooltip(text))
+        item.setData(PROBLEM, text if marked else None)
         item.setIcon(self.style().standardIcon(QStyle.StandardPixmap.SP_MessageBoxWarning) if marked else QIcon())

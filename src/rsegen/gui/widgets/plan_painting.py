@@ -10,7 +10,9 @@ from PySide6.QtGui import QColor, QFont, QImage, QPainter, QPen
 
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Mask
 from rsegen.gui.model.colours import bright, cells
+from rsegen.gui.model.ghost import Ghost
 from rsegen.gui.model.handles import ENDS, GRIP, End, Handle
 from rsegen.gui.model.plan_layout import Box, PlanLayout, ticks
 from rsegen.params.places import Cell
@@ -41,6 +43,25 @@ def paint_ground(painter: QPainter, scene: Scene, layout: PlanLayout) -> None:
         _paint_lines(painter, layout)
     if layout.side >= _WRITTEN:
         _write_heights(painter, scene, layout, bright(cells(scene)))
+
+
+def paint_ghost(painter: QPainter, ghost: Ghost, layout: PlanLayout) -> None:
+    """Paint the cells of an obstacle that is not yet in the list: pale, hatched, with a dashed rim."""
+    shown = ground_image(ghost.scene).convertToFormat(QImage.Format.Format_ARGB32)
+    shown.setAlphaChannel(_mask_image(ghost.cells, 150))
+    painter.drawImage(QRectF(*layout.area), shown)
+    i, j = (np.flatnonzero(ghost.cells.any(axis=1 - axis)) for axis in (0, 1))
+    if len(i):
+        painter.setPen(QPen(_INK, 1.5, Qt.PenStyle.DashLine))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawRect(QRectF(*layout.box((int(i[0]), int(j[0])), (int(i[-1]), int(j[-1])))))
+
+
+def _mask_image(cells: Mask, alpha: int) -> QImage:
+    """The opacity of every cell, north up."""
+    upright = np.ascontiguousarray(cells.T[::-1] * np.uint8(alpha))
+    height, width = upright.shape
+    return QImage(upright.tobytes(), width, height, width, QImage.Format.Format_Alpha8).copy()
 
 
 def ground_image(scene: Scene) -> QImage:

@@ -9,6 +9,7 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintE
 from PySide6.QtWidgets import QApplication, QSizePolicy, QWidget
 
 from rsegen.exporters.scene import Scene
+from rsegen.gui.model.ghost import Ghost
 from rsegen.gui.model.handles import ENDS, Grip, Handle, cell_of, grip_at, moved
 from rsegen.gui.model.painting import UNPAINTED, next_cell, stroke
 from rsegen.gui.model.plan_layout import PlanLayout, describe_cell, fit
@@ -40,6 +41,7 @@ class PlanView(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._scene: Scene | None = None
+        self._ghost: Ghost | None = None
         self._layout: PlanLayout | None = None
         self._handles: tuple[Handle, ...] = ()
         self._selected: int | None = None
@@ -63,6 +65,11 @@ class PlanView(QWidget):
         if scene is not self._scene:
             self._scene, self._cells_pixmap, self._layout = scene, None, None
         self.show_handles(handles, selected)
+
+    def show_ghost(self, ghost: Ghost | None) -> None:
+        """Show an obstacle that is not yet in the list; None hides it."""
+        self._ghost = ghost
+        self.update()
 
     @property
     def cells(self) -> Cell | None:
@@ -100,6 +107,8 @@ class PlanView(QWidget):
         painter = QPainter(self)
         painter.drawPixmap(0, 0, self._cached_cells(self._scene, layout))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        if self._ghost:
+            plan_painting.paint_ghost(painter, self._ghost, layout)
         if self._brush is None:
             plan_painting.paint_handles(painter, layout, self._handles, self._selected)
         if self.hasFocus() and (cell := self._keyboard_cell(layout)):

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os.path
+from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
-from PySide6.QtCore import QSettings, QUrl, Signal
+from PySide6.QtCore import QSettings, Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import (
     QFileDialog,
@@ -49,13 +50,14 @@ class RunForm(QWidget):
 
     changed = Signal()
 
-    def __init__(self, texts: FormTexts, *beside: QWidget) -> None:
-        """`beside` are widgets right of the button, hidden with it during a run."""
+    def __init__(self, texts: FormTexts, *beside: QWidget, afterwards: Sequence[QWidget] = ()) -> None:
+        """`beside` are widgets right of the button, hidden with it during a run; `afterwards` follow its outcome."""
         super().__init__()
         self.run: JobThread | None = None
         self.written: Path | None = None
         self._is_running = False
         self._texts, self._beside, self._force = texts, beside, False
+        self._afterwards: tuple[QWidget, ...] = tuple(afterwards)
         self._make_widgets()
         self._lay_out()
         self._choose.clicked.connect(self._choose_folder)
@@ -87,7 +89,11 @@ class RunForm(QWidget):
             self.error_label.show_message(str(error))
             return False
         self._force = any(path.exists() for path in islice(job.paths(), _CHECKED))
-        return not self._force or QMessageBox.question(self, "rsegen", job.question) == QMessageBox.StandardButton.Yes
+        return not self._force or self._may_replace(job)
+
+    def _may_replace(self, job: Job) -> bool:
+        yes, no = QMessageBox.StandardButton.Yes, QMessageBox.StandardButton.No
+        return QMessageBox.question(self, "rsegen", job.question, yes | no, no) == yes
 
     def write(self, job: Job) -> None:
         """Run a job in a thread, and remember its folder."""
@@ -128,7 +134,8 @@ class RunForm(QWidget):
         self.start = named(QPushButton(texts.button), "start", tip=texts.tip)
         self.cancel = named(QPushButton("Cancel"), "cancel", tip="stop; whatever is complete stays")
         self.bar = named(QProgressBar(), "progress")
-        self._outcome = named(QLabel(wordWrap=True), "outcome")
+        self._outcome = named(QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText), "outcome")
+        self._outcome.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._open = named(QPushButton("Open the folder"), "open_folder", tip="show the files that were written")
         for button in (self.cancel, self._open):
             button.setAutoDefault(False)
@@ -143,7 +150,8 @@ class RunForm(QWidget):
         row = row_of(self.start, *self._beside, self.bar, self.cancel)
         row.setStretch(0, 1)
         column.addLayout(row)
-        column.addLayout(row_of(self._outcome, self._open))
+        column.addWidget(self._outcome)
+        column.addLayout(row_of(self._open, *self._afterwards))
         self._show_state()
 
     def _refuse(self) -> None:
@@ -175,12 +183,13 @@ class RunForm(QWidget):
 
     def _show_state(self) -> None:
         """Show either the button or the progress bar, and the outcome of the last run if any."""
+        is_written = bool(self._outcome.text()) and not self.busy and self.written is not None
         for widget, is_shown in (
             *((widget, not self.busy) for widget in (self.start, *self._beside)),
             (self.cancel, self.busy),
             (self.bar, self.busy),
             (self._outcome, bool(self._outcome.text())),
-            (self._open, bool(self._outcome.text()) and self.written is not None),
+            *((each, is_written) for each in (self._open, *self._afterwards)),
         ):
             widget.setVisible(is_shown)
         self.changed.emit()

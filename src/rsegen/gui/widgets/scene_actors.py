@@ -21,6 +21,8 @@ EDGED = 60
 
 _HIGHLIGHT = (0.95, 0.0, 0.75)
 _EDGE = (0.1, 0.1, 0.1)
+_GHOSTLY = 0.45
+"""The opacity of an obstacle that is not yet in the list."""
 _BORDER = 0.06
 """Width of the ground around the map, as a share of its longer side; a hundredth of that is its depth below the map."""
 
@@ -35,6 +37,8 @@ class SceneActors:
         self._plotter = plotter
         self._ground, _ = _actor(plotter, colour=tuple(part / 255 for part in GROUND))
         self._solid, _ = _actor(plotter, colour=None)
+        self._ghost, self._ghost_actor = _actor(plotter, colour=None, nearer=1)
+        self._ghost_actor.prop.opacity = _GHOSTLY
         self._edges, self._edges_actor = _actor(plotter, colour=_EDGE, width=1, nearer=2)
         self._tick_marks, _ = _actor(plotter, colour=_EDGE, width=1, nearer=2)
         self._box, self._box_actor = _actor(plotter, colour=_HIGHLIGHT, width=3, nearer=40)
@@ -54,6 +58,12 @@ class SceneActors:
         self._box_actor.SetVisibility(cells is not None)
         self._show_ground(bounds(scene))
         self._plotter.renderer.ResetCameraClippingRange()
+
+    def show_ghost(self, made: Solid | None) -> None:
+        """Show the blocks of an obstacle that is not yet in the list, pale; None hides them."""
+        if made:
+            _fill_faces(self._ghost, made)
+        self._ghost_actor.SetVisibility(made is not None)
 
     def set_colours(self, background: tuple[float, float, float], ink: tuple[float, float, float]) -> None:
         """Set the colours of the background and of the axes."""

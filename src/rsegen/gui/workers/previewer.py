@@ -9,6 +9,7 @@ from PySide6.QtCore import QObject, Signal
 from rsegen.exporters.scene import Scene
 from rsegen.gui.model.map_numbers import Costs, costs
 from rsegen.gui.model.preview import Preview, is_quick, preview
+from rsegen.gui.model.session import Entry
 from rsegen.gui.workers.latest_only import LatestOnly, failure_text
 from rsegen.recipe.recipe import Recipe
 
@@ -35,9 +36,9 @@ class Previewer(QObject):
         """Whether a preview is being computed in the thread."""
         return self._previews.busy
 
-    def preview(self, recipe: Recipe, index: int) -> None:
-        """Preview one map of a recipe; a small one at once."""
-        self._previews.submit(partial(preview, recipe, index), at_once=is_quick(recipe))
+    def preview(self, recipe: Recipe, index: int, proposed: Entry | None = None) -> None:
+        """Preview one map of a recipe, with a ghost of one more obstacle; a small map at once."""
+        self._previews.submit(partial(preview, recipe, index, proposed), at_once=is_quick(recipe))
 
     def count(self, robot: str) -> None:
         """Count the costs of the scene, and whether a robot can cross it if one is named."""

@@ -66,7 +66,7 @@ class TransportClient:
         self._attended, self._silent_beats = "", 0
         self._work: SimpleQueue[Callable[[], object]] = SimpleQueue()
         self._wake, self._woken = socket.socketpair()
-        self._wake.setblocking(False)
+        self._wake.settimeout(0)
         self._topics = Discovery(TOPICS, self._process, environment)
         self._offers = Discovery(SERVICES, self._process, environment)
         self._sockets = Sockets(interfaces(environment)[0], self._process)
