@@ -68,8 +68,8 @@ def test_the_map_that_is_shown_is_opened(
         assert world.name == "rse_0002.world"
         assert world.is_file()
         assert load(world.with_name("recipe.json")).seed == window.session.recipe.seed
-        until(lambda: "Writing" not in window.statusBar().currentMessage())
-        assert "opens rse_0002" in window.statusBar().currentMessage()
+        until(lambda: "Writing" not in window.forms.note.text())
+        assert "opens rse_0002" in window.forms.note.text()
 
 
 def test_a_classic_without_its_window_is_not_offered(app: QApplication, programs: Path) -> None:

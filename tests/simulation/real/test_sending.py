@@ -38,7 +38,7 @@ def test_a_map_is_sent_and_the_next_one_takes_its_place(
         window = Window(Session.new())
         window.show()
         QTest.qWaitForWindowExposed(window)
-        message = window.statusBar().currentMessage
+        message = window.forms.note.text
         window.session.add({"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]})
         for number in (1, 2):
             QTest.keyClick(window, Qt.Key.Key_F6)
@@ -60,7 +60,7 @@ def test_where_nothing_runs_the_window_says_so(tmp_path: Path, monkeypatch: pyte
     window.show()
     QTest.qWaitForWindowExposed(window)
     QTest.keyClick(window, Qt.Key.Key_F6)
-    until(lambda: "no simulation runs" in window.statusBar().currentMessage())
+    until(lambda: "no simulation runs" in window.forms.note.text())
     window.document.open(Session.new())
     window.close()
     assert app

@@ -180,8 +180,10 @@ class CellEditors(QStyledItemDelegate):
         return EndCell(parent, self.grid)
 
     def _close(self, editor: QWidget) -> None:
-        self.commitData.emit(editor)
-        self.closeEditor.emit(editor)
+        """Take over an editor and close it, unless the list has let it go already."""
+        if editor is self.open_editor:
+            self.commitData.emit(editor)
+            self.closeEditor.emit(editor)
 
     def destroyEditor(self, editor: QWidget, index: Index) -> None:
         """Forget an editor that the list lets go."""

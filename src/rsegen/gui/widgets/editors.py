@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import cast
 
-from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtCore import QSignalBlocker, Signal
 from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
@@ -14,7 +14,6 @@ from PySide6.QtWidgets import (
     QInputDialog,
     QLineEdit,
     QPushButton,
-    QSlider,
     QSpinBox,
     QWidget,
 )
@@ -158,39 +157,6 @@ class NumberEditor(Editor):
 
     def _can_show(self, value: Json) -> bool:
         return super()._can_show(value) and value <= self._high
-
-
-class SliderEditor(NumberEditor):
-    """A slider and a spin box for a number; the slider ends at `most`, the box may go beyond."""
-
-    _parts = (" slider", "")
-
-    def __init__(self, name: str, parameter: Parameter, most: int) -> None:
-        self._most = most
-        super().__init__(name, parameter)
-
-    def _widgets(self) -> tuple[QWidget, ...]:
-        (box,) = super()._widgets()
-        self._slider = QSlider(Qt.Orientation.Horizontal)
-        self._slider.setRange(int(self._low), self._most)
-        self._slider.valueChanged.connect(self._box.setValue)
-        self._box.valueChanged.connect(self._follow)
-        self._row.setStretch(0, 1)
-        return self._slider, box
-
-    def _put(self, value: Json) -> None:
-        super()._put(value)
-        self._follow()
-
-    def _put_invalid(self, value: Json) -> None:
-        super()._put_invalid(value)
-        self._follow()
-
-    def _follow(self) -> None:
-        """Move the slider to the number in the box, as near as it can."""
-        blocker = QSignalBlocker(self._slider)
-        self._slider.setValue(min(int(self._box.value()), self._most))
-        del blocker
 
 
 class PairEditor(Editor):

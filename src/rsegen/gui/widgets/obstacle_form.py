@@ -12,10 +12,11 @@ from PySide6.QtWidgets import QFormLayout, QLabel, QVBoxLayout, QWidget
 from rsegen.field.obstacles import KINDS, Grid, Obstacle
 from rsegen.gui.model.ends import aligned, other_end
 from rsegen.gui.model.session import Entry
-from rsegen.gui.widgets.editors import Editor, SliderEditor, editor
+from rsegen.gui.widgets.editors import Editor, editor
 from rsegen.gui.widgets.ends_form import EndsForm
 from rsegen.gui.widgets.kind_box import KindBox
 from rsegen.gui.widgets.named import named
+from rsegen.gui.widgets.slider_editor import SliderEditor
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Json, parameters
 from rsegen.recipe.recipe import Placement
