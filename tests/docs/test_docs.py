@@ -81,9 +81,11 @@ def test_the_python_of_the_page_of_build_sheets_works() -> None:
 
 @pytest.mark.slow
 def test_the_python_of_the_page_of_data_sets_works(tmp_path: Path) -> None:
-    (script,) = blocks(ROOT / "docs" / "datasets.md", "python")
+    script = "".join(blocks(ROOT / "docs" / "datasets.md", "python"))
     found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
-    assert found.stdout.splitlines()[-1] == "(10, 20, 10, 10) (10, 20, 3)"
+    *_, tiles, kinds, index, columns = found.stdout.splitlines()
+    assert [tiles, kinds, index] == ["(10, 20, 10, 10) (10, 20, 3)", "hills 1", "1999"]
+    assert columns.strip("[]").split() == ["1"] * 14 + ["0"] * 6
 
 
 @pytest.mark.slow

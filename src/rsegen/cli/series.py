@@ -67,7 +67,8 @@ def _left(recipe: Recipe, arguments: argparse.Namespace) -> str:
     """What a series that is stopped leaves, and how to make the rest; not where old maps may be among the new ones."""
     if arguments.force:
         return "the maps that were complete are there, nothing else is"
-    return f"the maps that were complete are there, without table and picture; {how_to_go_on(recipe, 'the rest')}"
+    rest = how_to_go_on(recipe, what="the rest")
+    return f"the maps that were complete are there, without table and picture; {rest}"
 
 
 def _share(name: str, text: str) -> float:

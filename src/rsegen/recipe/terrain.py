@@ -15,12 +15,13 @@ from typing import Annotated
 
 import numpy as np
 
-from rsegen.errors import ParameterError, TooLarge, inside, shown
+from rsegen.errors import ParameterError, TooLarge, inside
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.spots import Footprint, even_spots
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
 from rsegen.params.sorts import Float, Integer, ListOf, parameters, validate
 from rsegen.params.streams import generator
+from rsegen.recipe.kinds import kind_of_column, recipes_of, refuse_unlike
 from rsegen.recipe.placement import Placement
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import amid, check_tile, eased, tile_levels, tile_shape
@@ -57,12 +58,9 @@ class Terrain:
 
     def __post_init__(self) -> None:
         validate(self)
-        if not isinstance(self.recipes, Recipe | list | tuple) or not all(
-            isinstance(one, Recipe) for one in self._kinds
-        ):
-            raise ParameterError("recipes", f"{shown(self.recipes)} is not a recipe or a list of recipes")
         if not 0 < len(self._kinds) <= self.columns:
             raise ParameterError("recipes", f"{len(self._kinds)} for {self.columns} columns; give one for each at most")
+        refuse_unlike(self._kinds, _ALIKE)
         for number, recipe in enumerate(self._kinds):
             self._check_tile(f"recipes[{number}]", recipe)
         n_x, n_y = self._shape
@@ -71,11 +69,6 @@ class Terrain:
 
     def _check_tile(self, where: str, recipe: Recipe) -> None:
         first = self._kinds[0]
-        for name in _ALIKE:
-            own, others = getattr(recipe, name), getattr(first, name)
-            if own != others:
-                problem = f"{shown(own)}, and {shown(others)} in the first recipe; give one for all"
-                raise ParameterError(f"{where}.{name}", problem)
         if (tile := tile_shape(recipe)) != tile_shape(first):
             sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, tile_shape(first)))
             raise ParameterError(where, f"tiles of {sides} cells with their frames; give recipes of one size")
@@ -83,8 +76,8 @@ class Terrain:
             check_tile(recipe)
 
     @property
-    def _kinds(self) -> Sequence[Recipe]:
-        return (self.recipes,) if isinstance(self.recipes, Recipe) else self.recipes
+    def _kinds(self) -> tuple[Recipe, ...]:
+        return recipes_of(self.recipes)
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -222,4 +215,4 @@ class Terrain:
         return np.round(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1), NANOMETRE_DIGITS)
 
     def _kind_of(self, column: int) -> int:
-        return column * len(self._kinds) // self.columns
+        return kind_of_column(column, self.columns, len(self._kinds))
