@@ -13,6 +13,7 @@ from rsegen import Terrain, load
 from rsegen.cli import main
 from rsegen.recipe.examples import EXAMPLES
 
+ROUGH = rsegen.Placement(obstacle=rsegen.Random(max_height=20))
 SMALL = ("peak", "figure-7", "--rows", "3", "--columns", "4", "--gap", "1", "--border", "2")
 
 
@@ -28,6 +29,18 @@ def test_it_is_the_terrain_of_the_recipes(tmp_path: Path) -> None:
     assert (tmp_path / "terrain_0000" / "arrays").is_dir()
 
 
+def test_rows_rise_by_a_metric_of_a_robot(tmp_path: Path) -> None:
+    flags = ("--by", "reach.west_east.cost", "--robot", "7")
+    recipe = rsegen.Recipe(name="a", seed=1, unit_cm=2, boundary="none", obstacles=[ROUGH])
+    rsegen.save(recipe, tmp_path / "a.yaml")
+    made = [str(tmp_path / "a.yaml"), *SMALL[2:], *flags, "-o", str(tmp_path / "out")]
+    assert main(["terrain", *made]) == 0
+    sizes = {"rows": 3, "columns": 4, "gap": 1, "border": 2}
+    expected = Terrain(recipes=recipe, **sizes, by=flags[1], robot=rsegen.RobotLimits(climb_cm=7))
+    assert rsegen.build(load(tmp_path / "out" / "terrain_0000" / "recipe.json")) == expected.field
+    assert expected.field != Terrain(recipes=recipe, **sizes).field
+
+
 def test_a_seed_is_that_of_all_recipes(tmp_path: Path) -> None:
     for seed in ("1", "2", "3"):
         main(["terrain", *SMALL, "--seed", seed, "--name", f"of-{seed}", "-o", str(tmp_path)])
@@ -38,6 +51,7 @@ def test_a_seed_is_that_of_all_recipes(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
+        (("--by", "reach.cover"), "by: reach.cover is of a robot; give robot too"),
         (("--rows", "0"), "--rows: 0 is outside 1..1000"),
         (("--difficulty", "0.5"), "--difficulty: [0.5] is not a list of 2"),
         (("--columns", "1"), "recipes: 2 for 1 columns"),

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from rsegen.cli.by_metric import add_by_flags, by_from
 from rsegen.cli.flags import Subparsers, describe_flag, flag
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.io.contents import refuse_loss_of_files
@@ -41,6 +42,7 @@ def add(commands: Subparsers) -> None:
         group.add_argument(flag(name), dest=name, metavar=name.upper(), help=text)
     text = "add an even place for a start to each tile: the length and width of a robot in metres"
     group.add_argument("--spots", metavar="L,W", help=text)
+    add_by_flags(group)
     add_output_flags(command)
     command.set_defaults(run=run)
 
@@ -54,7 +56,7 @@ def run(arguments: argparse.Namespace) -> None:
         if text is not None
     }
     seed = values.pop("seed", None)
-    terrain = Terrain(recipes=[_recipe(name, seed) for name in arguments.recipes], **values)
+    terrain = Terrain(recipes=[_recipe(name, seed) for name in arguments.recipes], **values, **by_from(arguments))
     size = None if arguments.spots is None else SIZE.check("--spots", SIZE.parse(arguments.spots))
     path = Path(arguments.output, f"{terrain.recipe.map_name(0)}.json")
     refuse_taken_file(path, force=arguments.force or arguments.resume)

@@ -10,17 +10,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from math import gcd
 from typing import Annotated
 
 import numpy as np
 
 from rsegen.errors import ParameterError, TooLarge, inside
+from rsegen.field.metrics.by_name import RMS, By, metric_by
 from rsegen.field.obstacles.matrix import Matrix
+from rsegen.field.robot_limits import RobotLimits
 from rsegen.field.spots import Footprint, even_spots
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
 from rsegen.params.sorts import Float, Integer, ListOf, parameters, validate
 from rsegen.params.streams import generator
+from rsegen.recipe.difficulty_by import mean_of, share_of, span_of
 from rsegen.recipe.kinds import kind_of_column, recipes_of, refuse_unlike
 from rsegen.recipe.placement import Placement
 from rsegen.recipe.recipe import Recipe
@@ -39,10 +43,14 @@ SIZE, _COUNT = ListOf(Float(0.01, 100, unit="m"), 2), Integer(1, 1000)
 
 @dataclass(frozen=True, kw_only=True)
 class Terrain:
-    """Maps of one or several recipes as one field.
+    """Maps of one or several recipes as one field, harder from row to row.
 
     recipes: its kinds, each in as many neighbouring columns as the others; all tiles are of the same size.
     difficulty: that of the first row and that of the last; the rows between rise evenly. 0 is flat, 1 as designed.
+    by: what rises evenly from row to row, by its name in `rsegen metrics --csv` or a function StepField -> float. By
+    `steps.rms`, the default, each tile has the row's share of its own; by another one a row has one value, from the
+    mean of level tiles to the mean of full ones, as near as each tile comes to it. robot: for metrics of a robot, such
+    as `reach.west_east.cost`; a full tile is then the hardest that it crosses.
     Frames become blocks of their height. UserError if the recipes do not go together, or it is too large.
     """
 
@@ -55,6 +63,8 @@ class Terrain:
     gap: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground between tiles")] = 0
     border: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground around all tiles")] = 10
     name: Annotated[str, replace(parameters(Recipe)["name"], help="of the terrain as a map")] = "terrain"
+    by: By = RMS
+    robot: RobotLimits | None = None
 
     def __post_init__(self) -> None:
         validate(self)
@@ -63,6 +73,7 @@ class Terrain:
         refuse_unlike(self._kinds, _ALIKE)
         for number, recipe in enumerate(self._kinds):
             self._check_tile(f"recipes[{number}]", recipe)
+        metric_by(self.by, self.robot)
         n_x, n_y = self._shape
         if n_x * n_y > _MOST_CELLS:
             raise TooLarge(f"rows: a terrain of {n_x:,} x {n_y:,} cells is too large; give fewer or smaller tiles")
@@ -86,7 +97,7 @@ class Terrain:
 
     @property
     def difficulties(self) -> Array:
-        """The difficulty of each row, (rows,)."""
+        """The difficulty of each row, (rows,): how far it is from level (0) to as designed (1), by the metric."""
         return np.linspace(*self.difficulty, self.rows)
 
     @cached_property
@@ -94,10 +105,9 @@ class Terrain:
         """The levels of the cells of each tile, frames counted: (rows, columns, n_x, n_y)."""
         n_x, n_y = tile_shape(self._kinds[0])
         levels = np.empty((self.rows, self.columns, n_x, n_y), dtype=np.int16)
-        for row, difficulty in enumerate(self.difficulties.tolist()):
-            kinds = [eased(recipe, difficulty) for recipe in self._kinds]
-            for column in range(self.columns):
-                levels[row, column] = tile_levels(kinds[self._kind_of(column)], row * self.columns + column)
+        for (row, column), share in np.ndenumerate(self._shares()):
+            recipe = self._kinds[self._kind_of(column)]
+            levels[row, column] = tile_levels(eased(recipe, share), row * self.columns + column)
         levels.setflags(write=False)
         return levels
 
@@ -213,6 +223,22 @@ class Terrain:
             for tiles, cells in zip((self.rows, self.columns), tile, strict=True)
         )
         return np.round(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1), NANOMETRE_DIGITS)
+
+    def _shares(self) -> Array:
+        """The share of its recipe's difficulty that each tile has, (rows, columns)."""
+        shares = np.repeat(self.difficulties[:, None], self.columns, axis=1)
+        if self.by == RMS:
+            return shares
+        metric = metric_by(self.by, self.robot)
+        for kind, recipe in enumerate(self._kinds):
+            columns = [column for column in range(self.columns) if self._kind_of(column) == kind]
+            tiles = list(product(range(self.rows), columns))
+            spans = [span_of(recipe, row * self.columns + column, metric) for row, column in tiles]
+            mean = mean_of(spans, metric.name)
+            for (row, column), span in zip(tiles, spans, strict=True):
+                index, difficulty = row * self.columns + column, float(self.difficulties[row])
+                shares[row, column] = share_of(recipe, index, metric, span, mean, difficulty)
+        return shares
 
     def _kind_of(self, column: int) -> int:
         return kind_of_column(column, self.columns, len(self._kinds))

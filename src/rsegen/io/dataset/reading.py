@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from rsegen.errors import DatasetDamaged, UserError
 from rsegen.field.metrics.batch import batch_metrics
-from rsegen.field.metrics.custom import Measure
+from rsegen.field.metrics.by_name import RMS, By
+from rsegen.field.robot_limits import RobotLimits
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.io.dataset.checking import random_places, refuse_other_checksums, refuse_other_sizes
 from rsegen.io.dataset.layout import ROW, ShardLayout
@@ -191,18 +192,21 @@ class Dataset:
         self,
         rows: int,
         columns: int,
-        by: str | Measure = "steps.rms",
+        by: By = RMS,
         *,
+        robot: RobotLimits | None = None,
         spacing: str = "value",
         recipes: Sequence[str] | None = None,
     ) -> Tiles:
         """A terrain of rows x columns maps that gets harder from row to row, by any metric.
 
-        by: one of rsegen's own, one of a plug-in, or a function StepField -> float; the last two measure every map.
+        by: the name of one of rsegen's own or of a plug-in, or a function StepField -> float. Those that are not in the
+        table of the data set measure every map.
+        robot: for metrics of a robot, such as `reach.west_east.cost`; maps that it cannot cross are left out.
         spacing: `value`, the metric rises evenly from the least to the greatest of each recipe; or `rank`, its rank.
         recipes: the names of those of the columns, each in as many neighbouring ones as the others; all by default.
         """
-        return tiles(self, rows, columns, by, spacing, recipes)
+        return tiles(self, rows, columns, by, robot, spacing=spacing, recipes=recipes)
 
     def verify(self, rebuild: int = 8) -> None:
         """Raise DatasetDamaged for the first file with a wrong checksum, or map that is built again and differs.

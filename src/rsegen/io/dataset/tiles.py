@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.field.metrics.batch import COLUMNS
-from rsegen.field.metrics.custom import METRICS, Measure, Metric
+from rsegen.field.metrics.by_name import By, metric_by
+from rsegen.field.robot_limits import RobotLimits
 from rsegen.field.stepfield import Array, Ints
 from rsegen.params.sorts import Choice, Integer
 from rsegen.recipe.kinds import kind_of_column
@@ -47,14 +48,21 @@ class Tiles(NamedTuple):
     size: tuple[float, float]
 
 
-def tiles(
-    dataset: Dataset, rows: int, columns: int, by: str | Measure, spacing: str, recipes: Sequence[str] | None
+def tiles(  # noqa: PLR0913  # as Dataset.tiles
+    dataset: Dataset,
+    rows: int,
+    columns: int,
+    by: By,
+    robot: RobotLimits | None,
+    *,
+    spacing: str,
+    recipes: Sequence[str] | None,
 ) -> Tiles:
     """Maps from the least to the greatest of a metric, evenly spaced; maps without a value are left out."""
     spacing = SPACING.check("spacing", spacing)
     rows, columns = (Integer(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
     kinds = _kinds(dataset, recipes, columns)
-    figures, named = _figures(dataset, by)
+    figures, named = _figures(dataset, by, robot)
     places = np.empty((rows, columns), dtype=np.intp)
     for kind in np.unique(kinds):
         own = _ranked(dataset, figures, int(kind))
@@ -113,13 +121,11 @@ def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int,
     return found
 
 
-def _figures(dataset: Dataset, by: str | Measure) -> tuple[NDArray[np.float32], str]:
-    """A metric of every map, NaN for none, and its name: from the table, or measured by a function."""
-    if isinstance(by, str) and by in COLUMNS:
+def _figures(dataset: Dataset, by: By, robot: RobotLimits | None) -> tuple[NDArray[np.float32], str]:
+    """A metric of every map, NaN for none, and its name: from the table, or measured map by map."""
+    metric = metric_by(by, robot)
+    if isinstance(by, str) and by in COLUMNS and robot is None:
         return dataset.metrics[by], by
-    if not callable(by) and by not in METRICS:
-        raise UnknownName.among("by", "metric", by, [*COLUMNS, *METRICS])
-    metric = METRICS[by] if isinstance(by, str) else by if isinstance(by, Metric) else Metric.of(by)
     figures = [metric(dataset.field(place)) for place in range(len(dataset))]
     return np.array(figures, dtype=np.float32), metric.name
 
