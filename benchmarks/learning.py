@@ -1,7 +1,8 @@
-"""How fast maps for learning are made: `python -m benchmarks.learning` measures, a minute on one core.
+"""How fast maps for learning are made, and what they cost in engines: `python -m benchmarks.learning`, two minutes.
 
 Each row is beside another way in the same run, so that the ratio says something on any machine: the median of the
-ratios of several turns, seconds of CPU. Kept in benchmarks/results/learning.json; docs/learning.md has them.
+ratios of several turns, seconds of CPU; engines are beside one another. Kept in benchmarks/results/learning.json;
+docs/learning.md has them.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from typing import Any
 import numpy as np
 
 import rsegen
+from benchmarks import engines
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen import Placement, Random, Recipe, Terrain
@@ -26,6 +28,7 @@ from rsegen import Placement, Random, Recipe, Terrain
 FILE = RESULTS / "learning.json"
 LEVELS = 5
 TURNS = 7
+SIDE_IN_ENGINES = 40
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -44,7 +47,8 @@ class Row:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0."""
     options = _options(arguments)
-    record = {"machine": machine(), "rows": [asdict(row) for row in rows()]}
+    in_engines = [asdict(row) for row in engines.rows(_recipe(SIDE_IN_ENGINES))]
+    record = {"machine": machine(), "rows": [asdict(row) for row in rows()], "engines": in_engines}
     print("\n".join(table(record)))
     if not options.only_print:
         FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
@@ -172,6 +176,9 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
     for row in (Row(**each) for each in record["rows"]):
         rate = f"{row.count / row.seconds:,.0f} {row.unit}"
         yield f"| {row.work} | {row.seconds:.3g} | {rate} | {row.beside} | {row.beside_seconds:.3g} | {row.ratio:.3g} |"
+    side = SIDE_IN_ENGINES
+    yield f"\nA random map of {side} x {side} blocks in engines, with nine bodies that lie on it:\n"
+    yield from engines.table(record["engines"])
     yield f"\nMeasured by `python -m benchmarks.learning` on: {record['machine']}."
 
 

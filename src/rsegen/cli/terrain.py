@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from rsegen.cli.bar import counting
 from rsegen.cli.by_metric import add_by_flags, by_from
 from rsegen.cli.flags import Subparsers, describe_flag, flag
 from rsegen.cli.generate import add_output_flags, produce
@@ -56,12 +57,14 @@ def run(arguments: argparse.Namespace) -> None:
         if text is not None
     }
     seed = values.pop("seed", None)
-    terrain = Terrain(recipes=[_recipe(name, seed) for name in arguments.recipes], **values, **by_from(arguments))
     size = None if arguments.spots is None else SIZE.check("--spots", SIZE.parse(arguments.spots))
-    path = Path(arguments.output, f"{terrain.recipe.map_name(0)}.json")
+    terrain = Terrain(recipes=[_recipe(name, seed) for name in arguments.recipes], **values, **by_from(arguments))
+    path = Path(arguments.output, f"{terrain.name}_0000.json")
     refuse_taken_file(path, force=arguments.force or arguments.resume)
     refuse_loss_of_files(path.parent, (path.name,))
-    content = json.dumps(_as_json(terrain, size)).encode() + b"\n"
+    with counting(terrain.rows * terrain.columns * (1 if size is None else 2), "tile") as progress:
+        terrain = replace(terrain, progress=progress)
+        content = json.dumps(_as_json(terrain, size)).encode() + b"\n"
     produce(terrain.recipe, arguments)
     write_file([content], path, force=True, sync=not arguments.no_sync)
     if not arguments.json:

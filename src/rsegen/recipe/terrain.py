@@ -7,10 +7,9 @@ Rows go along +x, from the easiest; columns along +y.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import product
 from math import gcd
 from typing import Annotated
 
@@ -24,7 +23,7 @@ from rsegen.field.spots import Footprint, even_spots
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
 from rsegen.params.sorts import Float, Integer, ListOf, parameters, validate
 from rsegen.params.streams import generator
-from rsegen.recipe.difficulty_by import mean_of, share_of, span_of
+from rsegen.recipe.difficulty_by import Span, mean_of, share_of, span_of
 from rsegen.recipe.kinds import kind_of_column, recipes_of, refuse_unlike
 from rsegen.recipe.placement import Placement
 from rsegen.recipe.recipe import Recipe
@@ -51,6 +50,7 @@ class Terrain:
     `steps.rms`, the default, each tile has the row's share of its own; by another one a row has one value, from the
     mean of level tiles to the mean of full ones, as near as each tile comes to it. robot: for metrics of a robot, such
     as `reach.west_east.cost`; a full tile is then the hardest that it crosses.
+    progress: called for each tile that is made, and for each whose spots are found.
     Frames become blocks of their height. UserError if the recipes do not go together, or it is too large.
     """
 
@@ -65,6 +65,7 @@ class Terrain:
     name: Annotated[str, replace(parameters(Recipe)["name"], help="of the terrain as a map")] = "terrain"
     by: By = RMS
     robot: RobotLimits | None = None
+    progress: Callable[[], object] | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         validate(self)
@@ -105,9 +106,12 @@ class Terrain:
         """The levels of the cells of each tile, frames counted: (rows, columns, n_x, n_y)."""
         n_x, n_y = tile_shape(self._kinds[0])
         levels = np.empty((self.rows, self.columns, n_x, n_y), dtype=np.int16)
-        for (row, column), share in np.ndenumerate(self._shares()):
-            recipe = self._kinds[self._kind_of(column)]
-            levels[row, column] = tile_levels(eased(recipe, share), row * self.columns + column)
+        recipes: dict[tuple[int, float], Recipe] = {}
+        for row, column in np.ndindex(self.rows, self.columns):
+            key = self._kind_of(column), self._share(row, column)
+            recipe = recipes[key] = recipes.get(key) or eased(self._kinds[key[0]], key[1])
+            levels[row, column] = tile_levels(recipe, self._index(row, column))
+            self._tell_progress()
         levels.setflags(write=False)
         return levels
 
@@ -160,10 +164,11 @@ class Terrain:
         for row in range(self.rows):
             for column in range(self.columns):
                 tile = self._tile(row, column)
-                rng = generator(seed, row * self.columns + column, "spots of a terrain")
+                rng = generator(seed, self._index(row, column), "spots of a terrain")
                 with inside(f"tile {row}, {column}"):
                     spots = even_spots(tile, footprint, count, rng, evenest=evenest)
                 found[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in spots]
+                self._tell_progress()
         found[..., :2] += self._middles[:, :, None]
         return found
 
@@ -224,21 +229,36 @@ class Terrain:
         )
         return np.round(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1), NANOMETRE_DIGITS)
 
-    def _shares(self) -> Array:
-        """The share of its recipe's difficulty that each tile has, (rows, columns)."""
-        shares = np.repeat(self.difficulties[:, None], self.columns, axis=1)
+    def _share(self, row: int, column: int) -> float:
+        """The share of its recipe's difficulty that a tile has."""
+        difficulty = float(self.difficulties[row])
         if self.by == RMS:
-            return shares
-        metric = metric_by(self.by, self.robot)
+            return difficulty
+        recipe, index, metric = (
+            self._kinds[self._kind_of(column)],
+            self._index(row, column),
+            metric_by(self.by, self.robot),
+        )
+        return share_of(recipe, index, metric, *self._spans[row, column], difficulty)
+
+    @cached_property
+    def _spans(self) -> dict[tuple[int, int], tuple[Span, Span]]:
+        """By tile: the values of the metric of its map, and the mean of those of its kind."""
+        metric, found = metric_by(self.by, self.robot), {}
         for kind, recipe in enumerate(self._kinds):
-            columns = [column for column in range(self.columns) if self._kind_of(column) == kind]
-            tiles = list(product(range(self.rows), columns))
-            spans = [span_of(recipe, row * self.columns + column, metric) for row, column in tiles]
+            tiles = [tile for tile in np.ndindex(self.rows, self.columns) if self._kind_of(tile[1]) == kind]
+            spans = [span_of(recipe, self._index(*tile), metric) for tile in tiles]
             mean = mean_of(spans, metric.name)
-            for (row, column), span in zip(tiles, spans, strict=True):
-                index, difficulty = row * self.columns + column, float(self.difficulties[row])
-                shares[row, column] = share_of(recipe, index, metric, span, mean, difficulty)
-        return shares
+            found.update((tile, (span, mean)) for tile, span in zip(tiles, spans, strict=True))
+        return found
+
+    def _tell_progress(self) -> None:
+        if self.progress:
+            self.progress()
+
+    def _index(self, row: int, column: int) -> int:
+        """The index of the map of a tile in its recipe."""
+        return row * self.columns + column
 
     def _kind_of(self, column: int) -> int:
         return kind_of_column(column, self.columns, len(self._kinds))
