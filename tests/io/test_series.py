@@ -204,7 +204,7 @@ FINE = replace(RANDOM, boundary="none", unit_cm=2, maps=6, obstacles=(Placement(
 def test_a_series_rises_by_another_metric(tmp_path: Path, by: str, same_field: bool) -> None:
     robot = RobotLimits(climb_cm=7)
     found = series(FINE, tmp_path, by=by, robot=robot, same_field=same_field)
-    line = [row.asked for row in found.rows]
+    line = [row.asked or 0 for row in found.rows]
     np.testing.assert_allclose(np.diff(line), np.diff(line)[0], rtol=1e-5)
     metric = metric_by(by, robot)
     for row in found.rows:
@@ -251,11 +251,11 @@ def test_the_command_takes_a_metric_and_a_robot(tmp_path: Path, capsys: pytest.C
     flags = ["--obstacle", "random levels=20", "--unit-cm", "2", "--boundary", "none", "--seed", "7", "--name", "rough"]
     by = ["--maps", "6", "--by", "reach.west_east.cost"]
     told = [
-        printed(capsys, "series", *flags, *by, "--robot", robot, "-o", tmp_path / name)
-        for robot, name in (("crawler", "kind"), ("7,7,53", "limits"))
+        printed(capsys, "series", *flags, *by, "--robot", said, "-o", tmp_path / name)
+        for said, name in (("crawler", "kind"), ("7,7,53", "limits"))
     ]
     limits = robot("crawler").limits
-    assert limits.figures == (7, 7, 53)
+    assert limits == RobotLimits(climb_cm=7, width_cm=53)
     assert contents(tmp_path / "kind") == contents(tmp_path / "limits")
     series(FINE, tmp_path / "python", by=by[-1], robot=limits)
     assert (tmp_path / "python" / "series.csv").read_bytes() == (tmp_path / "kind" / "series.csv").read_bytes()

@@ -93,7 +93,7 @@ def test_balls_rest_on_the_maps_of_their_worlds(worlds: Any) -> None:
         levels = rsegen.build_many(RECIPE, range(first, first + WORLDS))
         blocks.write(levels)
         mjw.reset_data(model, data)
-        data.qpos.assign(np.tile(np.float32([1.05, 2.05, 0.9, 1, 0, 0, 0]), (WORLDS, 1)))
+        data.qpos.assign(np.array([[1.05, 2.05, 0.9, 1, 0, 0, 0]] * WORLDS, dtype=np.float32))
         for _ in range(400):
             mjw.step(model, data)
         assert data.qpos.numpy()[:, 2] == pytest.approx(0.5 + levels[:, 2, 4] * 0.05 + RADIUS, abs=0.001)

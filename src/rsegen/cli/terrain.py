@@ -15,7 +15,8 @@ from rsegen.cli.flags import Subparsers, describe_flag, flag
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.io.contents import refuse_loss_of_files
 from rsegen.io.recipe_file import load
-from rsegen.io.writer import refuse_taken_file, write_file
+from rsegen.io.record import Record, recorded
+from rsegen.io.writer import refuse_taken_file, write_files
 from rsegen.params.sorts import Parameter, parameters
 from rsegen.recipe.examples import or_example
 from rsegen.recipe.recipe import Recipe
@@ -66,7 +67,8 @@ def run(arguments: argparse.Namespace) -> None:
         terrain = replace(terrain, progress=progress)
         content = json.dumps(_as_json(terrain, size)).encode() + b"\n"
     produce(terrain.recipe, arguments)
-    write_file([content], path, force=True, sync=not arguments.no_sync)
+    record = recorded(path.parent) or Record(content="files", files={})
+    write_files({path.name: [content]}, path.parent, record=record, sync=not arguments.no_sync)
     if not arguments.json:
         print(f"its tiles: {path}")
 

@@ -54,6 +54,7 @@ class BlocksOfWorlds:
     def _put(self, array: Any, rows: Ints, values: Array) -> None:
         """Write the values of the blocks into some rows of an array (worlds, geoms)."""
         geoms = np.arange(self._first, self._first + values.shape[1])
-        places = [wp.array(part, dtype=int, device=array.device) for part in (rows, geoms)]
-        new = wp.array(values, dtype=array.dtype, device=array.device)
-        wp.copy(wp.indexedarray(array, places), new)
+        places: list[Any] = [wp.array(part, dtype=wp.int32, device=array.device) for part in (rows, geoms)]
+        new: Any = wp.array(values, dtype=array.dtype, device=array.device)
+        blocks: Any = wp.indexedarray(array, places)
+        wp.copy(blocks, new)

@@ -109,6 +109,7 @@ class BlockGrid(BlockArrays):
             (model.shape_material_mu, self.sliding(levels)[..., None]),
             (model.shape_color, self.rgba(levels)[..., :3]),
         ):
-            places = wp.array(numbers, dtype=int, device=array.device)
-            rows = values.reshape(len(numbers), -1).squeeze()
-            wp.copy(wp.indexedarray(array, [places]), wp.array(rows, dtype=array.dtype, device=array.device))
+            places: Any = wp.array(numbers, dtype=wp.int32, device=array.device)
+            rows: Any = wp.array(values.reshape(len(numbers), -1).squeeze(), dtype=array.dtype, device=array.device)
+            written: Any = wp.indexedarray(array, [places])
+            wp.copy(written, rows)

@@ -8,7 +8,7 @@ Rows go along +x, from the easiest; columns along +y.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import gcd
 from typing import Annotated
@@ -65,7 +65,7 @@ class Terrain:
     name: Annotated[str, replace(parameters(Recipe)["name"], help="of the terrain as a map")] = "terrain"
     by: By = RMS
     robot: RobotLimits | None = None
-    progress: Callable[[], object] | None = field(default=None, compare=False, repr=False)
+    progress: Callable[[], object] | None = None
 
     def __post_init__(self) -> None:
         validate(self)
@@ -234,17 +234,14 @@ class Terrain:
         difficulty = float(self.difficulties[row])
         if self.by == RMS:
             return difficulty
-        recipe, index, metric = (
-            self._kinds[self._kind_of(column)],
-            self._index(row, column),
-            metric_by(self.by, self.robot),
-        )
-        return share_of(recipe, index, metric, *self._spans[row, column], difficulty)
+        recipe, metric = self._kinds[self._kind_of(column)], metric_by(self.by, self.robot)
+        return share_of(recipe, self._index(row, column), metric, *self._spans[row, column], difficulty)
 
     @cached_property
     def _spans(self) -> dict[tuple[int, int], tuple[Span, Span]]:
         """By tile: the values of the metric of its map, and the mean of those of its kind."""
-        metric, found = metric_by(self.by, self.robot), {}
+        found: dict[tuple[int, int], tuple[Span, Span]] = {}
+        metric = metric_by(self.by, self.robot)
         for kind, recipe in enumerate(self._kinds):
             tiles = [tile for tile in np.ndindex(self.rows, self.columns) if self._kind_of(tile[1]) == kind]
             spans = [span_of(recipe, self._index(*tile), metric) for tile in tiles]
