@@ -18,7 +18,7 @@ def add_by_flags(group: argparse._ArgumentGroup) -> None:
         f"reach.west_east.cost (default: {RMS})"
     )
     group.add_argument("--by", default=RMS, metavar="METRIC", help=text)
-    text = "with --by: a kind of robot, or its climb, drop and width in cm, the last two if they are other than usual"
+    text = "with --by: a kind of robot, or climb, drop (default: as climb) and width (default: 0) of one, in cm"
     group.add_argument("--robot", metavar="KIND|CM,CM,CM", help=text)
 
 
