@@ -95,6 +95,7 @@ def rows() -> Iterator[Row]:
         lambda: large.mesh("watertight"),
     )
     yield from _in_place()
+    yield from _worlds()
 
 
 def _in_place() -> Iterator[Row]:
@@ -105,13 +106,8 @@ def _in_place() -> Iterator[Row]:
         from rsegen.learning.mujoco import BlockGrid
     except ImportError:
         return
-    grid, spec, count = BlockGrid(_recipe(10)), mujoco.MjSpec(), 4096
-    grid.add_to(spec)
-    for number in range(4):
-        body = spec.worldbody.add_body(pos=[0.2 * number - 0.3, 0, 0.6])
-        body.add_freejoint()
-        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.05, 0, 0])
-    model = spec.compile()
+    grid, count = BlockGrid(_recipe(10)), 4096
+    model = _with_balls(mujoco, grid)
     state = mujoco.MjData(model)
     levels = rsegen.build_many(grid.recipe, range(count))
 
@@ -141,6 +137,42 @@ def _in_place() -> Iterator[Row]:
         steps_of_physics,
         steps,
     )
+
+
+def _worlds() -> Iterator[Row]:
+    """A new map in each world of mujoco_warp, beside a step of all worlds, on the processor."""
+    try:
+        import mujoco
+        import mujoco_warp
+
+        from rsegen.learning.mujoco import BlockGrid
+        from rsegen.learning.mujoco_warp import BlocksOfWorlds
+    except ImportError:
+        return
+    grid, count = BlockGrid(_recipe(10)), 4096
+    compiled = _with_balls(mujoco, grid)
+    model, data = mujoco_warp.put_model(compiled), mujoco_warp.make_data(compiled, nworld=count)
+    blocks, levels = BlocksOfWorlds(grid, compiled, model, data), rsegen.build_many(grid.recipe, range(count))
+    blocks.write(levels)
+    yield _compared(
+        f"`BlocksOfWorlds.write`, {count:,} worlds of 10 x 10 blocks",
+        lambda: blocks.write(levels),
+        count,
+        "maps",
+        "a step of mujoco_warp of all of them, on the processor",
+        lambda: mujoco_warp.step(model, data),
+    )
+
+
+def _with_balls(mujoco: Any, grid: Any) -> Any:
+    """A compiled model of a grid with four balls above it."""
+    spec = mujoco.MjSpec()
+    grid.add_to(spec)
+    for number in range(4):
+        body = spec.worldbody.add_body(pos=[0.2 * number - 0.3, 0, 0.6])
+        body.add_freejoint()
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.05, 0, 0])
+    return spec.compile()
 
 
 def _recipe(side: int) -> Recipe:
