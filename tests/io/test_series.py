@@ -267,6 +267,7 @@ def test_the_command_takes_a_metric_and_a_robot(tmp_path: Path, capsys: pytest.C
     [
         (("--by", "reach.cover"), "by: reach.cover is of a robot; give robot too"),
         (("--by", "cost"), "by: unknown metric 'cost'"),
+        (("--robot", "crawler"), "robot: steps.rms is of no robot; give by=reach.west_east.cost"),
         (("--robot", "burgr"), "--robot: unknown robot 'burgr'; did you mean 'burger'"),
         (("--robot", "1,2,3,4"), "--robot: 4 numbers; give climb, drop and width in cm, as in 7,7,30"),
         (("--robot", "7,x"), "--robot: 'x' is not a number"),

@@ -110,5 +110,7 @@ def test_too_few_maps_are_refused(worlds: Any) -> None:
     *_, blocks = worlds
     with pytest.raises(ParameterError, match="levels: 3 maps for 32 worlds; give one for each"):
         blocks.write(rsegen.build_many(RECIPE, range(3)))
+    with pytest.raises(ParameterError, match=r"worlds: 1..32 are not all in 0..31"):
+        blocks.write(rsegen.build_many(RECIPE, range(2)), worlds=[1, 32])
     with pytest.raises(ParameterError, match="levels: 3 maps for 2 worlds"):
         blocks.write(rsegen.build_many(RECIPE, range(3)), worlds=[0, 1])

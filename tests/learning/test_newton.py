@@ -111,6 +111,8 @@ def test_other_shapes_are_refused() -> None:
     model, shapes = _worlds()
     with pytest.raises(ParameterError, match="shapes: 32 for 16 blocks; give those of add_to"):
         GRID.write(model, build_many(GRID.recipe, [0])[0], shapes[:2])
+    with pytest.raises(ParameterError, match=r"shapes: 1000..1015 of 51 shapes"):
+        GRID.write(model, build_many(GRID.recipe, [0])[0], shapes[0] + 1000)
 
 
 @pytest.mark.slow

@@ -42,6 +42,8 @@ class BlocksOfWorlds:
         Their positions go into the data too, as mujoco_warp does not compute those of static geoms again.
         """
         rows = np.arange(self.worlds) if worlds is None else np.asarray(worlds, dtype=np.int32)
+        if rows.size and not 0 <= rows.min() <= rows.max() < self.worlds:
+            raise ParameterError("worlds", f"{rows.min()}..{rows.max()} are not all in 0..{self.worlds - 1}")
         if len(levels) != len(rows):
             raise ParameterError("levels", f"{len(levels)} maps for {len(rows)} worlds; give one for each")
         grid, model, position = self.grid, self._model, self.grid.pos(levels)

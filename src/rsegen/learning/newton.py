@@ -102,6 +102,8 @@ class BlockGrid(BlockArrays):
         numbers, centres = np.asarray(shapes).reshape(-1), self.position + self.pos(levels)
         if len(numbers) != centres[..., 0].size:
             raise ParameterError("shapes", f"{len(numbers)} for {centres[..., 0].size} blocks; give those of add_to")
+        if not 0 <= numbers.min() <= numbers.max() < model.shape_count:
+            raise ParameterError("shapes", f"{numbers.min()}..{numbers.max()} of {model.shape_count} shapes")
         upright = np.broadcast_to((0.0, 0.0, 0.0, 1.0), (*centres.shape[:-1], 4))
         for array, values in (
             (model.shape_transform, np.concatenate([centres, upright], axis=-1)),

@@ -26,9 +26,10 @@ def test_every_name_is_that_of_the_table(field: StepField) -> None:
     if field.frame.all():
         return
     table = dict(flattened(nested(rsegen.metrics(field, ROBOT))))
+    table.update(flattened({"opening": nested(rsegen.metrics(field).opening)}))
     assert {name for name in table if not any(part in name for part in NOT_MEASURED)} == set(UNITS)
     for name in UNITS:
-        found = metric_by(name, ROBOT)(field)
+        found = metric_by(name, ROBOT if name in OF_A_ROBOT else None)(field)
         assert found == pytest.approx(math.nan if table[name] is None else table[name], abs=1e-9, nan_ok=True)
 
 
@@ -57,6 +58,8 @@ def test_a_function_is_a_metric_and_a_metric_is_itself() -> None:
         (7, None, "by: unknown metric 7"),
         (["steps.rms"], None, "by: unknown metric"),
         (min(OF_A_ROBOT), None, f"by: {min(OF_A_ROBOT)} is of a robot; give robot too"),
+        ("steps.rms", ROBOT, "robot: steps.rms is of no robot; give by=reach.west_east.cost, or another one of a rob"),
+        (len, ROBOT, "robot: a function is of no robot"),
         ("steps.rms", "burger", r"robot: 'burger' is not a robot's limits; give RobotLimits\(climb_cm=10\)"),
     ],
 )

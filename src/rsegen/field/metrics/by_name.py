@@ -50,11 +50,14 @@ UNITS: Mapping[str, str] = {
 def metric_by(by: By, robot: RobotLimits | None = None) -> Metric:
     """The metric of a name, of rsegen's own or of a plug-in, or of a function StepField -> float.
 
-    robot: those named `reach` need one, and for `opening` its width counts. ParameterError if it is missing,
-    UnknownName for another name.
+    robot: those named `reach` need one, for `opening` its width counts, and others are of none. ParameterError if it is
+    missing or too much, UnknownName for another name.
     """
     if robot is not None and not isinstance(robot, RobotLimits):
         raise ParameterError("robot", f"{shown(robot)} is not a robot's limits; give RobotLimits(climb_cm=10)")
+    if robot is not None and not (isinstance(by, str) and by.startswith(("reach.", "opening."))):
+        what = by if isinstance(by, str) else "a function"
+        raise ParameterError("robot", f"{what} is of no robot; give by=reach.west_east.cost, or another one of a robot")
     if callable(by):
         return by if isinstance(by, Metric) else Metric.of(by)
     if isinstance(by, str) and by in UNITS:

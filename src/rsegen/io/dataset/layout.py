@@ -112,7 +112,7 @@ class ShardLayout:
             frame_height=recipe.frame_height_cm / 100,
         )
 
-    def recipe_of(self, number: int) -> Recipe:
+    def recipe_of_shard(self, number: int) -> Recipe:
         """The recipe of the maps of a shard."""
         return self.recipes[self._kind(number)]
 
@@ -125,7 +125,7 @@ class ShardLayout:
     def indices(self, number: int) -> range:
         """The indices in their recipe of the maps of a shard."""
         places, before = self.places(number), self._first_places[self._kind(number)]
-        return self.recipe_of(number).indices[places.start - before : places.stop - before]
+        return self.recipe_of_shard(number).indices[places.start - before : places.stop - before]
 
     def map_at(self, place: int) -> tuple[Recipe, int]:
         """The recipe of a map, and its index in it."""

@@ -130,9 +130,9 @@ class Dataset:
         return recipe.alone(index)
 
     @cached_property
-    def recipe_numbers(self) -> NDArray[np.intp]:
+    def recipe_numbers(self) -> NDArray[np.int16]:
         """Which of the recipes each map is of, counted from 0: (maps,)."""
-        return np.repeat(np.arange(len(self.recipes)), [recipe.maps for recipe in self.recipes])
+        return np.repeat(np.arange(len(self.recipes), dtype=np.int16), [recipe.maps for recipe in self.recipes])
 
     @property
     def bytes(self) -> int:
@@ -201,7 +201,7 @@ class Dataset:
         """A terrain of rows x columns maps that gets harder from row to row, by any metric.
 
         by: the name of one of rsegen's own or of a plug-in, or a function StepField -> float. Those that are not in the
-        table of the data set measure every map.
+        table of the data set are measured map by map.
         robot: for metrics of a robot, such as `reach.west_east.cost`; maps that it cannot cross are left out.
         spacing: `value`, the metric rises evenly from the least to the greatest of each recipe; or `rank`, its rank.
         recipes: the names of those of the columns, each in as many neighbouring ones as the others; all by default.

@@ -49,7 +49,7 @@ class ShardTask:
         return Shard(number=number, files={"levels": self._written(names["levels"], npy(levels)), **files})
 
     def _levels(self, number: int) -> Levels:
-        levels = build_many(self.layout.recipe_of(number), self.layout.indices(number))
+        levels = build_many(self.layout.recipe_of_shard(number), self.layout.indices(number))
         found = levels.astype(self.layout.dtype)
         if (found != levels).any():
             raise OverflowError(f"a level of shard {number} is no {self.layout.dtype}")

@@ -16,7 +16,7 @@ from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.field.metrics.batch import COLUMNS
 from rsegen.field.metrics.by_name import By, metric_by
 from rsegen.field.robot_limits import RobotLimits
-from rsegen.field.stepfield import Array, Ints
+from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.params.sorts import Choice, Integer
 from rsegen.recipe.kinds import kind_of_column
 from rsegen.recipe.tiles import amid
@@ -62,7 +62,8 @@ def tiles(  # noqa: PLR0913  # as Dataset.tiles
     spacing = SPACING.check("spacing", spacing)
     rows, columns = (Integer(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
     kinds = _kinds(dataset, recipes, columns)
-    figures, named = _figures(dataset, by, robot)
+    wanted = np.isin(dataset.recipe_numbers, kinds)
+    figures, named = _figures(dataset, by, robot, wanted)
     places = np.empty((rows, columns), dtype=np.intp)
     for kind in np.unique(kinds):
         own = _ranked(dataset, figures, int(kind))
@@ -121,13 +122,14 @@ def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int,
     return found
 
 
-def _figures(dataset: Dataset, by: By, robot: RobotLimits | None) -> tuple[NDArray[np.float32], str]:
-    """A metric of every map, NaN for none, and its name: from the table, or measured map by map."""
+def _figures(dataset: Dataset, by: By, robot: RobotLimits | None, wanted: Mask) -> tuple[NDArray[np.float32], str]:
+    """A metric of every map, NaN for none, and its name: from the table, or measured on each that is wanted."""
     metric = metric_by(by, robot)
     if isinstance(by, str) and by in COLUMNS and robot is None:
         return dataset.metrics[by], by
-    figures = [metric(dataset.field(place)) for place in range(len(dataset))]
-    return np.array(figures, dtype=np.float32), metric.name
+    figures = np.full(len(dataset), np.nan, dtype=np.float32)
+    figures[wanted] = [metric(dataset.field(int(place))) for place in np.flatnonzero(wanted)]
+    return figures, metric.name
 
 
 def _origins(heights: Array, shape: tuple[int, int], size: tuple[float, float]) -> Array:
