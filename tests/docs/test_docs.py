@@ -110,6 +110,7 @@ def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) 
     terrain, *_, race = blocks(ROOT / "docs" / "learning.md", "python")
     script = f"{terrain.partition('terrain =')[0]}\n{race}"
     found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
+    assert "overflow" not in found.stdout + found.stderr
     easy, hard = map(float, found.stdout.splitlines()[-1].split())
     assert easy > 1.3 > 2 * hard
 
