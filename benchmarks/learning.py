@@ -1,7 +1,8 @@
-"""How fast maps for learning are made: `python -m benchmarks.learning` measures, a minute on one core.
+"""How fast maps for learning are made, and what they cost in engines: `python -m benchmarks.learning`, two minutes.
 
 Each row is beside another way in the same run, so that the ratio says something on any machine: the median of the
-ratios of several turns, seconds of CPU. Kept in benchmarks/results/learning.json; docs/learning.md has them.
+ratios of several turns, seconds of CPU; engines are beside one another. Kept in benchmarks/results/learning.json;
+docs/learning.md has them.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from typing import Any
 import numpy as np
 
 import rsegen
+from benchmarks import engines
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen import Placement, Random, Recipe, Terrain
@@ -26,6 +28,7 @@ from rsegen import Placement, Random, Recipe, Terrain
 FILE = RESULTS / "learning.json"
 LEVELS = 5
 TURNS = 7
+SIDE_IN_ENGINES = 40
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -44,7 +47,8 @@ class Row:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0."""
     options = _options(arguments)
-    record = {"machine": machine(), "rows": [asdict(row) for row in rows()]}
+    in_engines = [asdict(row) for row in engines.rows(_recipe(SIDE_IN_ENGINES))]
+    record = {"machine": machine(), "rows": [asdict(row) for row in rows()], "engines": in_engines}
     print("\n".join(table(record)))
     if not options.only_print:
         FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
@@ -91,6 +95,7 @@ def rows() -> Iterator[Row]:
         lambda: large.mesh("watertight"),
     )
     yield from _in_place()
+    yield from _worlds()
 
 
 def _in_place() -> Iterator[Row]:
@@ -101,13 +106,8 @@ def _in_place() -> Iterator[Row]:
         from rsegen.learning.mujoco import BlockGrid
     except ImportError:
         return
-    grid, spec, count = BlockGrid(_recipe(10)), mujoco.MjSpec(), 4096
-    grid.add_to(spec)
-    for number in range(4):
-        body = spec.worldbody.add_body(pos=[0.2 * number - 0.3, 0, 0.6])
-        body.add_freejoint()
-        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.05, 0, 0])
-    model = spec.compile()
+    grid, count = BlockGrid(_recipe(10)), 4096
+    model = _with_balls(mujoco, grid)
     state = mujoco.MjData(model)
     levels = rsegen.build_many(grid.recipe, range(count))
 
@@ -137,6 +137,42 @@ def _in_place() -> Iterator[Row]:
         steps_of_physics,
         steps,
     )
+
+
+def _worlds() -> Iterator[Row]:
+    """A new map in each world of mujoco_warp, beside a step of all worlds, on the processor."""
+    try:
+        import mujoco
+        import mujoco_warp
+
+        from rsegen.learning.mujoco import BlockGrid
+        from rsegen.learning.mujoco_warp import BlocksOfWorlds
+    except ImportError:
+        return
+    grid, count = BlockGrid(_recipe(10)), 4096
+    compiled = _with_balls(mujoco, grid)
+    model, data = mujoco_warp.put_model(compiled), mujoco_warp.make_data(compiled, nworld=count)
+    blocks, levels = BlocksOfWorlds(grid, compiled, model, data), rsegen.build_many(grid.recipe, range(count))
+    blocks.write(levels)
+    yield _compared(
+        f"`BlocksOfWorlds.write`, {count:,} worlds of 10 x 10 blocks",
+        lambda: blocks.write(levels),
+        count,
+        "maps",
+        "a step of mujoco_warp of all of them, on the processor",
+        lambda: mujoco_warp.step(model, data),
+    )
+
+
+def _with_balls(mujoco: Any, grid: Any) -> Any:
+    """A compiled model of a grid with four balls above it."""
+    spec = mujoco.MjSpec()
+    grid.add_to(spec)
+    for number in range(4):
+        body = spec.worldbody.add_body(pos=[0.2 * number - 0.3, 0, 0.6])
+        body.add_freejoint()
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.05, 0, 0])
+    return spec.compile()
 
 
 def _recipe(side: int) -> Recipe:
@@ -172,6 +208,9 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
     for row in (Row(**each) for each in record["rows"]):
         rate = f"{row.count / row.seconds:,.0f} {row.unit}"
         yield f"| {row.work} | {row.seconds:.3g} | {rate} | {row.beside} | {row.beside_seconds:.3g} | {row.ratio:.3g} |"
+    side = SIDE_IN_ENGINES
+    yield f"\nA random map of {side} x {side} blocks in engines, with nine bodies that lie on it:\n"
+    yield from engines.table(record["engines"])
     yield f"\nMeasured by `python -m benchmarks.learning` on: {record['machine']}."
 
 

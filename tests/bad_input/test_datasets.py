@@ -22,7 +22,12 @@ from tests.support.complaints import MANY_DIGITS, OBSTACLE, Refused, exit_code, 
 MADE = ["dataset", *OBSTACLE, "--maps", "10", "--shard-maps", "4"]
 
 MANIFESTS: Mapping[str, tuple[dict[str, Any], str]] = {
-    "another format": ({"dataset": 2}, "is no manifest of a data set in format 1"),
+    "another format": ({"dataset": 3}, "is no manifest of a data set in format 1 or 2"),
+    "a format in a list": ({"dataset": [1]}, "is no manifest of a data set in format 1 or 2"),
+    "the format of several recipes": ({"dataset": 2}, "recipes: is missing"),
+    "no list of recipes": ({"dataset": 2, "recipes": "all"}, "recipes: 'all' is not a list of 2 recipes or more"),
+    "a list of one recipe": ({"dataset": 2, "recipes": [1]}, "recipes: [1] is not a list of 2 recipes or more"),
+    "recipes that are none": ({"dataset": 2, "recipes": [1, 2]}, "recipes[0]: 1 is not a recipe"),
     "no recipe": ({"recipe": None}, "recipe: nothing is not a recipe"),
     "a recipe that cannot be": ({"recipe.unit_cm": -1}, "recipe.unit_cm: -1 is outside"),
     "more maps than the recipe": ({"maps": 11}, "maps: 11 is at odds with the recipe, by which it is 10"),
@@ -90,6 +95,15 @@ def test_a_map_beyond(refused: Refused) -> None:
     assert "No such file" in refused("info", f"set#{'9' * 30}")
     assert "DIR#0" in refused("info", "set")
     assert "DIR#0" in refused("generate", "set", "-o", "out")
+
+
+def test_several_recipes(refused: Refused) -> None:
+    assert "recipes[1].name: 'peak' is the name of recipes[0] too" in refused("dataset", "peak", "peak", "-o", "set")
+    assert "recipes[1].chunks: (5, 1), and (1, 1)" in refused("dataset", "peak", "five-pallet-dash", "-o", "set")
+    assert "No such file" in refused("dataset", "peak", "hill.yaml", "-o", "set")
+    assert exit_code("dataset", "peak", "diagonal-barrier", "--maps", "1", "-o", "set") == 0
+    assert "there is no map 2 in the data set; give 0..1" in refused("info", "set#2")
+    assert "--verify: needs no recipe" in refused("dataset", "peak", "--verify", "set")
 
 
 def test_a_data_set_that_is_there_or_unfinished(refused: Refused) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,10 @@ import pytest
 
 import rsegen
 from rsegen import Terrain, load
-from rsegen.cli import main
+from rsegen.cli import bar, main
 from rsegen.recipe.examples import EXAMPLES
 
+ROUGH = rsegen.Placement(obstacle=rsegen.Random(max_height=20))
 SMALL = ("peak", "figure-7", "--rows", "3", "--columns", "4", "--gap", "1", "--border", "2")
 
 
@@ -28,6 +30,27 @@ def test_it_is_the_terrain_of_the_recipes(tmp_path: Path) -> None:
     assert (tmp_path / "terrain_0000" / "arrays").is_dir()
 
 
+def test_rows_rise_by_a_metric_of_a_robot(tmp_path: Path) -> None:
+    flags = ("--by", "reach.west_east.cost", "--robot", "7")
+    recipe = rsegen.Recipe(name="a", seed=1, unit_cm=2, boundary="none", obstacles=[ROUGH])
+    rsegen.save(recipe, tmp_path / "a.yaml")
+    made = [str(tmp_path / "a.yaml"), *SMALL[2:], *flags, "-o", str(tmp_path / "out")]
+    assert main(["terrain", *made]) == 0
+    usual = Terrain(recipes=recipe, rows=3, columns=4, gap=1, border=2)
+    expected = replace(usual, by=flags[1], robot=rsegen.RobotLimits(climb_cm=7))
+    assert rsegen.build(load(tmp_path / "out" / "terrain_0000" / "recipe.json")) == expected.field
+    assert expected.field != usual.field
+
+
+def test_on_a_terminal_a_bar_counts_tiles_and_their_spots(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(bar, "watched", lambda: True)
+    for flags, tiles in (((), 12), (("--spots", "0.3,0.2"), 24)):
+        assert main(["terrain", *SMALL, *flags, "--force", "-o", str(tmp_path)]) == 0
+        assert f"{tiles}/{tiles} [" in capsys.readouterr().err
+
+
 def test_a_seed_is_that_of_all_recipes(tmp_path: Path) -> None:
     for seed in ("1", "2", "3"):
         main(["terrain", *SMALL, "--seed", seed, "--name", f"of-{seed}", "-o", str(tmp_path)])
@@ -38,6 +61,7 @@ def test_a_seed_is_that_of_all_recipes(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
+        (("--by", "reach.cover"), "by: reach.cover is of a robot; give robot too"),
         (("--rows", "0"), "--rows: 0 is outside 1..1000"),
         (("--difficulty", "0.5"), "--difficulty: [0.5] is not a list of 2"),
         (("--columns", "1"), "recipes: 2 for 1 columns"),
@@ -58,3 +82,19 @@ def test_what_is_there_is_not_replaced(tmp_path: Path, capsys: pytest.CaptureFix
     assert main(["terrain", *SMALL, "-o", str(tmp_path)]) == 2
     assert "terrain_0000.json" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["terrain_0000.json"]
+
+
+def test_force_replaces_a_terrain_and_its_tiles_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["terrain", *SMALL, "-o", str(tmp_path)]
+    assert main(command) == 0
+    assert main([*command, "--gap", "2"]) == 2
+    assert "exists already" in capsys.readouterr().err
+    (tmp_path / "notes.txt").write_text("mine")
+    assert main([*command, "--gap", "2", "--force"]) == 0
+    tiles = json.loads((tmp_path / "terrain_0000.json").read_text())
+    peak, figure = (load(EXAMPLES[name]) for name in SMALL[:2])
+    assert np.array_equal(tiles["origins"], Terrain(recipes=[peak, figure], rows=3, columns=4, gap=2, border=2).origins)
+    (tmp_path / "terrain_0000.json").write_text("mine")
+    assert main([*command, "--force"]) == 2
+    assert (tmp_path / "terrain_0000.json").read_text() == "mine"
+    assert (tmp_path / "notes.txt").read_text() == "mine"

@@ -81,9 +81,11 @@ def test_the_python_of_the_page_of_build_sheets_works() -> None:
 
 @pytest.mark.slow
 def test_the_python_of_the_page_of_data_sets_works(tmp_path: Path) -> None:
-    (script,) = blocks(ROOT / "docs" / "datasets.md", "python")
+    script = "".join(blocks(ROOT / "docs" / "datasets.md", "python"))
     found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
-    assert found.stdout.splitlines()[-1] == "(10, 20, 10, 10) (10, 20, 3)"
+    *_, tiles, kinds, index, columns = found.stdout.splitlines()
+    assert [tiles, kinds, index] == ["(10, 20, 10, 10) (10, 20, 3)", "hills 1", "1999"]
+    assert columns.strip("[]").split() == ["1"] * 14 + ["0"] * 6
 
 
 @pytest.mark.slow
@@ -92,7 +94,7 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
     for library in ("mujoco", "trimesh", "pxr"):
         pytest.importorskip(library)
     gymnasium = pytest.importorskip("gymnasium")
-    terrain, exports, many, _, in_place, reset = blocks(ROOT / "docs" / "learning.md", "python")
+    terrain, exports, many, _, in_place, reset, _ = blocks(ROOT / "docs" / "learning.md", "python")
     ant = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets" / "ant.xml"
     (tmp_path / "robot.xml").write_bytes(ant.read_bytes())
     write_ant = 'open("ant_on_blocks.xml", "w").write(spec.to_xml())'
@@ -100,6 +102,17 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
     assert (tmp_path / "worlds" / "terrain_0000" / "terrain_0000.world").is_file()
     assert (tmp_path / "terrain.glb").stat().st_size > 100_000
+
+
+@pytest.mark.slow
+def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
+    terrain, *_, race = blocks(ROOT / "docs" / "learning.md", "python")
+    script = f"{terrain.partition('terrain =')[0]}\n{race}"
+    found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
+    assert "overflow" not in found.stdout + found.stderr
+    easy, hard = map(float, found.stdout.splitlines()[-1].split())
+    assert easy > 1.3 > 2 * hard
 
 
 def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None:

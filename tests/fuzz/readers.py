@@ -59,6 +59,7 @@ def _read_data_set(name: str) -> None:
 
     found = Dataset(name)
     _ = repr(found), len(found), found.levels[0], found.levels[[0, -1]], found.metrics, list(found)
+    _ = found.recipe_numbers, [found.recipe_of(place) for place in range(min(len(found), 10))]
 
 
 READERS: Mapping[str, Callable[[str], None]] = {

@@ -83,6 +83,15 @@ def data_set(metrics: str) -> Mapping[str, bytes]:
 
 
 @cache
+def data_set_of_several(metrics: str) -> Mapping[str, bytes]:
+    """A data set of two recipes, a shard each."""
+    with _elsewhere() as folder:
+        flags = ["--maps", "2", "--metrics", metrics, "--workers", "1", "-o", "set"]
+        assert main(["dataset", "peak", "diagonal-barrier", *flags]) == 0
+        return _files(folder)
+
+
+@cache
 def unfinished(metrics: str) -> Mapping[str, bytes]:
     """The same after its run was stopped: a record in place of the manifest, and one shard less."""
     whole = dict(data_set(metrics))

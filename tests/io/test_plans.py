@@ -114,7 +114,7 @@ def test_a_plan_does_not_make_the_folder(tmp_path: Path) -> None:
     plan_worlds(RECIPE, tmp_path / "a", Sidecars(), OnExisting.REFUSE)
     plan_exports([RECIPE], tmp_path / "b", [Heightmap()], OnExisting.REFUSE)
     plan_series(SeriesPlan(recipe=RECIPE), tmp_path / "c", Sidecars(), OnExisting.KEEP)
-    plan_dataset(ShardLayout(recipe=RECIPE), tmp_path / "d", OnExisting.KEEP)
+    plan_dataset(ShardLayout(recipes=[RECIPE]), tmp_path / "d", OnExisting.KEEP)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -128,7 +128,7 @@ def test_a_plan_of_a_series_says_which_of_its_maps_exist(tmp_path: Path) -> None
 def test_a_plan_of_a_data_set_says_which_shards_are_missing(tmp_path: Path) -> None:
     rsegen.make_dataset(RECIPE, tmp_path, shard_maps=1)
     (tmp_path / "levels-00002.npy").unlink()
-    plan = plan_dataset(ShardLayout(recipe=RECIPE, shard_maps=1), tmp_path, OnExisting.KEEP)
+    plan = plan_dataset(ShardLayout(recipes=[RECIPE], shard_maps=1), tmp_path, OnExisting.KEEP)
     assert (list(plan.to_make), sorted(plan.existing)) == ([2], [0, 1, 3])
     assert plan.disk == plan.task.layout.bytes_per_map
 

@@ -17,14 +17,16 @@ import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import Placement, Random, Recipe, build, load, metrics, series
+from rsegen import Placement, Random, Recipe, RobotLimits, build, load, metrics, series
 from rsegen.cli import main
 from rsegen.errors import OutputError, ParameterError
+from rsegen.field.metrics.by_name import metric_by
 from rsegen.io import work
 from rsegen.io import workers as workers_module
 from rsegen.io.record import RECORD
 from rsegen.io.series import SeriesPlan, SeriesRow
 from rsegen.recipe.codec import decode
+from rsegen.simulation.robots import robot
 from tests.cli.test_cli import contents, printed, read
 
 RANDOM = Recipe(name="rough", seed=7, maps=8, obstacles=(Placement(obstacle=Random(max_height=5)),))
@@ -194,7 +196,90 @@ def test_level_ground_is_a_series_too(tmp_path: Path) -> None:
     assert [row.rms for row in found.rows] == [0, 0]
 
 
+FINE = replace(RANDOM, boundary="none", unit_cm=2, maps=6, obstacles=(Placement(obstacle=Random(max_height=20)),))
+
+
+@pytest.mark.parametrize("same_field", [False, True])
+@pytest.mark.parametrize("by", ["opening.west_east", "reach.west_east.cost"])
+def test_a_series_rises_by_another_metric(tmp_path: Path, by: str, same_field: bool) -> None:
+    robot = RobotLimits(climb_cm=7)
+    found = series(FINE, tmp_path, by=by, robot=robot, same_field=same_field)
+    line = [row.asked or 0 for row in found.rows]
+    np.testing.assert_allclose(np.diff(line), np.diff(line)[0], rtol=1e-5)
+    metric = metric_by(by, robot)
+    for row in found.rows:
+        home = load(tmp_path / row.map / "recipe.json")
+        assert row.measured == pytest.approx(metric(build(home, home.first_map)))
+        assert row.asked
+        assert row.full
+        assert row.measured == pytest.approx(min(row.asked, row.full), abs=0.021 if by.startswith("open") else 0.3)
+        assert (row.rms_asked, row.rms_full) == (None, None)
+        assert row.rms == pytest.approx(metrics(build(home, home.first_map)).steps.rms)
+    assert [row["rms_asked"] for row in rows_of(found.table)] == [""] * 6
+
+
+def test_by_the_rms_step_both_columns_say_the_same(made: rsegen.Series) -> None:
+    for row in made.rows:
+        assert (row.asked, row.measured, row.full) == (row.rms_asked, row.rms, row.rms_full)
+
+
+def test_a_function_is_called_here_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(work, "WORTHWHILE", 0.0)
+    monkeypatch.setattr(workers_module, "run_in_workers", lambda *_, **__: pytest.fail("workers were started"))
+    found = series(FINE, tmp_path, by=lambda field: float(field.levels.max()), workers=8)
+    assert [row.measured for row in found.rows] == pytest.approx([row.asked for row in found.rows], abs=0.51)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"by": "steps.rsm"}, "by: unknown metric 'steps.rsm'"),
+        ({"by": "reach.cover"}, "by: reach.cover is of a robot; give robot too"),
+        ({"by": "spread.lowest"}, "by: spread.lowest is 0 at difficulty 0 and at 1; give a metric that changes"),
+    ],
+)
+def test_a_metric_that_cannot_rise_is_refused(tmp_path: Path, given: dict[str, Any], message: str) -> None:
+    with pytest.raises(ParameterError, match=message):
+        series(FINE, tmp_path / "out", **given)
+    assert not list(tmp_path.iterdir())
+
+
 # The command.
+
+
+def test_the_command_takes_a_metric_and_a_robot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    flags = ["--obstacle", "random levels=20", "--unit-cm", "2", "--boundary", "none", "--seed", "7", "--name", "rough"]
+    by = ["--maps", "6", "--by", "reach.west_east.cost"]
+    told = [
+        printed(capsys, "series", *flags, *by, "--robot", said, "-o", tmp_path / name)
+        for said, name in (("crawler", "kind"), ("7,7,53", "limits"))
+    ]
+    limits = robot("crawler").limits
+    assert limits == RobotLimits(climb_cm=7, width_cm=53)
+    assert contents(tmp_path / "kind") == contents(tmp_path / "limits")
+    series(FINE, tmp_path / "python", by=by[-1], robot=limits)
+    assert (tmp_path / "python" / "series.csv").read_bytes() == (tmp_path / "kind" / "series.csv").read_bytes()
+    assert "difficulty       asked    measured     highest" in told[0]
+
+
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        (("--by", "reach.cover"), "by: reach.cover is of a robot; give robot too"),
+        (("--by", "cost"), "by: unknown metric 'cost'"),
+        (("--robot", "crawler"), "robot: steps.rms is of no robot; give by=reach.west_east.cost"),
+        (("--robot", "burgr"), "--robot: unknown robot 'burgr'; did you mean 'burger'"),
+        (("--robot", "1,2,3,4"), "--robot: 4 numbers; give climb, drop and width in cm, as in 7,7,30"),
+        (("--robot", "7,x"), "--robot: 'x' is not a number"),
+    ],
+    ids=" ".join,
+)
+def test_a_metric_or_robot_that_is_none(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], flags: tuple[str, ...], message: str
+) -> None:
+    assert main(["series", *FLAGS, *flags, "-o", str(tmp_path / "out")]) == 2
+    assert message in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_command_makes_what_python_makes(tmp_path: Path, made: rsegen.Series) -> None:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe, compose
-from rsegen.errors import UnknownName
+from rsegen import Placement, Random, Recipe, build_many, compose
+from rsegen.errors import ParameterError, UnknownName
 
 newton = pytest.importorskip("newton", reason="Newton is not installed")
-from rsegen.learning.newton import add_map  # noqa: E402  # it needs Newton
+import warp as wp  # noqa: E402  # Newton brings it
+
+from rsegen.learning.newton import BlockGrid, add_map  # noqa: E402  # it needs Newton
 
 SCENE = compose(
     Recipe(
@@ -54,3 +58,83 @@ def test_boxes_are_the_heights_of_the_cells() -> None:
 def test_an_unknown_shape_is_said() -> None:
     with pytest.raises(UnknownName, match=r"unknown shape 'hfield' .*boxes, mesh"):
         add_map(newton.ModelBuilder(), SCENE, shape="hfield")
+
+
+WORLDS = 3
+GRID = BlockGrid(
+    Recipe(
+        seed=7,
+        chunk_size=4,
+        unit_cm=5,
+        boundary="none",
+        level_friction=(0.2, 0.4, 0.6),
+        obstacles=[Placement(obstacle=Random(max_height=4))],
+    ),
+    pos=(1, 2, 0.5),
+)
+
+
+def _worlds() -> tuple[Any, np.ndarray]:
+    """A model of worlds with the blocks and a ball above the block (2, 1) in each, and the shapes of the blocks."""
+    one = newton.ModelBuilder()
+    shapes = np.array(GRID.add_to(one))
+    ball = one.add_body(xform=wp.transform(wp.vec3(1.05, 1.95, 1.0), wp.quat_identity()))
+    one.add_shape_sphere(ball, radius=0.03)
+    builder = newton.ModelBuilder()
+    builder.replicate(one, WORLDS)
+    return builder.finalize(device="cpu"), shapes + one.shape_count * np.arange(WORLDS)[:, None]
+
+
+def test_blocks_change_in_a_finalized_model() -> None:
+    model, shapes = _worlds()
+    levels = build_many(GRID.recipe, range(WORLDS))
+    GRID.write(model, levels, shapes)
+    places, sizes, friction = (
+        array.numpy()[shapes] for array in (model.shape_transform, model.shape_scale, model.shape_material_mu)
+    )
+    heights = levels.reshape(WORLDS, -1) * 0.05
+    assert np.allclose(places[..., 2] + sizes[..., 2], 0.5 + heights)
+    assert np.allclose(places[..., 3:], (0, 0, 0, 1))
+    middles = (np.arange(4) - 1.5) * 0.1
+    assert np.allclose(places[0, :, 0].reshape(4, 4), 1 + middles[:, None])
+    assert np.allclose(places[0, :, 1].reshape(4, 4), 2 + middles)
+    assert np.allclose(sizes[..., :2], 0.05)
+    assert np.allclose(friction, GRID.sliding(levels))
+    before = model.shape_scale.numpy()
+    GRID.write(model, levels[0], shapes[2])
+    after = model.shape_scale.numpy()
+    assert np.array_equal(after[shapes[2]], before[shapes[0]])
+    assert np.array_equal(after[shapes[:2]], before[shapes[:2]])
+
+
+def test_other_shapes_are_refused() -> None:
+    model, shapes = _worlds()
+    with pytest.raises(ParameterError, match="shapes: 32 for 16 blocks; give those of add_to"):
+        GRID.write(model, build_many(GRID.recipe, [0])[0], shapes[:2])
+    with pytest.raises(ParameterError, match=r"shapes: 1000..1015 of 51 shapes"):
+        GRID.write(model, build_many(GRID.recipe, [0])[0], shapes[0] + 1000)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:set_const_:DeprecationWarning")  # Newton calls it
+@pytest.mark.parametrize("solver", ["SolverXPBD", "SolverMuJoCo"])
+def test_balls_rest_on_what_is_written_last(solver: str) -> None:
+    if solver == "SolverMuJoCo":
+        pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
+    model, shapes = _worlds()
+    stepper, control = getattr(newton.solvers, solver)(model), model.control()
+    pipeline = newton.CollisionPipeline(model) if solver == "SolverXPBD" else None
+    contacts = pipeline.contacts() if pipeline else None
+    for first in (0, 10):
+        levels = build_many(GRID.recipe, range(first, first + WORLDS))
+        GRID.write(model, levels, shapes)
+        stepper.notify_model_changed(newton.ModelFlags.SHAPE_PROPERTIES)
+        now, following = model.state(), model.state()
+        newton.eval_fk(model, model.joint_q, model.joint_qd, now)
+        for _ in range(500):
+            now.clear_forces()
+            if pipeline:
+                pipeline.collide(now, contacts)
+            stepper.step(now, following, control, contacts, 0.002)
+            now, following = following, now
+        assert now.body_q.numpy()[:, 2] == pytest.approx(0.53 + levels[:, 2, 1] * 0.05, abs=0.002)

@@ -12,12 +12,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Peak, Placement, Random, Recipe, Terrain
+from rsegen import Peak, Placement, Random, Recipe, RobotLimits, Terrain
 from rsegen.errors import ParameterError, UserError
 from rsegen.field.metrics.batch import batch_metrics
+from rsegen.field.metrics.by_name import metric_by
 
 ROUGH = Recipe(name="rough", seed=1, unit_cm=5, boundary="none", obstacles=[Placement(obstacle=Random(max_height=6))])
 TABLE = replace(ROUGH, name="table", obstacles=[Placement(obstacle=Peak(max_height=6), first=(1, 1), last=(9, 9))])
+TABLE_OF_1 = replace(
+    ROUGH,
+    name="mixed",
+    unit_cm=1,
+    obstacles=[Placement(obstacle=Random(max_height=20)), Placement(obstacle=Peak(max_height=30), blend="max")],
+)
 HILL = replace(ROUGH, name="hill", obstacles=[Placement(obstacle=Peak(max_height=6, softness=60))])
 
 
@@ -97,12 +104,33 @@ def test_a_tile_without_an_even_place_is_named() -> None:
     assert terrain.spots((0.6, 0.6), evenest=True).shape == (2, 2, 1, 4)
 
 
+@pytest.mark.parametrize("by", ["opening.west_east", "reach.west_east.cost", lambda field: field.levels.mean()])
+def test_rows_rise_evenly_by_any_metric(by: Any) -> None:
+    robot = RobotLimits(climb_cm=7) if by == "reach.west_east.cost" else None
+    fine = replace(ROUGH, unit_cm=1, obstacles=[Placement(obstacle=Random(max_height=30))])
+    terrain, metric = Terrain(recipes=[fine, TABLE_OF_1], rows=5, columns=6, by=by, robot=robot), metric_by(by, robot)
+    assert not terrain.levels[0].any()
+    for kind in (slice(0, 3), slice(3, 6)):
+        found = np.array([[metric(_alone(terrain, tile)) for tile in row] for row in terrain.levels[:, kind]])
+        rows = found.mean(axis=1)
+        steps = np.diff(rows) / (rows[-1] - rows[0])
+        assert steps.min() > 0.1
+        assert steps.max() < 0.45
+    assert np.array_equal(terrain.levels, replace(terrain, gap=3).levels)
+
+
+def _alone(terrain: Terrain, levels: Any) -> rsegen.StepField:
+    return replace(terrain.field, levels=levels, frame=np.zeros(levels.shape, dtype=bool))
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
         ({"recipes": []}, "recipes: 0 for 20 columns"),
         ({"recipes": [ROUGH] * 3, "columns": 2}, "recipes: 3 for 2 columns"),
         ({"recipes": ["rough"]}, "recipes: .* is not a recipe or a list of recipes"),
+        ({"by": "steps.rsm"}, "by: unknown metric 'steps.rsm'; did you mean 'steps.rms'"),
+        ({"by": "reach.cover"}, "by: reach.cover is of a robot; give robot too"),
         ({"rows": 0}, "rows: 0 is outside 1..1000"),
         ({"difficulty": 0.5}, "difficulty: 0.5 is not a list of 2"),
         ({"recipes": [ROUGH, replace(ROUGH, chunk_size=8)]}, r"recipes\[1\]: tiles of 8 x 8 and 10 x 10 cells"),

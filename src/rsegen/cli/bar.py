@@ -1,4 +1,4 @@
-"""A progress bar that counts maps, one after the other; and whether anyone would see one."""
+"""A progress bar that counts maps or tiles, one after the other; and whether anyone would see one."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ def watched() -> bool:
 
 
 @contextmanager
-def counting(maps: int) -> Iterator[Callable[[object], None] | None]:
-    """A function to call with each map that is done; None without a terminal, or for a single map."""
-    if maps == 1 or not watched():
+def counting(count: int, unit: str = "map") -> Iterator[Callable[..., None] | None]:
+    """A function to call with each map, or other thing, that is done; None without a terminal, or for a single one."""
+    if count == 1 or not watched():
         yield None
         return
     from tqdm import tqdm
 
-    with tqdm(total=maps, unit="map", miniters=1) as bar:
+    with tqdm(total=count, unit=unit, miniters=1) as bar:
 
-        def done(_: object) -> None:
+        def done(*_: object) -> None:
             bar.update()
 
         yield done

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from rsegen.cli.bar import watched
@@ -16,7 +16,7 @@ from rsegen.cli.flags import (
     add_recipe_flags,
     folder,
     given,
-    recipe_from,
+    recipes_from,
 )
 from rsegen.cli.generate import add_workers_flag, workers_from
 from rsegen.cli.stop import how_to_go_on, told_what_is_left
@@ -34,11 +34,13 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "dataset",
-        description="Make the maps of a recipe as a data set: block levels as arrays, metrics as tables, in shards. "
+        description="Make the maps of one or several recipes as a data set: block levels as arrays, metrics as tables, "
+        "in shards. "
         "DIR#17 then names one of its maps in every command: rsegen generate DIR#17 -o worlds.",
         epilog="docs/datasets.md says how to read it in Python, and how to train on it.",
     )
-    command.add_argument_group("input").add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
+    text = f"{RECIPE_HELP}; flags are for each of several, so --maps N makes N of each"
+    command.add_argument_group("input").add_argument("recipes", nargs="*", metavar="RECIPE", help=text)
     group = command.add_argument_group("output")
     what = group.add_mutually_exclusive_group(required=True)
     what.add_argument("-o", "--output", type=folder, metavar="DIR", help="folder to make the data set in")
@@ -70,14 +72,14 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.verify:
         dataset, words = _verified(arguments)
     else:
-        dataset = _made(recipe_from(arguments), arguments)
+        dataset = _made(recipes_from(arguments.recipes, arguments), arguments)
         words = f"one of them as a world: rsegen generate {shlex.quote(f'{dataset.folder}#0')} -o worlds"
     print(json.dumps(_summary(dataset), indent=2) if arguments.json else f"{_described(dataset)}\n{words}")
 
 
 def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
     """The data set, and what it was compared with."""
-    if arguments.recipe is not None:
+    if arguments.recipes:
         raise ParameterError("--verify", "needs no recipe: it is in the data set")
     text = arguments.rebuild
     rebuild = 100 if text is None else _REBUILT.check("--rebuild", _REBUILT.parse(text))
@@ -87,11 +89,11 @@ def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
     return dataset, f"all checksums are right, and {built} random maps were built again and are equal"
 
 
-def _made(recipe: Recipe, arguments: argparse.Namespace) -> Dataset:
+def _made(recipes: Sequence[Recipe], arguments: argparse.Namespace) -> Dataset:
     said = given(ShardLayout, arguments)
-    with told_what_is_left(lambda: _left(recipe, arguments)), _bar(recipe) as progress:
+    with told_what_is_left(lambda: _left(recipes, arguments)), _bar(_maps(recipes)) as progress:
         return make_dataset(
-            recipe,
+            recipes,
             arguments.output,
             force=arguments.force,
             resume=arguments.resume,
@@ -103,23 +105,27 @@ def _made(recipe: Recipe, arguments: argparse.Namespace) -> Dataset:
         )
 
 
-def _left(recipe: Recipe, arguments: argparse.Namespace) -> str:
+def _maps(recipes: Sequence[Recipe]) -> int:
+    return sum(recipe.maps for recipe in recipes)
+
+
+def _left(recipes: Sequence[Recipe], arguments: argparse.Namespace) -> str:
     """What a run that is stopped leaves, and how to make the other maps."""
-    there = complete_maps(ShardLayout(recipe=recipe, **given(ShardLayout, arguments)), arguments.output)
+    there = complete_maps(ShardLayout(recipes=recipes, **given(ShardLayout, arguments)), arguments.output)
     if not there:
         return "nothing was left there"
-    return f"{there:,} of {recipe.maps:,} maps are there, in whole shards; {how_to_go_on(recipe)}"
+    return f"{there:,} of {_maps(recipes):,} maps are there, in whole shards; {how_to_go_on(*recipes)}"
 
 
 @contextmanager
-def _bar(recipe: Recipe) -> Iterator[Progress | None]:
+def _bar(maps: int) -> Iterator[Progress | None]:
     """A progress bar on a terminal; maps that are there already are of no weight in the time that is left."""
     if not watched():
         yield None
         return
     from tqdm import tqdm
 
-    with tqdm(total=recipe.maps, unit="map", unit_scale=True) as bar:
+    with tqdm(total=maps, unit="map", unit_scale=True) as bar:
 
         def done(maps: int, *, already: bool) -> None:
             bar.initial += maps * already
@@ -131,7 +137,7 @@ def _bar(recipe: Recipe) -> Iterator[Progress | None]:
 def _summary(dataset: Dataset) -> dict[str, object]:
     return {
         "folder": str(dataset.folder),
-        "seed": dataset.recipe.seed,
+        **_seeds(dataset),
         "maps": len(dataset),
         "shape": list(dataset.levels.shape),
         "dtype": dataset.levels.dtype.name,
@@ -141,9 +147,18 @@ def _summary(dataset: Dataset) -> dict[str, object]:
     }
 
 
+def _seeds(dataset: Dataset) -> dict[str, object]:
+    if len(dataset.recipes) == 1:
+        return {"seed": dataset.recipe.seed}
+    names = ("name", "seed", "maps")
+    return {"recipes": [{name: getattr(recipe, name) for name in names} for recipe in dataset.recipes]}
+
+
 def _described(dataset: Dataset) -> str:
-    n_x, n_y = dataset.recipe.grid.shape
+    n_x, n_y = dataset.layout.grid_shape
+    seeds = [f"{recipe.maps:,} of {recipe.name} (seed {recipe.seed})" for recipe in dataset.recipes]
+    said = ", ".join(seeds) if len(seeds) > 1 else f"seed {dataset.recipe.seed}"
     return (
-        f"{len(dataset):,} maps of {n_x} x {n_y} blocks, seed {dataset.recipe.seed}: "
+        f"{len(dataset):,} maps of {n_x} x {n_y} blocks, {said}: "
         f"{dataset.bytes:,} bytes in {len(dataset.shards)} shards in {dataset.folder}"
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os.path
 import shlex
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import MISSING, fields, replace
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -95,7 +95,13 @@ def flag(name: str) -> str:
 
 def recipe_from(arguments: argparse.Namespace) -> Recipe:
     """The recipe of the file, if one is given, with the flags over it and their obstacles after its own."""
-    return with_flags(Recipe() if arguments.recipe is None else recipe_in(_file(arguments.recipe)), arguments)
+    return recipes_from([] if arguments.recipe is None else [arguments.recipe], arguments)[0]
+
+
+def recipes_from(names: Sequence[str], arguments: argparse.Namespace) -> list[Recipe]:
+    """The recipes of these files, or one of flags alone if there are none, each with the flags over it."""
+    starts = [recipe_in(_file(name)) for name in names] or [Recipe()]
+    return [with_flags(start, arguments) for start in starts]
 
 
 def has_recipe_flags(arguments: argparse.Namespace) -> bool:

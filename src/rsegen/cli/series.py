@@ -8,16 +8,18 @@ from collections.abc import Iterator
 from dataclasses import asdict
 
 from rsegen.cli.bar import counting
+from rsegen.cli.by_metric import add_by_flags, by_from
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, describe_flag, recipe_from
 from rsegen.cli.formats import formats_of
 from rsegen.cli.generate import add_output_flags, workers_from
 from rsegen.cli.stop import how_to_go_on, told_what_is_left
 from rsegen.exporters.numbers import decimal
+from rsegen.field.metrics.by_name import RMS
 from rsegen.io.series import Series, SeriesPlan, SeriesRow, series
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 
-_SHOWN = 12
+_LINES = 12
 
 
 def add(commands: Subparsers) -> None:
@@ -35,6 +37,7 @@ def add(commands: Subparsers) -> None:
         _, text = describe_flag(name, sorts[name], default)
         group.add_argument(f"--{name.rstrip('_')}", dest=name, default=str(default), metavar="D", help=text)
     group.add_argument("--same-field", action="store_true", help=sorts["same_field"].help)
+    add_by_flags(group)
     add_recipe_flags(command)
     command.set_defaults(run=run)
 
@@ -51,6 +54,7 @@ def run(arguments: argparse.Namespace) -> None:
             from_=from_,
             to=to,
             same_field=arguments.same_field,
+            **by_from(arguments),
             force=arguments.force,
             resume=arguments.resume,
             preview=arguments.preview,
@@ -67,7 +71,8 @@ def _left(recipe: Recipe, arguments: argparse.Namespace) -> str:
     """What a series that is stopped leaves, and how to make the rest; not where old maps may be among the new ones."""
     if arguments.force:
         return "the maps that were complete are there, nothing else is"
-    return f"the maps that were complete are there, without table and picture; {how_to_go_on(recipe, 'the rest')}"
+    rest = how_to_go_on(recipe, what="the rest")
+    return f"the maps that were complete are there, without table and picture; {rest}"
 
 
 def _share(name: str, text: str) -> float:
@@ -86,9 +91,11 @@ def _report(found: Series) -> Iterator[str]:
     already = f", {there} there already" if there else ""
     yield f"{len(rows)} maps in {found.folder}, seed {found.plan.recipe.seed}{already}; lengths in cm:"
     width = max(len(row.map) for row in rows)
-    yield f"  {'map':<{width}}" + "".join(f"{name:>12}" for name in ("difficulty", "rms asked", "rms step", "highest"))
+    names, unit = ("rms asked", "rms step") if found.plan.by == RMS else ("asked", "measured"), found.plan.metric.unit
+    yield f"  {'map':<{width}}" + "".join(f"{name:>12}" for name in ("difficulty", *names, "highest"))
     for row in _some(rows):
-        lengths = (_centimetres(value) for value in (row.rms_asked, row.rms, row.highest_step))
+        values = (row.asked, unit), (row.measured, unit), (row.highest_step, "m")
+        lengths = (_shown(*value) for value in values)
         yield f"  {row.map:<{width}}{decimal(row.difficulty):>12}" + "".join(f"{text:>12}" for text in lengths)
     for text in dict.fromkeys(text for one in found.maps for text in one.warnings):
         yield f"warning: {text}"
@@ -98,9 +105,10 @@ def _report(found: Series) -> Iterator[str]:
 
 def _some(rows: tuple[SeriesRow, ...]) -> list[SeriesRow]:
     """All of them, or some that are evenly spaced, with the last."""
-    apart = -(-len(rows) // _SHOWN)
+    apart = -(-len(rows) // _LINES)
     return [*rows[:-1:apart], rows[-1]]
 
 
-def _centimetres(value: float | None) -> str:
-    return "-" if value is None else f"{value * 100:.2f}"
+def _shown(value: float | None, unit: str) -> str:
+    """Lengths in centimetres."""
+    return "-" if value is None else f"{value * 100 if unit == 'm' else value:.2f}"

@@ -110,6 +110,8 @@ def told_what_is_left(left: Callable[[], str]) -> Iterator[None]:
         raise KeyboardInterrupt(f"stopped; {left()}") from None
 
 
-def how_to_go_on(recipe: Recipe, what: str = "the others") -> str:
-    """The end of what is said of a run that can be resumed."""
-    return f"the same command with --seed {recipe.seed} --resume makes {what}"
+def how_to_go_on(*recipes: Recipe, what: str = "the others") -> str:
+    """The end of what is said of a run that can be resumed; of several recipes one seed is named if all have it."""
+    seeds = {recipe.seed for recipe in recipes}
+    seed = f"--seed {seeds.pop()} " if len(seeds) == 1 else ""
+    return f"the same command with {seed}--resume makes {what}"

@@ -9,11 +9,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from rsegen.cli.bar import counting
+from rsegen.cli.by_metric import add_by_flags, by_from
 from rsegen.cli.flags import Subparsers, describe_flag, flag
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.io.contents import refuse_loss_of_files
 from rsegen.io.recipe_file import load
-from rsegen.io.writer import refuse_taken_file, write_file
+from rsegen.io.record import Record, recorded
+from rsegen.io.writer import refuse_taken_file, write_files
 from rsegen.params.sorts import Parameter, parameters
 from rsegen.recipe.examples import or_example
 from rsegen.recipe.recipe import Recipe
@@ -41,6 +44,7 @@ def add(commands: Subparsers) -> None:
         group.add_argument(flag(name), dest=name, metavar=name.upper(), help=text)
     text = "add an even place for a start to each tile: the length and width of a robot in metres"
     group.add_argument("--spots", metavar="L,W", help=text)
+    add_by_flags(group)
     add_output_flags(command)
     command.set_defaults(run=run)
 
@@ -54,14 +58,17 @@ def run(arguments: argparse.Namespace) -> None:
         if text is not None
     }
     seed = values.pop("seed", None)
-    terrain = Terrain(recipes=[_recipe(name, seed) for name in arguments.recipes], **values)
     size = None if arguments.spots is None else SIZE.check("--spots", SIZE.parse(arguments.spots))
-    path = Path(arguments.output, f"{terrain.recipe.map_name(0)}.json")
+    terrain = Terrain(recipes=[_recipe(name, seed) for name in arguments.recipes], **values, **by_from(arguments))
+    path = Path(arguments.output, f"{terrain.name}_0000.json")
     refuse_taken_file(path, force=arguments.force or arguments.resume)
     refuse_loss_of_files(path.parent, (path.name,))
-    content = json.dumps(_as_json(terrain, size)).encode() + b"\n"
+    with counting(terrain.rows * terrain.columns * (1 if size is None else 2), "tile") as progress:
+        terrain = replace(terrain, progress=progress)
+        content = json.dumps(_as_json(terrain, size)).encode() + b"\n"
     produce(terrain.recipe, arguments)
-    write_file([content], path, force=True, sync=not arguments.no_sync)
+    record = recorded(path.parent) or Record(content="files", files={})
+    write_files({path.name: [content]}, path.parent, record=record, sync=not arguments.no_sync)
     if not arguments.json:
         print(f"its tiles: {path}")
 

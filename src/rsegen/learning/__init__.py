@@ -3,7 +3,8 @@
     isaaclab     StepFieldTerrain, the `function` of a sub-terrain of Isaac Lab
     mjlab        StepFieldTerrainCfg, a sub-terrain of mjlab
     mujoco       add_map to an MjSpec; BlockGrid, whose map changes without compiling anew
-    newton       add_map to a ModelBuilder
+    mujoco_warp  BlocksOfWorlds: a map of its own for each world
+    newton       add_map to a ModelBuilder; BlockGrid
     gymnasium    NewFieldAtReset, a wrapper around an environment
 
 Only the file of a framework imports it, so none of them is needed for the others.

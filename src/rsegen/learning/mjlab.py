@@ -15,7 +15,8 @@ from mjlab.terrains.terrain_generator import SubTerrainCfg, TerrainGeometry, Ter
 
 from rsegen.exporters.formats.columns import Column
 from rsegen.exporters.scene import Scene
-from rsegen.learning.mujoco import GROUND_COLOUR, add_box
+from rsegen.learning.blocks import GROUND_COLOUR
+from rsegen.learning.mujoco import add_box
 from rsegen.learning.tile import tile
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import check_tile

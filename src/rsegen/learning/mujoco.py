@@ -15,19 +15,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from rsegen.errors import ParameterError
 from rsegen.exporters.formats.columns import Column, columns
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.recipe.recipe import Recipe
-
-GROUND_COLOUR = (0.6, 0.6, 0.6)
+from rsegen.field.stepfield import Array, Ints
+from rsegen.learning.blocks import BlockArrays
 
 _TORSIONAL, _ROLLING = 0.005, 0.0001
 """Friction coefficients, MuJoCo's defaults."""
-
-_DEPTH = 0.1
-"""Metres that the blocks of a grid reach below the ground, so that those of level 0 have a size."""
 
 
 def add_map(spec: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0)) -> Any:
@@ -51,35 +45,11 @@ def add_box(body: Any, column: Column, friction: float) -> Any:
     )
 
 
-class BlockGrid:
+class BlockGrid(BlockArrays):
     """A box for each block of a map, whose heights change in place: a new map without compiling the model anew.
 
-    The arrays of a map, or of many (..., n_x, n_y) at once, have an axis of blocks, x first, in the order of the geoms:
-    they can be written into the models of mujoco_warp and MJX too, a map for each world.
+    The arrays of a map, or of many (..., n_x, n_y) at once, have an axis of blocks, x first, in the order of the geoms.
     """
-
-    def __init__(self, recipe: Recipe, name: str = "block", pos: Sequence[float] = (0, 0, 0)) -> None:
-        if recipe.boundary != "none":
-            raise ParameterError(
-                "boundary", f"'{recipe.boundary}' has frames, and a grid is of blocks alone; give none"
-            )
-        self.recipe, self.name, self.position = recipe, name, np.array(pos, dtype=float)
-        self.shape = recipe.grid.shape
-        flat = np.zeros(self.shape, dtype=np.int16)
-        width, unit = recipe.block_width_cm / 100, recipe.unit_cm / 100
-        field = StepField(levels=flat, frame=flat > 0, block_width=width, unit=unit, frame_height=0.0)
-        look = Scene(recipe=recipe, index=0, field=field)
-        levels = range(1, recipe.highest_level + 1)
-        self._rgba = np.array([(*colour, 1.0) for colour in (GROUND_COLOUR, *map(look.colour, levels))])
-        self._friction = np.array([recipe.friction, *map(look.friction_of, levels)])
-        self._x, self._y = (edges[:-1] + width / 2 for edges in field.edges())
-        self._half, self._unit = width / 2, unit
-
-    @property
-    def names(self) -> list[str]:
-        """The names of the geoms."""
-        n_x, n_y = self.shape
-        return [f"{self.name}_{i}_{j}" for i in range(n_x) for j in range(n_y)]
 
     def add_to(self, spec: Any) -> Any:
         """Add the blocks to an MjSpec as a static body, all as high as the highest; gives the body.
@@ -87,8 +57,7 @@ class BlockGrid:
         What the compiler makes of their size, the bounds in which it looks for contacts, then holds for every map.
         """
         body = spec.worldbody.add_body(name=self.name, pos=list(self.position))
-        highest = np.full(self.shape, self.recipe.highest_level)
-        arrays = (self.pos(highest), self.size(highest), self.rgba(highest), self.friction(highest))
+        arrays = (part(self.highest) for part in (self.pos, self.size, self.rgba, self.friction))
         for name, pos, size, rgba, friction in zip(self.names, *arrays, strict=True):
             geom = body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_BOX, pos=pos, size=size, mass=0)
             geom.rgba, geom.friction = rgba, friction
@@ -101,33 +70,7 @@ class BlockGrid:
         model.geom_pos[part], model.geom_size[part] = self.pos(levels), self.size(levels)
         model.geom_rgba[part], model.geom_friction[part] = self.rgba(levels), self.friction(levels)
 
-    def pos(self, levels: Ints) -> Array:
-        """The centres of the blocks in their body, (..., blocks, 3), metres."""
-        x, y = np.broadcast_to(self._x[:, None], self.shape), np.broadcast_to(self._y, self.shape)
-        found = np.empty((*np.shape(levels), 3))
-        found[..., 0], found[..., 1], found[..., 2] = x, y, (self._heights(levels) - _DEPTH) / 2
-        return self._rows(found)
-
-    def size(self, levels: Ints) -> Array:
-        """Half of the sides of the blocks, (..., blocks, 3), metres."""
-        found = np.full((*np.shape(levels), 3), self._half)
-        found[..., 2] = (self._heights(levels) + _DEPTH) / 2
-        return self._rows(found)
-
-    def rgba(self, levels: Ints) -> Array:
-        """The colours of the blocks by their levels, (..., blocks, 4), from 0 to 1."""
-        return self._rows(self._rgba[np.asarray(levels)])
-
     def friction(self, levels: Ints) -> Array:
         """The friction coefficients of the blocks by their levels, (..., blocks, 3): sliding, torsional, rolling."""
-        found = np.empty((*np.shape(levels), 3))
-        found[..., 0], found[..., 1:] = self._friction[np.asarray(levels)], (_TORSIONAL, _ROLLING)
-        return self._rows(found)
-
-    def _heights(self, levels: Ints) -> Array:
-        if np.shape(levels)[-2:] != self.shape:
-            raise ParameterError("levels", f"of shape {np.shape(levels)} for a grid of {self.shape}")
-        return np.asarray(np.asarray(levels) * self._unit, dtype=float)
-
-    def _rows(self, values: Array) -> Array:
-        return values.reshape(*values.shape[:-3], -1, values.shape[-1])
+        sliding = self.sliding(levels)[..., None]
+        return np.concatenate([sliding, np.broadcast_to((_TORSIONAL, _ROLLING), (*sliding.shape[:-1], 2))], axis=-1)

@@ -1,6 +1,6 @@
-"""Newton: a map as static shapes of a ModelBuilder (1.8).
+"""Newton: a map as static shapes of a ModelBuilder, and blocks whose map changes in a finalized model (1.8).
 
-from rsegen.learning.newton import add_map
+from rsegen.learning.newton import BlockGrid, add_map
 
 builder = newton.ModelBuilder()
 add_map(builder, rsegen.compose(recipe, 17))
@@ -15,9 +15,11 @@ import newton
 import numpy as np
 import warp as wp
 
-from rsegen.errors import UnknownName
+from rsegen.errors import ParameterError, UnknownName
 from rsegen.exporters.formats.columns import columns
 from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Array, Ints
+from rsegen.learning.blocks import BlockArrays
 
 SHAPES = ("boxes", "mesh")
 
@@ -35,15 +37,27 @@ def add_map(builder: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0), shape:
 
 def _add_boxes(builder: Any, scene: Scene, at: np.ndarray) -> list[int]:
     return [
-        builder.add_shape_box(
-            -1,
-            xform=wp.transform(wp.vec3(*(at + column.centre)), wp.quat_identity()),
-            **dict(zip(("hx", "hy", "hz"), (side / 2 for side in column.size), strict=True)),
-            cfg=_config(builder, scene.friction_of(column.material)),
-            color=scene.colour(column.material),
+        _add_box(
+            builder,
+            at + column.centre,
+            np.array(column.size) / 2,
+            friction=scene.friction_of(column.material),
+            colour=scene.colour(column.material),
         )
         for column in columns(scene.field)
     ]
+
+
+def _add_box(builder: Any, centre: Array, half: Array, *, friction: float, colour: Sequence[float]) -> int:
+    return int(
+        builder.add_shape_box(
+            -1,
+            xform=wp.transform(wp.vec3(*centre), wp.quat_identity()),
+            **dict(zip(("hx", "hy", "hz"), half.tolist(), strict=True)),
+            cfg=_config(builder, friction),
+            color=tuple(colour),
+        )
+    )
 
 
 def _add_meshes(builder: Any, scene: Scene, at: np.ndarray) -> list[int]:
@@ -62,3 +76,42 @@ def _config(builder: Any, friction: float) -> Any:
     config = builder.default_shape_cfg.copy()
     config.mu = friction
     return config
+
+
+class BlockGrid(BlockArrays):
+    """A box for each block of a map, whose heights change in place: a new map without finalizing the model anew."""
+
+    def add_to(self, builder: Any) -> list[int]:
+        """Add the blocks to a ModelBuilder as static shapes, all as high as the highest; gives their indices.
+
+        The bounds that Newton keeps of them then hold for every map. In copies of a builder (`replicate`, without
+        spacing), the indices of world k are `shape_count * k` greater.
+        """
+        arrays = (part(self.highest) for part in (self.pos, self.size, self.sliding, self.rgba))
+        return [
+            _add_box(builder, self.position + centre, half, friction=float(friction), colour=rgba[:3].tolist())
+            for centre, half, friction, rgba in zip(*arrays, strict=True)
+        ]
+
+    def write(self, model: Any, levels: Ints, shapes: Sequence[int] | Ints) -> None:
+        """Put maps (..., n_x, n_y) into the shapes (..., blocks) of a finalized model, in place.
+
+        A solver that keeps shapes of its own is then to be told:
+        `solver.notify_model_changed(newton.ModelFlags.SHAPE_PROPERTIES)`.
+        """
+        numbers, centres = np.asarray(shapes).reshape(-1), self.position + self.pos(levels)
+        if len(numbers) != centres[..., 0].size:
+            raise ParameterError("shapes", f"{len(numbers)} for {centres[..., 0].size} blocks; give those of add_to")
+        if not 0 <= numbers.min() <= numbers.max() < model.shape_count:
+            raise ParameterError("shapes", f"{numbers.min()}..{numbers.max()} of {model.shape_count} shapes")
+        upright = np.broadcast_to((0.0, 0.0, 0.0, 1.0), (*centres.shape[:-1], 4))
+        for array, values in (
+            (model.shape_transform, np.concatenate([centres, upright], axis=-1)),
+            (model.shape_scale, self.size(levels)),
+            (model.shape_material_mu, self.sliding(levels)[..., None]),
+            (model.shape_color, self.rgba(levels)[..., :3]),
+        ):
+            places: Any = wp.array(numbers, dtype=wp.int32, device=array.device)
+            rows: Any = wp.array(values.reshape(len(numbers), -1).squeeze(), dtype=array.dtype, device=array.device)
+            written: Any = wp.indexedarray(array, [places])
+            wp.copy(written, rows)

@@ -7,7 +7,7 @@ Rows go along +x, from the easiest; columns along +y.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import gcd
@@ -15,12 +15,16 @@ from typing import Annotated
 
 import numpy as np
 
-from rsegen.errors import ParameterError, TooLarge, inside, shown
+from rsegen.errors import ParameterError, TooLarge, inside
+from rsegen.field.metrics.by_name import RMS, By, metric_by
 from rsegen.field.obstacles.matrix import Matrix
+from rsegen.field.robot_limits import RobotLimits
 from rsegen.field.spots import Footprint, even_spots
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
 from rsegen.params.sorts import Float, Integer, ListOf, parameters, validate
 from rsegen.params.streams import generator
+from rsegen.recipe.difficulty_by import Span, mean_of, share_of, span_of
+from rsegen.recipe.kinds import kind_of_column, recipes_of, refuse_unlike
 from rsegen.recipe.placement import Placement
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import amid, check_tile, eased, tile_levels, tile_shape
@@ -38,10 +42,15 @@ SIZE, _COUNT = ListOf(Float(0.01, 100, unit="m"), 2), Integer(1, 1000)
 
 @dataclass(frozen=True, kw_only=True)
 class Terrain:
-    """Maps of one or several recipes as one field.
+    """Maps of one or several recipes as one field, harder from row to row.
 
     recipes: its kinds, each in as many neighbouring columns as the others; all tiles are of the same size.
     difficulty: that of the first row and that of the last; the rows between rise evenly. 0 is flat, 1 as designed.
+    by: what rises evenly from row to row, by its name in `rsegen metrics --csv` or a function StepField -> float. By
+    `steps.rms`, the default, each tile has the row's share of its own; by another one a row has one value, from the
+    mean of level tiles to the mean of full ones, as near as each tile comes to it. robot: for metrics of a robot, such
+    as `reach.west_east.cost`; a full tile is then the hardest that it crosses.
+    progress: called for each tile that is made, and for each whose spots are found.
     Frames become blocks of their height. UserError if the recipes do not go together, or it is too large.
     """
 
@@ -54,28 +63,24 @@ class Terrain:
     gap: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground between tiles")] = 0
     border: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground around all tiles")] = 10
     name: Annotated[str, replace(parameters(Recipe)["name"], help="of the terrain as a map")] = "terrain"
+    by: By = RMS
+    robot: RobotLimits | None = None
+    progress: Callable[[], object] | None = None
 
     def __post_init__(self) -> None:
         validate(self)
-        if not isinstance(self.recipes, Recipe | list | tuple) or not all(
-            isinstance(one, Recipe) for one in self._kinds
-        ):
-            raise ParameterError("recipes", f"{shown(self.recipes)} is not a recipe or a list of recipes")
         if not 0 < len(self._kinds) <= self.columns:
             raise ParameterError("recipes", f"{len(self._kinds)} for {self.columns} columns; give one for each at most")
+        refuse_unlike(self._kinds, _ALIKE)
         for number, recipe in enumerate(self._kinds):
             self._check_tile(f"recipes[{number}]", recipe)
+        metric_by(self.by, self.robot)
         n_x, n_y = self._shape
         if n_x * n_y > _MOST_CELLS:
             raise TooLarge(f"rows: a terrain of {n_x:,} x {n_y:,} cells is too large; give fewer or smaller tiles")
 
     def _check_tile(self, where: str, recipe: Recipe) -> None:
         first = self._kinds[0]
-        for name in _ALIKE:
-            own, others = getattr(recipe, name), getattr(first, name)
-            if own != others:
-                problem = f"{shown(own)}, and {shown(others)} in the first recipe; give one for all"
-                raise ParameterError(f"{where}.{name}", problem)
         if (tile := tile_shape(recipe)) != tile_shape(first):
             sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, tile_shape(first)))
             raise ParameterError(where, f"tiles of {sides} cells with their frames; give recipes of one size")
@@ -83,8 +88,8 @@ class Terrain:
             check_tile(recipe)
 
     @property
-    def _kinds(self) -> Sequence[Recipe]:
-        return (self.recipes,) if isinstance(self.recipes, Recipe) else self.recipes
+    def _kinds(self) -> tuple[Recipe, ...]:
+        return recipes_of(self.recipes)
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -93,7 +98,7 @@ class Terrain:
 
     @property
     def difficulties(self) -> Array:
-        """The difficulty of each row, (rows,)."""
+        """The difficulty of each row, (rows,): how far it is from level (0) to as designed (1), by the metric."""
         return np.linspace(*self.difficulty, self.rows)
 
     @cached_property
@@ -101,10 +106,12 @@ class Terrain:
         """The levels of the cells of each tile, frames counted: (rows, columns, n_x, n_y)."""
         n_x, n_y = tile_shape(self._kinds[0])
         levels = np.empty((self.rows, self.columns, n_x, n_y), dtype=np.int16)
-        for row, difficulty in enumerate(self.difficulties.tolist()):
-            kinds = [eased(recipe, difficulty) for recipe in self._kinds]
-            for column in range(self.columns):
-                levels[row, column] = tile_levels(kinds[self._kind_of(column)], row * self.columns + column)
+        recipes: dict[tuple[int, float], Recipe] = {}
+        for row, column in np.ndindex(self.rows, self.columns):
+            key = self._kind_of(column), self._share(row, column)
+            recipe = recipes[key] = recipes.get(key) or eased(self._kinds[key[0]], key[1])
+            levels[row, column] = tile_levels(recipe, self._index(row, column))
+            self._tell_progress()
         levels.setflags(write=False)
         return levels
 
@@ -157,10 +164,11 @@ class Terrain:
         for row in range(self.rows):
             for column in range(self.columns):
                 tile = self._tile(row, column)
-                rng = generator(seed, row * self.columns + column, "spots of a terrain")
+                rng = generator(seed, self._index(row, column), "spots of a terrain")
                 with inside(f"tile {row}, {column}"):
                     spots = even_spots(tile, footprint, count, rng, evenest=evenest)
                 found[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in spots]
+                self._tell_progress()
         found[..., :2] += self._middles[:, :, None]
         return found
 
@@ -221,5 +229,33 @@ class Terrain:
         )
         return np.round(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1), NANOMETRE_DIGITS)
 
+    def _share(self, row: int, column: int) -> float:
+        """The share of its recipe's difficulty that a tile has."""
+        difficulty = float(self.difficulties[row])
+        if self.by == RMS:
+            return difficulty
+        recipe, metric = self._kinds[self._kind_of(column)], metric_by(self.by, self.robot)
+        return share_of(recipe, self._index(row, column), metric, *self._spans[row, column], difficulty)
+
+    @cached_property
+    def _spans(self) -> dict[tuple[int, int], tuple[Span, Span]]:
+        """By tile: the values of the metric of its map, and the mean of those of its kind."""
+        found: dict[tuple[int, int], tuple[Span, Span]] = {}
+        metric = metric_by(self.by, self.robot)
+        for kind, recipe in enumerate(self._kinds):
+            tiles = [tile for tile in np.ndindex(self.rows, self.columns) if self._kind_of(tile[1]) == kind]
+            spans = [span_of(recipe, self._index(*tile), metric) for tile in tiles]
+            mean = mean_of(spans, metric.name)
+            found.update((tile, (span, mean)) for tile, span in zip(tiles, spans, strict=True))
+        return found
+
+    def _tell_progress(self) -> None:
+        if self.progress:
+            self.progress()
+
+    def _index(self, row: int, column: int) -> int:
+        """The index of the map of a tile in its recipe."""
+        return row * self.columns + column
+
     def _kind_of(self, column: int) -> int:
-        return column * len(self._kinds) // self.columns
+        return kind_of_column(column, self.columns, len(self._kinds))

@@ -55,10 +55,10 @@ def damaged_map(rng: random.Random) -> Case:
 
 
 def damaged_data_set(rng: random.Random) -> Case:
-    """A data set, whole or unfinished, of which something is damaged."""
+    """A data set of one recipe or two, whole or unfinished, of which something is damaged."""
     metrics = rng.choice(("npy", "npy", "npy", "none", "parquet"))
-    start = seeds.data_set(metrics) if rng.random() < 0.7 else seeds.unfinished(metrics)
-    files = _damaged(rng, dict(start))
+    start = rng.choices((seeds.data_set, seeds.data_set_of_several, seeds.unfinished), (4, 3, 3))[0]
+    files = _damaged(rng, dict(start(metrics)))
     commands: list[tuple[list[str], tuple[str, ...]]] = [
         (["dataset", "--verify", "set"], ()),
         (["dataset", "--verify", "set", "--rebuild", "0"], ()),

@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -90,6 +91,18 @@ def test_the_number_is_one_of_those_that_there_are_and_has_its_picture(window: W
         until(partial(is_of, picture, wanted))
     QTest.keyClick(dialog, Qt.Key.Key_Escape)
     assert window.session.recipe != RECIPE.alone(1003)
+
+
+def test_a_map_of_the_second_recipe_is_shown_and_opened(window: Window, tmp_path: Path) -> None:
+    other = replace(RECIPE, name="other", seed=8, first_map=0)
+    make_dataset([RECIPE, other], tmp_path / "both")
+    window.files.open(tmp_path / "both")
+    dialog = asked(window)
+    assert any("80 maps of 12 x 6 blocks\n2 recipes" in label.text() for label in dialog.findChildren(QLabel))
+    typed(dialog, "place", "43")
+    until(partial(is_of, find(dialog, QLabel, "picture"), square_image(compose(other, 3), SIDE)))
+    press_open(dialog)
+    assert window.session.recipe == other.alone(3)
 
 
 def test_the_manifest_will_do_and_so_will_its_name_with_a_number(

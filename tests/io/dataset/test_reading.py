@@ -113,6 +113,16 @@ def test_tiles_get_harder_from_row_to_row(spacing: str, dataset: Dataset) -> Non
         assert np.array_equal(found.heights[row_, column], dataset.heights(int(place)))
 
 
+def test_tiles_by_a_metric_of_a_robot_are_those_that_it_crosses(dataset: Dataset) -> None:
+    robot = rsegen.RobotLimits(climb_cm=10, width_cm=5)
+    found = dataset.tiles(2, 3, by="reach.west_east.cost", robot=robot)
+    costs = [rsegen.metrics(dataset.field(place), robot).reach for place in range(20)]
+    every = {place: one.west_east.cost for place, one in enumerate(costs) if one and one.west_east.cost}
+    assert 6 <= len(every) < 20
+    assert found.difficulty.ravel().tolist() == pytest.approx([every[int(place)] for place in found.places.ravel()])
+    assert found.difficulty[0, 0] == pytest.approx(min(every.values()))
+
+
 def test_rows_are_nearest_to_evenly_spaced_values(dataset: Dataset) -> None:
     found, every = dataset.tiles(3, 4, by="spread.deviation"), dataset.metrics["spread.deviation"]
     low, high = every.min(), every.max()
@@ -136,6 +146,7 @@ def test_origins_are_the_middles_of_the_tiles_on_top_of_their_blocks(dataset: Da
         ((0, 3, "steps.rms"), "rows: 0 is not 1 or more"),
         ((5, 5, "steps.rms"), "need as many maps, and 20 have"),
         ((1, 1, "steps.rsm"), "did you mean 'steps.rms'"),
+        ((1, 1, "reach.cover"), "by: reach.cover is of a robot; give robot too"),
     ],
 )
 def test_tiles_that_cannot_be(dataset: Dataset, wanted: tuple[int, int, str], words: str) -> None:

@@ -37,14 +37,14 @@ class DatasetDialog(QDialog):
     chosen = Signal(Path)
 
     def __init__(self, folder: Path, parent: QWidget | None = None) -> None:
-        recipe = read_manifest(folder)[0].recipe
+        layout = read_manifest(folder)[0]
         super().__init__(parent)
         named(self, "dataset_dialog")
         self.setWindowTitle("Open a map of a data set")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self._folder, self._recipe = folder, recipe
+        self._folder, self._layout = folder, layout
         self._number = named(QSpinBox(), "place", title="map", tip="maps are counted from 0, as in DIR#17")
-        self._number.setRange(0, min(recipe.maps - 1, _MOST))
+        self._number.setRange(0, min(layout.maps - 1, _MOST))
         self._picture = named(QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True), "picture")
         self._picture.setFixedSize(SIDE, SIDE)
         self._worker = LatestOnly(self)
@@ -81,7 +81,9 @@ class DatasetDialog(QDialog):
 
     def _description(self) -> QVBoxLayout:
         """The folder, size and seed of the data set, and the field for the number."""
-        maps, (n_x, n_y) = self._recipe.maps, self._recipe.grid.shape
+        maps, (n_x, n_y) = self._layout.maps, self._layout.grid_shape
+        first, *others = self._layout.recipes
+        of = f"{len(others) + 1} recipes" if others else f"seed {first.seed}"
         folder = QLabel(self._folder.name or str(self._folder), textFormat=Qt.TextFormat.PlainText)
         folder.setToolTip(str(self._folder))
         font = folder.font()
@@ -90,7 +92,7 @@ class DatasetDialog(QDialog):
         form = QFormLayout()
         form.addRow(f"&Map, 0 to {maps - 1}", self._number)
         column = QVBoxLayout()
-        for label in (folder, QLabel(f"{maps:,} maps of {n_x} x {n_y} blocks\nseed {self._recipe.seed}")):
+        for label in (folder, QLabel(f"{maps:,} maps of {n_x} x {n_y} blocks\n{of}")):
             column.addWidget(label)
         column.addSpacing(12)
         column.addLayout(form)
@@ -98,7 +100,7 @@ class DatasetDialog(QDialog):
         return column
 
     def _draw(self) -> None:
-        recipe, index = self._recipe, self._recipe.indices[self._number.value()]
+        recipe, index = self._layout.map_at(self._number.value())
 
         def drawn() -> QImage:
             refuse_too_large(recipe)

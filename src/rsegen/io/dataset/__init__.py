@@ -1,4 +1,4 @@
-"""Data sets: very many maps of one recipe in few files, made in shards, resumed, checked, read as one array.
+"""Data sets: very many maps of some recipes in few files, made in shards, resumed, checked, read as one array.
 
 Recipe --make_dataset--> DIR --Dataset--> levels (maps, n_x, n_y), metrics, any map by its place
 """

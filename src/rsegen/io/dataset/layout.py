@@ -1,17 +1,21 @@
 """The files of a data set: which maps are in which file, its name and its size.
 
-    DIR/manifest.json       the recipe, and the size and checksum of every file
+    DIR/manifest.json       the recipes, and the size and checksum of every file
     DIR/levels-00000.npy    block levels of the first maps, (maps, n_x, n_y), frames left out
     DIR/metrics-00000.npy   a row of metrics for each of them; or .parquet
     DIR/levels-00001.npy    of the next maps ...
 
-All of it follows from the recipe, so no name is ever taken from a file.
+Of several recipes, the maps of the first come first; no shard has maps of two. All of it follows from the recipes, so
+no name is ever taken from a file.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
 from typing import Annotated
 
 import numpy as np
@@ -20,6 +24,7 @@ from rsegen.errors import ParameterError
 from rsegen.field.metrics.batch import COLUMNS
 from rsegen.field.stepfield import Ints, StepField, framed
 from rsegen.params.sorts import Choice, Integer, validate
+from rsegen.recipe.kinds import recipes_of, refuse_unlike
 from rsegen.recipe.recipe import Recipe
 
 CELLS = 1_000_000
@@ -32,11 +37,17 @@ ROW = np.dtype([("map", "<i8"), *((name, "<f4") for name in COLUMNS)])
 """A row of a table of metrics: the index of the map in its recipe, and its metrics."""
 
 
+_ALIKE = ("chunk_size", "chunks", "unit_cm", "block_width_cm", "boundary", "frame_height_cm")
+"""Parameters that all recipes of a data set have in common: what a level is, and where there are frames."""
+
+_MOST_RECIPES = 1000
+
+
 @dataclass(frozen=True, kw_only=True)
 class ShardLayout:
-    """A recipe of many maps, how many of them a shard has (0: about a million cells), and the form of the metrics."""
+    """Recipes of many maps, how many of them a shard has (0: about a million cells), and the form of the metrics."""
 
-    recipe: Recipe
+    recipes: Sequence[Recipe]
     shard_maps: Annotated[int, Integer(0, 10**9, unit="maps", help="maps in a file; 0: about a million cells")] = 0
     metrics: Annotated[
         str, Choice(("npy", "parquet", "none"), help="form of the table of metrics; parquet needs rsegen[dataset]")
@@ -44,8 +55,10 @@ class ShardLayout:
 
     def __post_init__(self) -> None:
         validate(self)
-        n_x, n_y = self.recipe.grid.shape
-        least = -(-self.recipe.maps // MOST)
+        object.__setattr__(self, "recipes", recipes_of(self.recipes))
+        _check_kinds(self.recipes)
+        n_x, n_y = self.grid_shape
+        least = -(-self.maps // (MOST - len(self.recipes) + 1))
         object.__setattr__(self, "shard_maps", self.shard_maps or max(CELLS // (n_x * n_y), least))
         if self.shard_maps < least:
             raise ParameterError(
@@ -53,23 +66,43 @@ class ShardLayout:
             )
 
     @property
+    def grid_shape(self) -> tuple[int, int]:
+        """Blocks of a map along x and y."""
+        return self.recipes[0].grid.shape
+
+    @property
+    def maps(self) -> int:
+        """How many maps there are."""
+        return self._first_places[-1]
+
+    @property
     def shards(self) -> int:
         """How many shards there are."""
-        return -(-self.recipe.maps // self.shard_maps)
+        return self._first_shards[-1]
+
+    @cached_property
+    def _first_places(self) -> list[int]:
+        """The place of the first map of each recipe, and behind the last one."""
+        return list(accumulate((recipe.maps for recipe in self.recipes), initial=0))
+
+    @cached_property
+    def _first_shards(self) -> list[int]:
+        """The number of the first shard of each recipe, and behind the last one."""
+        return list(accumulate((-(-recipe.maps // self.shard_maps) for recipe in self.recipes), initial=0))
 
     @property
     def dtype(self) -> np.dtype[np.integer]:
-        """The smallest of uint8 and int16 that holds every level that a map of the recipe can have."""
-        return np.dtype("u1" if self.recipe.highest_level < 2**8 else "<i2")
+        """The smallest of uint8 and int16 that holds every level that a map of the recipes can have."""
+        return np.dtype("u1" if max(recipe.highest_level for recipe in self.recipes) < 2**8 else "<i2")
 
     @cached_property
     def flat_field(self) -> StepField:
         """A flat field with the frames of the maps: they differ from it in nothing but their levels."""
-        return self.field(np.zeros(self.recipe.grid.shape, dtype=np.int16))
+        return self.field(np.zeros(self.grid_shape, dtype=np.int16))
 
     def field(self, blocks: Ints) -> StepField:
         """The field of a map with these block levels: frames round them, lengths in metres."""
-        recipe = self.recipe
+        recipe = self.recipes[0]
         levels, frame = framed(blocks.astype(np.int16), recipe.chunk_size, recipe.boundary)
         return StepField(
             levels=levels,
@@ -79,19 +112,49 @@ class ShardLayout:
             frame_height=recipe.frame_height_cm / 100,
         )
 
+    def recipe_of_shard(self, number: int) -> Recipe:
+        """The recipe of the maps of a shard."""
+        return self.recipes[self._kind(number)]
+
     def places(self, number: int) -> range:
         """The maps of a shard, counted from 0 in the data set."""
-        first = number * self.shard_maps
-        return range(first, min(first + self.shard_maps, self.recipe.maps))
+        kind = self._kind(number)
+        first = self._first_places[kind] + (number - self._first_shards[kind]) * self.shard_maps
+        return range(first, min(first + self.shard_maps, self._first_places[kind + 1]))
 
     def indices(self, number: int) -> range:
-        """The indices in the recipe of the maps of a shard."""
-        places = self.places(number)
-        return self.recipe.indices[places.start : places.stop]
+        """The indices in their recipe of the maps of a shard."""
+        places, before = self.places(number), self._first_places[self._kind(number)]
+        return self.recipe_of_shard(number).indices[places.start - before : places.stop - before]
+
+    def map_at(self, place: int) -> tuple[Recipe, int]:
+        """The recipe of a map, and its index in it."""
+        kind = self.kind_at(place)
+        return self.recipes[kind], self.recipes[kind].indices[place - self._first_places[kind]]
+
+    def kind_at(self, place: int) -> int:
+        """Which of the recipes a map is of."""
+        return bisect_right(self._first_places, place) - 1
+
+    def row_at(self, place: int) -> tuple[int, int]:
+        """The shard of a map, and its row there."""
+        kind = self.kind_at(place)
+        number, row = divmod(place - self._first_places[kind], self.shard_maps)
+        return self._first_shards[kind] + number, row
+
+    def rows_at(self, places: Ints) -> tuple[Ints, Ints]:
+        """The shards of many maps, and their rows there."""
+        kinds = np.searchsorted(self._first_places, places, side="right") - 1
+        numbers, rows = np.divmod(places - np.array(self._first_places)[kinds], self.shard_maps)
+        return numbers + np.array(self._first_shards)[kinds], rows
+
+    def _kind(self, number: int) -> int:
+        """Which of the recipes a shard is of."""
+        return bisect_right(self._first_shards, number) - 1
 
     def shape(self, number: int) -> tuple[int, int, int]:
         """Shape of the levels of a shard: (maps, n_x, n_y)."""
-        return (len(self.places(number)), *self.recipe.grid.shape)
+        return (len(self.places(number)), *self.grid_shape)
 
     def bytes(self, number: int) -> int:
         """Bytes of the levels of a shard, without the file's header."""
@@ -101,10 +164,22 @@ class ShardLayout:
     @property
     def bytes_per_map(self) -> int:
         """Bytes of disk that a map needs."""
-        n_x, n_y = self.recipe.grid.shape
+        n_x, n_y = self.grid_shape
         return n_x * n_y * self.dtype.itemsize + (0 if self.metrics == "none" else ROW.itemsize)
 
     def names(self, number: int) -> dict[str, str]:
         """The names of the files of a shard, by what they hold."""
         table = {} if self.metrics == "none" else {"metrics": f"metrics-{number:05d}.{self.metrics}"}
         return {"levels": f"levels-{number:05d}.npy"} | table
+
+
+def _check_kinds(recipes: Sequence[Recipe]) -> None:
+    """Raise a ParameterError if there are none or too many, if they do not go together, or if two have one name."""
+    if not 0 < len(recipes) <= _MOST_RECIPES:
+        raise ParameterError("recipes", f"{len(recipes)} of them; give 1 to {_MOST_RECIPES:,}")
+    refuse_unlike(recipes, _ALIKE)
+    first: dict[str, int] = {}
+    for number, recipe in enumerate(recipes):
+        if first.setdefault(recipe.name, number) != number:
+            problem = f"'{recipe.name}' is the name of recipes[{first[recipe.name]}] too; give each a name of its own"
+            raise ParameterError(f"recipes[{number}].name", problem)

@@ -1,6 +1,6 @@
 """Makes a data set shard by shard: each appears whole or not at all, and a line in a record says that it exists.
 
-    recipe --plan_dataset--> DatasetPlan --shards, by workers--> files, a line each in the record --> manifest
+    recipes --plan_dataset--> DatasetPlan --shards, by workers--> files, a line each in the record --> manifest
 
 Whatever ends a run, `resume` keeps the shards whose files still have the checksums of the record, and makes the others.
 """
@@ -8,7 +8,7 @@ Whatever ends a run, `resume` keeps the shards whose files still have the checks
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import Protocol, TextIO
@@ -21,6 +21,7 @@ from rsegen.io.dataset.reading import Dataset
 from rsegen.io.dataset.taken import own_names
 from rsegen.io.existing import OnExisting
 from rsegen.io.staging import Staging, lock_folder, remove_leftovers, staging, unlock
+from rsegen.recipe.kinds import recipes_of
 from rsegen.recipe.recipe import Recipe
 
 
@@ -32,7 +33,7 @@ class Progress(Protocol):
 
 
 def make_dataset(  # noqa: PLR0913  # each is a flag of the command
-    recipe: Recipe,
+    recipe: Recipe | Sequence[Recipe],
     folder: str | Path,
     *,
     metrics: str = "npy",
@@ -44,15 +45,17 @@ def make_dataset(  # noqa: PLR0913  # each is a flag of the command
     sync: bool = True,
     progress: Progress | None = None,
 ) -> Dataset:
-    """Make a data set of all maps of a recipe, in shards of `shard_maps` (0: about a million cells each).
+    """Make a data set of all maps of some recipes, in shards of `shard_maps` (0: about a million cells each).
 
-    `metrics` is the form of their table: npy, parquet or none. `force` replaces a data set that exists; `resume`
-    continues one, and repairs it. With `workers` beyond 1 a script needs `if __name__ == "__main__":`. `scheduler` is
-    the address of a Dask cluster whose workers see the same folder, or `local` for one with `workers` workers. `sync`
-    waits until the disk has each shard, so that a power failure loses none that is finished. Raises an OutputError
-    before anything is written if the folder holds something else, TooLarge if there is too little space.
+    Several recipes have different names, and maps of one size, unit, width of blocks and boundary. `metrics` is the
+    form of their table: npy, parquet or none. `force` replaces a data set that exists; `resume` continues one, and
+    repairs it. With `workers` beyond 1 a script needs `if __name__ == "__main__":`. `scheduler` is the address of a
+    Dask cluster whose workers see the same folder, or `local` for one with `workers` workers. `sync` waits until the
+    disk has each shard, so that a power failure loses none that is finished. Raises a ParameterError if the recipes do
+    not go together; an OutputError before anything is written if the folder holds something else, TooLarge if there is
+    too little space.
     """
-    layout = ShardLayout(recipe=recipe, shard_maps=shard_maps, metrics=metrics)
+    layout = ShardLayout(recipes=recipes_of(recipe), shard_maps=shard_maps, metrics=metrics)
     on_existing = OnExisting.of(force=force, resume=resume)
     plan = plan_dataset(layout, Path(folder), on_existing, workers=workers, scheduler=scheduler, sync=sync)
     _make(plan, progress)

@@ -1,4 +1,4 @@
-"""The manifest of a data set: its recipe, and the size and checksum of every file. Nothing in it is trusted.
+"""The manifest of a data set: its recipes, and the size and checksum of every file. Nothing in it is trusted.
 
 While a data set is being made, a record has the same content line by line, with a new line for each shard; when the
 last one is made, the manifest replaces it.
@@ -12,17 +12,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rsegen.errors import FileError, ParameterError, shown
+from rsegen.errors import FileError, ParameterError, inside, shown
 from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.recipe_file import content
 from rsegen.io.record import WrittenFile
 from rsegen.io.text_files import text_of
 from rsegen.params.sorts import Integer, Text
 from rsegen.recipe.codec import decode, encode
+from rsegen.recipe.recipe import Recipe
 
 MANIFEST = "manifest.json"
 RECORD = "unfinished.jsonl"
-FORMAT = 1
+FORMAT, FORMAT_OF_SEVERAL = 1, 2
+"""That of one recipe, and that of several."""
 AXES = "levels[k, i, j]: map k, cell i along +x, cell j along +y, frames left out; height = level * unit_cm"
 LARGEST_MIB = 256
 """MiB of a record at most: that of a hundred million small maps has 5."""
@@ -42,15 +44,20 @@ class Shard:
 def header(layout: ShardLayout) -> dict[str, Any]:
     """The manifest without the shards."""
     return {
-        "dataset": FORMAT,
-        "recipe": encode(layout.recipe),
-        "maps": layout.recipe.maps,
-        "shape": list(layout.recipe.grid.shape),
+        **_encoded(layout),
+        "maps": layout.maps,
+        "shape": list(layout.grid_shape),
         "dtype": layout.dtype.name,
         "axes": AXES,
         "shard_maps": layout.shard_maps,
         "metrics": layout.metrics,
     }
+
+
+def _encoded(layout: ShardLayout) -> dict[str, Any]:
+    if len(layout.recipes) == 1:
+        return {"dataset": FORMAT, "recipe": encode(layout.recipes[0])}
+    return {"dataset": FORMAT_OF_SEVERAL, "recipes": [encode(recipe) for recipe in layout.recipes]}
 
 
 def manifest(layout: ShardLayout, shards: Iterable[Shard]) -> bytes:
@@ -79,8 +86,8 @@ def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
         raise FileError(f"{folder}: {why}" + ("" if unfinished else ", so it is no data set of rsegen"))
     found = content(path)
     try:
-        if not isinstance(found, Mapping) or found.get("dataset") != FORMAT:
-            raise ParameterError("", f"is no manifest of a data set in format {FORMAT}")
+        if not isinstance(found, Mapping) or found.get("dataset") not in (FORMAT, FORMAT_OF_SEVERAL):
+            raise ParameterError("", f"is no manifest of a data set in format {FORMAT} or {FORMAT_OF_SEVERAL}")
         layout = _layout(found)
         return layout, _shards(layout, found["shards"])
     except ParameterError as error:
@@ -111,7 +118,8 @@ def same_maps(one: ShardLayout, other: ShardLayout) -> bool:
 
 
 def _content(layout: ShardLayout) -> tuple[object, ...]:
-    return layout.recipe.design, layout.recipe.indices, layout.shard_maps, layout.metrics
+    maps = [(recipe.design, recipe.indices) for recipe in layout.recipes]
+    return maps, layout.shard_maps, layout.metrics
 
 
 def _is_begun_by(line: str, layout: ShardLayout) -> bool:
@@ -121,7 +129,8 @@ def _is_begun_by(line: str, layout: ShardLayout) -> bool:
         begun = _layout({**found, "shards": []})
     except (RecursionError, TypeError, ValueError):  # a ParameterError is one
         return False
-    return found["recipe"].get("generator") == encode(layout.recipe)["generator"] and same_maps(begun, layout)
+    generators = [entry["generator"] for entry in _entries(found).values()]
+    return generators == [encode(recipe)["generator"] for recipe in layout.recipes] and same_maps(begun, layout)
 
 
 def _entry(layout: ShardLayout, shard: Shard) -> dict[str, object]:
@@ -132,27 +141,46 @@ def _entry(layout: ShardLayout, shard: Shard) -> dict[str, object]:
 
 
 def _layout(found: Mapping[str, Any]) -> ShardLayout:
-    """The layout of a manifest; ParameterError if other values of it contradict the recipe."""
-    for key in ("recipe", "shard_maps", "metrics", "shards"):
+    """The layout of a manifest; ParameterError if other values of it contradict the recipes."""
+    for key in (_key(found), "shard_maps", "metrics", "shards"):
         if key not in found:
             raise ParameterError(key, "is missing")
-    try:
-        recipe = decode(found["recipe"])
-    except ParameterError as error:
-        raise error.inside("recipe") from None
-    layout = ShardLayout(recipe=recipe, shard_maps=found["shard_maps"], metrics=found["metrics"])
+    layout = ShardLayout(
+        recipes=[_recipe(where, entry) for where, entry in _entries(found).items()],
+        shard_maps=found["shard_maps"],
+        metrics=found["metrics"],
+    )
     expected = header(layout)
     for key in ("maps", "shape", "dtype", "axes", "shard_maps"):
         if found.get(key) != expected[key]:
             raise ParameterError(
-                key, f"{shown(found.get(key))} is at odds with the recipe, by which it is {shown(expected[key])}"
+                key, f"{shown(found.get(key))} is at odds with the {_key(found)}, by which it is {shown(expected[key])}"
             )
     return layout
 
 
+def _key(found: Mapping[str, Any]) -> str:
+    return "recipe" if found.get("dataset") == FORMAT else "recipes"
+
+
+def _entries(found: Mapping[str, Any]) -> dict[str, Any]:
+    """The entry of each recipe in a manifest, by where it is."""
+    entries = found[_key(found)]
+    if _key(found) == "recipe":
+        return {"recipe": entries}
+    if not isinstance(entries, list) or len(entries) < 2:
+        raise ParameterError("recipes", f"{shown(entries)} is not a list of 2 recipes or more")
+    return {f"recipes[{number}]": entry for number, entry in enumerate(entries)}
+
+
+def _recipe(where: str, entry: object) -> Recipe:
+    with inside(where):
+        return decode(entry)
+
+
 def _shards(layout: ShardLayout, entries: object) -> list[Shard]:
     if not isinstance(entries, Sequence) or len(entries) != layout.shards:
-        raise ParameterError("shards", f"are not the {layout.shards} that {layout.recipe.maps} maps need")
+        raise ParameterError("shards", f"are not the {layout.shards} that {layout.maps} maps need")
     return [_shard(layout, number, entry) for number, entry in enumerate(entries)]
 
 

@@ -18,10 +18,11 @@ def recipe_in(path: str | Path) -> Recipe:
         return load(path)
     from rsegen.io.dataset.manifest import read_manifest
 
-    recipe, place = read_manifest(Path(match[1]))[0].recipe, int(match[2])
-    if place >= recipe.maps:
-        raise ParameterError(str(path), f"there is no map {place} in the data set; give 0..{recipe.maps - 1}")
-    return recipe.alone(recipe.indices[place])
+    layout, place = read_manifest(Path(match[1]))[0], int(match[2])
+    if place >= layout.maps:
+        raise ParameterError(str(path), f"there is no map {place} in the data set; give 0..{layout.maps - 1}")
+    recipe, index = layout.map_at(place)
+    return recipe.alone(index)
 
 
 def dataset_at(path: Path) -> Path | None:

@@ -62,16 +62,17 @@ def plan_dataset(  # each is a flag of the command
     sync: bool = True,
 ) -> DatasetPlan:
     """Check that a data set can be made, and plan it; nothing is written. Raises as `make_dataset` does."""
-    workers, recipe = WORKERS.check("workers", workers), layout.recipe
+    workers = WORKERS.check("workers", workers)
     _refuse_missing(layout, scheduler)
-    refuse_too_large(recipe, 0 if layout.metrics == "none" else BYTES_PER_CELL_OF_METRICS)
+    for recipe in layout.recipes:
+        refuse_too_large(recipe, 0 if layout.metrics == "none" else BYTES_PER_CELL_OF_METRICS)
     refuse_not_a_folder(folder)
     refuse_taken(folder, on_existing)
     task = ShardTask(layout=layout, folder=folder.absolute(), sync=sync)
     keeps = on_existing is OnExisting.KEEP
     existing = {shard.number: shard for shard in _existing(task)} if keeps else {}
     to_make = [number for number in range(layout.shards) if number not in existing]
-    disk = (recipe.maps - maps_in(layout, existing)) * layout.bytes_per_map
+    disk = (layout.maps - maps_in(layout, existing)) * layout.bytes_per_map
     refuse_full(disk, folder)
     return DatasetPlan(
         task=task,
@@ -79,7 +80,7 @@ def plan_dataset(  # each is a flag of the command
         existing=existing,
         on_existing=on_existing,
         disk=disk,
-        workers=min(workers, maps_in_memory(recipe)),
+        workers=min(workers, *map(maps_in_memory, layout.recipes)),
         scheduler=scheduler,
     )
 

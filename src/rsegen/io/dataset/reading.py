@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
@@ -10,15 +10,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.errors import DatasetDamaged
+from rsegen.errors import DatasetDamaged, UserError
 from rsegen.field.metrics.batch import batch_metrics
-from rsegen.field.metrics.custom import Measure
+from rsegen.field.metrics.by_name import RMS, By
+from rsegen.field.robot_limits import RobotLimits
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.io.dataset.checking import random_places, refuse_other_checksums, refuse_other_sizes
 from rsegen.io.dataset.layout import ROW, ShardLayout
 from rsegen.io.dataset.manifest import read_manifest
 from rsegen.io.dataset.tables import mapped, read_parquet
 from rsegen.io.dataset.tiles import Tiles, tiles
+from rsegen.params.sorts import Integer
 from rsegen.recipe.building import blocks
 from rsegen.recipe.recipe import Recipe
 
@@ -33,7 +35,7 @@ class LevelsOfMaps:
         self._layout = layout
         self._folder = folder
         self._shard = lru_cache(OPEN)(self._mapped)
-        self.shape = (layout.recipe.maps, *layout.recipe.grid.shape)
+        self.shape = (layout.maps, *layout.grid_shape)
         self.dtype = layout.dtype
 
     def _mapped(self, number: int) -> Ints:
@@ -59,7 +61,7 @@ class LevelsOfMaps:
         place = maps + len(self) if maps < 0 else maps
         if not 0 <= place < len(self):
             raise IndexError(f"there is no map {maps}; the data set has {len(self)}")
-        number, row = divmod(place, self._layout.shard_maps)
+        number, row = self._layout.row_at(place)
         found: Ints = self._shard(number)[row]
         return found
 
@@ -80,7 +82,7 @@ class LevelsOfMaps:
     def _several(self, places: Ints) -> Ints:
         """The maps at some places, read shard by shard."""
         found = np.empty((len(places), *self.shape[1:]), dtype=self.dtype)
-        numbers, rows = np.divmod(places, self._layout.shard_maps)
+        numbers, rows = self._layout.rows_at(places)
         for number in np.unique(numbers):
             here = numbers == number
             found[here] = self._shard(int(number))[rows[here]]
@@ -88,11 +90,12 @@ class LevelsOfMaps:
 
 
 class Dataset:
-    """The maps of a recipe in a folder, as `rsegen dataset` makes it; maps are counted from 0.
+    """The maps of one or several recipes in a folder, as `rsegen dataset` makes it; maps are counted from 0.
 
-    `recipe.indices[place]` is the index in the recipe of the map at a place: the same number, unless it has a
-    `first_map`. Its files are not trusted: no name is taken from its manifest. Raises DatasetDamaged if a file has
-    another size than the manifest says, FileError if there is no data set.
+    The maps of the first recipe come first. `recipe_of(place)` is the recipe of one map. Of a single recipe,
+    `recipe.indices[place]` is its index: the same number, unless there is a `first_map`. Its files are not trusted: no
+    name is taken from its manifest. Raises DatasetDamaged if a file has another size than the manifest says, FileError
+    if there is no data set.
     """
 
     def __init__(self, folder: str | Path) -> None:
@@ -105,13 +108,31 @@ class Dataset:
 
     def __repr__(self) -> str:
         return (
-            f"Dataset({str(self.folder)!r}: {len(self)} maps of {' x '.join(map(str, self.recipe.grid.shape))} blocks)"
+            f"Dataset({str(self.folder)!r}: {len(self)} maps of {' x '.join(map(str, self.layout.grid_shape))} blocks)"
         )
 
     @property
     def recipe(self) -> Recipe:
-        """The recipe of all maps."""
-        return self.layout.recipe
+        """The recipe of all maps; a UserError if there are several."""
+        first, *others = self.recipes
+        if others:
+            raise UserError(f"{self.folder}: has {len(self.recipes)} recipes; take recipes, or recipe_of(place)")
+        return first
+
+    @property
+    def recipes(self) -> tuple[Recipe, ...]:
+        """All of its recipes, in the order of their maps."""
+        return tuple(self.layout.recipes)
+
+    def recipe_of(self, place: int) -> Recipe:
+        """The recipe of one map and no other, as DIR#17 names it; a UserError if there is no such map."""
+        recipe, index = self.layout.map_at(Integer(0, len(self) - 1).check("place", place))
+        return recipe.alone(index)
+
+    @cached_property
+    def recipe_numbers(self) -> NDArray[np.int16]:
+        """Which of the recipes each map is of, counted from 0: (maps,)."""
+        return np.repeat(np.arange(len(self.recipes), dtype=np.int16), [recipe.maps for recipe in self.recipes])
 
     @property
     def bytes(self) -> int:
@@ -124,7 +145,7 @@ class Dataset:
         return LevelsOfMaps(self.layout, self.folder)
 
     def __len__(self) -> int:
-        return self.recipe.maps
+        return self.layout.maps
 
     def __getitem__(self, maps: int | slice | Ints | Mask | list[int]) -> Ints:
         found = self.levels[maps]
@@ -149,7 +170,7 @@ class Dataset:
     def metrics(self) -> dict[str, NDArray[Any]]:
         """A column for each metric, one row per map: read, or measured if the data set has no table.
 
-        `map` is its index in the recipe; all else is named as in `rsegen metrics --csv`, in metres, NaN for none.
+        `map` is its index in its recipe; all else is named as in `rsegen metrics --csv`, in metres, NaN for none.
         """
         tables = [self._table(number) for number in range(self.layout.shards)]
         return {name: np.concatenate([table[name] for table in tables]) for name in ROW.names or ()}
@@ -167,13 +188,25 @@ class Dataset:
         rows = mapped(self.folder / name, (len(maps),), ROW)
         return {column: rows[column] for column in ROW.names or ()}
 
-    def tiles(self, rows: int, columns: int, by: str | Measure = "steps.rms", *, spacing: str = "value") -> Tiles:
+    def tiles(
+        self,
+        rows: int,
+        columns: int,
+        by: By = RMS,
+        *,
+        robot: RobotLimits | None = None,
+        spacing: str = "value",
+        recipes: Sequence[str] | None = None,
+    ) -> Tiles:
         """A terrain of rows x columns maps that gets harder from row to row, by any metric.
 
-        by: one of rsegen's own, one of a plug-in, or a function StepField -> float; the last two measure every map.
-        spacing: `value`, the metric rises evenly from the least to the greatest of the data set; or `rank`, its rank.
+        by: the name of one of rsegen's own or of a plug-in, or a function StepField -> float. Those that are not in the
+        table of the data set are measured map by map.
+        robot: for metrics of a robot, such as `reach.west_east.cost`; maps that it cannot cross are left out.
+        spacing: `value`, the metric rises evenly from the least to the greatest of each recipe; or `rank`, its rank.
+        recipes: the names of those of the columns, each in as many neighbouring ones as the others; all by default.
         """
-        return tiles(self, rows, columns, by, spacing)
+        return tiles(self, rows, columns, by, robot, spacing=spacing, recipes=recipes)
 
     def verify(self, rebuild: int = 8) -> None:
         """Raise DatasetDamaged for the first file with a wrong checksum, or map that is built again and differs.
@@ -182,7 +215,7 @@ class Dataset:
         """
         refuse_other_checksums(self.folder, self.layout, self.shards)
         for place in random_places(len(self), rebuild):
-            if not np.array_equal(self[place], blocks(self.recipe, self.recipe.indices[place])):
+            if not np.array_equal(self[place], blocks(*self.layout.map_at(place))):
                 raise DatasetDamaged(
                     f"{self.folder}#{place}: is not the map that this version of rsegen makes of the recipe"
                 )

@@ -31,8 +31,9 @@ class ShardTask:
     @property
     def seconds(self) -> float:
         """About how long a shard takes; decides how the shards are divided among workers, never the result."""
-        n_x, n_y = self.layout.recipe.grid.shape
-        return self.layout.shard_maps * (3e-5 * len(self.layout.recipe.obstacles) + n_x * n_y * 1.5e-7)
+        n_x, n_y = self.layout.grid_shape
+        obstacles = max(len(recipe.obstacles) for recipe in self.layout.recipes)
+        return self.layout.shard_maps * (3e-5 * obstacles + n_x * n_y * 1.5e-7)
 
     def __call__(self, numbers: Iterable[int]) -> tuple[Shard, ...]:
         """Shards, on disk."""
@@ -48,7 +49,7 @@ class ShardTask:
         return Shard(number=number, files={"levels": self._written(names["levels"], npy(levels)), **files})
 
     def _levels(self, number: int) -> Levels:
-        levels = build_many(self.layout.recipe, self.layout.indices(number))
+        levels = build_many(self.layout.recipe_of_shard(number), self.layout.indices(number))
         found = levels.astype(self.layout.dtype)
         if (found != levels).any():
             raise OverflowError(f"a level of shard {number} is no {self.layout.dtype}")

@@ -1,21 +1,24 @@
 """A terrain of many maps, harder from row to row, for curriculum learning.
 
-rows (+x): from the easiest map to the hardest       columns (+y): maps of about the same difficulty
+rows (+x): from the easiest map to the hardest       columns (+y): maps of about the same difficulty, or a recipe each
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.errors import ParameterError, UnknownName
+from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.field.metrics.batch import COLUMNS
-from rsegen.field.metrics.custom import METRICS, Measure, Metric
-from rsegen.field.stepfield import Array, Ints
+from rsegen.field.metrics.by_name import By, metric_by
+from rsegen.field.robot_limits import RobotLimits
+from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.params.sorts import Choice, Integer
+from rsegen.recipe.kinds import kind_of_column
 from rsegen.recipe.tiles import amid
 
 if TYPE_CHECKING:
@@ -45,15 +48,30 @@ class Tiles(NamedTuple):
     size: tuple[float, float]
 
 
-def tiles(dataset: Dataset, rows: int, columns: int, by: str | Measure, spacing: str) -> Tiles:
+def tiles(  # noqa: PLR0913  # as Dataset.tiles
+    dataset: Dataset,
+    rows: int,
+    columns: int,
+    by: By,
+    robot: RobotLimits | None,
+    *,
+    spacing: str,
+    recipes: Sequence[str] | None,
+) -> Tiles:
     """Maps from the least to the greatest of a metric, evenly spaced; maps without a value are left out."""
     spacing = SPACING.check("spacing", spacing)
     rows, columns = (Integer(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
-    figures, named = _figures(dataset, by)
-    ranked = np.argsort(figures, kind="stable")[: np.count_nonzero(~np.isnan(figures))]
-    if rows * columns > len(ranked):
-        raise ParameterError("rows", f"{rows} x {columns} tiles need as many maps, and {len(ranked)} have a {named}")
-    places = (_by_rank if spacing == "rank" else partial(_by_value, figures))(ranked, rows, columns)
+    kinds = _kinds(dataset, recipes, columns)
+    wanted = np.isin(dataset.recipe_numbers, kinds)
+    figures, named = _figures(dataset, by, robot, wanted)
+    places = np.empty((rows, columns), dtype=np.intp)
+    for kind in np.unique(kinds):
+        own = _ranked(dataset, figures, int(kind))
+        count = int((kinds == kind).sum())
+        if rows * count > len(own):
+            of = "" if len(dataset.recipes) == 1 else f" of {dataset.recipes[kind].name}"
+            raise ParameterError("rows", f"{rows} x {count} tiles{of} need as many maps, and {len(own)} have a {named}")
+        places[:, kinds == kind] = (_by_rank if spacing == "rank" else partial(_by_value, figures))(own, rows, count)
     levels = dataset[places.ravel()]
     heights = np.array([dataset.layout.field(one).heights for one in levels])
     size = dataset.layout.flat_field.extent
@@ -65,6 +83,26 @@ def tiles(dataset: Dataset, rows: int, columns: int, by: str | Measure, spacing:
         difficulty=figures[places],
         size=size,
     )
+
+
+def _kinds(dataset: Dataset, names: Sequence[str] | None, columns: int) -> NDArray[np.intp]:
+    """Which of the recipes each column has."""
+    known = {recipe.name: kind for kind, recipe in enumerate(dataset.recipes)}
+    wanted = list(known) if names is None else names
+    if isinstance(wanted, str) or not isinstance(wanted, Sequence):
+        raise ParameterError("recipes", f"{shown(names)} is not a list of names of recipes")
+    for number, name in enumerate(wanted):
+        if not isinstance(name, str) or name not in known:
+            raise UnknownName.among(f"recipes[{number}]", "recipe", name, known)
+    if not 0 < len(wanted) <= columns:
+        raise ParameterError("recipes", f"{len(wanted)} for {columns} columns; give one for each at most")
+    return np.array([known[wanted[kind_of_column(column, columns, len(wanted))]] for column in range(columns)])
+
+
+def _ranked(dataset: Dataset, figures: NDArray[np.float32], kind: int) -> NDArray[np.intp]:
+    """The maps of a recipe that have a figure, from the least to the greatest."""
+    own = np.flatnonzero((dataset.recipe_numbers == kind) & ~np.isnan(figures))
+    return own[np.argsort(figures[own], kind="stable")]
 
 
 def _by_rank(ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
@@ -84,15 +122,14 @@ def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int,
     return found
 
 
-def _figures(dataset: Dataset, by: str | Measure) -> tuple[NDArray[np.float32], str]:
-    """A metric of every map, NaN for none, and its name: from the table, or measured by a function."""
-    if isinstance(by, str) and by in COLUMNS:
+def _figures(dataset: Dataset, by: By, robot: RobotLimits | None, wanted: Mask) -> tuple[NDArray[np.float32], str]:
+    """A metric of every map, NaN for none, and its name: from the table, or measured on each that is wanted."""
+    metric = metric_by(by, robot)
+    if isinstance(by, str) and by in COLUMNS and robot is None:
         return dataset.metrics[by], by
-    if not callable(by) and by not in METRICS:
-        raise UnknownName.among("by", "metric", by, [*COLUMNS, *METRICS])
-    metric = METRICS[by] if isinstance(by, str) else by if isinstance(by, Metric) else Metric.of(by)
-    figures = [metric(dataset.field(place)) for place in range(len(dataset))]
-    return np.array(figures, dtype=np.float32), metric.name
+    figures = np.full(len(dataset), np.nan, dtype=np.float32)
+    figures[wanted] = [metric(dataset.field(int(place))) for place in np.flatnonzero(wanted)]
+    return figures, metric.name
 
 
 def _origins(heights: Array, shape: tuple[int, int], size: tuple[float, float]) -> Array:

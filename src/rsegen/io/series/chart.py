@@ -1,4 +1,4 @@
-"""The chart of a series: the rms step of every map, and plans of some of them."""
+"""The chart of a series: the metric by which it rises, of every map, and plans of some of them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from rsegen.exporters.pictures.preview import draw_cells
 from rsegen.exporters.scene import Scene, compose
+from rsegen.field.metrics.by_name import RMS
 from rsegen.field.stepfield import Array
 from rsegen.io.series.plan import SeriesPlan
 from rsegen.io.series.table import SeriesRow
@@ -35,7 +36,7 @@ def chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
     grid = figure.add_gridspec(2, len(shown), height_ratios=(2.6, 1))
     _draw_rise(figure.add_subplot(grid[0, :]), plan, rows, shown)
     for column, scene in enumerate(scenes):
-        _draw_plan(figure.add_subplot(grid[1, column]), scene, rows[shown[column]])
+        _draw_plan(figure.add_subplot(grid[1, column]), plan, scene, rows[shown[column]])
     _legend(figure, scenes)
     fields = "one field" if plan.same_field else f"{len(rows)} fields"
     figure.suptitle(f"{plan.recipe.name}: {fields}, difficulty {plan.from_:g} to {plan.to:g}, seed {plan.recipe.seed}")
@@ -58,19 +59,19 @@ def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: S
     from matplotlib.ticker import MaxNLocator
 
     numbers = np.array([row.number for row in rows])
-    asked, reached, full = (_centimetres(rows, name) for name in ("rms_asked", "rms", "rms_full"))
-    of = "the rms step of the field as it is" if plan.same_field else "the mean rms step of the fields as they are"
-    mean = float(np.nan_to_num(full).mean())
-    axes.plot(numbers, asked, color=_LINE, linewidth=2, label=f"asked for: difficulty x {mean:.3g} cm, {of}")
+    asked, reached, full = (_column(plan, rows, name) for name in ("asked", "measured", "full"))
+    axes.plot(numbers, asked, color=_LINE, linewidth=2, label=f"asked for: {_line_text(plan, full)}")
     if not plan.same_field:
-        axes.plot(numbers, full, "_", color=_PALE, markersize=9, label="the field as it is: it gets no rougher")
+        axes.plot(numbers, full, "_", color=_PALE, markersize=9, label="the field as it is: it gets no harder")
     axes.vlines(numbers, asked, reached, color=_INK, linewidth=1)
     size = float(np.clip(260 / len(rows), 2, 7))
     axes.plot(numbers, reached, "o", color=_INK, markersize=size, label="reached", zorder=3)
     marked = np.isin(numbers, shown)
     axes.plot(numbers[marked], reached[marked], "o", color="white", markersize=size * 0.45, zorder=4)
-    axes.set(xlabel="map (light in the middle: its plan is below)", ylabel="rms step between neighbouring blocks [cm]")
-    axes.set_ylim(bottom=0)
+    unit = f" [{_unit(plan)}]" if _unit(plan) else ""
+    axes.set(xlabel="map (light in the middle: its plan is below)", ylabel=f"{_name(plan)}{unit}")
+    if plan.by == RMS:
+        axes.set_ylim(bottom=0)
     axes.margins(x=0.02)
     axes.grid(visible=True, alpha=0.25)
     axes.spines[["top", "right"]].set_visible(False)
@@ -78,15 +79,34 @@ def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: S
     axes.legend(frameon=False, loc="lower right")
 
 
-def _centimetres(rows: Sequence[SeriesRow], name: str) -> Array:
-    """A column of the table; NaN for values that do not exist."""
+def _line_text(plan: SeriesPlan, full: Array) -> str:
+    """What the straight line is."""
+    if plan.by != RMS:
+        return f"from level to as designed{'' if plan.same_field else ', in the mean of the fields'}"
+    of = "the rms step of the field as it is" if plan.same_field else "the mean rms step of the fields as they are"
+    return f"difficulty x {np.nan_to_num(full).mean():.3g} cm, {of}"
+
+
+def _name(plan: SeriesPlan) -> str:
+    return "rms step between neighbouring blocks" if plan.by == RMS else plan.metric.name
+
+
+def _unit(plan: SeriesPlan) -> str:
+    """Lengths are shown in centimetres."""
+    return "cm" if plan.metric.unit == "m" else plan.metric.unit
+
+
+def _column(plan: SeriesPlan, rows: Sequence[SeriesRow], name: str) -> Array:
+    """A column of the table, as it is shown; NaN for values that do not exist."""
     found = (getattr(row, name) for row in rows)
-    return np.array([np.nan if value is None else value * 100 for value in found], dtype=float)
+    values = np.array([np.nan if value is None else value for value in found], dtype=float)
+    return values * 100 if _unit(plan) == "cm" else values
 
 
-def _draw_plan(axes: Axes, scene: Scene, row: SeriesRow) -> None:
+def _draw_plan(axes: Axes, plan: SeriesPlan, scene: Scene, row: SeriesRow) -> None:
     draw_cells(axes, scene)
-    reached = "" if row.rms is None else f"\n{row.rms * 100:.3g} cm"
+    (value,) = _column(plan, [row], "measured")
+    reached = "" if row.measured is None else f"\n{value:.3g} {_unit(plan)}"
     axes.set_title(f"{row.number}: difficulty {row.difficulty:.3g}{reached}", fontsize=9, color=_INK)
     axes.set(xticks=[], yticks=[])
     for spine in axes.spines.values():

@@ -6,6 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 from rsegen.errors import ParameterError, shown
+from rsegen.field.metrics.by_name import RMS, By, metric_by
+from rsegen.field.metrics.custom import Metric
+from rsegen.field.robot_limits import RobotLimits
 from rsegen.params.sorts import Flag, Float, validate
 from rsegen.recipe.recipe import Recipe
 
@@ -18,13 +21,16 @@ class SeriesPlan:
     """As many maps as the recipe has, of difficulty `from_` to `to` in equal steps.
 
     Their target rms steps lie on a straight line: difficulty * the mean rms step of all their fields as designed. So a
-    field that is rougher than others is flattened more, and one that is less rough less.
+    field that is rougher than others is flattened more, and one that is less rough less. by, robot: another metric that
+    rises so, from the mean of the level fields to the mean of the fields as designed.
     """
 
     recipe: Recipe
     from_: Annotated[float, Float(0, 1, help="difficulty of the first map")] = 0.1
     to: Annotated[float, Float(0, 1, help="difficulty of the last map")] = 1.0
     same_field: Annotated[bool, Flag(help="one field at rising difficulty; else every map is another field")] = False
+    by: By = RMS
+    robot: RobotLimits | None = None
 
     def __post_init__(self) -> None:
         validate(self)
@@ -36,6 +42,12 @@ class SeriesPlan:
             given = shown(self.recipe.difficulty)
             raise ParameterError("difficulty", f"{given} is for maps of one difficulty; give from and to instead")
         self.whole(self.recipe.maps - 1)
+        _ = self.metric
+
+    @property
+    def metric(self) -> Metric:
+        """What rises from map to map."""
+        return metric_by(self.by, self.robot)
 
     @property
     def fields(self) -> range:

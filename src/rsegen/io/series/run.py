@@ -14,13 +14,15 @@ from pathlib import Path
 
 from rsegen.exporters.formats import Format
 from rsegen.exporters.scene import compose
+from rsegen.field.metrics.by_name import RMS, By
+from rsegen.field.robot_limits import RobotLimits
 from rsegen.io.contents import refuse_loss_of_files
 from rsegen.io.existing import OnExisting, is_kept
 from rsegen.io.record import Record, recorded
 from rsegen.io.resources import BYTES_PER_CELL_OF_DIFFICULTY, BYTES_PER_CELL_OF_METRICS, check_needs
 from rsegen.io.series.plan import SeriesPlan
 from rsegen.io.series.table import SeriesRow, rows_as_csv, series_row
-from rsegen.io.series.target import map_target, mean, rms_full
+from rsegen.io.series.target import map_target, mean, span
 from rsegen.io.sidecars import Sidecars
 from rsegen.io.work import WORKERS, RunPlan, run, run_each
 from rsegen.io.worlds import GeneratedMap, seconds_per_world, write_world
@@ -33,6 +35,7 @@ from rsegen.io.writer import (
     write_files,
 )
 from rsegen.recipe.codec import to_json
+from rsegen.recipe.difficulty_by import Span
 from rsegen.recipe.recipe import Recipe
 
 TABLE, PICTURE = "series.csv", "series.png"
@@ -55,7 +58,7 @@ class Series:
 
     @property
     def picture(self) -> Path:
-        """The chart: rms steps over the maps, and plans of some of them."""
+        """The chart: the metric over the maps, and plans of some of them."""
         return self.folder / PICTURE
 
 
@@ -67,6 +70,8 @@ def series(  # noqa: PLR0913  # each is a flag of the command
     from_: float = 0.1,
     to: float = 1.0,
     same_field: bool = False,
+    by: By = RMS,
+    robot: RobotLimits | None = None,
     force: bool = False,
     resume: bool = False,
     preview: bool = False,
@@ -78,11 +83,13 @@ def series(  # noqa: PLR0913  # each is a flag of the command
 ) -> Series:
     """Write maps of evenly rising difficulty, series.csv and series.png into a folder; as many as the recipe has.
 
-    With `same_field` all are one field, else each is a new one. The rest is as in `generate`; `progress` is called
-    with the row of each map that is done. Table and picture come last, whole or not at all.
+    With `same_field` all are one field, else each is a new one. `by`: the metric that rises evenly, by its name in
+    `rsegen metrics --csv`, or a function StepField -> float, which is called in this process alone; `robot`: for
+    metrics of a robot, such as `reach.west_east.cost`. The rest is as in `generate`; `progress` is called with the row
+    of each map that is done. Table and picture come last, whole or not at all.
     """
     recipe = recipe if maps is None else dataclasses.replace(recipe, maps=maps)
-    series_plan = SeriesPlan(recipe=recipe, from_=from_, to=to, same_field=same_field)
+    series_plan = SeriesPlan(recipe=recipe, from_=from_, to=to, same_field=same_field, by=by, robot=robot)
     sidecars = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
     on_existing = OnExisting.of(force=force, resume=resume)
     plan = plan_series(series_plan, Path(folder), sidecars, on_existing, workers, sync=sync)
@@ -113,22 +120,22 @@ def plan_series(
     sidecars.refuse(plan.recipe)
     refuse_not_a_folder(folder)
     needs = check_needs([plan.recipe], len(numbers), folder, _BYTES_PER_CELL + sidecars.bytes_per_cell)
-    workers = min(workers, needs.maps_at_once)
+    workers = 1 if callable(plan.by) else min(workers, needs.maps_at_once)
     replaces, keeps = on_existing is not OnExisting.REFUSE, on_existing is OnExisting.KEEP
     for name in (TABLE, PICTURE):
         refuse_taken_file(folder / name, force=replaces)
     refuse_loss_of_files(folder, (TABLE, PICTURE))
     if not keeps:
         refuse_taken((folder / plan.map_name(number) for number in numbers), force=replaces)
-    rms = mean(tuple(run_each(_FieldTask(plan=plan), plan.fields, workers)))
-    existing = _existing(plan, rms, folder, sidecars) if keeps else []
+    line = mean(plan, tuple(run_each(_FieldTask(plan=plan), plan.fields, workers)))
+    existing = _existing(plan, line, folder, sidecars) if keeps else []
     return RunPlan(
         folder=folder,
         task=_SeriesTask(
             plan=plan,
             folder=folder,
             sidecars=sidecars,
-            mean=rms,
+            line=line,
             existing=frozenset(existing),
             replaces=replaces,
             sync=sync,
@@ -140,14 +147,14 @@ def plan_series(
     )
 
 
-def _existing(plan: SeriesPlan, rms: float, folder: Path, sidecars: Sidecars) -> list[int]:
+def _existing(plan: SeriesPlan, line: Span, folder: Path, sidecars: Sidecars) -> list[int]:
     """The numbers of the maps that are complete; an OutputError if something else has the name of a map."""
     complete = []
     for number in range(plan.recipe.maps):
         home = folder / plan.map_name(number)
         if not os.path.lexists(home):
             continue
-        if is_kept(home, to_json(map_target(plan, number, rms).recipe).encode(), sidecars.complete_in):
+        if is_kept(home, to_json(map_target(plan, number, line).recipe).encode(), sidecars.complete_in):
             complete.append(number)
     return complete
 
@@ -162,18 +169,18 @@ class _FieldTask:
     def seconds(self) -> float:
         return 1.5e-4 + prod(self.plan.recipe.grid.shape) * 3e-8
 
-    def __call__(self, numbers: Iterable[int], /) -> tuple[float | None, ...]:
-        return tuple(rms_full(self.plan, number) for number in numbers)
+    def __call__(self, numbers: Iterable[int], /) -> tuple[Span, ...]:
+        return tuple(span(self.plan, number) for number in numbers)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _SeriesTask:
-    """Makes and measures maps by their numbers; `mean` is the rms step of difficulty 1, metres."""
+    """Makes and measures maps by their numbers; `line`: the values from which and to which they rise."""
 
     plan: SeriesPlan
     folder: Path
     sidecars: Sidecars
-    mean: float
+    line: Span
     existing: frozenset[int]
     replaces: bool
     sync: bool
@@ -188,11 +195,11 @@ class _SeriesTask:
             return tuple(self._row_and_map(number, writer) for number in numbers)
 
     def _row_and_map(self, number: int, writer: FolderWriter) -> RowAndMap:
-        target = map_target(self.plan, number, self.mean)
+        target = map_target(self.plan, number, self.line)
         scene, made = compose(target.recipe, target.recipe.first_map), None
         if number not in self.existing:
             made = write_world(scene, self.folder, self.sidecars, writer)
-        return series_row(number, self.plan.difficulty(number), scene, target.rms, target.rms_full), made
+        return series_row(self.plan, number, scene, target), made
 
 
 def _write_both(plan: SeriesPlan, rows: tuple[SeriesRow, ...], folder: Path, *, sync: bool) -> None:

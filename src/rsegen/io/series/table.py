@@ -6,12 +6,16 @@ import csv
 import io
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
+from math import isnan
 
 from rsegen.exporters.scene import Scene
+from rsegen.field.metrics.by_name import RMS
 from rsegen.field.metrics.percolation import percolation
 from rsegen.field.metrics.spread import spread
 from rsegen.field.metrics.steps import steps
 from rsegen.field.stepfield import NANOMETRE_DIGITS
+from rsegen.io.series.plan import SeriesPlan
+from rsegen.io.series.target import MapTarget
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -21,6 +25,8 @@ class SeriesRow:
     difficulty: its place between the first and the last   rms_asked: difficulty * the mean rms_full of all maps
     rms: the rms step that it has   rms_full: that of its field as designed   recipe_difficulty: that of its recipe
     highest_step: between neighbouring blocks   opening_...: the climb at which it opens   mean_height: of its blocks
+    asked, measured, full: of the metric by which the series rises, as rms_asked, rms and rms_full of the rms step; by
+    another metric there is no rms_asked and no rms_full
     """
 
     number: int
@@ -34,23 +40,31 @@ class SeriesRow:
     opening_west_east: float
     opening_south_north: float
     mean_height: float
+    asked: float | None
+    measured: float | None
+    full: float | None
 
 
-def series_row(number: int, difficulty: float, scene: Scene, rms_asked: float, full: float | None) -> SeriesRow:
-    """The row of map `number`, with its target and the rms step of its field as designed."""
-    own, ways = steps(scene.field), percolation(scene.field)
+def series_row(plan: SeriesPlan, number: int, scene: Scene, target: MapTarget) -> SeriesRow:
+    """The row of map `number`, with its target."""
+    own, ways, by_rms = steps(scene.field), percolation(scene.field), plan.by == RMS
+    measured = own.rms if by_rms else plan.metric(scene.field)
+    asked = None if by_rms and own.rms is None else _rounded(target.asked)
     return SeriesRow(
         number=number,
         map=scene.name,
-        difficulty=difficulty,
-        rms_asked=None if own.rms is None else _rounded(rms_asked),
+        difficulty=plan.difficulty(number),
+        rms_asked=asked if by_rms else None,
         rms=_rounded(own.rms),
-        rms_full=_rounded(full),
+        rms_full=_rounded(target.full) if by_rms else None,
         recipe_difficulty=scene.recipe.difficulty_of(scene.index),
         highest_step=_rounded(own.highest),
         opening_west_east=ways.west_east,
         opening_south_north=ways.south_north,
         mean_height=round(spread(scene.field).mean, NANOMETRE_DIGITS),
+        asked=asked,
+        measured=_rounded(measured),
+        full=_rounded(target.full),
     )
 
 
@@ -64,4 +78,4 @@ def rows_as_csv(rows: Sequence[SeriesRow]) -> bytes:
 
 
 def _rounded(value: float | None) -> float | None:
-    return None if value is None else round(value, NANOMETRE_DIGITS)
+    return None if value is None or isnan(value) else round(value, NANOMETRE_DIGITS)

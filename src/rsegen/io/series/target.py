@@ -7,9 +7,11 @@ from dataclasses import replace
 from math import fsum
 from typing import NamedTuple
 
+from rsegen.field.metrics.by_name import RMS
 from rsegen.field.metrics.steps import steps
 from rsegen.io.series.plan import DIGITS, SeriesPlan
 from rsegen.recipe.building import build
+from rsegen.recipe.difficulty_by import Span, mean_of, share_of, span_of
 from rsegen.recipe.recipe import Recipe
 
 _HALVINGS = 12
@@ -17,29 +19,37 @@ _HALVINGS = 12
 
 
 class MapTarget(NamedTuple):
-    """A map's recipe, the rms step of its field as designed, and the rms step that it should have, metres."""
+    """A map's recipe, the value of the metric of its field as designed, and the value that it should have."""
 
     recipe: Recipe
-    rms_full: float | None
-    rms: float
+    full: float | None
+    asked: float
 
 
-def rms_full(plan: SeriesPlan, number: int) -> float | None:
-    """The rms step of the field of map `number` as designed, metres; None if it has no steps."""
-    return _rms(plan.whole(number))
+def span(plan: SeriesPlan, number: int) -> Span:
+    """The metric of the field of map `number`, level and as designed; a field without steps has an rms step of 0."""
+    whole = plan.whole(number)
+    return Span(0.0, _rms(whole) or 0.0) if plan.by == RMS else span_of(whole, whole.first_map, plan.metric)
 
 
-def mean(found: Sequence[float | None]) -> float:
-    """The mean of rms steps; a field without steps counts as 0."""
-    return fsum(each or 0 for each in found) / len(found)
+def mean(plan: SeriesPlan, spans: Sequence[Span]) -> Span:
+    """The values from which and to which the series rises; ParameterError if a metric that is not rms does not."""
+    if plan.by == RMS:
+        return Span(0.0, fsum(each.full for each in spans) / len(spans))
+    return mean_of(spans, plan.metric.name)
 
 
-def map_target(plan: SeriesPlan, number: int, at_one: float) -> MapTarget:
-    """The target of map `number`, if difficulty 1 is an rms step of `at_one`; at most its field as designed."""
+def map_target(plan: SeriesPlan, number: int, line: Span) -> MapTarget:
+    """The target of map `number` on the line from level to as designed; at most its field as designed."""
     whole, difficulty = plan.whole(number), plan.difficulty(number)
-    full, rms = _rms(whole), difficulty * at_one
-    share = _share(whole, rms, full) if full else difficulty
-    return MapTarget(replace(whole, difficulty=round(share, DIGITS)), full, rms)
+    asked = line.value(difficulty)
+    if plan.by == RMS:
+        full = _rms(whole)
+        share = _share(whole, asked, full) if full else difficulty
+    else:
+        own = span(plan, number)
+        full, share = own.full, share_of(whole, whole.first_map, plan.metric, own, line, difficulty)
+    return MapTarget(replace(whole, difficulty=round(share, DIGITS)), full, asked)
 
 
 def _share(whole: Recipe, rms: float, full: float) -> float:

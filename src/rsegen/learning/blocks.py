@@ -1,0 +1,83 @@
+"""A box for each block of a map, as arrays: what engines write in place to change a map without compiling anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rsegen.errors import ParameterError
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.recipe.recipe import Recipe
+
+GROUND_COLOUR = (0.6, 0.6, 0.6)
+
+_DEPTH = 0.1
+"""Metres that the blocks of a grid reach below the ground, so that those of level 0 have a size."""
+
+
+class BlockArrays:
+    """The blocks of the maps of a recipe; `pos`: where the middle of the map is, metres.
+
+    The arrays of a map, or of many (..., n_x, n_y) at once, have an axis of blocks, x first.
+    """
+
+    def __init__(self, recipe: Recipe, name: str = "block", pos: Sequence[float] = (0, 0, 0)) -> None:
+        if recipe.boundary != "none":
+            raise ParameterError(
+                "boundary", f"'{recipe.boundary}' has frames, and a grid is of blocks alone; give none"
+            )
+        self.recipe, self.name, self.position = recipe, name, np.array(pos, dtype=float)
+        self.shape = recipe.grid.shape
+        flat = np.zeros(self.shape, dtype=np.int16)
+        width, unit = recipe.block_width_cm / 100, recipe.unit_cm / 100
+        field = StepField(levels=flat, frame=flat > 0, block_width=width, unit=unit, frame_height=0.0)
+        look = Scene(recipe=recipe, index=0, field=field)
+        levels = range(1, recipe.highest_level + 1)
+        self._rgba = np.array([(*colour, 1.0) for colour in (GROUND_COLOUR, *map(look.colour, levels))])
+        self._friction = np.array([recipe.friction, *map(look.friction_of, levels)])
+        self._x, self._y = (edges[:-1] + width / 2 for edges in field.edges())
+        self._half, self._unit = width / 2, unit
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the blocks."""
+        n_x, n_y = self.shape
+        return [f"{self.name}_{i}_{j}" for i in range(n_x) for j in range(n_y)]
+
+    @property
+    def highest(self) -> Ints:
+        """The levels of a map whose blocks are all as high as the highest, (n_x, n_y)."""
+        return np.full(self.shape, self.recipe.highest_level)
+
+    def pos(self, levels: Ints) -> Array:
+        """The centres of the blocks from the middle of the map, (..., blocks, 3), metres."""
+        x, y = np.broadcast_to(self._x[:, None], self.shape), np.broadcast_to(self._y, self.shape)
+        found = np.empty((*np.shape(levels), 3))
+        found[..., 0], found[..., 1], found[..., 2] = x, y, (self._heights(levels) - _DEPTH) / 2
+        return _rows(found)
+
+    def size(self, levels: Ints) -> Array:
+        """Half of the sides of the blocks, (..., blocks, 3), metres."""
+        found = np.full((*np.shape(levels), 3), self._half)
+        found[..., 2] = (self._heights(levels) + _DEPTH) / 2
+        return _rows(found)
+
+    def rgba(self, levels: Ints) -> Array:
+        """The colours of the blocks by their levels, (..., blocks, 4), from 0 to 1."""
+        return _rows(self._rgba[np.asarray(levels)])
+
+    def sliding(self, levels: Ints) -> Array:
+        """The coefficients of sliding friction of the blocks by their levels, (..., blocks)."""
+        return _rows(self._friction[np.asarray(levels)][..., None])[..., 0]
+
+    def _heights(self, levels: Ints) -> Array:
+        if np.shape(levels)[-2:] != self.shape:
+            raise ParameterError("levels", f"of shape {np.shape(levels)} for a grid of {self.shape}")
+        return np.asarray(np.asarray(levels) * self._unit, dtype=float)
+
+
+def _rows(values: Array) -> Array:
+    """One axis of blocks for the two of the cells."""
+    return values.reshape(*values.shape[:-3], -1, values.shape[-1])

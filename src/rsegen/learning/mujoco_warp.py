@@ -1,0 +1,62 @@
+"""mujoco_warp: a map of its own for each world, which changes without compiling anew (4.0).
+
+model, data = mjw.put_model(compiled), mjw.make_data(compiled, nworld=64)
+blocks = BlocksOfWorlds(grid, compiled, model, data)
+blocks.write(rsegen.build_many(recipe, range(64)))
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from rsegen.errors import ParameterError
+from rsegen.field.stepfield import Array, Ints
+from rsegen.learning.mujoco import BlockGrid
+
+
+class BlocksOfWorlds:
+    """The blocks of a grid in the worlds of mujoco_warp; until they are written, all have those of the compiled model.
+
+    compiled: the MjModel with the blocks, from which model and data were made. The arrays of the model get a row for
+    each world here, so a CUDA graph has to be captured after this; `write` then changes them in place.
+    """
+
+    def __init__(self, grid: BlockGrid, compiled: Any, model: Any, data: Any) -> None:
+        self.grid, self._first, self._data = grid, compiled.geom(grid.names[0]).id, data
+        self.worlds: int = data.nworld
+        body = compiled.body(grid.name).id
+        self._place = compiled.body_pos[body]
+        for name in ("geom_pos", "geom_size", "geom_rgba", "geom_friction"):
+            array = getattr(model, name)
+            rows = np.broadcast_to(array.numpy(), (self.worlds, *array.numpy().shape[1:]))
+            setattr(model, name, wp.array(rows, dtype=array.dtype, device=array.device))
+        self._model = model
+
+    def write(self, levels: Ints, worlds: Sequence[int] | None = None) -> None:
+        """Put maps, (worlds, n_x, n_y), into these worlds, or into all: heights, friction and colours.
+
+        Their positions go into the data too, as mujoco_warp does not compute those of static geoms again.
+        """
+        rows = np.arange(self.worlds) if worlds is None else np.asarray(worlds, dtype=np.int32)
+        if rows.size and not 0 <= rows.min() <= rows.max() < self.worlds:
+            raise ParameterError("worlds", f"{rows.min()}..{rows.max()} are not all in 0..{self.worlds - 1}")
+        if len(levels) != len(rows):
+            raise ParameterError("levels", f"{len(levels)} maps for {len(rows)} worlds; give one for each")
+        grid, model, position = self.grid, self._model, self.grid.pos(levels)
+        self._put(model.geom_pos, rows, position)
+        self._put(self._data.geom_xpos, rows, position + self._place)
+        self._put(model.geom_size, rows, grid.size(levels))
+        self._put(model.geom_rgba, rows, grid.rgba(levels))
+        self._put(model.geom_friction, rows, grid.friction(levels))
+
+    def _put(self, array: Any, rows: Ints, values: Array) -> None:
+        """Write the values of the blocks into some rows of an array (worlds, geoms)."""
+        geoms = np.arange(self._first, self._first + values.shape[1])
+        places: list[Any] = [wp.array(part, dtype=wp.int32, device=array.device) for part in (rows, geoms)]
+        new: Any = wp.array(values, dtype=array.dtype, device=array.device)
+        blocks: Any = wp.indexedarray(array, places)
+        wp.copy(blocks, new)

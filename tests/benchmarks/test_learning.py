@@ -1,0 +1,46 @@
+"""The benchmark of learning gives a row for each shape of each engine that is installed, and the page shows them."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+import pytest
+
+import rsegen
+from benchmarks import engines, learning
+from rsegen import Placement, Random, Recipe
+
+RECIPE = Recipe(seed=7, chunk_size=8, boundary="none", unit_cm=5, obstacles=[Placement(obstacle=Random(max_height=5))])
+
+
+@pytest.mark.slow
+def test_every_shape_of_every_engine_has_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+    pytest.importorskip("newton", reason="Newton is not installed")
+    for name, value in (("TURNS", 1), ("STEPS", 3), ("SETTLING", 3)):
+        monkeypatch.setattr(engines, name, value)
+    rows = list(engines.rows(RECIPE))
+    boxes = len(rsegen.build(RECIPE).boxes().centres)
+    assert [(row.engine.partition(" ")[0], row.shape) for row in rows] == [
+        *(("MuJoCo", shape) for shape in ("boxes", "a box per block", "hfield", "mesh")),
+        *(("Newton", shape) for shape in ("boxes", "mesh")),
+    ]
+    assert [row.geoms for row in rows[:3]] == [rows[4].geoms, 64, 1]
+    assert boxes <= rows[0].geoms <= 64
+    assert all(row.compile_seconds >= 0 and row.step_microseconds >= 0 for row in rows)
+    assert [row.bytes is None for row in rows] == [False] * 4 + [True] * 2
+    assert rows[0].bytes < rows[1].bytes  # type: ignore[operator]  # both are known
+    lines = list(engines.table(map(asdict, rows)))
+    assert len(lines) == 2 + len(rows)
+    assert all(line.count("|") == 7 for line in lines)
+
+
+def test_the_page_has_both_tables() -> None:
+    work = learning.Row(work="a", seconds=1.0, count=2, unit="maps", beside="b", beside_seconds=2.0, ratio=0.5)
+    engine = engines.EngineRow(
+        engine="MuJoCo 4", shape="boxes", geoms=1234, compile_seconds=0.5, bytes=2_000_000, step_microseconds=1500.4
+    )
+    lines = list(learning.table({"machine": "one", "rows": [asdict(work)], "engines": [asdict(engine)]}))
+    assert "| a | 1 | 2 maps | b | 2 | 0.5 |" in lines
+    assert "| MuJoCo 4 | boxes | 1,234 | 0.5 | 2 | 1,500 |" in lines
+    assert "on: one." in lines[-1]

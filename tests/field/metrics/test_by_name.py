@@ -1,0 +1,68 @@
+"""A metric by its name is the figure of that name in the table of all metrics."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+
+import rsegen
+from rsegen import Metric, RobotLimits, StepField
+from rsegen.errors import UserError
+from rsegen.field.metrics.by_name import OF_A_ROBOT, UNITS, metric_by
+from rsegen.field.metrics.tables import flattened, nested
+from tests.support.strategies import fields
+
+ROBOT = RobotLimits(climb_cm=15, width_cm=20)
+NOT_MEASURED = ("steps.unit", "scale.hurst_is_weak", "ruggedness.cells", "reach.climber.", ".crosses")
+"""What the table has beside figures by which maps may be ordered."""
+
+
+@settings(max_examples=40, deadline=None)
+@given(fields())
+def test_every_name_is_that_of_the_table(field: StepField) -> None:
+    if field.frame.all():
+        return
+    table = dict(flattened(nested(rsegen.metrics(field, ROBOT))))
+    table.update(flattened({"opening": nested(rsegen.metrics(field).opening)}))
+    assert {name for name in table if not any(part in name for part in NOT_MEASURED)} == set(UNITS)
+    for name in UNITS:
+        found = metric_by(name, ROBOT if name in OF_A_ROBOT else None)(field)
+        assert found == pytest.approx(math.nan if table[name] is None else table[name], abs=1e-9, nan_ok=True)
+
+
+def test_an_opening_has_the_width_of_the_robot() -> None:
+    recipe = rsegen.Recipe(seed=3, boundary="none", obstacles=[rsegen.Placement(obstacle=rsegen.Random(max_height=9))])
+    field = rsegen.build(recipe)
+    wide = metric_by("opening.west_east", RobotLimits(climb_cm=1, width_cm=30))(field)
+    assert wide == rsegen.metrics(field, RobotLimits(climb_cm=1, width_cm=30)).opening.west_east
+    assert wide != metric_by("opening.west_east")(field)
+
+
+def test_a_function_is_a_metric_and_a_metric_is_itself() -> None:
+    def cells(field: StepField) -> float:
+        return field.levels.size
+
+    found = metric_by(cells)
+    assert (found.name, found(rsegen.build(rsegen.Recipe(seed=1, boundary="none")))) == ("cells", 100)
+    own = Metric(name="own", unit="m", help="", measure=cells)
+    assert metric_by(own) is own
+
+
+@pytest.mark.parametrize(
+    ("by", "robot", "message"),
+    [
+        ("steps.rsm", None, r"by: unknown metric 'steps.rsm'; did you mean 'steps.rms'\? \(known: opening"),
+        (7, None, "by: unknown metric 7"),
+        (["steps.rms"], None, "by: unknown metric"),
+        (min(OF_A_ROBOT), None, f"by: {min(OF_A_ROBOT)} is of a robot; give robot too"),
+        ("steps.rms", ROBOT, "robot: steps.rms is of no robot; give by=reach.west_east.cost, or another one of a rob"),
+        (len, ROBOT, "robot: a function is of no robot"),
+        ("steps.rms", "burger", r"robot: 'burger' is not a robot's limits; give RobotLimits\(climb_cm=10\)"),
+    ],
+)
+def test_what_is_no_metric_is_said(by: Any, robot: Any, message: str) -> None:
+    with pytest.raises(UserError, match=message):
+        metric_by(by, robot)

@@ -1,0 +1,116 @@
+"""Each world of mujoco_warp has its own map: the contacts of MuJoCo's model of that map, cell by cell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen import Placement, Random, Recipe
+from rsegen.errors import ParameterError
+
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+mjw = pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
+from rsegen.learning.mujoco import BlockGrid  # noqa: E402  # they need both
+from rsegen.learning.mujoco_warp import BlocksOfWorlds  # noqa: E402
+
+pytestmark = pytest.mark.slow
+
+RECIPE = Recipe(
+    seed=7,
+    chunk_size=4,
+    chunks=(1, 2),
+    unit_cm=5,
+    boundary="none",
+    level_friction=(0.2, 0.4, 0.6, 0.8, 0.9),
+    obstacles=[Placement(obstacle=Random(max_height=6))],
+)
+GRID = BlockGrid(RECIPE, pos=(1, 2, 0.5))
+WORLDS = 32
+RADIUS = 0.03
+
+
+@pytest.fixture
+def compiled() -> Any:
+    """A model of the blocks and a free ball of less friction than theirs."""
+    spec = mujoco.MjSpec()
+    GRID.add_to(spec)
+    body = spec.worldbody.add_body(name="ball", pos=[1.05, 2.05, 2])
+    body.add_freejoint()
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[RADIUS, 0, 0], friction=[1e-3, 1e-3, 1e-3])
+    return spec.compile()
+
+
+@pytest.fixture
+def worlds(compiled: Any) -> tuple[Any, Any, BlocksOfWorlds]:
+    model, data = mjw.put_model(compiled), mjw.make_data(compiled, nworld=WORLDS)
+    return model, data, BlocksOfWorlds(GRID, compiled, model, data)
+
+
+def _touching(level: int, cell: int) -> list[float]:
+    """A pose of the ball a millimetre deep in the middle of a block."""
+    i, j = divmod(cell, GRID.shape[1])
+    return [1 + (i - 1.5) * 0.1, 2 + (j - 3.5) * 0.1, 0.5 + level * 0.05 + RADIUS - 0.001, 1, 0, 0, 0]
+
+
+def _expected(compiled: Any, levels: np.ndarray, poses: list[list[float]]) -> Iterator[list[tuple[float, ...]]]:
+    """Depth, place and friction of the contacts in MuJoCo, world by world."""
+    state = mujoco.MjData(compiled)
+    for own, pose in zip(levels, poses, strict=True):
+        GRID.write(compiled, own)
+        state.qpos[:] = pose
+        mujoco.mj_forward(compiled, state)
+        yield sorted((c.dist, *c.pos, c.friction[0]) for c in state.contact[: state.ncon])
+
+
+def test_each_cell_of_each_world_is_that_of_its_map(compiled: Any, worlds: Any) -> None:
+    model, data, blocks = worlds
+    levels = rsegen.build_many(RECIPE, range(WORLDS))
+    blocks.write(levels)
+    new = rsegen.build_many(RECIPE, range(100, 103))
+    blocks.write(new, worlds=[30, 0, 7])
+    levels[[30, 0, 7]] = new
+    poses = [_touching(own.flat[world % own.size], world % own.size) for world, own in enumerate(levels)]
+    data.qpos.assign(np.array(poses, dtype=np.float32))
+    mjw.fwd_position(model, data)
+    count, contact = int(data.nacon.numpy()[0]), data.contact
+    figures = [contact.dist, contact.pos, contact.friction]
+    dist, pos, friction = (figure.numpy()[:count] for figure in figures)
+    rows = np.column_stack([dist, pos, friction[:, 0]])
+    of = contact.worldid.numpy()[:count]
+    for world, expected in enumerate(_expected(compiled, levels, poses)):
+        found = sorted(map(tuple, rows[of == world]))
+        assert len(found) == len(expected) >= 1
+        assert np.allclose(found, expected, atol=2e-6)
+
+
+def test_balls_rest_on_the_maps_of_their_worlds(worlds: Any) -> None:
+    model, data, blocks = worlds
+    for first in (0, 50):
+        levels = rsegen.build_many(RECIPE, range(first, first + WORLDS))
+        blocks.write(levels)
+        mjw.reset_data(model, data)
+        data.qpos.assign(np.array([[1.05, 2.05, 0.9, 1, 0, 0, 0]] * WORLDS, dtype=np.float32))
+        for _ in range(400):
+            mjw.step(model, data)
+        assert data.qpos.numpy()[:, 2] == pytest.approx(0.5 + levels[:, 2, 4] * 0.05 + RADIUS, abs=0.001)
+
+
+def test_colours_are_those_of_the_levels(worlds: Any) -> None:
+    model, _, blocks = worlds
+    levels = rsegen.build_many(RECIPE, range(WORLDS))
+    blocks.write(levels)
+    assert np.allclose(model.geom_rgba.numpy()[:, :32], GRID.rgba(levels))
+
+
+def test_too_few_maps_are_refused(worlds: Any) -> None:
+    *_, blocks = worlds
+    with pytest.raises(ParameterError, match="levels: 3 maps for 32 worlds; give one for each"):
+        blocks.write(rsegen.build_many(RECIPE, range(3)))
+    with pytest.raises(ParameterError, match=r"worlds: 1..32 are not all in 0..31"):
+        blocks.write(rsegen.build_many(RECIPE, range(2)), worlds=[1, 32])
+    with pytest.raises(ParameterError, match="levels: 3 maps for 2 worlds"):
+        blocks.write(rsegen.build_many(RECIPE, range(3)), worlds=[0, 1])
