@@ -11,9 +11,10 @@ from rsegen.gui.files import Files
 from rsegen.gui.model.document import Document
 from rsegen.gui.outputs import Outputs
 from rsegen.gui.widgets.command_menus import Command, CommandMenus
-from rsegen.gui.widgets.field_view import FieldView
+from rsegen.gui.widgets.map_views import MapViews
 from rsegen.gui.widgets.simulator_actions import SimulatorActions
 from rsegen.gui.widgets.start_form import StartForm
+from rsegen.gui.widgets.view_camera import Side
 
 _Standard = QKeySequence.StandardKey
 
@@ -59,11 +60,15 @@ def fill_edit_menu(
     )
 
 
-def fill_view_menu(menus: CommandMenus, menu: QMenu, view: FieldView, outputs: Outputs) -> None:
-    """View: the camera, and a picture of what it sees."""
+def fill_view_menu(menus: CommandMenus, menu: QMenu, views: MapViews, outputs: Outputs) -> None:
+    """View: the camera, and pictures of what is seen."""
+    view = views.view
     menus.add(
         menu,
-        Command("&Whole map", view.reset_camera, "Ctrl+0"),
+        Command("&Whole map", view.fit, "Ctrl+0"),
+        Command("In &perspective", lambda: view.look_from(Side.PERSPECTIVE), "Ctrl+1"),
+        Command("From &above", lambda: view.look_from(Side.TOP), "Ctrl+2"),
+        Command("From the &south", lambda: view.look_from(Side.SOUTH), "Ctrl+3"),
         Command("Save &picture...", lambda: outputs.save_picture(view)),
     )
 

@@ -6,11 +6,17 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from rsegen.field.metrics.traversability import traversability
-from rsegen.field.stepfield import StepField
+from rsegen.field.stepfield import Array, StepField
+from rsegen.gui.model.robot_shape import RobotPart, RobotShape
 from rsegen.io.worlds import generate
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.robots import ROBOTS
+from rsegen.simulation.robots.links import PoseTuple
+from rsegen.simulation.robots.rotation import rotation
+from rsegen.simulation.robots.solids import Box, Cylinder, Solid
 from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest
 from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import Pose
@@ -27,6 +33,7 @@ __all__ = [
     "installed",
     "launch_of",
     "robot_names",
+    "robot_shape",
     "simulator_titles",
     "spawn",
     "why_it_cannot_open",
@@ -41,6 +48,29 @@ _ORIGIN = Pose(x=0, y=0, z=0)
 def robot_names() -> list[str]:
     """The names of all robots."""
     return list(ROBOTS)
+
+
+def robot_shape(name: str) -> RobotShape:
+    """The shape of a robot, its joints at rest."""
+    robot = ROBOTS[name]
+    parts = (
+        RobotPart(_sizes(part.solid), _transform(link.pose) @ _transform(part.pose), part.colour)
+        for link in robot.links
+        for part in link.parts
+    )
+    return RobotShape(tuple(parts), robot.size)
+
+
+def _sizes(solid: Solid) -> tuple[float, ...]:
+    if isinstance(solid, Box):
+        return tuple(solid.size)
+    return (solid.radius, solid.length) if isinstance(solid, Cylinder) else (solid.radius,)
+
+
+def _transform(pose: PoseTuple) -> Array:
+    found = np.eye(4)
+    found[:3, :3], found[:3, 3] = rotation(*pose[3:]), pose[:3]
+    return found
 
 
 def crossing(field: StepField, robot: str) -> str:
