@@ -226,6 +226,7 @@ def pressed(window: Window, *blocks: tuple[int, int]) -> None:
 def test_painted_cells_are_a_matrix_of_which_each_stroke_is_undone_at_once(window: Window) -> None:
     previewed(window)
     QTest.keyClick(window, Qt.Key.Key_P)
+    QApplication.processEvents()  # the tools take some of the plan's room
     find(window, QSpinBox, "paint_level").setValue(3)
     assert find(window, QLabel, "paint_height").text() == "30 cm"
     pressed(window, (2, 2), (2, 5))

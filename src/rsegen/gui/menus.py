@@ -17,6 +17,7 @@ from rsegen.gui.widgets.start_form import StartForm
 from rsegen.gui.widgets.view_camera import Side
 
 _Standard = QKeySequence.StandardKey
+_CLOSER = 1.25
 
 
 def fill_file_menu(menus: CommandMenus, menu: QMenu, files: Files, close: Callable[[], object]) -> None:
@@ -65,11 +66,14 @@ def fill_view_menu(menus: CommandMenus, menu: QMenu, views: MapViews, outputs: O
     view = views.view
     menus.add(
         menu,
-        Command("&Whole map", view.fit, "Ctrl+0"),
+        Command("&Whole map", views.fit, "Ctrl+0"),
+        Command("Zoom the plan &in", lambda: views.plan.zoom(_CLOSER), _Standard.ZoomIn),
+        Command("Zoom the plan &out", lambda: views.plan.zoom(1 / _CLOSER), _Standard.ZoomOut),
         Command("In &perspective", lambda: view.look_from(Side.PERSPECTIVE), "Ctrl+1"),
         Command("From &above", lambda: view.look_from(Side.TOP), "Ctrl+2"),
         Command("From the &south", lambda: view.look_from(Side.SOUTH), "Ctrl+3"),
         Command("Save &picture...", lambda: outputs.save_picture(view)),
+        Command("Save p&lan...", lambda: outputs.save_plan(views.plan)),
     )
 
 

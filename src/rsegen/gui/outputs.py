@@ -14,6 +14,7 @@ from rsegen.gui.dialogs.export import ExportDialog
 from rsegen.gui.dialogs.picture_size import PictureSizeDialog
 from rsegen.gui.model.document import Document
 from rsegen.gui.widgets.field_view import FieldView
+from rsegen.gui.widgets.plan_view import PlanView
 from rsegen.gui.widgets.start_form import StartForm
 from rsegen.gui.workers.spawn_job import SpawnJob
 
@@ -77,6 +78,10 @@ class Outputs:
             )
         )
         dialog.open()
+
+    def save_plan(self, plan: PlanView) -> None:
+        """Ask for a file, and save the plan."""
+        self._save("Save the plan", "plan.svg", "SVG (*.svg);;PDF (*.pdf);;PNG (*.png)", plan.save)
 
     def _save(self, title: str, default: str, formats: str, save: Callable[[Path], object]) -> None:
         """Ask for a file, and save something in it."""

@@ -164,6 +164,7 @@ class Window(QMainWindow):
 
     def _count(self) -> None:
         self.status.crossing.setText("")
+        self.views.plan.show_reach(None)
         self.previewer.count(self.status.robot_name)
 
     def _show_robot(self) -> None:
@@ -172,6 +173,7 @@ class Window(QMainWindow):
 
     def _show_costs(self, costs: Costs) -> None:
         self.status.show_costs(costs)
+        self.views.plan.show_reach(costs.reach)
         self.forms.show_warnings(costs.warnings)
 
     def _fixed(self, entry: Entry) -> Entry:

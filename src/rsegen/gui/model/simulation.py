@@ -8,12 +8,20 @@ from pathlib import Path
 
 import numpy as np
 
-from rsegen.field.metrics.traversability import traversability
+from rsegen.errors import ParameterError
+from rsegen.field.metrics.traversability import Traversability, traversability
+from rsegen.field.spots import Footprint, Spot
 from rsegen.field.stepfield import Array, StepField
+from rsegen.gui.model.reach import Reach, Way
 from rsegen.gui.model.robot_shape import RobotPart, RobotShape
 from rsegen.io.worlds import generate
 from rsegen.recipe.recipe import Recipe
+from rsegen.simulation.driving.footprints import footprint_of
+from rsegen.simulation.driving.robot_runs import spot_generator
+from rsegen.simulation.driving.start_poses import spots_on_map
+from rsegen.simulation.driving.way import planned_way
 from rsegen.simulation.robots import ROBOTS
+from rsegen.simulation.robots.base import Robot
 from rsegen.simulation.robots.links import PoseTuple
 from rsegen.simulation.robots.rotation import rotation
 from rsegen.simulation.robots.solids import Box, Cylinder, Solid
@@ -28,10 +36,10 @@ __all__ = [
     "Installed",
     "LaunchCommand",
     "SpawnedMap",
-    "crossing",
     "how_to_install",
     "installed",
     "launch_of",
+    "reach",
     "robot_names",
     "robot_shape",
     "simulator_titles",
@@ -73,14 +81,37 @@ def _transform(pose: PoseTuple) -> Array:
     return found
 
 
-def crossing(field: StepField, robot: str) -> str:
-    """Whether a robot of some kind can cross a field, by the step that it climbs and its width; if not, how much of
-    the field it reaches.
-    """
-    found = traversability(field, ROBOTS[robot].limits)
-    ways = {"west to east": found.west_east, "south to north": found.south_north}
-    across = [name for name, way in ways.items() if way.crosses]
-    return f"crosses {' and '.join(across)}" if across else f"does not cross; reaches {found.cover:.0%} of the map"
+def reach(field: StepField, name: str, seed: int) -> Reach:
+    """What a robot can do on a field, by the step that it mostly crosses and its width; its spots are a seed's."""
+    robot = ROBOTS[name]
+    found, footprint = traversability(field, robot.limits), footprint_of(robot)
+    crossings = {"west to east": found.west_east, "south to north": found.south_north}
+    across = [way for way, crossing in crossings.items() if crossing.crosses]
+    return Reach(
+        text=f"crosses {' and '.join(across)}" if across else f"does not cross; reaches {found.cover:.0%} of the map",
+        region=found.region,
+        ways=_ways(field, robot, found),
+        spots=_spots(field, footprint, seed),
+        outline=footprint.outline,
+    )
+
+
+def _ways(field: StepField, robot: Robot, found: Traversability) -> tuple[Way, ...]:
+    """The ways across; if there is none, the one that `drive --route way` tries."""
+    half = np.array(field.extent) / 2
+    ways = tuple(
+        Way((crossing.path + 0.5) * field.block_width - half, is_eastward)
+        for crossing, is_eastward in ((found.west_east, True), (found.south_north, False))
+        if crossing.crosses
+    )
+    return ways or (Way(planned_way(field, robot.size[1], robot.limits).points, is_eastward=True, is_too_steep=True),)
+
+
+def _spots(field: StepField, footprint: Footprint, seed: int) -> tuple[Spot, ...]:
+    try:
+        return spots_on_map(field, footprint, 2, spot_generator(seed))
+    except ParameterError:  # there are none
+        return ()
 
 
 def simulator_titles() -> dict[str, str]:
