@@ -32,6 +32,7 @@ from PySide6.QtWidgets import (
 
 from rsegen import StepField, build, load
 from rsegen.gui.dialogs.heights import HeightsDialog
+from rsegen.gui.dialogs.picture_size import PictureSizeDialog
 from rsegen.gui.model.plan_layout import fit
 from rsegen.gui.model.session import Session
 from rsegen.gui.widgets.plan_painting import plan_area
@@ -225,6 +226,7 @@ def pressed(window: Window, *blocks: tuple[int, int]) -> None:
 def test_painted_cells_are_a_matrix_of_which_each_stroke_is_undone_at_once(window: Window) -> None:
     previewed(window)
     QTest.keyClick(window, Qt.Key.Key_P)
+    QApplication.processEvents()  # the tools take some of the plan's room
     find(window, QSpinBox, "paint_level").setValue(3)
     assert find(window, QLabel, "paint_height").text() == "30 cm"
     pressed(window, (2, 2), (2, 5))
@@ -372,4 +374,5 @@ def test_a_picture_that_cannot_be_written_is_one_line(
     messages = answer(QMessageBox.StandardButton.Ok)
     (action,) = window.findChildren(QAction, "Save picture")
     action.trigger()
+    QTest.keyClick(find(window, PictureSizeDialog, "picture_size_dialog"), Qt.Key.Key_Return)
     assert messages == [f"{path}: cannot be written as a picture; give a name in an existing folder, such as x.png"]

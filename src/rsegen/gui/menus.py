@@ -11,11 +11,13 @@ from rsegen.gui.files import Files
 from rsegen.gui.model.document import Document
 from rsegen.gui.outputs import Outputs
 from rsegen.gui.widgets.command_menus import Command, CommandMenus
-from rsegen.gui.widgets.field_view import FieldView
+from rsegen.gui.widgets.map_views import MapViews
 from rsegen.gui.widgets.simulator_actions import SimulatorActions
 from rsegen.gui.widgets.start_form import StartForm
+from rsegen.gui.widgets.view_camera import Side
 
 _Standard = QKeySequence.StandardKey
+_CLOSER = 1.25
 
 
 def fill_file_menu(menus: CommandMenus, menu: QMenu, files: Files, close: Callable[[], object]) -> None:
@@ -59,12 +61,19 @@ def fill_edit_menu(
     )
 
 
-def fill_view_menu(menus: CommandMenus, menu: QMenu, view: FieldView, outputs: Outputs) -> None:
-    """View: the camera, and a picture of what it sees."""
+def fill_view_menu(menus: CommandMenus, menu: QMenu, views: MapViews, outputs: Outputs) -> None:
+    """View: the camera, and pictures of what is seen."""
+    view = views.view
     menus.add(
         menu,
-        Command("&Whole map", view.reset_camera, "Ctrl+0"),
+        Command("&Whole map", views.fit, "Ctrl+0"),
+        Command("Zoom the plan &in", lambda: views.plan.zoom(_CLOSER), _Standard.ZoomIn),
+        Command("Zoom the plan &out", lambda: views.plan.zoom(1 / _CLOSER), _Standard.ZoomOut),
+        Command("In &perspective", lambda: view.look_from(Side.PERSPECTIVE), "Ctrl+1"),
+        Command("From &above", lambda: view.look_from(Side.TOP), "Ctrl+2"),
+        Command("From the &south", lambda: view.look_from(Side.SOUTH), "Ctrl+3"),
         Command("Save &picture...", lambda: outputs.save_picture(view)),
+        Command("Save p&lan...", lambda: outputs.save_plan(views.plan)),
     )
 
 

@@ -11,8 +11,10 @@ from rsegen.errors import RsegenError
 from rsegen.gui.dialogs.as_code import CodeDialog
 from rsegen.gui.dialogs.build_sheet import SheetDialog
 from rsegen.gui.dialogs.export import ExportDialog
+from rsegen.gui.dialogs.picture_size import PictureSizeDialog
 from rsegen.gui.model.document import Document
 from rsegen.gui.widgets.field_view import FieldView
+from rsegen.gui.widgets.plan_view import PlanView
 from rsegen.gui.widgets.start_form import StartForm
 from rsegen.gui.workers.spawn_job import SpawnJob
 
@@ -65,11 +67,28 @@ class Outputs:
         self.spawn_job.spawn(self._document.session.recipe, self._index())
 
     def save_picture(self, view: FieldView) -> None:
-        """Ask for a file, and save a picture of the view."""
-        name, _ = QFileDialog.getSaveFileName(self._parent, "Save the picture", "field.png", "Pictures (*.png)")
+        """Ask for a size and a file, and save a picture of the view."""
+        dialog = PictureSizeDialog(view.pixels, self._parent)
+        dialog.accepted.connect(
+            lambda: self._save(
+                "Save the picture",
+                "field.png",
+                "PNG (*.png);;JPEG (*.jpg)",
+                lambda path: view.save_picture(path, dialog.size_in_pixels),
+            )
+        )
+        dialog.open()
+
+    def save_plan(self, plan: PlanView) -> None:
+        """Ask for a file, and save the plan."""
+        self._save("Save the plan", "plan.svg", "SVG (*.svg);;PDF (*.pdf);;PNG (*.png)", plan.save)
+
+    def _save(self, title: str, default: str, formats: str, save: Callable[[Path], object]) -> None:
+        """Ask for a file, and save something in it."""
+        name, _ = QFileDialog.getSaveFileName(self._parent, title, default, formats)
         try:
             if name:
-                view.save_picture(Path(name))
+                save(Path(name))
         except RsegenError as error:
             QMessageBox.warning(self._parent, "rsegen", str(error))
 

@@ -14,13 +14,16 @@ from rsegen.gui.model.ends import fixed
 from rsegen.gui.model.map_numbers import Costs
 from rsegen.gui.model.preview import Preview
 from rsegen.gui.model.session import Entry, Session
+from rsegen.gui.model.simulation import robot_shape
 from rsegen.gui.outputs import Outputs
 from rsegen.gui.widgets.command_menus import Command, CommandMenus
 from rsegen.gui.widgets.map_status import MapStatusBar
 from rsegen.gui.widgets.map_views import MapViews
 from rsegen.gui.widgets.recipe_forms import RecipeForms
 from rsegen.gui.widgets.simulator_actions import SimulatorActions
+from rsegen.gui.widgets.view_camera import Side
 from rsegen.gui.workers.previewer import Previewer
+from rsegen.params.places import Cell
 
 PAUSE = 25
 """Milliseconds without a change after which the preview is computed."""
@@ -103,6 +106,11 @@ class Window(QMainWindow):
         plan.drawn.connect(lambda x1, y1, x2, y2: document.draw(self.forms.obstacle.entry(), (x1, y1), (x2, y2)))
         plan.painted.connect(document.paint)
         plan.hovered.connect(self.status.cell.setText)
+        self.views.view.clicked.connect(self._select_at)
+
+    def _select_at(self, cell: Cell | None) -> None:
+        if self.previewer.scene:
+            self.document.select_at(cell, self.previewer.scene.field)
 
     def _connect_workers(self) -> None:
         self._pause.timeout.connect(self._preview)
@@ -110,7 +118,7 @@ class Window(QMainWindow):
         self.previewer.counted.connect(self._show_costs)
         self.previewer.failed.connect(self.forms.show_failure)
         self.status.index_changed.connect(self._pause.start)
-        self.status.robot_changed.connect(self._count)
+        self.status.robot_changed.connect(self._show_robot)
         self.simulators.requested.connect(
             lambda name: self.simulators.open(name, self.session.recipe, self.status.shown_index())
         )
@@ -121,7 +129,7 @@ class Window(QMainWindow):
         self._menus, bar, views = CommandMenus(self, self.finish_typing), self.menuBar(), self.views
         fill_file_menu(self._menus, bar.addMenu("&File"), self.files, self.close)
         fill_edit_menu(self._menus, bar.addMenu("&Edit"), self.document, self.add_obstacle, views.brushes.paint.toggle)
-        fill_view_menu(self._menus, bar.addMenu("&View"), views.view, self.outputs)
+        fill_view_menu(self._menus, bar.addMenu("&View"), views, self.outputs)
         fill_run_menu(self._menus, bar.addMenu("&Run"), self.outputs, self.forms.start_form, self.simulators)
         self._menus.add(bar.addMenu("&Help"), Command("&Manual", lambda: show_manual(self), "F1"))
 
@@ -130,7 +138,7 @@ class Window(QMainWindow):
         self.forms.basic.keep.setChecked(self.session.seed_kept)
         self._show_document()
         self._preview()
-        self.views.view.reset_camera()
+        self.views.view.look_from(Side.PERSPECTIVE)
 
     def _show_document(self) -> None:
         """Show the document; its preview follows when nothing has changed for a moment."""
@@ -156,10 +164,16 @@ class Window(QMainWindow):
 
     def _count(self) -> None:
         self.status.crossing.setText("")
+        self.views.plan.show_reach(None)
         self.previewer.count(self.status.robot_name)
+
+    def _show_robot(self) -> None:
+        self.views.view.show_robot(robot_shape(name) if (name := self.status.robot_name) else None)
+        self._count()
 
     def _show_costs(self, costs: Costs) -> None:
         self.status.show_costs(costs)
+        self.views.plan.show_reach(costs.reach)
         self.forms.show_warnings(costs.warnings)
 
     def _fixed(self, entry: Entry) -> Entry:

@@ -14,7 +14,7 @@ from rsegen.geometry import NORMALS, surface
 from rsegen.gui.model.axes import round_numbers, tick_marks
 from rsegen.gui.model.camera import SOUTH_EAST, VIEW_ANGLE, viewpoint
 from rsegen.gui.model.colours import GROUND, bright, cells, legend, palette
-from rsegen.gui.model.solid import block_edges, box_edges, solid
+from rsegen.gui.model.solid import block_edges, box_edges, lit
 
 BOUNDS = (-2.0, 2.0, -1.0, 1.0, 0.0, 0.4)
 
@@ -25,14 +25,14 @@ def scene(boundary: str = "divided", max_height: int = 5) -> Scene:
 
 
 def test_tops_have_the_colours_of_the_legend() -> None:
-    made = solid(scene())
+    made = lit(scene()).blocks
     tops = surface(scene().field).normals == [*map(tuple, NORMALS)].index((0, 0, 1))
     assert {tuple(colour) for colour in made.colours[tops].tolist()} == {colour for colour, _ in legend(scene())}
 
 
 def test_a_flat_map_has_no_faces_and_can_be_outlined() -> None:
     flat = compose(Recipe(seed=1, boundary="none"))
-    assert len(solid(flat).faces) == 0
+    assert len(lit(flat).blocks.faces) == 0
     assert len(block_edges(flat.field).pairs) == 4 * 100
 
 

@@ -27,10 +27,13 @@ _KEYS = (
     *(Qt.Key.Key_Return, Qt.Key.Key_Escape, Qt.Key.Key_Space, Qt.Key.Key_Delete, Qt.Key.Key_Backspace, Qt.Key.Key_Home),
     *(Qt.Key.Key_End, Qt.Key.Key_PageUp, Qt.Key.Key_PageDown, Qt.Key.Key_F2, Qt.Key.Key_Plus, Qt.Key.Key_Minus),
     *(Qt.Key.Key_0, Qt.Key.Key_1, Qt.Key.Key_3, Qt.Key.Key_9, Qt.Key.Key_A, Qt.Key.Key_P, Qt.Key.Key_Period),
+    *(Qt.Key.Key_B, Qt.Key.Key_R, Qt.Key.Key_F, Qt.Key.Key_I, Qt.Key.Key_2),
 )
 _MODIFIERS = (*[Qt.KeyboardModifier.NoModifier] * 6, Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.AltModifier)
 _CONTROL = Qt.KeyboardModifier.ControlModifier
 _LEFT = Qt.MouseButton.LeftButton
+_TOOLS = ("paint", "paint_box", "paint_fill", "paint_pick")
+_PRESSED = ("add", "add", "add", "remove", "clear", "reroll", *_TOOLS, "keep_seed", "default_ends")
 _BUTTONS = (*[_LEFT] * 8, Qt.MouseButton.RightButton, Qt.MouseButton.MiddleButton)
 _ENDS = (Qt.Key.Key_Return, Qt.Key.Key_Return, Qt.Key.Key_Tab, Qt.Key.Key_Escape, None, None)
 _TYPED = 20
@@ -47,7 +50,7 @@ def click(window: Window, random: Random) -> str:
 
 def press_button(window: Window, random: Random) -> str:
     """Click + (three times of four), -, C, Re-roll or Paint in their middle."""
-    name = random.choice(["add", "add", "add", "remove", "clear", "reroll", "paint", "keep_seed", "default_ends"])
+    name = random.choice(_PRESSED)
     for widget in window.findChildren(QWidget, name):
         if widget in targets(window):
             QTest.mouseClick(widget, _LEFT, pos=QPoint(8, widget.height() // 2))

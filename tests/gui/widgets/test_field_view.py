@@ -58,7 +58,7 @@ def share(folder: Path, name: str, colour: tuple[float, float, float]) -> float:
 
 def test_a_view_shows_frame_and_levels(found: Found, folder: Path) -> None:
     for colour in (FRAME_COLOUR, *(level_colour(level, 4) for level in range(1, 5))):
-        assert share(folder, "plain", colour) > 0.001
+        assert share(folder, "plain", colour) > 0.0002
 
 
 def test_a_map_without_frames_is_shown_without_frames(found: Found, folder: Path) -> None:
@@ -77,10 +77,42 @@ def test_a_flat_map_is_ground_alone(found: Found, folder: Path) -> None:
     assert share(folder, "flat", BOX) == 0
 
 
-def test_the_background_is_the_palettes(found: Found, folder: Path) -> None:
-    dark = (20 / 255,) * 3
-    assert share(folder, "dark", dark) > 0.1
-    assert share(folder, "plain", dark) < 0.01
+def corner(folder: Path, name: str, row: int) -> float:
+    """How bright the background is at the left of a row of pixels, 0..1."""
+    with Image.open(folder / f"{name}.png") as image:
+        return float(np.asarray(image.convert("L"))[row, 10:40].mean() / 255)
+
+
+def test_the_background_follows_the_palette_and_is_no_void(found: Found, folder: Path) -> None:
+    assert corner(folder, "plain", 10) > 0.75
+    assert 0.07 < corner(folder, "dark", 10) < 0.25
+    for name in ("plain", "dark"):
+        assert abs(corner(folder, name, 10) - corner(folder, name, -100)) > 0.02
+
+
+def test_the_legend_and_the_scale_bar_are_in_the_view(found: Found, folder: Path) -> None:
+    for name, ink in (("plain", 0), ("dark", 230)):
+        with Image.open(folder / f"{name}.png") as image:
+            pixels = np.asarray(image.convert("RGB"))
+        legend = pixels[:140, -120:].reshape(-1, 3) / 255
+        for colour in (FRAME_COLOUR, *(level_colour(level, 4) for level in range(1, 5))):
+            assert (np.abs(legend - colour).max(axis=1) < 0.02).sum() > 60
+        bar = pixels[-50:-4, 5:200].astype(int)
+        longest = max(int((np.abs(row - ink).max(axis=1) < 30).sum()) for row in bar)
+        assert 50 < longest < 145
+
+
+def test_keys_look_from_the_sides_at_one_scale_and_a_turn_brings_the_perspective_back(found: Found) -> None:
+    perspective, above, south, turned, again, nearer, after_drag = found["sides"]
+    assert perspective[2] > 0.5
+    assert perspective[3] == 0
+    assert above == again == nearer == [0, 0, 1, 1]
+    assert south == [0, -1, 0, 1]
+    assert turned[3] == 0
+    assert after_drag == [0, 0, 0, 1]
+    scales = found["metres per pixel"]
+    assert scales[1] == pytest.approx(scales[4])
+    assert scales[5] == pytest.approx(scales[4] / 1.2)
 
 
 def test_a_large_map_is_shown_coarser_but_whole(found: Found, folder: Path) -> None:
@@ -100,6 +132,24 @@ def test_keys_turn_the_map_and_come_nearer_and_up_stays_up(found: Found) -> None
     assert keys["minus"] == pytest.approx([round_ + 10, up + 10, away])
     assert keys["down"] == pytest.approx(keys[""])
     assert keys["top"] == [0, 0, 1]
+
+
+def test_a_click_tells_the_cell_and_a_drag_none(found: Found) -> None:
+    assert found["clicks"] == [[20, 19], None]
+
+
+def test_a_robot_stands_next_to_the_map_as_long_as_it_is_chosen(found: Found, folder: Path) -> None:
+    names = ("robot", "no-robot", "before-robot")
+    robot, without, before = (np.asarray(Image.open(folder / f"{name}.png")) for name in names)
+    assert (robot != without).any(axis=2).mean() > 0.003
+    assert (without != before).any(axis=2).mean() < 0.001
+
+
+def test_a_picture_of_twice_the_size_shows_the_same_twice_as_large(found: Found, folder: Path) -> None:
+    with Image.open(folder / "wide.png") as wide, Image.open(folder / "dark.png") as dark:
+        assert wide.size == tuple(2 * side for side in found["picture"])
+        small = np.asarray(wide.convert("RGB").resize(dark.size)).astype(float)
+        assert np.abs(small - np.asarray(dark.convert("RGB")))[10:-10, 10:-10].mean() < 6
 
 
 def test_the_camera_stays_until_it_is_reset(found: Found) -> None:

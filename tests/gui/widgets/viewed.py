@@ -15,7 +15,10 @@ from PySide6.QtWidgets import QApplication
 
 from rsegen import Placement, Random, Recipe, compose
 from rsegen.errors import FileError
-from rsegen.gui.widgets.field_view import FieldView, unavailable
+from rsegen.gui.model.simulation import robot_shape
+from rsegen.gui.widgets.field_view import FieldView
+from rsegen.gui.widgets.opengl import unavailable
+from rsegen.gui.widgets.view_camera import Side
 
 RECIPE = Recipe(seed=1, chunk_size=6, obstacles=[Placement(obstacle=Random(max_height=5))])
 LARGE = replace(RECIPE, chunk_size=40, boundary="none")
@@ -51,13 +54,20 @@ def looked(app: QApplication, view: FieldView, folder: Path) -> dict[str, object
     before, focus = camera.position, camera.focal_point
     dragged(view)
     turned = camera.position != before and camera.focal_point == focus and tuple(camera.up) == (0.0, 0.0, 1.0)
-    found_by_keys = keyed(view)
+    view.save_picture(folder / "before-robot.png")
+    view.show_robot(robot_shape("jackal"))
+    view.save_picture(folder / "robot.png")
+    view.show_robot(None)
+    view.save_picture(folder / "no-robot.png")
+    clicks = clicked(view)
+    found_by_keys, (sides, scales) = keyed(view), seen_from_sides(view, folder)
     camera.position = (9.0, 9.0, 9.0)
     view.show(compose(replace(LARGE, seed=9)))
     kept = tuple(camera.position) == (9.0, 9.0, 9.0)
-    view.reset_camera()
+    view.look_from(Side.PERSPECTIVE)
     dark = QPalette()
     dark.setColor(QPalette.ColorRole.Base, QColor(20, 20, 20))
+    dark.setColor(QPalette.ColorRole.Text, QColor(230, 230, 230))
     app.setPalette(dark)
     app.processEvents()
     view.show(compose(RECIPE))
@@ -66,6 +76,10 @@ def looked(app: QApplication, view: FieldView, folder: Path) -> dict[str, object
         "turned": turned,
         "keys": found_by_keys,
         "camera kept": kept,
+        "clicks": clicks,
+        "sides": sides,
+        "metres per pixel": scales,
+        "picture": saved(view, folder / "wide.png"),
         "camera reset": tuple(camera.position) != (9.0, 9.0, 9.0),
         "refused": refused(view, folder / "nowhere" / "x.png"),
     }
@@ -81,11 +95,31 @@ def dragged(view: FieldView) -> None:
     QTest.mouseRelease(plotter, left, pos=QPoint(240, 210))
 
 
+def clicked(view: FieldView) -> list[object]:
+    """The cells of clicks in the middle from above and beside the map; a drag and the right button give none."""
+    cells: list[object] = []
+    view.clicked.connect(cells.append)
+    view.look_from(Side.TOP)
+    view._plotter.render_window.Render()
+    middle = view._plotter.rect().center()
+    for point in (middle + QPoint(3, 3), QPoint(5, 5)):
+        QTest.mouseClick(view._plotter, Qt.MouseButton.LeftButton, pos=point)
+    QTest.mouseClick(view._plotter, Qt.MouseButton.RightButton, pos=middle)
+    dragged(view)
+    return cells
+
+
+def saved(view: FieldView, path: Path) -> tuple[float, float]:
+    """How long a pixel of the view is, and one of a picture that is twice as large; the picture is kept."""
+    view.save_picture(path, view.pixels * 2)
+    return view.width() * view.devicePixelRatioF(), view.height() * view.devicePixelRatioF()
+
+
 def keyed(view: FieldView) -> dict[str, list[float]]:
     """Where the camera stands after each key: degrees round, degrees up, metres away."""
     keys = {"": 0, "left": Qt.Key.Key_Left, "up": Qt.Key.Key_Up, "plus": Qt.Key.Key_Plus, "minus": Qt.Key.Key_Minus}
     keys |= {"right": Qt.Key.Key_Right, "down": Qt.Key.Key_Down}
-    view.reset_camera()
+    view.look_from(Side.PERSPECTIVE)
     found = {}
     for name, key in keys.items():
         if key:
@@ -98,6 +132,23 @@ def keyed(view: FieldView) -> dict[str, list[float]]:
     found["top"] = [float(value) for value in view._plotter.camera.up]
     QTest.keyClick(view, Qt.Key.Key_0)
     return found
+
+
+def seen_from_sides(view: FieldView, folder: Path) -> tuple[list[list[float]], list[float]]:
+    """The direction to the camera, and how long a pixel is, after the key of each side, and of 2 after a turn."""
+    directions, scales = [], list[float]()
+    view.setFocus()
+    for key in (Qt.Key.Key_1, Qt.Key.Key_2, Qt.Key.Key_3, Qt.Key.Key_Left, Qt.Key.Key_2, Qt.Key.Key_Plus):
+        QTest.keyClick(view, key)
+        camera = view._plotter.camera
+        away = np.subtract(camera.position, camera.focal_point)
+        directions.append([*np.round(away / np.linalg.norm(away), 6).tolist(), camera.GetParallelProjection()])
+        view.save_picture(folder / f"side-{len(scales)}.png")
+        assert view._actors
+        scales.append(view._actors.camera.metres_per_pixel())
+    dragged(view)
+    directions.append([view._plotter.camera.GetParallelProjection(), *view._plotter.camera.up])
+    return directions, scales
 
 
 def refused(view: FieldView, path: Path) -> str:

@@ -33,8 +33,9 @@ While <b>Keep</b> is ticked, Start writes what is shown; otherwise every Start d
 <li><b>Start</b> writes the maps as worlds for Gazebo into the folder above it.</li>
 </ol>
 <p>In the view the left button turns, the middle button (or shift) pans, the wheel zooms; arrow keys, + and - do the
-same; Ctrl+0 shows the whole map. The status bar shows the blocks of each level, size, largest step, and what the
-map costs.</p>
+same; a click chooses an obstacle. Ctrl+1, Ctrl+2 and Ctrl+3 look in perspective, from above and from the south. On the
+plan the wheel zooms, the middle button (or Space and the left one) pans. Ctrl+0 shows the whole map. The status bar
+shows the blocks of each level, size, largest step, and what the map costs.</p>
 <p><b>Export</b> writes the maps in formats of other programs. <b>Run, Build sheet</b> writes a build sheet (PDF, CSV)
 for building the map in wood; while <b>Build sheets</b> is ticked, Start adds one to every map. <b>File, Open a map of a
 data set</b> opens one of its maps.</p>

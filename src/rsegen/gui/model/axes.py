@@ -8,10 +8,8 @@ import numpy as np
 
 from rsegen.exporters.numbers import decimal
 from rsegen.field.stepfield import Array
+from rsegen.gui.model.bounds import Bounds
 from rsegen.gui.model.solid import Lines
-
-Bounds = tuple[float, float, float, float, float, float]
-"""Smallest and largest x, y and z, metres."""
 
 _MARKS = 6
 _BASES = (1, 2, 5)

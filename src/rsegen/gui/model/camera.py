@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 
 from rsegen.field.stepfield import Array
-from rsegen.gui.model.axes import Bounds
+from rsegen.gui.model.bounds import Bounds
 
 SOUTH_EAST: Array = np.array([0.45, -0.85, 0.75])
 """The default direction from the map to the camera."""

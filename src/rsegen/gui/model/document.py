@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from rsegen.field.stepfield import StepField
 from rsegen.gui.model.ends import aligned, other_end
-from rsegen.gui.model.handles import Handle, handles_of
+from rsegen.gui.model.handles import Handle, cells_between, handles_of
 from rsegen.gui.model.painting import UNPAINTED, can_paint, painted
+from rsegen.gui.model.picking import is_inside
 from rsegen.gui.model.session import Entry, Session
 from rsegen.params.places import Cell
 
@@ -53,6 +55,12 @@ class Document:
         """Select an obstacle; -1 selects none."""
         self.selected, self._proposes = row, False
         self.changed()
+
+    def select_at(self, cell: Cell | None, field: StepField) -> None:
+        """Select the last obstacle with a field cell between its ends; none if there is none, or no cell."""
+        handles = self.handles(field.blocks.shape) if cell else []
+        found = [each.row for each in handles if cell and is_inside(cell, cells_between(each, field))]
+        self.select(found[-1] if found else -1)
 
     # Changes of the list.
 

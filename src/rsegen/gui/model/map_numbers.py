@@ -10,7 +10,8 @@ from rsegen.exporters.map_summary import map_summary, warnings
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import StepField
 from rsegen.gui.model.colours import GROUND, Rgb, centimetres, rgb
-from rsegen.gui.model.simulation import crossing
+from rsegen.gui.model.reach import Reach
+from rsegen.gui.model.simulation import reach
 
 COUNTED = 100_000
 """Files are counted for maps of up to this many cells."""
@@ -25,11 +26,11 @@ class Share(NamedTuple):
 
 
 class Costs(NamedTuple):
-    """What a map costs in a few words, warnings about it, and whether a robot can cross it."""
+    """What a map costs in a few words, warnings about it, and what a robot can do on it."""
 
     text: str
     warnings: tuple[str, ...]
-    crossing: str = ""
+    reach: Reach | None = None
 
 
 def size_text(scene: Scene) -> str:
@@ -48,7 +49,7 @@ def shares(scene: Scene) -> list[Share]:
 
 
 def costs(scene: Scene, robot: str = "") -> Costs:
-    """Warnings about a map, and unless it is too large: its models, faces and bytes, and whether a robot can cross it.
+    """Warnings about a map, and unless it is too large: its models, faces and bytes, and what a robot can do on it.
 
     A map without obstacles gets no warning that it is empty.
     """
@@ -59,7 +60,7 @@ def costs(scene: Scene, robot: str = "") -> Costs:
     found = map_summary(scene)
     models = f"{found.models:,} model{'s'[: found.models != 1]}"
     text = f"{models}, {found.faces:,} faces, {_size(found.bytes)}"
-    return Costs(text, found_warnings, crossing(scene.field, robot) if robot else "")
+    return Costs(text, found_warnings, reach(scene.field, robot, scene.recipe.seed) if robot else None)
 
 
 def largest_step(field: StepField) -> float:

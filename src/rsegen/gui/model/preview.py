@@ -12,7 +12,7 @@ from rsegen.gui.model.colours import Rgb, legend
 from rsegen.gui.model.ghost import Ghost, ghost_of
 from rsegen.gui.model.map_numbers import Share, shares, size_text
 from rsegen.gui.model.session import Entry
-from rsegen.gui.model.solid import Solid, solid
+from rsegen.gui.model.solid import Lit, Solid, lit, solid
 from rsegen.io.resources import refuse_too_large
 from rsegen.recipe.recipe import Recipe
 
@@ -29,7 +29,7 @@ BYTES_PER_CELL = 24
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Preview:
-    """A scene and what is shown of it: a solid of which each column is `factor` x `factor` cells, a legend, numbers.
+    """A scene and what is shown of it: a surface, each column `factor` x `factor` cells, a legend, numbers.
 
     ghost: the obstacle in the form that is not yet in the list, if there is one, and its solid.
     """
@@ -37,7 +37,7 @@ class Preview:
     scene: Scene
     factor: int
     coarse: Scene
-    solid: Solid
+    lit: Lit
     legend: Sequence[tuple[Rgb, str]]
     shares: Sequence[Share]
     numbers: str
@@ -69,7 +69,7 @@ def preview_of(scene: Scene, proposed: Entry | None = None) -> Preview:
         scene=scene,
         factor=factor,
         coarse=seen,
-        solid=solid(seen),
+        lit=lit(seen),
         legend=legend(scene),
         shares=shares(scene),
         numbers=size_text(scene),

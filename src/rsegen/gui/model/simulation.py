@@ -6,11 +6,25 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from rsegen.field.metrics.traversability import traversability
-from rsegen.field.stepfield import StepField
+import numpy as np
+
+from rsegen.errors import ParameterError
+from rsegen.field.metrics.traversability import Traversability, traversability
+from rsegen.field.spots import Footprint, Spot
+from rsegen.field.stepfield import Array, StepField
+from rsegen.gui.model.reach import Reach, Way
+from rsegen.gui.model.robot_shape import RobotPart, RobotShape
 from rsegen.io.worlds import generate
 from rsegen.recipe.recipe import Recipe
+from rsegen.simulation.driving.footprints import footprint_of
+from rsegen.simulation.driving.robot_runs import spot_generator
+from rsegen.simulation.driving.start_poses import spots_on_map
+from rsegen.simulation.driving.way import planned_way
 from rsegen.simulation.robots import ROBOTS
+from rsegen.simulation.robots.base import Robot
+from rsegen.simulation.robots.links import PoseTuple
+from rsegen.simulation.robots.rotation import rotation
+from rsegen.simulation.robots.solids import Box, Cylinder, Solid
 from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest
 from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import Pose
@@ -22,11 +36,12 @@ __all__ = [
     "Installed",
     "LaunchCommand",
     "SpawnedMap",
-    "crossing",
     "how_to_install",
     "installed",
     "launch_of",
+    "reach",
     "robot_names",
+    "robot_shape",
     "simulator_titles",
     "spawn",
     "why_it_cannot_open",
@@ -43,14 +58,60 @@ def robot_names() -> list[str]:
     return list(ROBOTS)
 
 
-def crossing(field: StepField, robot: str) -> str:
-    """Whether a robot of some kind can cross a field, by the step that it climbs and its width; if not, how much of
-    the field it reaches.
-    """
-    found = traversability(field, ROBOTS[robot].limits)
-    ways = {"west to east": found.west_east, "south to north": found.south_north}
-    across = [name for name, way in ways.items() if way.crosses]
-    return f"crosses {' and '.join(across)}" if across else f"does not cross; reaches {found.cover:.0%} of the map"
+def robot_shape(name: str) -> RobotShape:
+    """The shape of a robot, its joints at rest."""
+    robot = ROBOTS[name]
+    parts = (
+        RobotPart(_sizes(part.solid), _transform(link.pose) @ _transform(part.pose), part.colour)
+        for link in robot.links
+        for part in link.parts
+    )
+    return RobotShape(tuple(parts), robot.size)
+
+
+def _sizes(solid: Solid) -> tuple[float, ...]:
+    if isinstance(solid, Box):
+        return tuple(solid.size)
+    return (solid.radius, solid.length) if isinstance(solid, Cylinder) else (solid.radius,)
+
+
+def _transform(pose: PoseTuple) -> Array:
+    found = np.eye(4)
+    found[:3, :3], found[:3, 3] = rotation(*pose[3:]), pose[:3]
+    return found
+
+
+def reach(field: StepField, name: str, seed: int) -> Reach:
+    """What a robot can do on a field, by the step that it mostly crosses and its width; its spots are a seed's."""
+    robot = ROBOTS[name]
+    found, footprint = traversability(field, robot.limits), footprint_of(robot)
+    crossings = {"west to east": found.west_east, "south to north": found.south_north}
+    across = [way for way, crossing in crossings.items() if crossing.crosses]
+    return Reach(
+        text=f"crosses {' and '.join(across)}" if across else f"does not cross; reaches {found.cover:.0%} of the map",
+        region=found.region,
+        ways=_ways(field, robot, found),
+        spots=_spots(field, footprint, seed),
+        outline=footprint.outline,
+    )
+
+
+def _ways(field: StepField, robot: Robot, found: Traversability) -> tuple[Way, ...]:
+    """The ways across; if there is none, the one that `drive --route way` tries."""
+    half = np.array(field.extent) / 2
+    ways = tuple(
+        Way((crossing.path + 0.5) * field.block_width - half, is_eastward)
+        for crossing, is_eastward in ((found.west_east, True), (found.south_north, False))
+        if crossing.crosses
+    )
+    return ways or (Way(planned_way(field, robot.size[1], robot.limits).points, is_eastward=True, is_too_steep=True),)
+
+
+def _spots(field: StepField, footprint: Footprint, seed: int) -> tuple[Spot, ...]:
+    try:
+        return spots_on_map(field, footprint, 2, spot_generator(seed))
+    except ParameterError:  # there are none
+        return ()
 
 
 def simulator_titles() -> dict[str, str]:

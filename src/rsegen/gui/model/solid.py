@@ -10,20 +10,34 @@ from numpy.typing import NDArray
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, CellWindow, StepField
 from rsegen.geometry import surface
-from rsegen.gui.model.colours import Bytes, palette
+from rsegen.gui.model.bounds import border
+from rsegen.gui.model.colours import GROUND, Bytes, palette
+from rsegen.gui.model.shading import Floats, Shading, foot, shading
 
-_LIT = np.array([0.80, 0.70, 0.55, 0.62, 1.0, 0.5])
+_LIT = np.array([0.88, 0.68, 0.80, 0.66, 1.0, 0.5])
 """How bright faces are, by the row of NORMALS that they look along; tops have the colour of the legend itself."""
+
+_WALL_TEXELS, _WALL_BLOCKS = 32, 1.5
+"""The strip of the light map for walls: its texels, from the foot of a wall up to this many widths of a block."""
 
 _RING = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
 
 
 class Solid(NamedTuple):
-    """points: (n, 3) metres; faces: (m, 4) numbers of points; colours: (m, 3)."""
+    """points: (n, 3) metres; faces: (m, 4) numbers of points; colours: (m, 3); places: (n, 2) 0..1, in a light map."""
 
-    points: Array
+    points: Floats
     faces: NDArray[np.int32]
     colours: Bytes
+    places: Floats
+
+
+class Lit(NamedTuple):
+    """The blocks and frames of a scene and the ground under them; light: (n, m), x along the first axis, of both."""
+
+    blocks: Solid
+    ground: Solid
+    light: Floats
 
 
 class Lines(NamedTuple):
@@ -33,11 +47,54 @@ class Lines(NamedTuple):
     pairs: NDArray[np.int64]
 
 
+def lit(scene: Scene) -> Lit:
+    """The merged surface of a scene's blocks and frames, empty for a flat scene, and the ground around them."""
+    found = shading(scene.field, border(scene.field))
+    strip = foot(np.linspace(0, _WALL_BLOCKS, _WALL_TEXELS)).astype(np.float32)
+    light = np.hstack([found.light, np.broadcast_to(strip, (len(found.light), _WALL_TEXELS))])
+    share = found.light.shape[1] / light.shape[1]
+    blocks = _placed(solid(scene), found, share, scene.field.block_width)
+    return Lit(blocks, _ground(scene.field, found, share), light)
+
+
 def solid(scene: Scene) -> Solid:
-    """The merged surface of a scene's blocks and frames; empty for a flat scene."""
+    """The merged surface of a scene's blocks and frames, each face with points of its own; without a light map."""
     mesh = surface(scene.field)
     shades = palette(scene)[mesh.materials] * _LIT[mesh.normals][:, None]
-    return Solid(mesh.vertices, mesh.faces, np.round(shades).astype(np.uint8))
+    points = mesh.vertices.astype(np.float32)[mesh.faces].reshape(-1, 3)
+    faces = np.arange(len(points), dtype=np.int32).reshape(-1, 4)
+    return Solid(points, faces, np.round(shades).astype(np.uint8), np.zeros_like(points[:, :2]))
+
+
+def _placed(made: Solid, found: Shading, share: float, block_width: float) -> Solid:
+    """A solid with the places of its points in a light map, of which a share is for tops."""
+    points = made.points.reshape(-1, 4, 3)
+    places = _on_light_map(points[..., :2], found, share)
+    walls = np.ptp(points[..., 2], axis=1) > 0
+    places[walls, :, 1] = _up_walls(points[walls, :, 2] / np.float32(block_width), share)
+    return made._replace(places=places.reshape(-1, 2))
+
+
+def _ground(field: StepField, found: Shading, share: float) -> Solid:
+    """A plate just below the map, a little larger than it."""
+    (west, south), (east, north) = found.low, found.high
+    depth = border(field) / 100
+    corners = [(west, south, -depth), (east, south, -depth), (east, north, -depth), (west, north, -depth)]
+    points = np.array(corners, dtype=np.float32)
+    faces = np.arange(4, dtype=np.int32)[None]
+    return Solid(points, faces, np.array([GROUND], dtype=np.uint8), _on_light_map(points[:, :2], found, share))
+
+
+def _on_light_map(points: Floats, found: Shading, share: float) -> Floats:
+    low, high = np.array([found.low, found.high], dtype=np.float32)
+    return np.asarray((points - low) / (high - low) * np.array([1, share], dtype=np.float32))
+
+
+def _up_walls(heights: Floats, share: float) -> Floats:
+    """Where the corners of walls (m, 4) of some heights, in widths of a block, are along the strip for walls."""
+    above = np.minimum((heights - heights.min(axis=1, keepdims=True)) / _WALL_BLOCKS, 1)
+    texel = (1 - share) / _WALL_TEXELS
+    return np.asarray(share + texel / 2 + above * (1 - share - texel), dtype=np.float32)
 
 
 def block_edges(field: StepField) -> Lines:

@@ -4,34 +4,40 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtCore import QEvent, QObject, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QCloseEvent,
-    QColor,
     QFocusEvent,
     QGuiApplication,
+    QImage,
     QKeyEvent,
-    QOffscreenSurface,
-    QOpenGLContext,
+    QMouseEvent,
     QPainter,
     QPaintEvent,
     QPalette,
     QPen,
 )
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QHBoxLayout, QLabel, QWidget
 
 from rsegen.errors import FileError
 from rsegen.exporters.scene import Scene
-from rsegen.field.coarse import coarse_window
 from rsegen.field.stepfield import CellWindow
+from rsegen.gui.model.picking import cell_hit
 from rsegen.gui.model.preview import Preview, preview_of
-from rsegen.gui.widgets.legend import Legend
-from rsegen.gui.widgets.scene_actors import Plotter, SceneActors
+from rsegen.gui.model.robot_shape import RobotShape
+from rsegen.gui.widgets.meshes import Plotter
+from rsegen.gui.widgets.opengl import unavailable
+from rsegen.gui.widgets.scene_actors import SceneActors
+from rsegen.gui.widgets.view_camera import Side, ViewCamera
+from rsegen.gui.widgets.view_overlay import ViewOverlay
+from rsegen.gui.widgets.view_picture import Shown, set_colours, view_picture
+from rsegen.params.places import Cell
 
-_WITHOUT_GL = ("offscreen", "minimal", "linuxfb", "vnc")
-_OPENGL = (3, 2)
 _FRAME = 2
-_KEYS = "Arrow keys turn the map, + and - zoom, 0 shows the whole map."
+_KEYS = (
+    "Arrow keys turn the map, + and - zoom, 0 shows the whole map; 1 in perspective, 2 from above, 3 from the south. "
+    "A click chooses an obstacle."
+)
 _TURNS: dict[int, tuple[float, float]] = {
     Qt.Key.Key_Left: (10.0, 0.0),
     Qt.Key.Key_Right: (-10.0, 0.0),
@@ -40,22 +46,16 @@ _TURNS: dict[int, tuple[float, float]] = {
 }
 """Degrees; the map turns in the direction of the arrow."""
 _ZOOMS: dict[int, float] = {Qt.Key.Key_Plus: 1.2, Qt.Key.Key_Equal: 1.2, Qt.Key.Key_Minus: 1 / 1.2}
-
-
-def unavailable() -> str:
-    """Why this display cannot show a 3D view; empty if it can."""
-    platform = QGuiApplication.platformName()
-    if platform in _WITHOUT_GL:
-        return f"The 3D view needs a display: Qt's platform '{platform}' has none."
-    try:
-        import pyvistaqt  # noqa: F401  # whether it can be
-    except ImportError as error:
-        return f"The 3D view needs pyvista and pyvistaqt: {error}."
-    return _opengl_missing()
+_SIDES: dict[int, Side] = {Qt.Key.Key_1: Side.PERSPECTIVE, Qt.Key.Key_2: Side.TOP, Qt.Key.Key_3: Side.SOUTH}
 
 
 class FieldView(QWidget):
-    """A 3D view of a scene with a legend of its heights; the mouse turns, pans and zooms it."""
+    """A 3D view of a scene with a legend of its heights; the mouse turns, pans and zooms it.
+
+    clicked: the field cell that was clicked, None outside the map.
+    """
+
+    clicked = Signal(object)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -65,11 +65,13 @@ class FieldView(QWidget):
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self._actors: SceneActors | None = None
         self._plotter: Plotter = None
-        self._legend, self._note = Legend(self), QLabel(self)
+        self._preview: Preview | None = None
+        self._highlighted: CellWindow | None = None
+        self._pressed: QPointF | None = None
+        self._overlay: ViewOverlay | None = None
         row = QHBoxLayout(self)
         row.setContentsMargins(_FRAME, _FRAME, _FRAME, _FRAME)
         row.addWidget(_unavailable_label(why) if (why := unavailable()) else self._plotter_widget(), stretch=1)
-        row.addLayout(self._legend_column())
 
     def show(self, scene: Scene | None = None, highlighted: CellWindow | None = None) -> None:
         """Show a scene, with some of its cells highlighted; without a scene, show the widget."""
@@ -80,36 +82,68 @@ class FieldView(QWidget):
 
     def show_preview(self, preview: Preview, highlighted: CellWindow | None = None) -> None:
         """Show the preview of a scene, with some of its cells highlighted; the camera stays where it is."""
-        self._legend.show_rows(preview.legend)
-        self._note.setText(f"each column the highest\nof {preview.factor} x {preview.factor} cells")
-        self._note.setVisible(preview.factor > 1)
-        if self._actors:
-            window = coarse_window(preview.scene.field, highlighted, preview.factor) if highlighted else None
-            self._actors.show(preview.coarse, preview.solid, window)
-            self._actors.show_ghost(preview.ghost_solid)
+        self.setAccessibleDescription(f"{_KEYS} Colours: {', '.join(name for _, name in preview.legend)}.")
+        self._preview, self._highlighted = preview, highlighted
+        if self._actors and self._overlay:
+            self._actors.show(preview, highlighted)
+            self._overlay.show_legend(preview)
             QWidget.update(self._plotter)
 
-    def reset_camera(self) -> None:
-        """Look at the whole map from the south-east, above."""
+    def show_robot(self, shape: RobotShape | None) -> None:
+        """Show a robot next to the map, to compare sizes; None shows none."""
         if self._actors:
-            self._actors.reset_camera()
+            self._actors.show_robot(shape)
             QWidget.update(self._plotter)
 
-    def save_picture(self, path: Path) -> None:
-        """Save the view and its legend as a picture in the format of the suffix; a FileError if that fails."""
-        if not self.grab().save(str(path)):
+    def fit(self) -> None:
+        """Look at the whole map from the present direction."""
+        if self._actors:
+            self._actors.camera.fit()
+            QWidget.update(self._plotter)
+
+    def look_from(self, side: Side) -> None:
+        """Look at the whole map from a side."""
+        if self._actors:
+            self._actors.camera.look_from(side)
+            QWidget.update(self._plotter)
+
+    def cell_at(self, point: QPointF) -> Cell | None:
+        """The field cell that is seen at a point of the view; of a map that is shown coarser, the middle of several."""
+        if not self._actors or not self._preview:
+            return None
+        ratio, factor = self.devicePixelRatioF(), self._preview.factor
+        ray = self._actors.camera.ray(point.x() * ratio, (self._plotter.height() - 1 - point.y()) * ratio)
+        cell = cell_hit(self._preview.coarse.field, *ray)
+        return (cell[0] * factor + factor // 2, cell[1] * factor + factor // 2) if cell else None
+
+    @property
+    def pixels(self) -> QSize:
+        """The size of the view in pixels of the screen."""
+        return self.size() * self.devicePixelRatioF()
+
+    def save_picture(self, path: Path, size: QSize | None = None) -> None:
+        """Save the view, in a size in pixels if one is given, as a picture in the format of the suffix.
+
+        Its texts grow with its height. A FileError if it cannot be written.
+        """
+        picture = self._drawn(size) if size else None
+        if not (picture or self.grab()).save(str(path)):
             raise FileError(f"{path}: cannot be written as a picture; give a name in an existing folder, such as x.png")
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Arrows turn, + and - zoom, 0 shows the whole map."""
+        """Arrows turn, + and - zoom, 0 shows the whole map, 1, 2 and 3 look from a side."""
         key = event.key()
-        if not self._actors or key not in {*_TURNS, *_ZOOMS, Qt.Key.Key_0}:
+        if not self._actors or key not in {*_TURNS, *_ZOOMS, *_SIDES, Qt.Key.Key_0}:
             super().keyPressEvent(event)
         elif key == Qt.Key.Key_0:
-            self.reset_camera()
+            self.fit()
+        elif key in _SIDES:
+            self.look_from(_SIDES[key])
+        elif key in _TURNS:
+            self._actors.camera.turn(*_TURNS[key])
+            QWidget.update(self._plotter)
         else:
-            self._actors.turn(*_TURNS.get(key, (0.0, 0.0)))
-            self._actors.zoom(_ZOOMS.get(key, 1.0))
+            self._actors.camera.zoom(_ZOOMS[key])
             QWidget.update(self._plotter)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
@@ -144,19 +178,25 @@ class FieldView(QWidget):
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Keep the whole map in view when the widget is resized; a click takes the keyboard focus."""
         if self._actors and event.type() == QEvent.Type.Resize:
-            self._actors.fit_to_size()
+            self._actors.camera.fit_to_size()
         if event.type() == QEvent.Type.MouseButtonPress:
             self.setFocus()
+        if isinstance(event, QMouseEvent):
+            self._watch_clicks(event)
+        if self._actors and isinstance(event, QMouseEvent) and _turns(event):
+            self._actors.camera.leave_side()
         return super().eventFilter(watched, event)
 
-    def _legend_column(self) -> QVBoxLayout:
-        """The legend, and below it a note if the map is shown coarser."""
-        column = QVBoxLayout()
-        column.addWidget(self._legend, stretch=1)
-        self._note.setMargin(8)
-        column.addWidget(self._note)
-        self._note.setVisible(False)
-        return column
+    def _watch_clicks(self, event: QMouseEvent) -> None:
+        """Emit the cell under a press of the left button that was no drag."""
+        if event.type() == QEvent.Type.MouseButtonPress:
+            self._pressed = event.position() if event.button() == Qt.MouseButton.LeftButton else None
+        elif self._pressed and event.type() == QEvent.Type.MouseMove:
+            is_far = (event.position() - self._pressed).manhattanLength() >= QApplication.startDragDistance()
+            self._pressed = None if is_far else self._pressed
+        elif self._pressed and event.type() == QEvent.Type.MouseButtonRelease:
+            self._pressed = None
+            self.clicked.emit(self.cell_at(event.position()))
 
     def _plotter_widget(self) -> QWidget:
         self._plotter = _plotter(self)
@@ -164,33 +204,35 @@ class FieldView(QWidget):
         self._plotter.enable_terrain_style(mouse_wheel_zooms=True, shift_pans=True)  # up stays up
         self._plotter.setAcceptDrops(False)  # it would show any file
         self._plotter.installEventFilter(self)
-        self._actors = SceneActors(self._plotter)
+        scale = self.devicePixelRatioF()
+        camera = ViewCamera(self._plotter, lambda: self._plotter.size().toTuple())
+        self._actors, self._overlay = (
+            SceneActors(self._plotter, camera, scale),
+            ViewOverlay(self._plotter, camera, scale),
+        )
         self._set_colours()
         if program := QGuiApplication.instance():
             program.aboutToQuit.connect(self._end)
         widget: QWidget = self._plotter
         return widget
 
+    def _drawn(self, size: QSize) -> QImage | None:
+        """The view in another size; None where there is no view."""
+        if not self._actors or not self._preview:
+            return None
+        shown = Shown(self._preview, self._highlighted, self._actors.robot, self.palette())
+        growth = min(size.width() / max(self.pixels.width(), 1), size.height() / max(self.pixels.height(), 1))
+        scale = max(self.devicePixelRatioF() * growth, 0.2)
+        return view_picture(shown, self._actors.camera, size, scale)
+
     def _set_colours(self) -> None:
-        if self._actors:
-            self._actors.set_colours(_floats(self.palette().base().color()), _floats(self.palette().text().color()))
+        if self._actors and self._overlay:
+            set_colours(self.palette(), self._actors, self._overlay)
 
     def _end(self) -> None:
         if self._actors:
-            self._actors = None
+            self._actors = self._overlay = None
             self._plotter.close()
-
-
-def _opengl_missing() -> str:
-    """Why this display has no sufficient OpenGL; empty if it has."""
-    context, surface = QOpenGLContext(), QOffscreenSurface()
-    surface.create()
-    if not context.create() or not context.makeCurrent(surface):
-        return "The 3D view needs OpenGL, and this display has none."
-    found = context.format().version()
-    context.doneCurrent()
-    needed, given = (".".join(map(str, version)) for version in (_OPENGL, found))
-    return "" if found >= _OPENGL else f"The 3D view needs OpenGL {needed} or later; this display has {given}."
 
 
 def _plotter(parent: QWidget) -> Plotter:
@@ -199,13 +241,17 @@ def _plotter(parent: QWidget) -> Plotter:
     return QtInteractor(parent, auto_update=False, multi_samples=4)
 
 
-def _floats(colour: QColor) -> tuple[float, float, float]:
-    return colour.redF(), colour.greenF(), colour.blueF()
-
-
 def _unavailable_label(why: str) -> QLabel:
     """A label with the reason, in place of the view."""
     label = QLabel(f"{why}\nThe plan and all files are the same without it.")
     label.setAlignment(Qt.AlignmentFlag.AlignCenter)
     label.setWordWrap(True)
     return label
+
+
+def _turns(event: QMouseEvent) -> bool:
+    """Whether the mouse is dragged so that it turns the map."""
+    is_left = event.buttons() == Qt.MouseButton.LeftButton
+    return (
+        is_left and event.type() == QEvent.Type.MouseMove and not event.modifiers() & Qt.KeyboardModifier.ShiftModifier
+    )

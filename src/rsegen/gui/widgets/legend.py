@@ -1,54 +1,88 @@
-"""The legend of the 3D view: the colour and height of each level."""
+"""Pictures that lie over the 3D view: the legend of its heights, and a scale bar."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
-from PySide6.QtCore import QRect, QSize, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent
-from PySide6.QtWidgets import QSizePolicy, QWidget
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QGuiApplication, QImage, QPainter, QPen
 
 from rsegen.gui.model.colours import Rgb
 
-_PAD = 8
+_PAD = 8.0
+_TEXT = 12
 
 
-class Legend(QWidget):
-    """A column of colours with their names."""
+class Inks(NamedTuple):
+    """The colours of pictures over the view: below the text, and of the text."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self._rows: Sequence[tuple[Rgb, str]] = ()
-        self.setAccessibleName("Legend")
-        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
+    paper: QColor
+    ink: QColor
 
-    def show_rows(self, rows: Sequence[tuple[Rgb, str]]) -> None:
-        """Show these colours and names, from top to bottom."""
-        if rows == self._rows:
-            return
-        self._rows = rows
-        self.setAccessibleDescription(", ".join(name for _, name in rows))
-        self.updateGeometry()
-        self.update()
 
-    def sizeHint(self) -> QSize:
-        """Wide enough for the longest name."""
-        metrics = self.fontMetrics()
-        longest = max((metrics.horizontalAdvance(name) for _, name in self._rows), default=0)
-        return QSize(longest + metrics.height() + 3 * _PAD, len(self._rows) * self._row + 2 * _PAD)
+def legend_image(rows: Sequence[tuple[Rgb, str]], note: str, height: float, inks: Inks, scale: float) -> QImage:
+    """Colours with their names and a note below, in at most a height; rows that have no room there are left out.
 
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint the rows, vertically centred."""
-        painter = QPainter(self)
-        side = self.fontMetrics().ascent()
-        top = max((self.height() - len(self._rows) * self._row) // 2, 0)
-        for number, (colour, name) in enumerate(self._rows):
-            y = top + number * self._row
-            painter.fillRect(_PAD, y + (self._row - side) // 2, side, side, QColor(*colour))
-            painter.setPen(self.palette().text().color())
-            left = 2 * _PAD + side
-            painter.drawText(QRect(left, y, self.width() - left, self._row), Qt.AlignmentFlag.AlignVCenter, name)
+    Lengths are in pixels before they are multiplied by the scale.
+    """
+    metrics = QFontMetricsF(_font())
+    row = metrics.height() + 3
+    notes = note.splitlines()
+    step = _step(len(rows), int((height - 2 * _PAD) / row) - len(notes))
+    shown = [*rows[:-1:step], *rows[-1:]] if step else []
+    longest = max((metrics.horizontalAdvance(text) for text in [*(name for _, name in shown), *notes]), default=0)
+    side = metrics.ascent()
+    image, painter = _blank(side + longest + 3 * _PAD, (len(shown) + len(notes)) * row + 2 * _PAD, inks, scale)
+    for number, (colour, name) in enumerate(shown):
+        y = _PAD + number * row
+        painter.fillRect(QRectF(_PAD, y + (row - side) / 2, side, side), QColor(*colour))
+        painter.drawText(QRectF(2 * _PAD + side, y, longest + 1, row), Qt.AlignmentFlag.AlignVCenter, name)
+    for number, line in enumerate(notes):
+        y = _PAD + (len(shown) + number) * row
+        painter.drawText(QRectF(_PAD, y, longest + side + _PAD, row), Qt.AlignmentFlag.AlignVCenter, line)
+    painter.end()
+    return image
 
-    @property
-    def _row(self) -> int:
-        return self.fontMetrics().height() + 4
+
+def scale_bar_image(text: str, width: float, inks: Inks, scale: float) -> QImage:
+    """A bar of a width in pixels with its length as text, all multiplied by the scale."""
+    metrics = QFontMetricsF(_font())
+    total = max(width, metrics.horizontalAdvance(text)) + 2 * _PAD
+    image, painter = _blank(total, metrics.height() + 9 + _PAD, inks, scale)
+    left, y = (total - width) / 2, metrics.height() + 8
+    painter.drawText(QRectF(0, 3, total, metrics.height()), Qt.AlignmentFlag.AlignHCenter, text)
+    painter.setPen(QPen(inks.ink, 2))
+    painter.drawPolyline([QRectF(left, y - 4, width, 4).topLeft(), QRectF(left, y, 0, 0).topLeft()])
+    painter.drawLine(int(left), int(y), int(left + width), int(y))
+    painter.drawLine(int(left + width), int(y - 4), int(left + width), int(y))
+    painter.end()
+    return image
+
+
+def _step(rows: int, room: int) -> int:
+    """Every which row is shown, the last aside, so that all have room; 0 if there are none."""
+    return max(-(-(rows - 1) // max(room - 1, 1)), 1) if rows else 0
+
+
+def _font() -> QFont:
+    font = QFont(QGuiApplication.font())
+    font.setPixelSize(_TEXT)
+    return font
+
+
+def _blank(width: float, height: float, inks: Inks, scale: float) -> tuple[QImage, QPainter]:
+    """A transparent image with round, translucent paper, and a painter of it."""
+    image = QImage(round(width * scale), round(height * scale), QImage.Format.Format_RGBA8888)
+    image.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(image)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.scale(scale, scale)
+    paper = QColor(inks.paper)
+    paper.setAlphaF(0.75)
+    painter.setBrush(paper)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.drawRoundedRect(QRectF(0, 0, width, height), 5, 5)
+    painter.setPen(inks.ink)
+    painter.setFont(_font())
+    return image, painter

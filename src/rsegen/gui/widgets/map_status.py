@@ -30,7 +30,9 @@ class MapStatusBar(QStatusBar):
         self.robot = named(
             QComboBox(),
             "robot",
-            tip="whether this robot can cross the map, by the steps that it mostly crosses and its width",
+            tip="whether this robot can cross the map, by the steps that it mostly crosses and its width; on the plan "
+            "what it reaches stays in colour, lines are its ways across (dashed: too steep), S and G are even places "
+            "for a start and a goal",
         )
         self.robot.addItems(["no robot", *robot_names()])
         self.crossing = named(QLabel(), "crossing")
@@ -65,4 +67,4 @@ class MapStatusBar(QStatusBar):
     def show_costs(self, costs: Costs) -> None:
         """Show what a map costs, and whether the robot can cross it."""
         self.costs.setText(costs.text)
-        self.crossing.setText(costs.crossing)
+        self.crossing.setText(costs.reach.text if costs.reach else "")

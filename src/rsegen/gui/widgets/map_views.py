@@ -27,6 +27,7 @@ class MapViews(QSplitter):
         self.table, self.view, self.plan, self.brushes = ObstacleTable(), FieldView(), PlanView(), BrushBar()
         self.list_bar, self.welcome = ListBar(), Welcome()
         self.brushes.chosen.connect(self.plan.set_brush)
+        self.plan.picked.connect(self.brushes.pick)
         self.below = QSplitter()
         self.below.addWidget(column_of(self.brushes, self.plan))
         self.below.addWidget(group_of("Obstacles, imposed from the first to the last", self.list_bar, self.table))
@@ -35,6 +36,11 @@ class MapViews(QSplitter):
         self.addWidget(column_of(self.welcome, self.view))
         self.addWidget(self.below)
         self.setSizes([380, 320])
+
+    def fit(self) -> None:
+        """Show the whole map in both views."""
+        self.view.fit()
+        self.plan.fit()
 
     def show_document(self, document: Document) -> None:
         """Show the obstacles of a document and their ends; the cells of plan and view follow with the preview."""
@@ -50,6 +56,7 @@ class MapViews(QSplitter):
     def show_preview(self, preview: Preview, document: Document) -> None:
         """Show a preview, the handles of the obstacles, and the cells of the selected one."""
         self.view.show_preview(preview, _selected_cells(preview.scene, document))
+        self.brushes.show_scene(preview.scene)
         self.plan.show(preview.scene, document.handles(preview.scene.field.blocks.shape), _selected(document))
         self.plan.show_ghost(preview.ghost)
 

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
+from PySide6.QtCore import QLineF, QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFont, QImage, QPainter, QPen
 
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Mask
-from rsegen.gui.model.colours import bright, cells
+from rsegen.field.stepfield import CellWindow, Mask
+from rsegen.geometry.rectangles import merge
+from rsegen.gui.model.colours import GROUND, bright, cells
 from rsegen.gui.model.ghost import Ghost
 from rsegen.gui.model.handles import ENDS, GRIP, End, Handle
 from rsegen.gui.model.plan_layout import Box, PlanLayout, ticks
+from rsegen.gui.model.plan_zoom import visible
 from rsegen.params.places import Cell
 
 RULER = 26
@@ -36,13 +38,46 @@ def plan_area(width: int, height: int) -> Box:
     return RULER + _RIM, _RIM, width - RULER - 2 * _RIM, height - RULER - _RIM
 
 
-def paint_ground(painter: QPainter, scene: Scene, layout: PlanLayout) -> None:
-    """Paint every cell in its colour, with its height in centimetres if there is room."""
-    painter.drawImage(QRectF(*layout.area), ground_image(scene))
+def file_size(scene: Scene) -> QSize:
+    """The size of the whole plan in a file, its cells large enough for heights unless there are very many."""
+    n_x, n_y = scene.field.shape
+    side = int(np.clip(2400 / max(n_x, n_y), 2, 24))
+    return QSize(int(n_x * side + RULER + 2 * _RIM), int(n_y * side + RULER + _RIM))
+
+
+def clip(painter: QPainter, area: Box, margin: float = 0.0) -> None:
+    """Paint inside an area, and a margin around it, alone."""
+    left, top, width, height = area
+    painter.setClipRect(QRectF(left - margin, top - margin, width + 2 * margin, height + 2 * margin))
+
+
+def paint_cells(painter: QPainter, scene: Scene, layout: PlanLayout) -> None:
+    """Paint every cell in its colour; if cells are smaller than pixels, their mean."""
+    ratio, image = painter.device().devicePixelRatioF(), ground_image(scene, _frame_share(layout))
+    painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, layout.side * ratio < 1)
+    if layout.side * ratio < 1:
+        width, height = (max(round(side * ratio), 1) for side in layout.area[2:])
+        smooth = Qt.TransformationMode.SmoothTransformation
+        image = image.scaled(width, height, Qt.AspectRatioMode.IgnoreAspectRatio, smooth)
+    painter.drawImage(QRectF(*layout.area), image)
+
+
+def paint_vector_cells(painter: QPainter, scene: Scene, layout: PlanLayout) -> None:
+    """Paint every cell in its colour, as few rectangles."""
+    colours = cells(scene).astype(np.int64)
+    found = merge((colours * [65536, 256, 1]).sum(axis=2) + 1)
+    for colour, x1, x2, y1, y2 in zip(*(column.tolist() for column in found), strict=True):
+        box = layout.box((x1, y1), (x2 - 1, y2 - 1))
+        painter.fillRect(QRectF(*box), QColor.fromRgb(colour - 1))
+
+
+def paint_grid(painter: QPainter, scene: Scene, layout: PlanLayout, area: Box | None = None) -> None:
+    """Paint lines between the cells of an area, and their heights in centimetres, if there is room."""
+    seen = visible(layout, area or layout.area)
     if layout.side >= _LINED:
-        _paint_lines(painter, layout)
+        _paint_lines(painter, layout, seen)
     if layout.side >= _WRITTEN:
-        _write_heights(painter, scene, layout, bright(cells(scene)))
+        _write_heights(painter, scene, layout, seen)
 
 
 def paint_ghost(painter: QPainter, ghost: Ghost, layout: PlanLayout) -> None:
@@ -64,9 +99,14 @@ def _mask_image(cells: Mask, alpha: int) -> QImage:
     return QImage(upright.tobytes(), width, height, width, QImage.Format.Format_Alpha8).copy()
 
 
-def ground_image(scene: Scene) -> QImage:
-    """A pixel for every cell, in its colour, north up."""
-    upright = np.ascontiguousarray(cells(scene).transpose(1, 0, 2)[::-1])
+def ground_image(scene: Scene, frame_share: float = 1.0) -> QImage:
+    """A pixel for every cell, in its colour, north up; of the colour of frames only a share, of the ground the rest."""
+    colours = cells(scene)
+    if frame_share < 1:
+        frame = scene.field.frame
+        mixed = frame_share * colours[frame] + (1 - frame_share) * np.array(GROUND)
+        colours[frame] = np.round(mixed).astype(np.uint8)
+    upright = np.ascontiguousarray(colours.transpose(1, 0, 2)[::-1])
     height, width = upright.shape[:2]
     return QImage(upright.tobytes(), width, height, 3 * width, QImage.Format.Format_RGB888).copy()
 
@@ -82,21 +122,23 @@ def square_image(scene: Scene, side: int) -> QImage:
     return square
 
 
-def paint_rulers(painter: QPainter, layout: PlanLayout, ink: QColor) -> None:
-    """Paint the numbers of block cells below the map and to its left."""
+def paint_rulers(painter: QPainter, layout: PlanLayout, area: Box, ink: QColor) -> None:
+    """Paint the numbers of the block cells in an area, below the map and to its left."""
     font = QFont(painter.font())
     font.setPixelSize(11)
     painter.setFont(font)
     painter.setPen(ink)
-    left, _, _, _ = layout.area
-    centre = Qt.AlignmentFlag.AlignCenter
+    left, top, width, height = area
+    start, bottom = max(layout.left, left), min(layout.bottom, top + height)
+    centre, right = Qt.AlignmentFlag.AlignCenter, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
     for x in ticks(len(layout.blocks[0]), layout.side, room=30):
         middle = layout.middle((x, 0))[0]
-        painter.drawText(QRectF(middle - RULER, layout.bottom + 2, 2 * RULER, 16), centre, str(x))
+        if left <= middle <= left + width:
+            painter.drawText(QRectF(middle - RULER, bottom + 2, 2 * RULER, 16), centre, str(x))
     for y in ticks(len(layout.blocks[1]), layout.side, room=18):
         middle = layout.middle((0, y))[1]
-        right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-        painter.drawText(QRectF(left - RULER - 4, middle - 8, RULER, 16), right, str(y))
+        if top <= middle <= top + height:
+            painter.drawText(QRectF(start - RULER - 4, middle - 8, RULER, 16), right, str(y))
 
 
 def paint_handles(painter: QPainter, layout: PlanLayout, handles: Sequence[Handle], selected: int | None) -> None:
@@ -130,29 +172,37 @@ def paint_rubber_band(painter: QPainter, layout: PlanLayout, first: Cell, last: 
         _paint_grip(painter, QPointF(*layout.middle(cell)), end, GRIP)
 
 
-def _paint_lines(painter: QPainter, layout: PlanLayout) -> None:
-    """Paint lines between the cells, a pixel wide."""
+def paint_band(painter: QPainter, layout: PlanLayout, first: Cell, last: Cell) -> None:
+    """Paint the outline of the cells that will be painted."""
+    painter.setBrush(QColor(255, 255, 255, 90))
+    painter.setPen(QPen(_INK, 1.5, Qt.PenStyle.DashLine))
+    painter.drawRect(QRectF(*layout.box(layout.cell_of(first), layout.cell_of(last))))
+
+
+def _frame_share(layout: PlanLayout) -> float:
+    """How much of their colour frames have: less if cells are small, so that they do not hide heights."""
+    return float(np.clip(layout.side / _LINED, 0.15, 1))
+
+
+def _paint_lines(painter: QPainter, layout: PlanLayout, seen: CellWindow) -> None:
+    """Paint lines between cells, a pixel wide."""
     left, top, width, height = layout.area
-    lines = [
-        QLineF(left + i * layout.side, top, left + i * layout.side, top + height) for i in range(layout.shape[0] + 1)
-    ]
-    lines += [
-        QLineF(left, top + j * layout.side, left + width, top + j * layout.side) for j in range(layout.shape[1] + 1)
-    ]
+    along, up = (range(part.start, part.stop + 1) for part in seen)
+    lines = [QLineF(left + i * layout.side, top, left + i * layout.side, top + height) for i in along]
+    lines += [QLineF(left, layout.bottom - j * layout.side, left + width, layout.bottom - j * layout.side) for j in up]
     painter.setPen(QPen(_LINE, 0))
     painter.drawLines(lines)
 
 
-def _write_heights(
-    painter: QPainter, scene: Scene, layout: PlanLayout, light: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
-) -> None:
+def _write_heights(painter: QPainter, scene: Scene, layout: PlanLayout, seen: CellWindow) -> None:
     """Write centimetres into each cell that is no frame, in a colour that is legible on it."""
     texts = {level: decimal(round(level * scene.field.unit * 100, 4)) for level in scene.field.level_counts()}
     font = QFont(painter.font())
     longest = max(map(len, texts.values()), default=1)
     font.setPixelSize(max(int(min(layout.side * 0.45, layout.side * 1.5 / longest, 15)), 5))
     painter.setFont(font)
-    for i, j in zip(*np.nonzero(~scene.field.frame), strict=True):
+    light, start = bright(cells(scene)), np.array([part.start for part in seen])
+    for i, j in np.argwhere(~scene.field.frame[seen]) + start:
         painter.setPen(_INK if light[i, j] else _PAPER)
         box = QRectF(*layout.box((int(i), int(j)), (int(i), int(j))))
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, texts[int(scene.field.levels[i, j])])

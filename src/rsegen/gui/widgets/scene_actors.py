@@ -2,138 +2,134 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
 import numpy as np
 
-from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Array, CellWindow
-from rsegen.gui.model.axes import Bounds, tick_marks
-from rsegen.gui.model.camera import SOUTH_EAST, VIEW_ANGLE, viewpoint
-from rsegen.gui.model.colours import GROUND
-from rsegen.gui.model.solid import Lines, Solid, block_edges, box_edges
+from rsegen.field.coarse import coarse_window
+from rsegen.field.stepfield import CellWindow
+from rsegen.gui.model.axes import tick_marks
+from rsegen.gui.model.bounds import Bounds, border, bounds
+from rsegen.gui.model.preview import Preview
+from rsegen.gui.model.robot_shape import RobotShape, place_next_to
+from rsegen.gui.model.solid import Solid, block_edges, box_edges
+from rsegen.gui.widgets.meshes import (
+    Plotter,
+    faces_in,
+    fill_faces,
+    fill_light,
+    fill_lines,
+    fill_robot,
+    light_map,
+    lines_in,
+    robot_in,
+)
+from rsegen.gui.widgets.view_camera import ViewCamera
 
-if TYPE_CHECKING:
-    from pyvista import Actor, PolyData
-
-EDGED = 60
+EDGED = 120
 """The blocks of maps up to this many cells a side are outlined."""
+
+_DARK_EDGES = 45
+"""Up to this many cells a side outlines are dark; beyond, the paler the more cells."""
 
 _HIGHLIGHT = (0.95, 0.0, 0.75)
 _EDGE = (0.1, 0.1, 0.1)
+_SKY = (0.62, 0.72, 0.84)
+_HAZE = (0.12, 0.45)
+"""The share of the sky's colour in the background, at the bottom and at the top."""
 _GHOSTLY = 0.45
 """The opacity of an obstacle that is not yet in the list."""
-_BORDER = 0.06
-"""Width of the ground around the map, as a share of its longer side; a hundredth of that is its depth below the map."""
-
-Plotter = Any
-"""A pyvistaqt.QtInteractor, which has no types."""
 
 
 class SceneActors:
-    """What a plotter shows: the map, the edges of its blocks, the highlighted cells, the ground, the axes."""
+    """What a plotter shows: the map, the edges of its blocks, the highlighted cells, the ground, the axes.
 
-    def __init__(self, plotter: Plotter) -> None:
-        self._plotter = plotter
-        self._ground, _ = _actor(plotter, colour=tuple(part / 255 for part in GROUND))
-        self._solid, _ = _actor(plotter, colour=None)
-        self._ghost, self._ghost_actor = _actor(plotter, colour=None, nearer=1)
-        self._ghost_actor.prop.opacity = _GHOSTLY
-        self._edges, self._edges_actor = _actor(plotter, colour=_EDGE, width=1, nearer=2)
-        self._tick_marks, _ = _actor(plotter, colour=_EDGE, width=1, nearer=2)
-        self._box, self._box_actor = _actor(plotter, colour=_HIGHLIGHT, width=3, nearer=40)
-        self._bounds: Bounds | None = None
+    camera: the plotter's; robot: the one that is shown
+    scale: how many times wider lines are than a pixel; texts are as large as the window's dots per inch say
+    """
+
+    def __init__(self, plotter: Plotter, camera: ViewCamera, scale: float) -> None:
+        self._plotter, self.camera = plotter, camera
+        self._light = light_map()
+        self._ground, self._blocks = faces_in(plotter, self._light), faces_in(plotter, self._light)
+        self._ghost = faces_in(plotter)
+        self._ghost.actor.prop.opacity = _GHOSTLY
+        self._edges = lines_in(plotter, _EDGE, width=scale, nearer=2)
+        self._tick_marks = lines_in(plotter, _EDGE, width=scale, nearer=2)
+        self._box = lines_in(plotter, _HIGHLIGHT, width=3 * scale, nearer=40)
+        self._robot_drawn = robot_in(plotter)
+        self.robot: RobotShape | None = None
+        self._shown: tuple[Bounds, float] | None = None
         self._ink = (0.0, 0.0, 0.0)
-        self._fitted_position: tuple[float, ...] | None = None
 
-    def show(self, scene: Scene, made: Solid, cells: CellWindow | None) -> None:
-        """Show the solid of a scene and a box around some cells; the camera moves only if the map has another size."""
-        field = scene.field
-        _fill_faces(self._solid, made)
-        if edged := max(field.shape) <= EDGED:
-            _fill_lines(self._edges, block_edges(field))
-        self._edges_actor.SetVisibility(edged)
+    def show(self, preview: Preview, highlighted: CellWindow | None) -> None:
+        """Show a map and a box around some of its cells; the camera moves if the map has another size."""
+        field, lit = preview.coarse.field, preview.lit
+        cells = coarse_window(preview.scene.field, highlighted, preview.factor) if highlighted else None
+        fill_light(self._light, lit.light)
+        fill_faces(self._ground, lit.ground)
+        fill_faces(self._blocks, lit.blocks)
+        self._show_ghost(preview.ghost_solid)
+        if is_edged := max(field.shape) <= EDGED:
+            fill_lines(self._edges, block_edges(field))
+            self._edges.actor.prop.opacity = min((_DARK_EDGES / max(field.shape)) ** 2, 1)
+        self._edges.actor.SetVisibility(is_edged)
         if cells:
-            _fill_lines(self._box, box_edges(field, cells))
-        self._box_actor.SetVisibility(cells is not None)
-        self._show_ground(bounds(scene))
+            fill_lines(self._box, box_edges(field, cells))
+        self._box.actor.SetVisibility(cells is not None)
+        self._show_bounds(bounds(preview.coarse), border(field))
         self._plotter.renderer.ResetCameraClippingRange()
 
-    def show_ghost(self, made: Solid | None) -> None:
+    def show_robot(self, shape: RobotShape | None) -> None:
+        """Show a robot on the ground next to the map, to compare sizes; None shows none."""
+        if shape and shape is not self.robot:
+            fill_robot(self._robot_drawn, shape)
+        self.robot = shape
+        self._robot_drawn.actor.SetVisibility(shape is not None)
+        if self._shown:
+            self._place_robot(*self._shown)
+
+    def _show_ghost(self, made: Solid | None) -> None:
         """Show the blocks of an obstacle that is not yet in the list, pale; None hides them."""
         if made:
-            _fill_faces(self._ghost, made)
-        self._ghost_actor.SetVisibility(made is not None)
+            fill_faces(self._ghost, made)
+        self._ghost.actor.SetVisibility(made is not None)
 
     def set_colours(self, background: tuple[float, float, float], ink: tuple[float, float, float]) -> None:
         """Set the colours of the background and of the axes."""
-        self._plotter.set_background(background)
+        shares = _HAZE if sum(background) > 1.5 else (0, _HAZE[0])
+        bottom, top = (tuple((1 - share) * np.array(background) + share * np.array(_SKY)) for share in shares)
+        self._plotter.set_background(bottom, top=top)
         self._ink = ink
-        if self._bounds:
-            self._show_axes(self._bounds)
+        if self._shown:
+            self._show_axes(*self._shown)
 
-    def reset_camera(self) -> None:
-        """Show the whole map from the south-east, above."""
-        self._look_from(SOUTH_EAST)
-
-    def turn(self, across: float, up: float) -> None:
-        """Turn the camera around the map by degrees, and upwards, but neither over the top nor under the ground."""
-        camera = self._plotter.camera
-        camera.Azimuth(across)
-        x, y, z = np.subtract(camera.position, camera.focal_point)
-        height = np.degrees(np.arctan2(z, np.hypot(x, y)))
-        camera.Elevation(float(np.clip(height + up, 2, 88) - height))
-        self._plotter.renderer.ResetCameraClippingRange()
-
-    def zoom(self, factor: float) -> None:
-        """Move the camera closer by a factor, or away if it is less than one."""
-        self._plotter.camera.Dolly(factor)
-        self._plotter.renderer.ResetCameraClippingRange()
-
-    def fit_to_size(self) -> None:
-        """Show the whole map in a resized view, unless the user has moved the camera."""
-        if self._fitted_position and self._fitted_position == tuple(self._plotter.camera.position):
-            self._fit()
-
-    def _show_ground(self, found: Bounds) -> None:
-        """Show ground and axes for these bounds, if they have changed."""
-        before, self._bounds = self._bounds, found
-        if found == before:
+    def _show_bounds(self, found: Bounds, rim: float) -> None:
+        """Show axes and the whole map for these bounds, if they have changed."""
+        if (found, rim) == self._shown:
             return
-        _fill_faces(self._ground, _ground(found))
-        self._show_axes(found)
-        if before is None:
-            self.reset_camera()
-        elif found[:4] != before[:4]:
-            self._fit()
+        self._shown = found, rim
+        self._show_axes(found, rim)
+        self._place_robot(found, rim)
 
-    def _fit(self) -> None:
-        """Show the whole map from the present direction."""
-        camera = self._plotter.camera
-        self._look_from(np.subtract(camera.position, camera.focal_point))
+    def _place_robot(self, found: Bounds, rim: float) -> None:
+        """Put the robot next to the map, and show the whole of both."""
+        margin = 2.6 * rim
+        if self.robot:
+            x, y = place_next_to(found, rim, self.robot)
+            self._robot_drawn.actor.position = (x, y, 0.0)
+            length, width, _ = self.robot.size
+            margin = max(margin, x + length / 2 - found[1], found[2] - y + width / 2)
+        self.camera.fit_bounds(found, margin)
 
-    def _look_from(self, direction: Array) -> None:
-        if not self._bounds:
-            return
-        aspect = max(self._plotter.width(), 1) / max(self._plotter.height(), 1)
-        margin = 2.6 * _border(self._bounds)
-        position, focus = viewpoint(self._bounds, direction, margin=margin, aspect=aspect)
-        camera = self._plotter.camera
-        camera.position, camera.focal_point, camera.up = position, focus, (0.0, 0.0, 1.0)
-        camera.view_angle = VIEW_ANGLE
-        self._fitted_position = tuple(camera.position)
-        self._plotter.renderer.ResetCameraClippingRange()
-
-    def _show_axes(self, found: Bounds) -> None:
+    def _show_axes(self, found: Bounds, rim: float) -> None:
         """Show tick marks with metres along the map's sides."""
-        ruled = tick_marks(found, _border(found))
-        _fill_lines(self._tick_marks, ruled.lines)
+        ruled = tick_marks(found, rim)
+        fill_lines(self._tick_marks, ruled.lines)
         self._plotter.add_point_labels(
             ruled.places,
             ruled.texts,
             name="metres",
             text_color=self._ink,
-            font_size=12,
+            font_size=12,  # of a window of 72 dots per inch, times the scale
             bold=False,
             shape=None,
             show_points=False,
@@ -143,77 +139,3 @@ class SceneActors:
             reset_camera=False,
             render=False,
         )
-
-
-def bounds(scene: Scene) -> Bounds:
-    """Smallest and largest x, y and z of a scene [m]; z up to the highest level that the recipe can have."""
-    field = scene.field
-    half_x, half_y = (side / 2 for side in field.extent)
-    frame = field.frame_height if field.frame.any() else 0.0
-    top = max(scene.recipe.top_level * field.unit, frame, float(field.heights.max(initial=0.0)), field.unit)
-    return -half_x, half_x, -half_y, half_y, 0.0, top
-
-
-def _ground(found: Bounds) -> Solid:
-    """A plate just below the map, a little larger than it."""
-    west, east, south, north = found[:4]
-    border = _border(found)
-    x, y = (west - border, east + border), (south - border, north + border)
-    corners = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])]
-    points: Array = np.array([(*corner, -border / 100) for corner in corners])
-    return Solid(points, np.arange(4, dtype=np.int32)[None], np.array([GROUND], dtype=np.uint8))
-
-
-def _border(found: Bounds) -> float:
-    west, east, south, north = found[:4]
-    return _BORDER * max(east - west, north - south)
-
-
-def _actor(
-    plotter: Plotter, *, colour: tuple[float, ...] | None, width: int = 1, nearer: int = 0
-) -> tuple[PolyData, Actor]:
-    """Add an empty, unlit mesh to a plotter; without a colour its faces have their own.
-
-    nearer: how far it is drawn in front of faces at the same place.
-    """
-    import pyvista
-
-    mesh = pyvista.PolyData()
-    mapper = pyvista.DataSetMapper(mesh)
-    actor = pyvista.Actor(mapper=mapper)
-    actor.prop.lighting = False
-    actor.prop.line_width = width
-    if colour is None:
-        mapper.SetColorModeToDirectScalars()
-        mapper.SetScalarModeToUseCellData()
-    else:
-        mapper.ScalarVisibilityOff()
-        actor.prop.color = colour
-    mapper.SetResolveCoincidentTopologyToPolygonOffset()
-    mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-nearer, -nearer)
-    plotter.add_actor(actor, reset_camera=False, render=False)
-    return mesh, actor
-
-
-def _fill_faces(mesh: PolyData, found: Solid) -> None:
-    import pyvista
-
-    made = pyvista.PolyData()
-    if len(found.faces):
-        faces: Any = found.faces
-        made = pyvista.PolyData.from_regular_faces(found.points, faces)
-        made.cell_data.set_scalars(found.colours, "colour")
-    _replace(mesh, made)
-
-
-def _fill_lines(mesh: PolyData, found: Lines) -> None:
-    import pyvista
-
-    rows = np.column_stack([np.full(len(found.pairs), 2), found.pairs]).ravel()
-    _replace(mesh, pyvista.PolyData(found.points, lines=rows))
-
-
-def _replace(mesh: PolyData, made: Any) -> None:
-    """Replace the content of a mesh, so that its actor stays."""
-    mesh.shallow_copy(made)
-    mesh.Modified()
