@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rsegen.exporters.constraint_report import missing
+from rsegen.exporters.constraint_report import block_warnings
 from rsegen.exporters.gazebo import MESH_TYPES, export
 from rsegen.exporters.gazebo.obj import face_count
 from rsegen.exporters.scene import Scene
@@ -64,8 +64,7 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     found = []
     if not scene.field.levels.any():
         found.append("every block is at level 0: there is nothing to see except frames and ground")
-    if lacks := missing(scene):
-        found.append(lacks)
+    found += block_warnings(scene)
     if _loses_friction(scene.recipe):
         found.append(
             "Gazebo Sim ignores the friction of mesh collisions (it uses 1); "

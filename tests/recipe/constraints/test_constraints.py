@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen.cli import main
-from rsegen.exporters.constraint_report import constraint_report, missing
+from rsegen.exporters.constraint_report import block_warnings, constraint_report
 from rsegen.exporters.pictures.preview import preview_image
 from rsegen.field.metrics.pairs import differences
 from rsegen.field.metrics.traversability import crossing
@@ -99,7 +99,7 @@ def test_a_block_that_is_missing_is_replaced_by_the_nearest() -> None:
         "used": {1: 1, 3: 1, 4: 1},
         "missing": {4: 3},
     }
-    assert missing(scene) == "missing blocks, replaced by others: 3 of 40 cm"
+    assert list(block_warnings(scene)) == ["missing blocks, replaced by others: 3 of 40 cm"]
 
 
 def test_all_of_it_at_once() -> None:
