@@ -17,7 +17,10 @@ _MOST_LEVELS = 32767
 
 
 def inventory_in(path: Path, unit_cm: float) -> tuple[int, ...]:
-    """How many blocks of level 1, 2, ... there are by a CSV file of heights and counts; a height may stand twice."""
+    """How many blocks of level 1, 2, ... there are by a CSV file of heights and counts; a height may stand twice.
+
+    Cells are separated by commas or semicolons; with semicolons a comma is a decimal point.
+    """
     counts: Counter[int] = Counter()
     for line, row in _rows(path):
         level, count = _row(f"{path}: line {line}", row, unit_cm)
@@ -27,13 +30,16 @@ def inventory_in(path: Path, unit_cm: float) -> tuple[int, ...]:
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     """The rows below the header, each with its line."""
-    rows = csv.reader(line for line in text_of(path, _MOST_MIB, "an inventory").splitlines() if line.strip())
+    lines = [line for line in text_of(path, _MOST_MIB, "an inventory").splitlines() if line.strip()]
+    semicolons = bool(lines) and ";" in lines[0]
+    rows = csv.reader(lines, delimiter=";" if semicolons else ",")
     try:
         if next(rows, None) != COLUMNS:
             raise FileError(
                 f"{path}: does not begin with the line {','.join(COLUMNS)}; give levels in numbers, or such a file"
             )
-        yield from ((rows.line_num, row) for row in rows)
+        for row in rows:
+            yield rows.line_num, [cell.replace(",", ".") for cell in row] if semicolons else row
     except csv.Error as error:
         raise FileError(f"{path}: line {rows.line_num}: {error}") from None
 

@@ -146,7 +146,7 @@ HEAD = "pallet,order,x,y,height_cm\n"
         (HEAD + "A1,1,0,0,tall\n", "line 2: height_cm 'tall' is not a number"),
         (HEAD + "A1,1,0,0\n", "line 2: 4 cells, 5 in the header"),
         (HEAD + "A1,1,0,0,12\n", "12 cm is not 0..32766 whole units of 10 cm"),
-        (HEAD + "A1,1,0,0,nan\n", "nan cm is not"),
+        (HEAD + "A1,1,0,0,nan\n", "nan cm is a hole"),
         ("# unit_cm: 0\n" + HEAD + "A1,1,0,0,10\n", r"unit_cm: 0\.0 is outside 0\.001\.\.100000 cm"),
         ("# boundary: round\n" + HEAD + "A1,1,0,0,10\n", "boundary: 'round' is not one of none, divided, outer"),
         (HEAD + "A1,1,0,0,10\n" * 1_000_001, r"1,000,001 rows; up to 1,000,000"),
