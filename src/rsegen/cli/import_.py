@@ -70,7 +70,14 @@ def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
         if name not in parameters(cls) and getattr(arguments, name) is not None:
             flags = ", ".join(flag(own) for own in parameters(cls))
             raise ParameterError(flag(name), f"is not for this file, which is read as {cls.name} (known: {flags})")
-    return cls(**given(cls, arguments))
+    said = given(cls, arguments)
+    if (
+        arguments.units == "in"
+        and "values" not in said
+        and "in" in getattr(parameters(cls).get("values"), "values", ())
+    ):
+        said["values"] = "in"
+    return cls(**said)
 
 
 def _add_reading_flags(command: argparse.ArgumentParser) -> None:

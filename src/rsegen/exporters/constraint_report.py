@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+from rsegen.exporters.lengths import lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.recipe.building import build
 
@@ -58,7 +59,11 @@ def block_warnings(scene: Scene) -> Iterator[str]:
     found = _inventory(scene, recipe.inventory)
     for name, words in (("missing", "missing blocks, replaced by others"), ("left", "left in the box")):
         if found.get(name):
-            parts = [f"{count} of {round(level * recipe.unit_cm, 6):g} cm" for level, count in found[name].items()]
+            written = lengths_in(recipe.units)
+            parts = [
+                f"{count} of {written.level(level, recipe.unit_cm)} {written.unit}"
+                for level, count in found[name].items()
+            ]
             yield f"{words}: {', '.join(parts)}"
 
 

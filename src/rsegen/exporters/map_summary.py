@@ -24,6 +24,7 @@ class MapSummary:
     cells: tuple[int, int]
     extent: tuple[float, float]
     unit_cm: float
+    units: str
     level_counts: dict[int, int]
     mesh_type: str
     models: int
@@ -48,6 +49,7 @@ def map_summary(scene: Scene) -> MapSummary:
         cells=scene.field.shape,
         extent=scene.field.extent,
         unit_cm=scene.recipe.unit_cm,
+        units=scene.recipe.units,
         level_counts=scene.field.level_counts(),
         mesh_type=scene.recipe.mesh_type,
         models=mesh_type.model_count(scene),

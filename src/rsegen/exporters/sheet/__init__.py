@@ -40,9 +40,9 @@ def sheet(
 ) -> bytes:
     """The build sheet as the bytes of a file, `pdf` or `csv`; a ParameterError if the map is too large for one.
 
-    saw: kerf and stock length. `progress` is called with each page of a PDF.
+    saw: kerf and stock length, by default those of the recipe's units. `progress` is called with each page of a PDF.
     """
-    saw = saw or CutSettings()
+    saw = saw or CutSettings.default(scene.recipe.units)
     if format not in FORMATS:
         raise UnknownName.among("format", "format", format, FORMATS)
     refuse_unbuildable(scene.recipe, saw)

@@ -19,12 +19,20 @@ class CutSettings:
     """The kerf of the saw and the length of the stock that blocks are cut from."""
 
     kerf_mm: Annotated[
-        float, Float(0, 100, unit="mm", help="width of material that the saw removes with every cut")
+        float,
+        Float(0, 100, unit="mm", help="width of material that the saw removes with every cut; 1/8 in with units in"),
     ] = 3.0
-    stock_cm: Annotated[float, Float(0.001, 100_000, unit="cm", help="length of the pieces of timber to buy")] = 240.0
+    stock_cm: Annotated[
+        float, Float(0.001, 100_000, unit="cm", help="length of the pieces of timber to buy; 8 ft with units in")
+    ] = 240.0
 
     def __post_init__(self) -> None:
         validate(self)
+
+    @classmethod
+    def default(cls, units: str) -> CutSettings:
+        """Those of a recipe's units: 240 cm and 3 mm, or 8 ft and 1/8 in."""
+        return cls(stock_cm=243.84, kerf_mm=3.175) if units == "in" else cls()
 
     @property
     def kerf(self) -> int:
@@ -91,11 +99,6 @@ class CuttingPlan:
 def nanometres(length_cm: float) -> int:
     """A length in centimetres as whole nanometres."""
     return round(length_cm * 1e7)
-
-
-def centimetres(length: int) -> str:
-    """A length in nanometres as text in centimetres, with as many digits as needed."""
-    return decimal(length / 1e7)
 
 
 def plan_cuts(counts: Mapping[int, int], settings: CutSettings) -> CuttingPlan:

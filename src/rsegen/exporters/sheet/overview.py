@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
 
+from rsegen.exporters.lengths import Lengths, lengths_in
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list, metres
-from rsegen.exporters.sheet.cutting import CutSettings, CuttingPlan, Pattern, centimetres, plan_cuts
+from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list
+from rsegen.exporters.sheet.cutting import CutSettings, CuttingPlan, Pattern, nanometres, plan_cuts
 from rsegen.exporters.sheet.frames import Frames, frames
 from rsegen.exporters.sheet.order import NumberedPallet, length, length_counts
 from rsegen.exporters.sheet.page import GREY, POINT, ROW, Page
@@ -39,11 +40,12 @@ def draw_overview(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], s
 
 def _draw_head(page: Page, scene: Scene, pallets: int) -> None:
     n_x, n_y = scene.field.shape
-    along_x, along_y = map(decimal, scene.field.extent)
+    written = lengths_in(scene.recipe.units)
+    along_x, along_y = (decimal(round(along * 1e9 / written.timber_size, 4)) for along in scene.field.extent)
     page.fitted((page.left, 22), f"Build sheet: {scene.name}", 20, page.across - 12, fontweight="bold")
     many = f"{pallets} pallet{'s'[: pallets > 1]}"
     cells = "cells with frames" if scene.field.frame.any() else "cells"
-    size = f"{along_x} x {along_y} m, {n_x} x {n_y} {cells}, {many}, seed {scene.recipe.seed}"
+    size = f"{along_x} x {along_y} {written.timber}, {n_x} x {n_y} {cells}, {many}, seed {scene.recipe.seed}"
     page.text(page.left, 29, size, 10)
     page.fitted((page.left, 35), scene.recipe.description[:_LONGEST], 9, page.across, color=GREY)
     page.compass(page.right - 4, 23)
@@ -103,8 +105,8 @@ def _draw_cutting_plan(page: Page, scene: Scene, settings: CutSettings, y: float
         page.text(_RIGHT, y, text)
         page.text(_RIGHT + COLUMN, y, amount, ha="right")
         y += ROW
-    y = page.heading(_RIGHT, y + 4, f"Cutting {decimal(settings.stock_cm)} cm of stock", COLUMN)
-    rows = [_pattern_row(pattern, settings) for pattern in plan.patterns]
+    y = page.heading(_RIGHT, y + 4, f"Cutting {_stock_length(scene, settings)} of stock", COLUMN)
+    rows = [_pattern_row(pattern, settings, lengths_in(scene.recipe.units)) for pattern in plan.patterns]
     for number, (pieces, parts, offcut) in enumerate(rows):
         if y + len(parts) * ROW > page.bottom:
             page.text(_RIGHT, y, f"and {len(rows) - number} more ways, which the sheet as CSV has", 8, color=GREY)
@@ -119,24 +121,29 @@ def _draw_cutting_plan(page: Page, scene: Scene, settings: CutSettings, y: float
 
 def _timber(scene: Scene, plan: CuttingPlan) -> Iterator[tuple[str, str]]:
     """The lines about timber, each a text and an amount."""
-    side, settings = decimal(scene.recipe.block_width_cm), plan.settings
-    yield f"blocks: {decimal(settings.stock_cm)} cm of {side} x {side} cm", _pieces(plan.pieces)
-    yield "  blocks together", f"{metres(plan.timber)} m"
-    yield f"  lost to the saw, {decimal(settings.kerf_mm)} mm a cut", f"{metres(plan.kerf_loss)} m"
-    yield "  left over", f"{metres(plan.offcuts)} m"
+    written, settings = lengths_in(scene.recipe.units), plan.settings
+    side = written.short(nanometres(scene.recipe.block_width_cm))
+    yield f"blocks: {_stock_length(scene, settings)} of {side} x {side} {written.unit}", _pieces(plan.pieces)
+    yield "  blocks together", written.long(plan.timber)
+    yield f"  lost to the saw, {written.cut(settings.kerf)} a cut", written.long(plan.kerf_loss)
+    yield "  left over", written.long(plan.offcuts)
     known = frames(scene.recipe)
     if known:
-        yield "frame boards", _stock(known, settings)
-        high = decimal(scene.recipe.frame_height_cm)
-        yield f"  {side} cm wide, {high} cm high", f"{metres(known.timber)} m"
+        yield "frame boards", _stock(scene, known, settings)
+        high = written.short(nanometres(scene.recipe.frame_height_cm))
+        yield f"  {side} {written.unit} wide, {high} {written.unit} high", written.long(known.timber)
         for one, count in known.all_boards.items():
-            yield f"  {count:,} of {centimetres(one)} cm", f"{metres(one * count)} m"
+            yield f"  {count:,} of {written.short(one)} {written.unit}", written.long(one * count)
 
 
-def _stock(known: Frames, settings: CutSettings) -> str:
+def _stock_length(scene: Scene, settings: CutSettings) -> str:
+    return f"{lengths_in(scene.recipe.units).short(settings.stock)} {lengths_in(scene.recipe.units).unit}"
+
+
+def _stock(scene: Scene, known: Frames, settings: CutSettings) -> str:
     """The pieces of stock for the boards, if it is long enough for them."""
     return (
-        f"longer than {decimal(settings.stock_cm)} cm"
+        f"longer than {_stock_length(scene, settings)}"
         if max(known.boards) > settings.stock
         else _pieces(plan_cuts(known.all_boards, settings).pieces)
     )
@@ -147,10 +154,10 @@ def _pieces(count: int) -> str:
     return f"{count:,} piece{'s'[: count != 1]}"
 
 
-def _pattern_row(pattern: Pattern, settings: CutSettings) -> tuple[str, list[str], str]:
+def _pattern_row(pattern: Pattern, settings: CutSettings, written: Lengths) -> tuple[str, list[str], str]:
     """A cutting pattern as texts: number of pieces, parts in a few lines, and offcut."""
-    parts = " + ".join(f"{count}\xa0x\xa0{centimetres(one)}" for one, count in pattern.parts)
-    return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{centimetres(pattern.offcut(settings))} left"
+    parts = " + ".join(f"{count}\xa0x\xa0{written.short(one)}" for one, count in pattern.parts)
+    return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{written.short(pattern.offcut(settings))} left"
 
 
 def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: float) -> None:
@@ -160,7 +167,10 @@ def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: 
         return
     y = page.heading(page.left, y, "Blocks for each pallet", page.across)
     columns = [page.left + 8, page.left + 24, *(page.left + 44 + 17 * at for at in range(len(levels)))]
-    heads = [f"{centimetres(length(level, scene.field))} cm" for level in levels]
+    heads = [
+        f"{lengths_in(scene.recipe.units).short(length(level, scene.field))} {lengths_in(scene.recipe.units).unit}"
+        for level in levels
+    ]
     y = page.table(y, columns, [("", "pallet", *heads)], size=8, color=GREY)
     for each in pallets:
         counts = each.pallet.field.level_counts()

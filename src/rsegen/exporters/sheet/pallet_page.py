@@ -6,9 +6,9 @@ from itertools import product
 
 import numpy as np
 
+from rsegen.exporters.lengths import lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list
-from rsegen.exporters.sheet.cutting import centimetres
 from rsegen.exporters.sheet.order import NumberedPallet, length, placing_order
 from rsegen.exporters.sheet.page import GREY, INK, POINT, Page
 from rsegen.exporters.sheet.plan_view import PlanView, block_colour, ink
@@ -116,12 +116,12 @@ def _draw_blocks(plan: PlanView, numbered: NumberedPallet) -> tuple[str, ...]:
 
 def _labels(plan: PlanView) -> tuple[dict[int, str], tuple[str, ...]]:
     """The text of each level in the cells, and the notes that explain it."""
-    field = plan.field
-    heights = {level: centimetres(length(level, field)) for level in field.level_counts()}
+    field, written = plan.field, lengths_in(plan.scene.recipe.units)
+    heights = {level: written.short(length(level, field)) for level in field.level_counts()}
     if _size(plan.cell, heights) >= _SMALLEST:
-        return heights, ("Large numbers are heights in cm.",)
-    unit = centimetres(length(1, field))
-    notes = "Numbers are levels, for want of room: a block of", f"level n is n x {unit} cm long."
+        return heights, (f"Large numbers are heights in {written.name}.",)
+    unit = written.short(length(1, field))
+    notes = "Numbers are levels, for want of room: a block of", f"level n is n x {unit} {written.unit} long."
     return {level: str(level) for level in heights}, notes
 
 

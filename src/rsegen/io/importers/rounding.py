@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask
+from rsegen.params.lengths import CENTIMETRES as UNITS
 from rsegen.params.places import Cell
 
 _MEASURED = 0.2
@@ -20,7 +21,7 @@ _NEAR = 0.12
 _VISIBLE_CM = 1e-3
 """Rounding errors up to this are those of decimals, and are not reported."""
 
-CENTIMETRES = {"cm": 1.0, "mm": 0.1, "m": 100.0, "in": 2.54}
+CENTIMETRES = {name: UNITS[name] for name in ("cm", "mm", "m", "in")}
 """Centimetres of what a file's numbers may be."""
 
 

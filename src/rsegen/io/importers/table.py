@@ -52,8 +52,10 @@ class Table(Measured):
         return self.measured(path, numbers * centimetres(values, unit), unit)
 
     def _read_list(self, path: Path, text: str, unit_cm: float | None) -> Heights:
-        if self.values not in ("auto", "cm"):
-            raise ParameterError("values", f"{path} is a build sheet, whose heights are in cm; give no {self.values}")
+        written = build_sheet.unit_of(text)
+        if self.values not in ("auto", written):
+            problem = f"{path} is a build sheet, whose heights are in {written}; give no {self.values}"
+            raise ParameterError("values", problem)
         recipe_values = build_sheet.recipe_values(path, text)
         unit = unit_cm or recipe_values.get("unit_cm", USUAL_UNIT_CM)
         return self.measured(path, build_sheet.heights_cm(path, text), unit, recipe_values)
