@@ -64,6 +64,7 @@ def _summary(found: MapSummary) -> dict[str, object]:
         "unit_cm": found.unit_cm,
         "levels": list(found.level_counts),
         "level_counts": found.level_counts,
+        "fingerprint": found.fingerprint,
         "mesh_type": found.mesh_type,
         "models": found.models,
         "collisions": found.collisions,
@@ -79,7 +80,8 @@ def _report(found: MapSummary) -> Iterator[str]:
     yield f"{found.name}, seed {found.seed}"
     yield f"size     {n_x} x {n_y} cells with frames, {along_x:g} x {along_y:g} m"
     written = lengths_in(found.units)
-    yield f"blocks   {blocks:,} in levels of {written.level(1, found.unit_cm)} {written.unit}"
+    in_levels = f"in levels of {written.level(1, found.unit_cm)} {written.unit}"
+    yield f"blocks   {blocks:,} {in_levels}, fingerprint {found.fingerprint}"
     for level, count in found.level_counts.items():
         high = written.level(level, found.unit_cm)
         yield f"  level {level:>3}  {high:>7} {written.unit}  {count:>9,}  {count / blocks:6.1%}"

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from rsegen.exporters.numbers import decimal
 
+_POUND = 0.45359237
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Lengths:
@@ -35,6 +37,10 @@ class Lengths:
         """A length in nanometres as one of timber, rounded to hundredths, halves up."""
         hundredth = self.timber_size // 100
         return f"{(length + hundredth // 2) // hundredth / 100:,.2f} {self.timber}"
+
+    def weight(self, kilograms: float) -> str:
+        """A weight in kilograms or pounds."""
+        return f"{kilograms / _POUND:,.0f} lb" if self.unit == "in" else f"{kilograms:,.0f} kg"
 
     def cut(self, length: int) -> str:
         """A kerf in nanometres with its unit."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rsegen.exporters.constraint_report import block_warnings
+from rsegen.exporters.fingerprint import fingerprint
 from rsegen.exporters.gazebo import MESH_TYPES, export
 from rsegen.exporters.gazebo.obj import face_count
 from rsegen.exporters.scene import Scene
@@ -25,6 +26,7 @@ class MapSummary:
     extent: tuple[float, float]
     unit_cm: float
     units: str
+    fingerprint: str
     level_counts: dict[int, int]
     mesh_type: str
     models: int
@@ -50,6 +52,7 @@ def map_summary(scene: Scene) -> MapSummary:
         extent=scene.field.extent,
         unit_cm=scene.recipe.unit_cm,
         units=scene.recipe.units,
+        fingerprint=fingerprint(scene.field.blocks),
         level_counts=scene.field.level_counts(),
         mesh_type=scene.recipe.mesh_type,
         models=mesh_type.model_count(scene),

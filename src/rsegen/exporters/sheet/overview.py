@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
 
+from rsegen import __version__
+from rsegen.exporters.fingerprint import fingerprint
 from rsegen.exporters.lengths import Lengths, lengths_in
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
@@ -13,7 +15,7 @@ from rsegen.exporters.sheet.cutting import CutSettings, CuttingPlan, Pattern, na
 from rsegen.exporters.sheet.frames import Frames, frames
 from rsegen.exporters.sheet.order import NumberedPallet, length, length_counts
 from rsegen.exporters.sheet.page import GREY, POINT, ROW, Page
-from rsegen.exporters.sheet.plan_view import PlanView
+from rsegen.exporters.sheet.plan_view import PlanView, draw_run
 
 _PLAN_HEIGHT = 112.0
 _SMALLEST = 4.0
@@ -25,7 +27,7 @@ _LONGEST = 160
 _BROAD = 30
 """The maximum number of characters in a line of a cutting pattern."""
 
-_RIGHT = 113.0
+RIGHT = 113.0
 """The x of the right column in millimetres."""
 
 
@@ -48,6 +50,8 @@ def _draw_head(page: Page, scene: Scene, pallets: int) -> None:
     size = f"{along_x} x {along_y} {written.timber}, {n_x} x {n_y} {cells}, {many}, seed {scene.recipe.seed}"
     page.text(page.left, 29, size, 10)
     page.fitted((page.left, 35), scene.recipe.description[:_LONGEST], 9, page.across, color=GREY)
+    about = f"seen from above; fingerprint {fingerprint(scene.field.blocks)}; rsegen {__version__}"
+    page.text(page.left, 39.5, about, 8, color=GREY)
     page.compass(page.right - 4, 23)
 
 
@@ -55,7 +59,7 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> fl
     """Draw the map from above with the name and number of each pallet; returns the y of its lower end."""
     n_x, n_y = scene.field.shape
     cell = min(page.across / n_x, _PLAN_HEIGHT / n_y)
-    left, bottom = page.left + (page.across - n_x * cell) / 2, 42 + n_y * cell
+    left, bottom = page.left + (page.across - n_x * cell) / 2, 43 + n_y * cell
     side = scene.field.block_width
     for each in pallets:
         field = each.pallet.field
@@ -72,6 +76,7 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> fl
         page.rectangle((plan.left, plan.top), (cells_x * cell, cells_y * cell), linewidth=1.2)
         if len(pallets) > 1:
             _draw_name(plan, each)
+    draw_run(page, (left, left + n_x * cell), bottom - n_y * cell / 2)
     if len(pallets) == 1:
         return bottom
     rule = "Pallets are built row by row from the north-west; A1 is the one of smallest x and y, as on a chess board."
@@ -100,21 +105,26 @@ def _draw_cutting_plan(page: Page, scene: Scene, settings: CutSettings, y: float
     """Draw what to buy and how every piece is cut; returns the y of the next line."""
     counts = length_counts(scene.field)
     plan = plan_cuts(counts, settings)
-    y = page.heading(_RIGHT, y, "Timber to buy", COLUMN)
+    y = page.heading(RIGHT, y, "Timber to buy", COLUMN)
     for text, amount in _timber(scene, plan):
-        page.text(_RIGHT, y, text)
-        page.text(_RIGHT + COLUMN, y, amount, ha="right")
+        page.text(RIGHT, y, text)
+        page.text(RIGHT + COLUMN, y, amount, ha="right")
         y += ROW
-    y = page.heading(_RIGHT, y + 4, f"Cutting {_stock_length(scene, settings)} of stock", COLUMN)
-    rows = [_pattern_row(pattern, settings, lengths_in(scene.recipe.units)) for pattern in plan.patterns]
+    y = page.heading(RIGHT, y + 4, f"Cutting {stock_length(scene, settings)} of stock", COLUMN)
+    return draw_patterns(page, plan, y, lengths_in(scene.recipe.units))
+
+
+def draw_patterns(page: Page, plan: CuttingPlan, y: float, written: Lengths) -> float:
+    """Draw how every piece of stock is cut, in the right column; returns the y of the next line."""
+    rows = [_pattern_row(pattern, plan.settings, written) for pattern in plan.patterns]
     for number, (pieces, parts, offcut) in enumerate(rows):
         if y + len(parts) * ROW > page.bottom:
-            page.text(_RIGHT, y, f"and {len(rows) - number} more ways, which the sheet as CSV has", 8, color=GREY)
+            page.text(RIGHT, y, f"and {len(rows) - number} more ways, which the sheet as CSV has", 8, color=GREY)
             return y + ROW
-        page.text(_RIGHT + 10, y, pieces, ha="right")
+        page.text(RIGHT + 10, y, pieces, ha="right")
         for at, line in enumerate(parts):
-            page.text(_RIGHT + 13, y + at * ROW, line)
-        page.text(_RIGHT + COLUMN, y, offcut, 8, ha="right", color=GREY)
+            page.text(RIGHT + 13, y + at * ROW, line)
+        page.text(RIGHT + COLUMN, y, offcut, 8, ha="right", color=GREY)
         y += len(parts) * ROW
     return y
 
@@ -123,30 +133,31 @@ def _timber(scene: Scene, plan: CuttingPlan) -> Iterator[tuple[str, str]]:
     """The lines about timber, each a text and an amount."""
     written, settings = lengths_in(scene.recipe.units), plan.settings
     side = written.short(nanometres(scene.recipe.block_width_cm))
-    yield f"blocks: {_stock_length(scene, settings)} of {side} x {side} {written.unit}", _pieces(plan.pieces)
+    yield f"blocks: {stock_length(scene, settings)} of {side} x {side} {written.unit}", _pieces(plan.pieces)
     yield "  blocks together", written.long(plan.timber)
-    yield f"  lost to the saw, {written.cut(settings.kerf)} a cut", written.long(plan.kerf_loss)
+    yield f"  lost to the saw, {written.cut(settings.kerf)} per cut", written.long(plan.kerf_loss)
+    if plan.trimmed:
+        yield f"  ends, {written.short(settings.trim // 2)} {written.unit} each", written.long(plan.trimmed)
     yield "  left over", written.long(plan.offcuts)
-    known = frames(scene.recipe)
+    known = frames(scene.recipe, settings.play)
     if known:
-        yield "frame boards", _stock(scene, known, settings)
         high = written.short(nanometres(scene.recipe.frame_height_cm))
-        yield f"  {side} {written.unit} wide, {high} {written.unit} high", written.long(known.timber)
+        yield (
+            f"frames: {stock_length(scene, settings)} of {side} x {high} {written.unit}",
+            _stock(scene, known, settings),
+        )
         for one, count in known.all_boards.items():
-            yield f"  {count:,} of {written.short(one)} {written.unit}", written.long(one * count)
+            yield f"  {count:,} boards of {written.short(one)} {written.unit}", written.long(one * count)
 
 
-def _stock_length(scene: Scene, settings: CutSettings) -> str:
+def stock_length(scene: Scene, settings: CutSettings) -> str:
+    """The length of a piece of stock with its unit."""
     return f"{lengths_in(scene.recipe.units).short(settings.stock)} {lengths_in(scene.recipe.units).unit}"
 
 
 def _stock(scene: Scene, known: Frames, settings: CutSettings) -> str:
     """The pieces of stock for the boards, if it is long enough for them."""
-    return (
-        f"longer than {_stock_length(scene, settings)}"
-        if max(known.boards) > settings.stock
-        else _pieces(plan_cuts(known.all_boards, settings).pieces)
-    )
+    return "too short" if max(known.boards) > settings.usable else _pieces(plan_cuts(known.all_boards, settings).pieces)
 
 
 def _pieces(count: int) -> str:
