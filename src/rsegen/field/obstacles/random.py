@@ -129,7 +129,7 @@ class Random(Region):
             if order is None:
                 raise ParameterError(
                     "max_step",
-                    f"{self.max_step}: these blocks have no such order; give more, or more blocks of middle levels",
+                    f"{self.max_step}: no order of these blocks was found; give more, or more blocks of middle levels",
                 )
             levels = order
         return patch._replace(levels=levels)

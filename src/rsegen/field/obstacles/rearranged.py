@@ -24,6 +24,9 @@ _SMOOTHED = (1, 4, 16, 64)
 _MOST_REPAIRED = 2**16
 """Cells above which a field is filled from a corner at once, as repairing it would take minutes."""
 
+_MOST_SWEPT = 2**23
+"""Cells of all sweeps together that bring a field nearer to another one."""
+
 
 def rearranged(levels: Ints, limit: int, rng: np.random.Generator, zones: Ints | None = None) -> Levels | None:
     """Levels (n_x, n_y) reordered so that no block differs by more than `limit` from its four neighbours.
@@ -60,7 +63,7 @@ def rearranged_like(
     starts = [_sorted_by(order, levels, zones) for order in orders] if levels.size <= _MOST_REPAIRED else []
     for start in (*starts, _filled(levels, like)):
         if grid := _repaired(_Grid(start, zones, limit, like, caps), rng, warm=True):
-            for _ in range(_SWEEPS):
+            for _ in range(min(_SWEEPS, max(_MOST_SWEPT // levels.size, 1))):
                 grid.swap(rng, 0.0)
             return grid.levels()
     return None
