@@ -81,7 +81,7 @@ def test_as_many_blocks_of_a_stock_are_used_as_there_can_be(shape: tuple[int, in
         wished = np.floor(np.diff([0, *np.sort(rng.random(3)), 1]) * cells).astype(int)
         wished[0] += cells - wished.sum()
         for blocks in (cells, most // 2):
-            counts = BlockCounts(owned, limit, n).nearest(wished, blocks)
+            counts = BlockCounts(owned, limit, n).nearest(wished, blocks, np.zeros(4, dtype=int))
             assert (possible == counts).all(axis=1).any()
             assert (counts[1:] <= owned[1:]).all()
             assert cells - counts[0] >= min(most, blocks)

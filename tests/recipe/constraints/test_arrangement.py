@@ -69,6 +69,17 @@ def test_every_constraint_is_met(
         assert all(crossing(field, made.climber, axis).crosses for axis in (0, 1))
 
 
+@pytest.mark.parametrize(
+    ("inventory", "least"), [((27, 33, 21, 10), 91), ((31, 28, 9, 30), 70), ((40, 33, 21, 10), 95)]
+)
+def test_the_way_of_a_robot_costs_few_blocks(inventory: tuple[int, ...], least: int) -> None:
+    for seed in range(2):
+        made = recipe(seed, inventory=inventory, max_step=1, crossable_by=(10.0, 10.0, 53.0))
+        field = rsegen.build(made)
+        assert blocks_used(field) >= least
+        assert all(crossing(field, made.climber, axis).crosses for axis in (0, 1) if made.climber)
+
+
 def test_a_map_that_loses_no_block_to_its_largest_step_stays_as_it_is() -> None:
     free = rsegen.build(recipe(inventory=(40, 40, 40, 40)))
     highest = int(differences(free).max())

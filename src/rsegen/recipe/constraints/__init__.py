@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import ceil
 
 import numpy as np
 
@@ -22,8 +23,11 @@ from rsegen.recipe.constraints.arrangement import Stock
 from rsegen.recipe.constraints.inventory import Blocks, blocks, fitted_to_inventory, left_of, lowered_to, used
 from rsegen.recipe.map_design import MapDesign
 
-_WAYS = 8
-"""How often blocks are arranged around another way for the robot, before they are lowered."""
+_TRIES = 16
+"""How often blocks are arranged, around another way for the robot or fewer of them, before they are lowered."""
+
+_FEWER = 0.06
+"""The share of cells that are left empty in addition, if no arrangement is found around a way."""
 
 
 def constrained(field: StepField, design: MapDesign, index: int) -> StepField:
@@ -71,17 +75,19 @@ def _arranged(fitted: StepField, like: Array, design: MapDesign, index: int, inv
     """The blocks of an inventory arranged near `like`, with about the counts of a field; all constraints are met."""
     owned = blocks(inventory, len(inventory) + 1)
     stock, rng = Stock(owned=owned, limit=design.max_step or 1), generator(design.seed, index, "arrangement")
-    field, caps = fitted, None
-    for _ in range(_WAYS):
-        levels = stock.arranged(fitted, like, rng, caps)
+    cells, found, caps, empty = int(np.count_nonzero(~fitted.frame)), [], None, 0
+    for _ in range(_TRIES):
+        levels = stock.arranged(fitted, like, rng, caps, empty)
         if levels is None:
-            break
+            caps, empty = None, empty + ceil(_FEWER * cells)
+            continue
         field = _with(fitted, levels)
+        found.append(_lowered(field, design, left_of(field, owned)))
         on_its_way = crossing.caps(field, design.climber) if design.climber else None
         if on_its_way is None:
-            return field
+            break
         caps = steps.envelope(on_its_way if caps is None else np.minimum(on_its_way, caps), field, stock.limit)
-    return _lowered(field, design, left_of(field, owned))
+    return max(found, key=used)
 
 
 def _lowered(field: StepField, design: MapDesign, left: Blocks | None) -> StepField:

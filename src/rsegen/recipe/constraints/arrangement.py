@@ -21,18 +21,18 @@ class Stock:
     limit: int
 
     def arranged(
-        self, field: StepField, like: Array, rng: np.random.Generator, caps: Ints | None = None
+        self, field: StepField, like: Array, rng: np.random.Generator, caps: Ints | None = None, empty: int = 0
     ) -> Ints | None:
         """Levels with about the counts of a field, as near to `like` as swaps bring them, and not above `caps`.
 
         They use as many blocks as `like` has above 0, or as the stock and the limit allow. None if no such order is
-        found, which is so only with caps.
+        found, which is so only with caps. empty: least number of cells of level 0.
         """
         there = ~field.frame
         wished = np.bincount(field.levels[there], minlength=len(self.owned))
-        low = (
-            None if caps is None else np.bincount(caps[there].clip(0, len(wished) - 1), minlength=len(wished)).cumsum()
-        )
+        low = np.full(len(wished), min(empty, int(there.sum())))
+        if caps is not None:
+            low = np.maximum(low, np.bincount(caps[there].clip(0, len(low) - 1), minlength=len(low)).cumsum())
         n = cells_with_neighbours(fill_order(there, like), there)
         counts = BlockCounts(self.owned, self.limit, n).nearest(wished, int((like[there] > 0).sum()), low)
         levels = np.full(field.shape, -1)

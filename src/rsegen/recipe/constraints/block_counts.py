@@ -28,12 +28,11 @@ class BlockCounts:
         self._limit = limit
         self._n = with_neighbours
 
-    def nearest(self, wished: Ints, blocks: int, low_cells: Ints | None = None) -> Ints:
+    def nearest(self, wished: Ints, blocks: int, lowest: Ints) -> Ints:
         """Possible counts of level 0, 1, ... near `wished`, with at least so many `blocks`, or as many as possible.
 
-        low_cells: for each level, the least number of cells that are no higher.
+        lowest: for each level, the least number of cells that are no higher.
         """
-        lowest = np.zeros(len(wished), dtype=np.int64) if low_cells is None else low_cells
         most = np.full(len(wished), self._cells)
         most[0] = max(self._cells - blocks, self._least(lowest)[0])
         wish = np.minimum(np.cumsum(wished), self._greatest(most))
