@@ -121,6 +121,11 @@ def test_what_is_left_in_the_box_is_said(tmp_path: Path, capsys: pytest.CaptureF
     assert f"uses {sum(found['used'].values())} of the 74 blocks of the inventory" in said
 
 
+def test_an_inventory_without_a_block_is_refused() -> None:
+    with pytest.raises(rsegen.UserError, match="inventory: has no block; give the number of blocks of level 1, 2"):
+        recipe(inventory=(0, 0))
+
+
 def test_an_inventory_that_cannot_be_used_at_all_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     asked = ["--seed", "3", "--obstacle", "random max_height=5", "--max-step", "2", "--inventory", "0,0,0,50"]
     assert main(["generate", *asked, "-o", str(tmp_path / "out")]) == 2
