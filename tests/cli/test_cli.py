@@ -236,7 +236,9 @@ def test_info_agrees_with_what_generate_made(tmp_path: Path, capsys: pytest.Capt
     files = [path for path in tmp_path.rglob("*") if path.is_file() and path.name != RECORD]
     assert told["bytes"] == sum(path.stat().st_size for path in files)
     assert {key: told[key] for key in one.keys() & told.keys()} == {key: one[key] for key in one.keys() & told.keys()}
-    assert set(told) - set(one) == {"seed", "unit_cm", "mesh_type", "models", "collisions", "faces", "bytes"}
+    assert set(told) - set(one) == {
+        *("seed", "unit_cm", "fingerprint", "mesh_type", "models", "collisions", "faces", "bytes")
+    }
 
 
 def test_info_for_people_says_size_levels_and_cost(recipe_file: Path, capsys: pytest.CaptureFixture[str]) -> None:

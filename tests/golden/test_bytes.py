@@ -202,7 +202,8 @@ def _built(recipe: Recipe, folder: Path) -> None:
 
 
 def _listed(recipe: Recipe, folder: Path) -> None:
-    (folder / "sheet.csv").write_bytes(rsegen.sheet(rsegen.compose(recipe), format="csv"))
+    lines = rsegen.sheet(rsegen.compose(recipe), format="csv").splitlines(keepends=True)
+    (folder / "sheet.csv").write_bytes(b"".join(line for line in lines if not line.startswith(b"# rsegen ")))
 
 
 CASES: Mapping[str, Case] = dict(

@@ -15,6 +15,7 @@ from rsegen.cli.parser import Parser
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.obstacles import kind
 from rsegen.io.dataset.map_reference import recipe_in
+from rsegen.params.lengths import with_lengths
 from rsegen.params.sorts import Choice, Flag, Parameter, parameters
 from rsegen.recipe.codec import OTHER_NAMES, decode_placement
 from rsegen.recipe.examples import or_example
@@ -135,7 +136,12 @@ def _without_names(said: dict[str, Any], unit_cm: float) -> dict[str, Any]:
 def given(owner: type, arguments: argparse.Namespace) -> dict[str, Any]:
     """What the flags say of the parameters of a dataclass; not yet checked."""
     texts = {name: getattr(arguments, name, None) for name in parameters(owner)}
-    return {name: parameters(owner)[name].parse(text) for name, text in texts.items() if text is not None}
+    units = getattr(arguments, "units", None)
+    return {
+        name: parameter.parse(with_lengths(text, parameter, name, units=units))
+        for name, parameter in parameters(owner).items()
+        if (text := texts[name]) is not None
+    }
 
 
 def placement(text: str) -> Placement:

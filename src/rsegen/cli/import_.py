@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+import sys
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from rsegen.cli.flags import Subparsers, add_recipe_flags, describe_flag, flag, given, with_flags
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.errors import ParameterError
-from rsegen.io.importers import IMPORTERS, Importer, imported, importer_for
+from rsegen.exporters.pictures.preview import image_format
+from rsegen.exporters.pictures.rounding import rounding_plot
+from rsegen.exporters.scene import compose
+from rsegen.io.importers import IMPORTERS, Importer, heights_in, importer_for, recipe_of
+from rsegen.io.writer import refuse_taken_file, write_file
 from rsegen.params.sorts import Flag, Parameter, parameters
 from rsegen.recipe.recipe import Recipe
 
@@ -25,18 +30,38 @@ def add(commands: Subparsers) -> None:
     command.add_argument("file", metavar="FILE", help=f"named {', '.join('*' + suffix for suffix in IMPORTERS)}")
     _add_reading_flags(command)
     add_output_flags(command)
+    command.add_argument("--errors", metavar="PICTURE", help="draw by how much each height was rounded")
     add_recipe_flags(command, over="FILE")
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Import, generate, and say what was made."""
+    """Import, generate, and say what was made and how far heights were rounded."""
     path = Path(arguments.file)
+    picture = _picture(arguments)
     recipe = given(Recipe, arguments)
     sorts = parameters(Recipe)
     settled = {name: sorts[name].check(name, recipe[name]) for name in ("unit_cm", "chunk_size") if name in recipe}
-    start = imported(path, _reading(importer_for(path), arguments), **settled)
-    produce(with_flags(start, arguments), arguments)
+    heights = heights_in(path, _reading(importer_for(path), arguments), settled.get("unit_cm"))
+    found = with_flags(recipe_of(path, heights, settled.get("chunk_size")), arguments)
+    if picture and heights.rounding is None:
+        raise ParameterError("--errors", f"{path} has levels, which are not rounded")
+    produce(found, arguments)
+    if picture and heights.errors_cm is not None and heights.holes is not None:
+        drawn = rounding_plot(compose(found), heights.errors_cm, heights.holes, image_format(picture))
+        write_file([drawn], picture, force=arguments.force)
+    if said := str(heights.rounding or ""):
+        print(said, file=sys.stderr if arguments.json else sys.stdout)
+
+
+def _picture(arguments: argparse.Namespace) -> Path | None:
+    """Where the picture of the errors goes, if one is wanted and can be."""
+    if arguments.errors is None:
+        return None
+    path = Path(arguments.errors)
+    image_format(path)
+    refuse_taken_file(path, force=arguments.force)
+    return path
 
 
 def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
@@ -45,19 +70,35 @@ def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
         if name not in parameters(cls) and getattr(arguments, name) is not None:
             flags = ", ".join(flag(own) for own in parameters(cls))
             raise ParameterError(flag(name), f"is not for this file, which is read as {cls.name} (known: {flags})")
-    return cls(**given(cls, arguments))
+    said = given(cls, arguments)
+    if (
+        arguments.units == "in"
+        and "values" not in said
+        and "in" in getattr(parameters(cls).get("values"), "values", ())
+    ):
+        said["values"] = "in"
+    return cls(**said)
 
 
 def _add_reading_flags(command: argparse.ArgumentParser) -> None:
     group = command.add_argument_group("reading")
     for name, option in _options().items():
-        kinds = dict.fromkeys(cls.name for cls in IMPORTERS.values() if name in parameters(cls))
-        _, text = describe_flag(name, option)
-        text = f"{', '.join(kinds)}: {text}"
+        text = "; ".join(f"{', '.join(kinds)}: {said}" for said, kinds in _meanings(name).items())
         if isinstance(option, Flag):
             group.add_argument(flag(name), dest=name, action="store_const", const="yes", help=text)
         else:
             group.add_argument(flag(name), dest=name, metavar=name.upper(), help=text)
+
+
+def _meanings(name: str) -> Mapping[str, Collection[str]]:
+    """What the help says of an option, and the formats of which it says so."""
+    found: dict[str, dict[str, None]] = {}
+    for cls in IMPORTERS.values():
+        if option := parameters(cls).get(name):
+            values, text = describe_flag(name, option)
+            said = text if isinstance(option, Flag) or not values.startswith("{") else f"{values}: {text}"
+            found.setdefault(said, {})[cls.name] = None
+    return found
 
 
 def _options() -> Mapping[str, Parameter]:

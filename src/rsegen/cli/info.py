@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags
 from rsegen.cli.targets import add_target_flags, is_of_flags, scene_of
 from rsegen.errors import ParameterError
+from rsegen.exporters.lengths import lengths_in
 from rsegen.exporters.map_summary import MapSummary, map_summary
 from rsegen.io.verifying import verify
 
@@ -63,6 +64,7 @@ def _summary(found: MapSummary) -> dict[str, object]:
         "unit_cm": found.unit_cm,
         "levels": list(found.level_counts),
         "level_counts": found.level_counts,
+        "fingerprint": found.fingerprint,
         "mesh_type": found.mesh_type,
         "models": found.models,
         "collisions": found.collisions,
@@ -77,9 +79,12 @@ def _report(found: MapSummary) -> Iterator[str]:
     blocks = sum(found.level_counts.values())
     yield f"{found.name}, seed {found.seed}"
     yield f"size     {n_x} x {n_y} cells with frames, {along_x:g} x {along_y:g} m"
-    yield f"blocks   {blocks:,} in levels of {found.unit_cm:g} cm"
+    written = lengths_in(found.units)
+    in_levels = f"in levels of {written.level(1, found.unit_cm)} {written.unit}"
+    yield f"blocks   {blocks:,} {in_levels}, fingerprint {found.fingerprint}"
     for level, count in found.level_counts.items():
-        yield f"  level {level:>3}  {level * found.unit_cm:>7g} cm  {count:>9,}  {count / blocks:6.1%}"
+        high = written.level(level, found.unit_cm)
+        yield f"  level {level:>3}  {high:>7} {written.unit}  {count:>9,}  {count / blocks:6.1%}"
     costs = (_many(found.models, "model"), _many(found.collisions, "collision"), _many(found.faces, "face"))
     cost = f"{', '.join(costs)}, {found.bytes:,} bytes"
     yield f"costs    mesh type {found.mesh_type}: {cost}"

@@ -9,42 +9,54 @@ from pathlib import Path
 
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.io.text_files import text_of
+from rsegen.params.lengths import CENTIMETRES
 from rsegen.params.sorts import Float, Integer
 
 COLUMNS = ["height_cm", "count"]
+_IN_INCHES = ["height_in", "count"]
 _MOST_MIB = 1
 _MOST_LEVELS = 32767
 
 
 def inventory_in(path: Path, unit_cm: float) -> tuple[int, ...]:
-    """How many blocks of level 1, 2, ... there are by a CSV file of heights and counts; a height may stand twice."""
+    """How many blocks of level 1, 2, ... there are by a CSV file of heights and counts; a height may stand twice.
+
+    Heights are in cm, or in inches if their column is height_in. Cells are separated by commas or semicolons; with
+    semicolons a comma is a decimal point.
+    """
     counts: Counter[int] = Counter()
-    for line, row in _rows(path):
-        level, count = _row(f"{path}: line {line}", row, unit_cm)
+    (_, head), *rows = _rows(path)
+    for line, row in rows:
+        level, count = _row(f"{path}: line {line}", row, unit_cm, "in" if head == _IN_INCHES else "cm")
         counts[level] += count
     return tuple(counts[level] for level in range(1, max(counts, default=0) + 1)) or (0,)
 
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """The rows below the header, each with its line."""
-    rows = csv.reader(line for line in text_of(path, _MOST_MIB, "an inventory").splitlines() if line.strip())
+    """The header and the rows below it, each with its line."""
+    lines = [line for line in text_of(path, _MOST_MIB, "an inventory").splitlines() if line.strip()]
+    semicolons = bool(lines) and ";" in lines[0]
+    rows = csv.reader(lines, delimiter=";" if semicolons else ",")
     try:
-        if next(rows, None) != COLUMNS:
+        head = next(rows, [])
+        if head not in (COLUMNS, _IN_INCHES):
             raise FileError(
                 f"{path}: does not begin with the line {','.join(COLUMNS)}; give levels in numbers, or such a file"
             )
-        yield from ((rows.line_num, row) for row in rows)
+        yield rows.line_num, head
+        for row in rows:
+            yield rows.line_num, [cell.replace(",", ".") for cell in row] if semicolons else row
     except csv.Error as error:
         raise FileError(f"{path}: line {rows.line_num}: {error}") from None
 
 
-def _row(where: str, row: list[str], unit_cm: float) -> tuple[int, int]:
+def _row(where: str, row: list[str], unit_cm: float, written: str) -> tuple[int, int]:
     """A block's level, and how many of them there are."""
     if len(row) != len(COLUMNS):
         raise FileError(f"{where}: {shown(','.join(row))} is not a height and a count")
-    height = Float(0, 100_000, unit="cm").check(where, Float().parse(row[0]))
+    height = Float(0, 100_000, unit=written).check(where, Float().parse(row[0]))
     count = Integer(0, 10**9).check(where, Integer(0).parse(row[1].strip()))
-    level = round(height / unit_cm)
-    if abs(level * unit_cm - height) > 1e-6 or not 1 <= level <= _MOST_LEVELS:
-        raise ParameterError(where, f"a block of {height:g} cm has no whole number of units of {unit_cm:g} cm")
+    level = round(height * CENTIMETRES[written] / unit_cm)
+    if abs(level * unit_cm - height * CENTIMETRES[written]) > 1e-6 or not 1 <= level <= _MOST_LEVELS:
+        raise ParameterError(where, f"a block of {height:g} {written} has no whole number of units of {unit_cm:g} cm")
     return level, count

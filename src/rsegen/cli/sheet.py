@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 from rsegen.cli.flags import Subparsers, add_parameter_flags, add_target_recipe_flags, given
@@ -33,8 +34,9 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Make the sheets, and write them."""
     paths = _paths(arguments)
-    saw = CutSettings(**given(CutSettings, arguments))
+    settings = given(CutSettings, arguments)
     _, recipe, index = map_of_flags(arguments)
+    saw = replace(CutSettings.default(recipe.units), **settings)
     scene = write_sheets(recipe, index, paths, saw, force=arguments.force)
     print("\n".join(f"{path}: {scene.name}, seed {scene.recipe.seed}" for path in paths))
 

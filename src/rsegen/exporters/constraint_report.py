@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+from rsegen.exporters.lengths import lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.recipe.building import build
 
@@ -42,29 +43,58 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
         robot = "climbs {climb_cm:g} cm, descends {drop_cm:g} cm and is {width_cm:g} cm wide"
         yield f"a robot that {robot.format(**found['crossable_by'])} can cross from {' and from '.join(paths)}"
     if "inventory" in found:
-        yield f"uses {sum(found['inventory']['used'].values())} blocks of the inventory"
+        used, owned = (sum(found["inventory"][name].values()) for name in ("used", "owned"))
+        yield f"uses {used:,} of the {owned:,} blocks of the inventory"
 
 
-def missing(scene: Scene) -> str:
-    """A line about the blocks that the inventory lacks for the map as designed; empty if it lacks none."""
-    if scene.recipe.inventory is None:
-        return ""
-    unit_cm = scene.recipe.unit_cm
-    lacks = _inventory(scene, scene.recipe.inventory)["missing"]
-    parts = [f"{count} of {round(level * unit_cm, 6):g} cm" for level, count in lacks.items()]
-    return f"missing blocks, replaced by others: {', '.join(parts)}" if parts else ""
+def block_warnings(scene: Scene) -> Iterator[str]:
+    """A line for blocks that are replaced by others, one for those that stay in the box although the map has fewer
+    than designed, and one for counts of an obstacle that the largest step does not allow.
+    """
+    recipe = scene.recipe
+    if recipe.inventory is None:
+        if recipe.max_step is not None and not _counts_are_kept(scene):
+            yield f"no order of the counted blocks keeps to max_step {recipe.max_step}: the map has others"
+        return
+    found = _inventory(scene, recipe.inventory)
+    for name, words in (("missing", "missing blocks, replaced by others"), ("left", "left in the box")):
+        if found.get(name):
+            written = lengths_in(recipe.units)
+            parts = [
+                f"{count} of {written.level(level, recipe.unit_cm)} {written.unit}"
+                for level, count in found[name].items()
+            ]
+            yield f"{words}: {', '.join(parts)}"
+
+
+def _counts_are_kept(scene: Scene) -> bool:
+    """Whether the map has the blocks that its random obstacles count, as it would have without constraints."""
+    from rsegen.field.obstacles.random import Random
+
+    counting = (isinstance(each.obstacle, Random) and each.obstacle.counts for each in scene.recipe.obstacles)
+    if not any(counting):
+        return True
+    design = build(replace(scene.recipe, max_step=None, crossable_by=None), scene.index)
+    return design.level_counts() == scene.field.level_counts()
 
 
 def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]]:
-    """The numbers of blocks by level: owned, used, and missing for the map as it would be without an inventory."""
+    """The numbers of blocks by level: owned, used, missing for the map as it would be without an inventory, and left
+    if the map has fewer blocks than that one.
+    """
     from rsegen.recipe.constraints.inventory import blocks
 
-    design = build(replace(scene.recipe, inventory=None), scene.index).level_counts()
-    used = scene.field.level_counts()
-    there = blocks(owned, max(len(owned), *design, *used) + 1)
-    lacks = {level: count - int(there[level]) for level, count in design.items() if count > there[level]}
-    return {
+    design = _above_0(build(replace(scene.recipe, inventory=None), scene.index).level_counts())
+    used = _above_0(scene.field.level_counts())
+    there = blocks(owned, max(len(owned), *design, *used, 0) + 1)
+    found = {
         "owned": dict(enumerate(owned, 1)),
-        "used": {level: count for level, count in used.items() if level},
-        "missing": {level: count for level, count in lacks.items() if level},
+        "used": used,
+        "missing": {level: count - int(there[level]) for level, count in design.items() if count > there[level]},
     }
+    left = {level: count - used.get(level, 0) for level, count in enumerate(owned, 1) if count > used.get(level, 0)}
+    return found | ({"left": left} if left and sum(used.values()) < sum(design.values()) else {})
+
+
+def _above_0(counts: dict[int, int]) -> dict[int, int]:
+    return {level: count for level, count in counts.items() if level}

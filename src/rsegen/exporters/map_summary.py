@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rsegen.exporters.constraint_report import missing
+from rsegen.exporters.constraint_report import block_warnings
+from rsegen.exporters.fingerprint import fingerprint
 from rsegen.exporters.gazebo import MESH_TYPES, export
 from rsegen.exporters.gazebo.obj import face_count
 from rsegen.exporters.scene import Scene
@@ -24,6 +25,8 @@ class MapSummary:
     cells: tuple[int, int]
     extent: tuple[float, float]
     unit_cm: float
+    units: str
+    fingerprint: str
     level_counts: dict[int, int]
     mesh_type: str
     models: int
@@ -48,6 +51,8 @@ def map_summary(scene: Scene) -> MapSummary:
         cells=scene.field.shape,
         extent=scene.field.extent,
         unit_cm=scene.recipe.unit_cm,
+        units=scene.recipe.units,
+        fingerprint=fingerprint(scene.field.blocks),
         level_counts=scene.field.level_counts(),
         mesh_type=scene.recipe.mesh_type,
         models=mesh_type.model_count(scene),
@@ -64,8 +69,7 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     found = []
     if not scene.field.levels.any():
         found.append("every block is at level 0: there is nothing to see except frames and ground")
-    if lacks := missing(scene):
-        found.append(lacks)
+    found += block_warnings(scene)
     if _loses_friction(scene.recipe):
         found.append(
             "Gazebo Sim ignores the friction of mesh collisions (it uses 1); "

@@ -29,7 +29,7 @@ def write_sheets(
     All are made before the first is written; `progress` is called after each page of a PDF. Raises an OutputError if a
     file exists already, unless `force`; TooLarge or a ParameterError if the map cannot have a sheet.
     """
-    saw = saw or CutSettings()
+    saw = saw or CutSettings.default(recipe.units)
     formats = {path: sheet_format(path) for path in paths}
     for path in formats:
         refuse_taken_file(path, force=force)

@@ -39,7 +39,7 @@ class Sidecars:
         if self.sheet:
             from rsegen.exporters.sheet import CutSettings, refuse_unbuildable
 
-            refuse_unbuildable(recipe, CutSettings())
+            refuse_unbuildable(recipe, CutSettings.default(recipe.units))
 
     def files(self, scene: Scene) -> Bundle:
         """Their content, by path in the map's folder."""

@@ -75,6 +75,8 @@ class MapDesign:
     def check_design(self) -> None:
         """Raise a ParameterError if a parameter or an obstacle does not fit the others; give every obstacle its key."""
         self._check_frames()
+        if self.inventory is not None and not any(self.inventory):
+            raise ParameterError("inventory", "has no block; give the number of blocks of level 1, 2, ...")
         if not isinstance(self.obstacles, (list, tuple)):
             raise ParameterError("obstacles", f"{shown(self.obstacles)} is not a list of placements")
         for number, placement in enumerate(self.obstacles):

@@ -52,6 +52,10 @@ class Representation:
         tuple[float, ...] | None,
         ListOf(_FRICTION, help="friction of blocks of level 1, 2, ...; higher levels have that of the map"),
     ] = None
+    units: Annotated[
+        str,
+        Choice(("cm", "in"), help="lengths on build sheets and in reports: centimetres and metres, or inches and feet"),
+    ] = "cm"
     frame_colour: Annotated[str | None, replace(_COLOUR, help="colour of the frames")] = None
     level_colours: Annotated[
         tuple[str, ...] | None,

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from rsegen import Placement, Random, Recipe, build, compose, imported, load, sheet
+from rsegen import CutSettings, Placement, Random, Recipe, build, compose, imported, load, sheet
 from rsegen.cli import main
 from rsegen.errors import FileError, ParameterError
+from rsegen.exporters.fingerprint import fingerprint
+from rsegen.exporters.sheet.order import building_order
 from rsegen.io.importers.table import Table
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.strategies import recipes
@@ -92,14 +94,29 @@ def test_its_head_is_the_cut_list_of_its_rows() -> None:
 def test_its_head_says_how_every_piece_of_stock_is_sawn() -> None:
     said = [line for line in text_of(load(EXAMPLES["red-diagonal-pallet"])).splitlines() if line.startswith("# s")]
     assert said == [
-        "# stock for the blocks: 9 pieces of 240 cm with a kerf of 3 mm",
+        "# stock for the blocks: 9 pieces of 240 cm less 3.5 mm per cut and 2 cm of ends",
         "# saw: 2 pieces into 5 x 40 cm + 1 x 30 cm",
         "# saw: 2 pieces into 7 x 30 cm + 1 x 20 cm",
         "# saw: 1 pieces into 5 x 30 cm + 4 x 20 cm",
         "# saw: 2 pieces into 11 x 20 cm + 1 x 10 cm",
         "# saw: 1 pieces into 5 x 20 cm + 13 x 10 cm",
         "# saw: 1 pieces into 12 x 10 cm",
+        "# stock for the frames: 2 pieces of 240 cm less 3.5 mm per cut and 2 cm of ends",
+        "# saw for frames: 2 pieces into 1 x 120 cm + 1 x 100 cm",
     ]
+
+
+def test_its_head_says_what_else_is_needed_and_how_to_know_the_field() -> None:
+    scene = compose(Recipe(seed=1, chunks=(2, 1), obstacles=BLOCKS))
+    said = sheet(scene, CutSettings(price=2, frame_price=1.5), "csv").decode().splitlines()
+    pallets = [f"# fingerprint of {each.name}: {fingerprint(each.levels)}" for each in building_order(scene)]
+    assert f"# fingerprint of the levels: {fingerprint(scene.field.blocks)}" in said
+    assert [line for line in said if line.startswith("# fingerprint of ")][1:] == pallets
+    assert "# base boards: 2 of 120 x 120 cm" in said
+    kilograms = sum(level * count for level, count in scene.field.level_counts().items()) * 0.1 * 5
+    assert f"# weight: {kilograms:.0f} kg blocks + 44 kg frames" in said
+    blocks = next(int(line.split()[5]) for line in said if line.startswith("# stock for the blocks"))
+    assert f"# cost without base boards: {blocks * 2 + 4 * 1.5:.2f}" in said
 
 
 def as_a_spreadsheet_saves(text: str) -> str:
@@ -146,7 +163,7 @@ HEAD = "pallet,order,x,y,height_cm\n"
         (HEAD + "A1,1,0,0,tall\n", "line 2: height_cm 'tall' is not a number"),
         (HEAD + "A1,1,0,0\n", "line 2: 4 cells, 5 in the header"),
         (HEAD + "A1,1,0,0,12\n", "12 cm is not 0..32766 whole units of 10 cm"),
-        (HEAD + "A1,1,0,0,nan\n", "nan cm is not"),
+        (HEAD + "A1,1,0,0,nan\n", "nan cm is a hole"),
         ("# unit_cm: 0\n" + HEAD + "A1,1,0,0,10\n", r"unit_cm: 0\.0 is outside 0\.001\.\.100000 cm"),
         ("# boundary: round\n" + HEAD + "A1,1,0,0,10\n", "boundary: 'round' is not one of none, divided, outer"),
         (HEAD + "A1,1,0,0,10\n" * 1_000_001, r"1,000,001 rows; up to 1,000,000"),

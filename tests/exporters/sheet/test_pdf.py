@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 from pypdf import PageObject, PdfReader
 
-from rsegen import CutSettings, Placement, Random, Recipe, Scene, compose, load, sheet
+from rsegen import CutSettings, Placement, Random, Recipe, Scene, __version__, compose, load, sheet
 from rsegen.errors import ParameterError
-from rsegen.exporters.sheet.cutting import centimetres
+from rsegen.exporters.fingerprint import fingerprint
+from rsegen.exporters.sheet import page_count
 from rsegen.exporters.sheet.order import building_order, placing_order
 from rsegen.field.stepfield import Ints
 from rsegen.recipe.codec import decode
@@ -86,9 +87,9 @@ EVERY = pytest.mark.parametrize("recipe", RECIPES.values(), ids=RECIPES)
 
 
 @EVERY
-def test_it_is_a_page_of_a4_for_the_map_and_one_for_each_pallet(recipe: Recipe) -> None:
+def test_it_is_a_page_of_a4_for_the_map_each_pallet_the_materials_and_a_form(recipe: Recipe) -> None:
     pages = read(recipe).pages
-    assert len(pages) == 1 + recipe.chunks[0] * recipe.chunks[1]
+    assert len(pages) == 3 + recipe.chunks[0] * recipe.chunks[1] == page_count(recipe)
     for page in pages:
         assert [float(side) / POINTS_A_MM for side in page.mediabox[2:]] == pytest.approx([210, 297], abs=0.01)
 
@@ -123,7 +124,8 @@ def test_cells_too_small_for_heights_have_levels_and_it_is_said() -> None:
 @EVERY
 def test_cut_lists_are_the_blocks_of_the_map_and_of_each_pallet(recipe: Recipe) -> None:
     scene, pages = compose(recipe), read(recipe).pages
-    for field, page in zip([scene.field, *(each.pallet.field for each in building_order(scene))], pages, strict=True):
+    fields = [scene.field, *(each.pallet.field for each in building_order(scene))]
+    for field, page in zip(fields, pages[:-2], strict=True):
         counts = {level: count for level, count in field.level_counts().items() if level}
         for level, count in counts.items():
             length = level * recipe.unit_cm
@@ -140,11 +142,51 @@ def test_the_first_page_says_what_to_buy() -> None:
     for said in (
         "blocks: 240 cm of 10 x 10 cm 9 pieces",
         "blocks together 19.60 m",
-        "lost to the saw, 3 mm a cut 0.27 m",
+        "lost to the saw, 3.5 mm per cut 0.32 m",
     ):
         assert said in page
-    for said in ("2 of 120 cm 2.40 m", "2 of 100 cm 2.00 m", "frame boards 2 pieces", "2 x 5 x 40 + 1 x 30 8.2 left"):
+    for said in ("2 boards of 120 cm 2.40 m", "2 boards of 100 cm 2.00 m", "frames: 240 cm of 10 x 10 cm 2 pieces"):
         assert said in page
+    for said in ("ends, 1 cm each 0.18 m", "left over 1.50 m", "2 x 5 x 40 + 1 x 30 5.9 left", "seen from above"):
+        assert said in page
+    assert f"fingerprint {fingerprint(compose(RECIPES['real']).field.blocks)}; rsegen {__version__}" in page
+
+
+def test_a_page_says_how_to_cut_the_frames_what_all_weighs_and_costs() -> None:
+    """Blocks of 19.6 m and boards of 4.4 m, all 10 x 10 cm and of 500 kg/m3."""
+    page = words(read(RECIPES["real"], CutSettings(price=4.5, frame_price=3)).pages[-2])
+    for said in ("boards, 10 x 10 cm high 4.40 m", "stock of 240 cm 2 pieces", "2 x 1 x 120 + 1 x 100 17.3 left"):
+        assert said in page
+    for said in ("1 of 120 x 120 cm", "of 500 kg/m3 98 kg", "frames 22 kg", "blocks: 9 x 4.50 40.50"):
+        assert said in page
+    assert "together, without base boards 46.50" in page
+    assert "no price given" in words(read(RECIPES["real"]).pages[-2])
+    assert "together, without base boards Frames" not in words(read(RECIPES["real"], CutSettings(price=4.5)).pages[-2])
+    assert "Frames none Base boards 6 of" in words(read(replace(RECIPES["outer"], boundary="none")).pages[-2])
+    assert "they are longer than 100 cm of stock" in words(read(RECIPES["real"], CutSettings(stock_cm=100)).pages[-2])
+
+
+def test_the_last_page_is_a_form_for_repetitions() -> None:
+    page = words(read(RECIPES["real"]).pages[-1])
+    assert f"fingerprint {fingerprint(compose(RECIPES['real']).field.blocks)}; from start (west) to goal (east)" in page
+    assert all(each in page for each in ("attempts", "successes", "mean time", "Robot", "Operator", " 30 "))
+
+
+def test_a_fingerprint_is_of_the_levels_alone() -> None:
+    scene = compose(RECIPES["real"])
+    found = fingerprint(scene.field.blocks)
+    assert found == "BNTP-5D5T"
+    other = compose(replace(RECIPES["real"], unit_cm=5, boundary="none", name="other"))
+    assert fingerprint(other.field.blocks) == found
+    assert fingerprint(scene.field.blocks.T.copy()) != found
+    assert fingerprint(np.zeros((2, 3), dtype=np.int16)) != fingerprint(np.zeros((3, 2), dtype=np.int16))
+
+
+def test_every_pallet_has_its_fingerprint_on_its_page() -> None:
+    scene, pages = compose(RECIPES["framed"]), read(RECIPES["framed"]).pages
+    names = [fingerprint(each.levels) for each in building_order(scene)]
+    assert len(set(names)) == len(names) > 1
+    assert all(f"fingerprint {name}" in words(page) for name, page in zip(names, pages[1:], strict=False))
 
 
 def test_a_long_name_and_a_long_way_to_cut_stay_on_the_page() -> None:
@@ -157,10 +199,10 @@ def test_a_long_name_and_a_long_way_to_cut_stay_on_the_page() -> None:
 
 
 def test_another_saw_and_stock_are_counted_with() -> None:
-    page = words(read(RECIPES["real"], CutSettings(kerf_mm=0, stock_cm=100)).pages[0])
+    page = words(read(RECIPES["real"], CutSettings(kerf_mm=0, tolerance_mm=0, trim_cm=0, stock_cm=100)).pages[0])
     assert "blocks: 100 cm of 10 x 10 cm 20 pieces" in page
-    assert "lost to the saw, 0 mm a cut 0.00 m" in page
-    assert "frame boards longer than 100 cm" in page
+    assert "lost to the saw, 0 mm per cut 0.00 m" in page
+    assert "frames: 100 cm of 10 x 10 cm too short" in page
 
 
 def test_pallets_are_numbered_and_named_on_the_first_page() -> None:
@@ -185,7 +227,7 @@ def test_the_first_page_says_which_blocks_each_pallet_needs_where_there_is_room(
 def test_many_lengths_are_listed_in_narrow_columns_and_what_is_left_out_is_counted() -> None:
     recipe = Recipe(seed=2, chunk_size=20, unit_cm=1, obstacles=(Placement(obstacle=Random(max_height=31)),))
     counts = compose(recipe).field.level_counts()
-    first, second = map(words, read(recipe).pages)
+    first, second, *_ = map(words, read(recipe).pages)
     for level in range(1, 31):
         assert f"{counts[level]} x {level} " in first
     listed = sum(f"{counts[level]} x {level} " in second for level in range(1, 31))
@@ -221,7 +263,7 @@ def test_it_carries_its_recipe_and_no_date() -> None:
     ids=["flat", "one", "frames of no height", "odd description"],
 )
 def test_the_oddest_maps_have_a_sheet(recipe: Recipe) -> None:
-    assert len(read(recipe).pages) == 2
+    assert len(read(recipe).pages) == 4
 
 
 def test_pallets_of_other_shapes_read_north_up() -> None:
@@ -236,7 +278,7 @@ def test_pallets_of_other_shapes_read_north_up() -> None:
         last = building_order(scene)[0] if size == (1, 2) else building_order(scene)[1]
         page = PdfReader(io.BytesIO(sheet(scene))).pages[last.number]
         grid = inside(cells(page, last.pallet.field.shape)["large"], scene, last.number - 1)
-        assert grid == [["0", "0", centimetres(400_000_000)], ["0"] * 3, ["0"] * 3]
+        assert grid == [["0", "0", "40"], ["0"] * 3, ["0"] * 3]
 
 
 @pytest.mark.parametrize(

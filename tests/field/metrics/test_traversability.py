@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -52,6 +53,37 @@ def test_the_cheapest_way_is_scipy_s(found: StepField, climber: RobotLimits) -> 
         least = costs[cells[-1]].min() / NANOMETRES
         assert crossing.crosses == np.isfinite(least)
         assert crossing.cost == (pytest.approx(least) if crossing.crosses else None)
+
+
+@given(fields(), CLIMBERS)
+def test_of_equally_cheap_ways_the_shortest_is_taken(found: StepField, climber: RobotLimits) -> None:
+    """scipy's cheapest way, if every move costs a bit more."""
+    assume(not found.frame.all())
+    carrying = lane(found, climber.width, 0)
+    moves = graph(carrying, climber, round(found.block_width * NANOMETRES))
+    moves.data = moves.data * 1024 + 1
+    cells = np.arange(carrying.heights.size).reshape(carrying.heights.shape)
+    least = dijkstra(moves, indices=cells[0], min_only=True)[cells[-1]].min()
+    crossing = traversability(found, climber).west_east
+    if crossing.length is None:
+        assert np.isinf(least)
+    else:
+        assert crossing.length == pytest.approx(least % 1024 * found.block_width)
+
+
+def test_a_mirrored_field_has_the_same_length() -> None:
+    limits = RobotLimits(climb_cm=40)
+    recipe = rsegen.Recipe(seed=1, obstacles=[rsegen.Placement(obstacle=rsegen.Random(max_height=5))])
+    detours = 0
+    for index in range(30):
+        made = rsegen.build(recipe, index)
+        lengths = {
+            traversability(replace(made, levels=levels.copy()), limits).west_east.length or 0.0
+            for levels in (made.levels, made.levels[::-1], made.levels[:, ::-1], made.levels[::-1, ::-1])
+        }
+        assert len(lengths) == 1
+        detours += lengths.pop() > 1.3
+    assert detours > 10
 
 
 @given(fields(), CLIMBERS)

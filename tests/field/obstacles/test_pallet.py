@@ -56,6 +56,13 @@ def test_its_metrics_are_those_of_the_measured_one() -> None:
     )
 
 
+def test_its_neighbours_differ_less_often_than_those_of_the_measured_one() -> None:
+    """As docs/metrics.md says."""
+    assert list(rsegen.metrics(rsegen.build(MEASURED)).steps.counts.values()) == [28, 101, 51]
+    found = [rsegen.metrics(rsegen.build(made(), index)).steps.counts for index in range(40)]
+    assert np.mean([[one[units] for units in range(3)] for one in found], axis=0) == pytest.approx([41, 85, 54], abs=2)
+
+
 @PATTERN
 @pytest.mark.parametrize("height", range(2, 10))
 @pytest.mark.parametrize("symmetry", ["random", "symmetric"])

@@ -75,7 +75,7 @@ def test_stock_that_is_too_short_is_one_line_and_nothing_is_written(window: Wind
     dialog = opened(window, tmp_path)
     typed(dialog, "stock_cm_field", "5")
     click(dialog, "start")
-    said_of_it = "stock_cm: 5 is shorter than blocks of the highest level, 20 cm; give 20 or more"
+    said_of_it = "stock_cm: 5 is shorter than blocks of the highest level, 20 cm; give 22 or more"
     assert said(dialog, "folder_error") == said_of_it
     assert not os.listdir(tmp_path)
 
@@ -99,7 +99,7 @@ def test_between_two_pages_it_can_be_stopped_and_nothing_is_written(window: Wind
     dialog = opened(window, tmp_path)
     click(dialog, "start")
     until(lambda: dialog.form.bar.value() > 0)
-    assert dialog.form.bar.maximum() == 101
+    assert dialog.form.bar.maximum() == 103
     if how == "cancel":
         click(dialog, "cancel")
         until(dialog.form.start.isVisible)

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen.cli import main
-from rsegen.exporters.constraint_report import constraint_report, missing
+from rsegen.cli.inventory import inventory_in
+from rsegen.exporters.constraint_report import block_warnings, constraint_report
 from rsegen.exporters.pictures.preview import preview_image
 from rsegen.field.metrics.pairs import differences
 from rsegen.field.metrics.traversability import crossing
@@ -99,7 +100,7 @@ def test_a_block_that_is_missing_is_replaced_by_the_nearest() -> None:
         "used": {1: 1, 3: 1, 4: 1},
         "missing": {4: 3},
     }
-    assert missing(scene) == "missing blocks, replaced by others: 3 of 40 cm"
+    assert list(block_warnings(scene)) == ["missing blocks, replaced by others: 3 of 40 cm"]
 
 
 def test_all_of_it_at_once() -> None:
@@ -150,12 +151,18 @@ def test_an_inventory_from_a_file(tmp_path: Path) -> None:
     assert set(rsegen.build(made).level_counts()) <= {0, 1, 2, 8}
 
 
+def test_an_inventory_with_semicolons(tmp_path: Path) -> None:
+    (tmp_path / "blocks.csv").write_text("height_cm;count\n2,5;40\n7,5;3\n")
+    assert inventory_in(tmp_path / "blocks.csv", 2.5) == (40, 0, 3)
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
         ("10,40\n", "does not begin with the line height_cm,count"),
         ("height_cm,count\n12,40\n", "line 2: a block of 12 cm has no whole number of units of 10 cm"),
         ("height_cm,count\n0,40\n", "line 2: a block of 0 cm has no whole number of units of 10 cm"),
+        ("height_cm;count\n10;2,5\n", "line 2: '2.5' is not a whole number"),
         ("height_cm,count\n10\n", "line 2: '10' is not a height and a count"),
         ("height_cm,count\n10,-1\n", "line 2: -1 is outside 0..1000000000"),
         ("height_cm,count\nnan,1\n", "line 2: nan is not a finite number"),

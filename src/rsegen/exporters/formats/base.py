@@ -95,11 +95,14 @@ def refuse_missing(formats: Iterable[Format]) -> None:
 
 RESERVED = frozenset(
     {"recipe", "target", "file", "map", "to", "output", "force", "resume", "preview", "sheet", "formats", "json"}
-    | {"list", "workers", "obstacle", "plugin", "help", "run", *parameters(Recipe)}
+    | {"list", "errors", "workers", "obstacle", "plugin", "help", "run", *parameters(Recipe)}
 )
 """The flags of the commands that write formats, so no option has such a name."""
 
-READING = frozenset({"values", "rounded", "max_height", "invert", "threshold", "size", "unknown"})
+READING = frozenset(
+    {"values", "rounded", "any_heights", "datum_cm", "fill_holes", "size", "cells_per_block", "origin", "rotation"}
+    | {"max_height", "invert", "threshold", "camera_cm", "unknown"}
+)
 """The flags of `rsegen import`, which writes formats too."""
 
 

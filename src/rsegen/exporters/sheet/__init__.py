@@ -40,9 +40,9 @@ def sheet(
 ) -> bytes:
     """The build sheet as the bytes of a file, `pdf` or `csv`; a ParameterError if the map is too large for one.
 
-    saw: kerf and stock length. `progress` is called with each page of a PDF.
+    saw: kerf and stock length, by default those of the recipe's units. `progress` is called with each page of a PDF.
     """
-    saw = saw or CutSettings()
+    saw = saw or CutSettings.default(scene.recipe.units)
     if format not in FORMATS:
         raise UnknownName.among("format", "format", format, FORMATS)
     refuse_unbuildable(scene.recipe, saw)
@@ -52,10 +52,12 @@ def sheet(
 
 
 def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
-    """The pages: one for the map, and one per pallet in build order."""
+    """The pages: the map, each pallet in build order, frames and cost, and a form for repetitions."""
+    from rsegen.exporters.sheet.materials_page import draw_materials
     from rsegen.exporters.sheet.overview import draw_overview
     from rsegen.exporters.sheet.page import Page
     from rsegen.exporters.sheet.pallet_page import draw_pallet
+    from rsegen.exporters.sheet.repetitions_page import draw_form
 
     pallets = building_order(scene)
     page = Page()
@@ -65,12 +67,18 @@ def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
         page = Page()
         draw_pallet(page, scene, numbered, len(pallets))
         yield page.figure
+    page = Page()
+    draw_materials(page, scene, saw)
+    yield page.figure
+    page = Page()
+    draw_form(page, scene)
+    yield page.figure
 
 
 def page_count(recipe: Recipe) -> int:
     """The number of pages of the sheet of each map of a recipe."""
     m_x, m_y = recipe.chunks
-    return 1 + m_x * m_y
+    return 3 + m_x * m_y
 
 
 def sheet_format(path: Path) -> str:

@@ -16,39 +16,75 @@ from rsegen.params.sorts import Float, validate
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CutSettings:
-    """The kerf of the saw and the length of the stock that blocks are cut from."""
+    """How timber is bought and cut: the saw, the stock and its ends, the play in frames, weight and prices."""
 
     kerf_mm: Annotated[
-        float, Float(0, 100, unit="mm", help="width of material that the saw removes with every cut")
+        float,
+        Float(0, 100, unit="mm", help="width of material that the saw removes with every cut; 1/8 in with units in"),
     ] = 3.0
-    stock_cm: Annotated[float, Float(0.001, 100_000, unit="cm", help="length of the pieces of timber to buy")] = 240.0
+    stock_cm: Annotated[
+        float, Float(0.001, 100_000, unit="cm", help="length of the pieces of timber to buy; 8 ft with units in")
+    ] = 240.0
+    trim_cm: Annotated[
+        float, Float(0, 1000, unit="cm", help="cut off at each end of a piece of stock; 1/2 in with units in")
+    ] = 1.0
+    tolerance_mm: Annotated[
+        float, Float(0, 100, unit="mm", help="by how much a part may come out too long; 1/32 in with units in")
+    ] = 0.5
+    play_mm: Annotated[float, Float(0, 1000, unit="mm", help="room that all blocks of a row have in their frame")] = 0.0
+    density: Annotated[float, Float(1, 10_000, unit="kg/m3", help="of the timber; 500 is usual for pine")] = 500.0
+    price: Annotated[float | None, Float(0, 1e9, help="price of a piece of stock for blocks; default: no cost")] = None
+    frame_price: Annotated[float | None, Float(0, 1e9, help="price of a piece of stock for frames")] = None
 
     def __post_init__(self) -> None:
         validate(self)
+        if self.usable <= 0:
+            raise ParameterError("trim_cm", f"nothing is left of {decimal(self.stock_cm)} cm of stock; give less")
+
+    @classmethod
+    def default(cls, units: str) -> CutSettings:
+        """Those of a recipe's units."""
+        return cls(stock_cm=243.84, kerf_mm=3.175, trim_cm=1.27, tolerance_mm=0.79375) if units == "in" else cls()
 
     @property
     def kerf(self) -> int:
-        """The kerf in nanometres."""
-        return round(self.kerf_mm * 1e6)
+        """What a cut costs in nanometres: the kerf and the tolerance."""
+        return round((self.kerf_mm + self.tolerance_mm) * 1e6)
 
     @property
     def stock(self) -> int:
         """The stock length in nanometres."""
         return nanometres(self.stock_cm)
 
+    @property
+    def trim(self) -> int:
+        """What both ends of a piece of stock lose, in nanometres."""
+        return 2 * nanometres(self.trim_cm)
+
+    @property
+    def usable(self) -> int:
+        """The length of a piece of stock without its ends, in nanometres."""
+        return self.stock - self.trim
+
+    @property
+    def play(self) -> int:
+        """The play in nanometres."""
+        return round(self.play_mm * 1e6)
+
     def check(self, length_cm: float, what: str = "the longest block") -> None:
         """Raise a ParameterError if the stock is too short for a length."""
-        if nanometres(length_cm) > self.stock:
+        if nanometres(length_cm) > self.usable:
             given, longest = decimal(self.stock_cm), decimal(length_cm)
-            raise ParameterError("stock_cm", f"{given} is shorter than {what}, {longest} cm; give {longest} or more")
+            least = decimal(round(length_cm + self.trim / 1e7, 7))
+            raise ParameterError("stock_cm", f"{given} is shorter than {what}, {longest} cm; give {least} or more")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Pattern:
     """Pieces of stock that are cut alike, into `parts` (length, number); `room` is the length that is still free.
 
-    A part takes its length and a kerf, and the stock counts as a kerf longer: a last part that ends with the stock
-    needs no cut.
+    A part takes its length and a kerf, and the stock without its ends counts as a kerf longer: where those begin a last
+    part needs no cut of its own.
     """
 
     pieces: int
@@ -84,8 +120,13 @@ class CuttingPlan:
 
     @property
     def kerf_loss(self) -> int:
-        """The length that the saw removes."""
-        return self.pieces * self.settings.stock - self.timber - self.offcuts
+        """The length that the saw removes, without the ends of the stock."""
+        return self.pieces * self.settings.usable - self.timber - self.offcuts
+
+    @property
+    def trimmed(self) -> int:
+        """The length of all ends that are cut off."""
+        return self.pieces * self.settings.trim
 
 
 def nanometres(length_cm: float) -> int:
@@ -93,17 +134,12 @@ def nanometres(length_cm: float) -> int:
     return round(length_cm * 1e7)
 
 
-def centimetres(length: int) -> str:
-    """A length in nanometres as text in centimetres, with as many digits as needed."""
-    return decimal(length / 1e7)
-
-
 def plan_cuts(counts: Mapping[int, int], settings: CutSettings) -> CuttingPlan:
     """The cutting plan for a number of parts of each length [nm], by the first-fit-decreasing rule."""
     patterns: list[Pattern] = []
     for length in sorted(counts, reverse=True):
         settings.check(length / 1e7)
-        fresh = Pattern(pieces=counts[length], parts=(), room=settings.stock + settings.kerf)
+        fresh = Pattern(pieces=counts[length], parts=(), room=settings.usable + settings.kerf)
         filled = _filled([*patterns, fresh], length, counts[length], settings.kerf)
         patterns = [pattern for pattern in filled if pattern.parts]
     return CuttingPlan(settings=settings, patterns=tuple(patterns))

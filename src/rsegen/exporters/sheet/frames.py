@@ -28,8 +28,8 @@ class Frames:
         return sum(length * count for length, count in self.all_boards.items())
 
 
-def frames(recipe: Recipe) -> Frames | None:
-    """The frames of a map, or None if it has none above the ground."""
+def frames(recipe: Recipe, play: int = 0) -> Frames | None:
+    """The frames of a map, or None if it has none above the ground; play: of the blocks inside, in nanometres."""
     if recipe.boundary == "none" or not recipe.frame_height_cm:
         return None
     m_x, m_y = recipe.chunks
@@ -37,6 +37,6 @@ def frames(recipe: Recipe) -> Frames | None:
         (m_x * m_y, (recipe.chunk_size,) * 2) if recipe.boundary == "divided" else (1, recipe.grid.shape)
     )
     width = nanometres(recipe.block_width_cm)
-    boards = Counter({(n_x + 2) * width: 2})
-    boards[n_y * width] += 2
+    boards = Counter({(n_x + 2) * width + play: 2})
+    boards[n_y * width + play] += 2
     return Frames(number=number, boards=dict(sorted(boards.items(), reverse=True)))

@@ -6,52 +6,75 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rsegen import __version__
+from rsegen.exporters.fingerprint import fingerprint
+from rsegen.exporters.lengths import Lengths, lengths_in
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.exporters.sheet.cutting import CutSettings, centimetres, plan_cuts
-from rsegen.exporters.sheet.frames import frames
+from rsegen.exporters.sheet.cutting import CutSettings, CuttingPlan
+from rsegen.exporters.sheet.materials import materials
 from rsegen.exporters.sheet.order import NumberedPallet, building_order, length, length_counts, placing_order
 
 COLUMNS = ("pallet", "order", "x", "y", "height_cm")
-"""The columns of the rows; x and y count the block cells of the map; a cell without a block has no order."""
+"""The columns of the rows; x and y count the block cells of the map; a cell without a block has no order.
 
-RECIPE_KEYS = ("chunk_size", "unit_cm", "block_width_cm", "boundary", "frame_height_cm")
+In sheets in inches the last one is height_in.
+"""
+
+RECIPE_KEYS = ("chunk_size", "unit_cm", "block_width_cm", "boundary", "frame_height_cm", "units")
 """The recipe parameters in the comments, from which the map can be imported again."""
 
 
 def listing(scene: Scene, settings: CutSettings) -> Iterator[str]:
     """The lines of the CSV file; `#` starts a comment, and no comment has a comma."""
     yield f"# build sheet of {scene.name} with seed {scene.recipe.seed}\n"
+    yield f"# rsegen {__version__}\n"
+    yield f"# fingerprint of the levels: {fingerprint(scene.field.blocks)}\n"
     for name in RECIPE_KEYS:
         value = getattr(scene.recipe, name)
-        yield f"# {name}: {decimal(value) if isinstance(value, float) else value}\n"
-    yield from _timber(scene, settings)
+        if name != "units" or value != "cm":
+            yield f"# {name}: {decimal(value) if isinstance(value, float) else value}\n"
+    written = lengths_in(scene.recipe.units)
+    yield from _timber(scene, settings, written)
     yield "# x (to the east) and y (to the north) count the cells of the map from 0 on with frames left out\n"
     yield "# order of placing in each pallet: row by row from the north-west; a cell without a block has none\n"
-    yield ",".join(COLUMNS) + "\n"
-    for pallet in building_order(scene):
-        yield from _rows(pallet, scene)
+    pallets = building_order(scene)
+    for pallet in pallets if len(pallets) > 1 else ():
+        yield f"# fingerprint of {pallet.name}: {fingerprint(pallet.levels)}\n"
+    yield ",".join((*COLUMNS[:-1], f"height_{written.unit}")) + "\n"
+    for pallet in pallets:
+        yield from _rows(pallet, scene, written)
 
 
-def _timber(scene: Scene, settings: CutSettings) -> Iterator[str]:
-    counts = length_counts(scene.field)
-    for one, count in counts.items():
-        yield f"# cut: {count} blocks of {centimetres(one)} cm\n"
-    plan = plan_cuts(counts, settings)
-    stock = f"{plan.pieces} pieces of {decimal(settings.stock_cm)} cm"
-    yield f"# stock for the blocks: {stock} with a kerf of {decimal(settings.kerf_mm)} mm\n"
+def _timber(scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[str]:
+    found = materials(scene.field, scene.recipe, settings)
+    for one, count in length_counts(scene.field).items():
+        yield f"# cut: {count} blocks of {written.short(one)} {written.unit}\n"
+    yield from _plan("blocks", "saw", found.blocks, written)
+    for one, count in found.frames.all_boards.items() if found.frames else ():
+        yield f"# frames: {count} boards of {written.short(one)} {written.unit}\n"
+    if found.boards:
+        yield from _plan("frames", "saw for frames", found.boards, written)
+    yield f"# base boards: {found.bases} of {' x '.join(map(written.short, found.base))} {written.unit}\n"
+    weights = f"{written.weight(found.block_weight)} blocks + {written.weight(found.frame_weight)} frames"
+    yield f"# weight: {weights}\n".replace(",", "")
+    if found.price is not None:
+        yield f"# cost without base boards: {found.price:.2f}\n"
+
+
+def _plan(what: str, saw: str, plan: CuttingPlan, written: Lengths) -> Iterator[str]:
+    stock = f"{plan.pieces} pieces of {written.short(plan.settings.stock)} {written.unit}"
+    losses = f"{written.cut(plan.settings.kerf)} per cut and {written.short(plan.settings.trim)} {written.unit} of ends"
+    yield f"# stock for the {what}: {stock} less {losses}\n"
     for pattern in plan.patterns:
-        parts = " + ".join(f"{count} x {centimetres(one)} cm" for one, count in pattern.parts)
-        yield f"# saw: {pattern.pieces} pieces into {parts}\n"
-    known = frames(scene.recipe)
-    for one, count in known.all_boards.items() if known else ():
-        yield f"# frames: {count} boards of {centimetres(one)} cm\n"
+        parts = " + ".join(f"{count} x {written.short(one)} {written.unit}" for one, count in pattern.parts)
+        yield f"# {saw}: {pattern.pieces} pieces into {parts}\n"
 
 
-def _rows(numbered: NumberedPallet, scene: Scene) -> Iterator[str]:
+def _rows(numbered: NumberedPallet, scene: Scene, written: Lengths) -> Iterator[str]:
     levels, order = numbered.levels, placing_order(numbered.levels)
     for j in range(levels.shape[1])[::-1]:
         for i in range(levels.shape[0]):
             x, y = np.add(numbered.corner, (i, j)).tolist()
-            height = centimetres(length(int(levels[i, j]), scene.field))
+            height = written.short(length(int(levels[i, j]), scene.field))
             yield f"{numbered.name},{order[i, j] or ''},{x},{y},{height}\n"

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
 
+from rsegen import __version__
+from rsegen.exporters.fingerprint import fingerprint
+from rsegen.exporters.lengths import Lengths, lengths_in
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list, metres
-from rsegen.exporters.sheet.cutting import CutSettings, CuttingPlan, Pattern, centimetres, plan_cuts
+from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list
+from rsegen.exporters.sheet.cutting import CutSettings, CuttingPlan, Pattern, nanometres, plan_cuts
 from rsegen.exporters.sheet.frames import Frames, frames
 from rsegen.exporters.sheet.order import NumberedPallet, length, length_counts
 from rsegen.exporters.sheet.page import GREY, POINT, ROW, Page
-from rsegen.exporters.sheet.plan_view import PlanView
+from rsegen.exporters.sheet.plan_view import PlanView, draw_run
 
 _PLAN_HEIGHT = 112.0
 _SMALLEST = 4.0
@@ -24,7 +27,7 @@ _LONGEST = 160
 _BROAD = 30
 """The maximum number of characters in a line of a cutting pattern."""
 
-_RIGHT = 113.0
+RIGHT = 113.0
 """The x of the right column in millimetres."""
 
 
@@ -39,13 +42,16 @@ def draw_overview(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], s
 
 def _draw_head(page: Page, scene: Scene, pallets: int) -> None:
     n_x, n_y = scene.field.shape
-    along_x, along_y = map(decimal, scene.field.extent)
+    written = lengths_in(scene.recipe.units)
+    along_x, along_y = (decimal(round(along * 1e9 / written.timber_size, 4)) for along in scene.field.extent)
     page.fitted((page.left, 22), f"Build sheet: {scene.name}", 20, page.across - 12, fontweight="bold")
     many = f"{pallets} pallet{'s'[: pallets > 1]}"
     cells = "cells with frames" if scene.field.frame.any() else "cells"
-    size = f"{along_x} x {along_y} m, {n_x} x {n_y} {cells}, {many}, seed {scene.recipe.seed}"
+    size = f"{along_x} x {along_y} {written.timber}, {n_x} x {n_y} {cells}, {many}, seed {scene.recipe.seed}"
     page.text(page.left, 29, size, 10)
     page.fitted((page.left, 35), scene.recipe.description[:_LONGEST], 9, page.across, color=GREY)
+    about = f"seen from above; fingerprint {fingerprint(scene.field.blocks)}; rsegen {__version__}"
+    page.text(page.left, 39.5, about, 8, color=GREY)
     page.compass(page.right - 4, 23)
 
 
@@ -53,7 +59,7 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> fl
     """Draw the map from above with the name and number of each pallet; returns the y of its lower end."""
     n_x, n_y = scene.field.shape
     cell = min(page.across / n_x, _PLAN_HEIGHT / n_y)
-    left, bottom = page.left + (page.across - n_x * cell) / 2, 42 + n_y * cell
+    left, bottom = page.left + (page.across - n_x * cell) / 2, 43 + n_y * cell
     side = scene.field.block_width
     for each in pallets:
         field = each.pallet.field
@@ -70,6 +76,7 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> fl
         page.rectangle((plan.left, plan.top), (cells_x * cell, cells_y * cell), linewidth=1.2)
         if len(pallets) > 1:
             _draw_name(plan, each)
+    draw_run(page, (left, left + n_x * cell), bottom - n_y * cell / 2)
     if len(pallets) == 1:
         return bottom
     rule = "Pallets are built row by row from the north-west; A1 is the one of smallest x and y, as on a chess board."
@@ -98,48 +105,59 @@ def _draw_cutting_plan(page: Page, scene: Scene, settings: CutSettings, y: float
     """Draw what to buy and how every piece is cut; returns the y of the next line."""
     counts = length_counts(scene.field)
     plan = plan_cuts(counts, settings)
-    y = page.heading(_RIGHT, y, "Timber to buy", COLUMN)
+    y = page.heading(RIGHT, y, "Timber to buy", COLUMN)
     for text, amount in _timber(scene, plan):
-        page.text(_RIGHT, y, text)
-        page.text(_RIGHT + COLUMN, y, amount, ha="right")
+        page.text(RIGHT, y, text)
+        page.text(RIGHT + COLUMN, y, amount, ha="right")
         y += ROW
-    y = page.heading(_RIGHT, y + 4, f"Cutting {decimal(settings.stock_cm)} cm of stock", COLUMN)
-    rows = [_pattern_row(pattern, settings) for pattern in plan.patterns]
+    y = page.heading(RIGHT, y + 4, f"Cutting {stock_length(scene, settings)} of stock", COLUMN)
+    return draw_patterns(page, plan, y, lengths_in(scene.recipe.units))
+
+
+def draw_patterns(page: Page, plan: CuttingPlan, y: float, written: Lengths) -> float:
+    """Draw how every piece of stock is cut, in the right column; returns the y of the next line."""
+    rows = [_pattern_row(pattern, plan.settings, written) for pattern in plan.patterns]
     for number, (pieces, parts, offcut) in enumerate(rows):
         if y + len(parts) * ROW > page.bottom:
-            page.text(_RIGHT, y, f"and {len(rows) - number} more ways, which the sheet as CSV has", 8, color=GREY)
+            page.text(RIGHT, y, f"and {len(rows) - number} more ways, which the sheet as CSV has", 8, color=GREY)
             return y + ROW
-        page.text(_RIGHT + 10, y, pieces, ha="right")
+        page.text(RIGHT + 10, y, pieces, ha="right")
         for at, line in enumerate(parts):
-            page.text(_RIGHT + 13, y + at * ROW, line)
-        page.text(_RIGHT + COLUMN, y, offcut, 8, ha="right", color=GREY)
+            page.text(RIGHT + 13, y + at * ROW, line)
+        page.text(RIGHT + COLUMN, y, offcut, 8, ha="right", color=GREY)
         y += len(parts) * ROW
     return y
 
 
 def _timber(scene: Scene, plan: CuttingPlan) -> Iterator[tuple[str, str]]:
     """The lines about timber, each a text and an amount."""
-    side, settings = decimal(scene.recipe.block_width_cm), plan.settings
-    yield f"blocks: {decimal(settings.stock_cm)} cm of {side} x {side} cm", _pieces(plan.pieces)
-    yield "  blocks together", f"{metres(plan.timber)} m"
-    yield f"  lost to the saw, {decimal(settings.kerf_mm)} mm a cut", f"{metres(plan.kerf_loss)} m"
-    yield "  left over", f"{metres(plan.offcuts)} m"
-    known = frames(scene.recipe)
+    written, settings = lengths_in(scene.recipe.units), plan.settings
+    side = written.short(nanometres(scene.recipe.block_width_cm))
+    yield f"blocks: {stock_length(scene, settings)} of {side} x {side} {written.unit}", _pieces(plan.pieces)
+    yield "  blocks together", written.long(plan.timber)
+    yield f"  lost to the saw, {written.cut(settings.kerf)} per cut", written.long(plan.kerf_loss)
+    if plan.trimmed:
+        yield f"  ends, {written.short(settings.trim // 2)} {written.unit} each", written.long(plan.trimmed)
+    yield "  left over", written.long(plan.offcuts)
+    known = frames(scene.recipe, settings.play)
     if known:
-        yield "frame boards", _stock(known, settings)
-        high = decimal(scene.recipe.frame_height_cm)
-        yield f"  {side} cm wide, {high} cm high", f"{metres(known.timber)} m"
+        high = written.short(nanometres(scene.recipe.frame_height_cm))
+        yield (
+            f"frames: {stock_length(scene, settings)} of {side} x {high} {written.unit}",
+            _stock(scene, known, settings),
+        )
         for one, count in known.all_boards.items():
-            yield f"  {count:,} of {centimetres(one)} cm", f"{metres(one * count)} m"
+            yield f"  {count:,} boards of {written.short(one)} {written.unit}", written.long(one * count)
 
 
-def _stock(known: Frames, settings: CutSettings) -> str:
+def stock_length(scene: Scene, settings: CutSettings) -> str:
+    """The length of a piece of stock with its unit."""
+    return f"{lengths_in(scene.recipe.units).short(settings.stock)} {lengths_in(scene.recipe.units).unit}"
+
+
+def _stock(scene: Scene, known: Frames, settings: CutSettings) -> str:
     """The pieces of stock for the boards, if it is long enough for them."""
-    return (
-        f"longer than {decimal(settings.stock_cm)} cm"
-        if max(known.boards) > settings.stock
-        else _pieces(plan_cuts(known.all_boards, settings).pieces)
-    )
+    return "too short" if max(known.boards) > settings.usable else _pieces(plan_cuts(known.all_boards, settings).pieces)
 
 
 def _pieces(count: int) -> str:
@@ -147,10 +165,10 @@ def _pieces(count: int) -> str:
     return f"{count:,} piece{'s'[: count != 1]}"
 
 
-def _pattern_row(pattern: Pattern, settings: CutSettings) -> tuple[str, list[str], str]:
+def _pattern_row(pattern: Pattern, settings: CutSettings, written: Lengths) -> tuple[str, list[str], str]:
     """A cutting pattern as texts: number of pieces, parts in a few lines, and offcut."""
-    parts = " + ".join(f"{count}\xa0x\xa0{centimetres(one)}" for one, count in pattern.parts)
-    return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{centimetres(pattern.offcut(settings))} left"
+    parts = " + ".join(f"{count}\xa0x\xa0{written.short(one)}" for one, count in pattern.parts)
+    return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{written.short(pattern.offcut(settings))} left"
 
 
 def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: float) -> None:
@@ -160,7 +178,10 @@ def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: 
         return
     y = page.heading(page.left, y, "Blocks for each pallet", page.across)
     columns = [page.left + 8, page.left + 24, *(page.left + 44 + 17 * at for at in range(len(levels)))]
-    heads = [f"{centimetres(length(level, scene.field))} cm" for level in levels]
+    heads = [
+        f"{lengths_in(scene.recipe.units).short(length(level, scene.field))} {lengths_in(scene.recipe.units).unit}"
+        for level in levels
+    ]
     y = page.table(y, columns, [("", "pallet", *heads)], size=8, color=GREY)
     for each in pallets:
         counts = each.pallet.field.level_counts()

@@ -6,9 +6,10 @@ from itertools import product
 
 import numpy as np
 
+from rsegen.exporters.fingerprint import fingerprint
+from rsegen.exporters.lengths import lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list
-from rsegen.exporters.sheet.cutting import centimetres
 from rsegen.exporters.sheet.order import NumberedPallet, length, placing_order
 from rsegen.exporters.sheet.page import GREY, INK, POINT, Page
 from rsegen.exporters.sheet.plan_view import PlanView, block_colour, ink
@@ -32,9 +33,9 @@ _PLACING = (
     "Cells with their corners marked have no block.",
 )
 _RULE = (
-    "x and y count the cells of the map from 0 in its",
-    "south-west corner, x to the east, y to the north, frames",
-    "left out, as in the recipe.",
+    "Seen from above. x and y count the cells of the map",
+    "from 0 in its south-west corner, x to the east, y to",
+    "the north, frames left out, as in the recipe.",
 )
 
 
@@ -57,7 +58,8 @@ def _draw_head(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int)
     (x, y), (n_x, n_y) = numbered.corner, numbered.levels.shape
     page.text(page.left, 22, f"Pallet {numbered.name}", 20, fontweight="bold")
     where = f"cells {x}..{x + n_x - 1} along x, {y}..{y + n_y - 1} along y"
-    order = f"{scene.name}, {numbered.number} of {pallets} in the order of building; {where}"
+    name = f"fingerprint {fingerprint(numbered.levels)}"
+    order = f"{scene.name}, {numbered.number} of {pallets} in the order of building; {where}; {name}"
     page.fitted((page.left, 29), order, 9, page.across - (52 if pallets > 1 else 12))
     page.compass(page.right - 4, 23)
     if pallets > 1:
@@ -116,12 +118,12 @@ def _draw_blocks(plan: PlanView, numbered: NumberedPallet) -> tuple[str, ...]:
 
 def _labels(plan: PlanView) -> tuple[dict[int, str], tuple[str, ...]]:
     """The text of each level in the cells, and the notes that explain it."""
-    field = plan.field
-    heights = {level: centimetres(length(level, field)) for level in field.level_counts()}
+    field, written = plan.field, lengths_in(plan.scene.recipe.units)
+    heights = {level: written.short(length(level, field)) for level in field.level_counts()}
     if _size(plan.cell, heights) >= _SMALLEST:
-        return heights, ("Large numbers are heights in cm.",)
-    unit = centimetres(length(1, field))
-    notes = "Numbers are levels, for want of room: a block of", f"level n is n x {unit} cm long."
+        return heights, (f"Large numbers are heights in {written.name}.",)
+    unit = written.short(length(1, field))
+    notes = "Numbers are levels, for want of room: a block of", f"level n is n x {unit} {written.unit} long."
     return {level: str(level) for level in heights}, notes
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.exporters.scene import Colour, Scene
-from rsegen.exporters.sheet.page import INK, Page
+from rsegen.exporters.sheet.page import GREY, INK, Page
 from rsegen.field.stepfield import Array, Ints, StepField
 
 EMPTY: Colour = (1.0, 1.0, 1.0)
@@ -60,6 +60,13 @@ class PlanView:
         x, y = self.left + i * self.cell, self.top + (self.field.shape[1] - 1 - j) * self.cell
         round_it = ((0, 0), (self.cell, 0), (self.cell, self.cell), (0, self.cell))
         return np.stack([np.stack([x + aside, y + down], axis=-1) for aside, down in round_it], axis=1)
+
+
+def draw_run(page: Page, ends: tuple[float, float], y: float) -> None:
+    """Draw where a run starts, in the west, and its goal, in the east, beside a plan between two x on the page."""
+    for x, text in ((ends[0] - 3, "start"), (ends[1] + 3, "goal")):
+        page.text(x, y, text, 8, ha="center", va="center", rotation=90, color=GREY)
+        page.text(x, y - 7, "\N{RIGHTWARDS ARROW}", 9, ha="center", va="center", color=GREY)
 
 
 def block_colour(scene: Scene, level: int) -> Colour:

@@ -16,7 +16,9 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Crossing:
-    """The cheapest path from the level ground on one side to that on the other; lengths are None if there is none.
+    """The cheapest path from the level ground on one side to that on the other, of equally cheap ones the shortest.
+
+    Lengths are None if there is none.
 
     length: in the plan   cost: length + every rise and drop on it, metres   ratios: to the straight and level path
     path: (n, 2), its cells i, j; those on the ground are outside the field   costs: (n_x, n_y), inf if unreachable
@@ -86,14 +88,14 @@ def _largest_region(field: StepField, climber: RobotLimits) -> Mask:
     return np.asarray(~field.frame & (group == np.bincount(group[~field.frame]).argmax()))
 
 
-def crossing(field: StepField, climber: RobotLimits, axis: int) -> Crossing:
-    """The cheapest crossing of a field, along x for axis 0, along y for axis 1."""
+def crossing(field: StepField, climber: RobotLimits, axis: int, *, shortest: bool = True) -> Crossing:
+    """The cheapest crossing of a field, along x for axis 0, along y for axis 1; the shortest of equally cheap ones."""
     carrying = lane(field, climber.width, axis)
-    found = cheapest_paths(carrying, round(field.block_width * NANOMETRES), climber.limits)
+    found = cheapest_paths(carrying, round(field.block_width * NANOMETRES), climber.limits, shortest=shortest)
     margin = (len(found.costs) - field.shape[axis]) // 2
     costs = np.where(found.costs == UNREACHABLE, np.inf, found.costs / NANOMETRES)[margin:-margin]
     costs = costs if axis == 0 else costs.T
-    end = int(found.costs[-1].argmin())
+    end = int(np.lexsort((found.moves[-1] * shortest, found.costs[-1]))[0])
     if (cost := int(found.costs[-1, end])) == UNREACHABLE:
         return _no_crossing(costs)
     path = found.path_to(found.costs.size - found.costs.shape[1] + end) - (margin, 0)

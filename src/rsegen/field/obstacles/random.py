@@ -125,7 +125,7 @@ class Random(Region):
             return patch
         levels = patch.levels if self.counts is None else self._shuffled(patch.levels.shape, rng)
         if self.max_step is not None:
-            order = rearranged(levels, self.max_step, rng) if _has_no_gap(levels, self.max_step) else None
+            order = rearranged(levels, self.max_step, rng)
             if order is None:
                 raise ParameterError(
                     "max_step",
@@ -146,8 +146,3 @@ class Random(Region):
         shares = np.array(list(accumulate(self.weights))) / math.fsum(self.weights)
         top = max(level for level, weight in enumerate(self.weights) if weight)
         return np.minimum(np.searchsorted(shares, f, side="right"), top).astype(np.int16)
-
-
-def _has_no_gap(levels: Levels, limit: int) -> bool:
-    """Whether no step between one level and the next higher one is above the limit: somewhere they are neighbours."""
-    return not (np.diff(np.unique(levels)) > limit).any()

@@ -9,22 +9,23 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import FileError
-from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register, whole_units
+from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
+from rsegen.io.importers.measured import Measured
+from rsegen.io.importers.rounding import CENTIMETRES
 from rsegen.io.importers.table import centimetres
 from rsegen.io.npy_files import mapped
-from rsegen.params.sorts import Choice, Flag
+from rsegen.params.sorts import Choice
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Saved(Importer):
+class Saved(Measured):
     """An array of shape (n_x, n_y), as StepField.levels is: axis 0 along x, axis 1 along y, no pickles."""
 
     name: ClassVar[str] = "array"
     suffixes: ClassVar[tuple[str, ...]] = (".npy",)
 
-    values: Annotated[str, Choice(("cm", "m", "levels"), help="what its numbers are; default: cm")] = "cm"
-    rounded: Annotated[bool, Flag(help="round heights that are no whole units, which are refused otherwise")] = False
+    values: Annotated[str, Choice((*CENTIMETRES, "levels"), help="what its numbers are; in: inches")] = "cm"
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """The shape is looked at before anything else is."""
@@ -34,5 +35,4 @@ class Saved(Importer):
             raise FileError(f"{path}: {found.ndim} axes of {sort}; give an array of numbers with two axes")
         refuse_too_many_cells(path, *found.shape)
         unit = unit_cm or USUAL_UNIT_CM
-        heights = np.asarray(found, dtype=np.float64) * centimetres(self.values, unit)
-        return Heights(levels=whole_units(path, heights, unit, rounded=self.rounded), unit_cm=unit)
+        return self.measured(path, np.asarray(found, dtype=np.float64) * centimetres(self.values, unit), unit)

@@ -17,7 +17,8 @@ import numpy as np
 from rsegen.errors import FileError
 from rsegen.exporters.formats.base import FORMATS as WRITTEN
 from rsegen.exporters.formats.base import RESERVED
-from rsegen.field.stepfield import Array, Ints
+from rsegen.field.stepfield import Array, Ints, Mask
+from rsegen.io.importers.rounding import Rounding, advice, are_not_blocks
 from rsegen.io.resources import refuse_many_heights
 from rsegen.params.contract import Contract, clash
 from rsegen.params.registry import Registry
@@ -32,13 +33,23 @@ USUAL_UNIT_CM = 10.0
 _HIGHEST = 32766
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Heights:
-    """The content of a file: levels of shape (n_x, n_y), their unit [cm], and values of the recipe that it has."""
+    """The content of a file: levels of shape (n_x, n_y), their unit [cm], and values of the recipe that it has.
+
+    errors_cm, holes: (n_x, n_y), by how much each height is above its level, and which cells were filled, if known.
+    """
 
     levels: Ints
     unit_cm: float
     recipe_values: Mapping[str, Any] = field(default_factory=dict)
+    errors_cm: Array | None = None
+    holes: Mask | None = None
+
+    @property
+    def rounding(self) -> Rounding | None:
+        """How far the heights were rounded, if that is known."""
+        return None if self.errors_cm is None or self.holes is None else Rounding.of(self.errors_cm, self.holes)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -63,8 +74,19 @@ def refuse_too_many_cells(path: Path, n_x: int, n_y: int) -> None:
     refuse_many_heights(str(path), n_x, n_y)
 
 
-def whole_units(path: Path, heights_cm: Array, unit_cm: float, *, rounded: bool) -> Ints:
-    """Heights [cm], shape (n_x, n_y), as levels; a FileError for the first that is no whole unit, unless `rounded`."""
+def whole_units(
+    path: Path,
+    heights_cm: Array,
+    unit_cm: float,
+    *,
+    rounded: bool,
+    any_heights: bool = True,
+    holes: Mask | None = None,
+) -> Ints:
+    """Heights [cm], shape (n_x, n_y), as levels; a FileError for the first that is no whole unit, unless `rounded`.
+
+    any_heights: else heights that are no measured blocks of that unit are refused; holes: cells that do not tell.
+    """
     units = heights_cm / unit_cm
     levels = np.floor(units + 0.5)
     bad = ~np.isfinite(units) | (levels < 0) | (levels > _HIGHEST)
@@ -73,10 +95,23 @@ def whole_units(path: Path, heights_cm: Array, unit_cm: float, *, rounded: bool)
             bad |= np.abs(units - levels) > 1e-3
     if bad.any():
         column, row = (int(at) for at in np.argwhere(bad[:, ::-1])[0])
-        amiss = f"{heights_cm[:, ::-1][column, row]:g} cm is not 0..{_HIGHEST} whole units of {unit_cm:g} cm"
+        height = heights_cm[:, ::-1][column, row]
+        amiss = (
+            "nan cm is a hole"
+            if np.isnan(height)
+            else f"{height:g} cm is not 0..{_HIGHEST} whole units of {unit_cm:g} cm"
+        )
+        said = "fill_holes gives it the height of its neighbours" if np.isnan(height) else advice(heights_cm, unit_cm)
         raise FileError(
-            f"{path}: row {row + 1} from the top, column {column + 1}: {amiss}{_others(int(bad.sum()) - 1)}; "
-            "is it another unit_cm, other values (cm, m, levels), or to be rounded?"
+            f"{path}: row {row + 1} from the top, column {column + 1}: {amiss}{_others(int(bad.sum()) - 1)}; {said}"
+        )
+    told = np.ones(levels.shape, dtype=bool) if holes is None else ~holes
+    if rounded and not any_heights and are_not_blocks(units[told], levels[told]):
+        heights = heights_cm[told]
+        raise FileError(
+            f"{path}: heights of {heights.min():.4g} to {heights.max():.4g} cm are no blocks of {unit_cm:g} cm: "
+            f"{advice(heights, unit_cm)}; "
+            "any_heights rounds them all the same"
         )
     return levels.astype(np.int32)
 

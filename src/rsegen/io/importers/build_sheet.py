@@ -13,11 +13,15 @@ import numpy as np
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.exporters.sheet.listing import COLUMNS, RECIPE_KEYS
 from rsegen.field.stepfield import Array
+from rsegen.params.lengths import CENTIMETRES
 from rsegen.params.places import Cell
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 
-_HEAD = re.compile(r"^" + r"([,;\t])".join(f'"?{name}"?' for name in COLUMNS) + r"[,;\t]*\r?$", re.MULTILINE)
+_HEAD = re.compile(
+    r"^" + r"([,;\t])".join(f'"?{name}"?' for name in COLUMNS).replace("_cm", "_(?P<unit>cm|in)") + r"[,;\t]*\r?$",
+    re.MULTILINE,
+)
 _SAID = re.compile(rf'^"?# *({"|".join(RECIPE_KEYS)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
 _MOST_ROWS = 1_000_000
 
@@ -53,7 +57,13 @@ def heights_cm(path: Path, text: str) -> Array:
         )
     heights = np.empty((n_x, n_y))
     heights[tuple(np.array(list(cells)).T)] = list(cells.values())
-    return heights
+    return heights * CENTIMETRES[unit_of(text)]
+
+
+def unit_of(text: str) -> str:
+    """The unit of the heights of a build sheet, by its header: cm or in."""
+    head = _HEAD.search(text)
+    return head["unit"] if head else "cm"
 
 
 def _rows(path: Path, text: str) -> Iterator[tuple[int, Cell, float]]:

@@ -8,23 +8,25 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 
-from rsegen.errors import FileError
+from rsegen.errors import FileError, ParameterError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.io.image_files import opened_image
-from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
-from rsegen.params.places import Cell, Size2D
-from rsegen.params.sorts import Flag, Float, Integer
+from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
+from rsegen.io.importers.measured import Measured
+from rsegen.params.places import Cell
+from rsegen.params.sorts import Choice, Flag, Float, Integer, parameters
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
 _WHITE_OF_16_BITS = 65535
+_OF_MEASURES = tuple(name for name in parameters(Measured) if name != "size")
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Picture(Importer):
-    """A grey image of 8 or 16 bits, white the highest; colours count by brightness, transparent parts as black."""
+class Picture(Measured):
+    """A grey image, white the highest, or heights or depths in mm; colours by brightness, transparent parts black."""
 
     name: ClassVar[str] = "image"
     suffixes: ClassVar[tuple[str, ...]] = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp")
@@ -34,14 +36,43 @@ class Picture(Importer):
     threshold: Annotated[
         float | None, Float(0, 100, unit="%", help="only two levels: the highest from this grey on, else 0")
     ] = None
-    size: Annotated[
-        Cell | None, Size2D(help="resample to this many cells along x and y; default: one pixel per cell")
+    values: Annotated[
+        str,
+        Choice(
+            ("grey", "mm", "depth"),
+            help="what its pixels are: shares of the highest level; heights in mm; distances in mm below a level "
+            "camera, 0 for none",
+        ),
+    ] = "grey"
+    camera_cm: Annotated[
+        float | None, Float(0.1, 100_000, unit="cm", help="height of the camera above the ground, for depth")
     ] = None
+
+    def __post_init__(self) -> None:
+        Measured.__post_init__(self)
+        if (self.values == "depth") != (self.camera_cm is not None):
+            raise ParameterError("camera_cm", "give the height of the camera with values: depth, and only then")
+        given = [name for name in _OF_MEASURES if self.values == "grey" and getattr(self, name)]
+        if given:
+            raise ParameterError(given[0], "is for values: mm and depth; grey has no heights of its own")
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Its size is looked at before it is decoded."""
+        if self.values != "grey":
+            return self.measured(path, self._heights_cm(path), unit_cm or USUAL_UNIT_CM)
         grey = brightness(path, self.size)
         return Heights(levels=self._levels(1 - grey if self.invert else grey), unit_cm=unit_cm or USUAL_UNIT_CM)
+
+    def _heights_cm(self, path: Path) -> Array:
+        """The heights of all pixels, shape (n_x, n_y); nan where a depth camera saw nothing."""
+        with opened_image(path) as image:
+            refuse_too_many_cells(path, *image.size)
+            if not image.mode.startswith("I"):
+                raise FileError(f"{path}: {image.mode} pixels; heights and depths in mm are grey of 16 bits")
+            millimetres = np.asarray(_grey(path, image)[0], dtype=np.float64)[::-1].T
+        if self.camera_cm is None:
+            return millimetres / 10
+        return np.where(millimetres == 0, np.nan, self.camera_cm - millimetres / 10)
 
     def _levels(self, grey: Array) -> Ints:
         top = self.max_height - 1

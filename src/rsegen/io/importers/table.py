@@ -13,17 +13,11 @@ import numpy as np
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.stepfield import Array
 from rsegen.io.importers import build_sheet
-from rsegen.io.importers.base import (
-    MOST_CELLS,
-    USUAL_UNIT_CM,
-    Heights,
-    Importer,
-    refuse_too_many_cells,
-    register,
-    whole_units,
-)
+from rsegen.io.importers.base import MOST_CELLS, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
+from rsegen.io.importers.measured import Measured
+from rsegen.io.importers.rounding import CENTIMETRES
 from rsegen.io.text_files import text_of
-from rsegen.params.sorts import Choice, Flag, parameters
+from rsegen.params.sorts import Choice, parameters
 from rsegen.recipe.recipe import Recipe
 
 _MOST_MIB = 128
@@ -32,16 +26,19 @@ _OURS = re.compile(r"# block levels in units of ([0-9.]{1,12}) cm")
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Table(Importer):
+class Table(Measured):
     """A row of numbers a line, the top row the largest y, apart by commas, semicolons, tabs or blanks; # comments."""
 
     name: ClassVar[str] = "table"
     suffixes: ClassVar[tuple[str, ...]] = (".csv", ".tsv", ".txt")
 
     values: Annotated[
-        str, Choice(("auto", "cm", "m", "levels"), help="what its numbers are; auto: as rsegen wrote them, else cm")
+        str,
+        Choice(
+            ("auto", *CENTIMETRES, "levels"),
+            help="what its numbers are; auto: as rsegen wrote them, else cm; in: inches",
+        ),
     ] = "auto"
-    rounded: Annotated[bool, Flag(help="round heights that are no whole units, which are refused otherwise")] = False
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Blank and invalid cells are refused with their place. A build sheet has all its parameters in itself."""
@@ -51,21 +48,22 @@ class Table(Importer):
         ours = _OURS.match(text)
         values = ("levels" if ours else "cm") if self.values == "auto" else self.values
         unit = unit_cm or (_unit_cm(path, ours[1]) if ours else USUAL_UNIT_CM)
-        heights = _numbers(path, text) * centimetres(values, unit)
-        return Heights(levels=whole_units(path, heights, unit, rounded=self.rounded), unit_cm=unit)
+        numbers = _numbers(path, text, blanks=self.fill_holes)
+        return self.measured(path, numbers * centimetres(values, unit), unit)
 
     def _read_list(self, path: Path, text: str, unit_cm: float | None) -> Heights:
-        if self.values not in ("auto", "cm"):
-            raise ParameterError("values", f"{path} is a build sheet, whose heights are in cm; give no {self.values}")
+        written = build_sheet.unit_of(text)
+        if self.values not in ("auto", written):
+            problem = f"{path} is a build sheet, whose heights are in {written}; give no {self.values}"
+            raise ParameterError("values", problem)
         recipe_values = build_sheet.recipe_values(path, text)
         unit = unit_cm or recipe_values.get("unit_cm", USUAL_UNIT_CM)
-        levels = whole_units(path, build_sheet.heights_cm(path, text), unit, rounded=self.rounded)
-        return Heights(levels=levels, unit_cm=unit, recipe_values=recipe_values)
+        return self.measured(path, build_sheet.heights_cm(path, text), unit, recipe_values)
 
 
 def centimetres(values: str, unit_cm: float) -> float:
     """Centimetres of one unit of a file's numbers."""
-    return {"cm": 1.0, "m": 100.0, "levels": unit_cm}[values]
+    return unit_cm if values == "levels" else CENTIMETRES[values]
 
 
 def _unit_cm(path: Path, text: str) -> float:
@@ -78,15 +76,15 @@ def _unit_cm(path: Path, text: str) -> float:
     return found
 
 
-def _numbers(path: Path, text: str) -> Array:
-    """The cells of all lines, shape (n_x, n_y)."""
+def _numbers(path: Path, text: str, *, blanks: bool) -> Array:
+    """The cells of all lines, shape (n_x, n_y); nan for blank ones, if those are allowed."""
     lines = _lines(path, text)
     first, start = lines[0] if lines else (1, "")
     width = _count(start)
     refuse_too_many_cells(path, width, len(lines))
     rows, bad = [], False
     for number, line in lines:
-        cells = _cells(line, width)
+        cells = [cell or "nan" for cell in _cells(line, width)] if blanks else _cells(line, width)
         if len(cells) != width:
             raise FileError(f"{path}: line {number}: {_count(line)} cells, and {width} in line {first}")
         try:
@@ -94,7 +92,7 @@ def _numbers(path: Path, text: str) -> Array:
         except ValueError:
             bad = True
     if bad:
-        raise FileError(f"{path}: {_first_bad(lines)}")
+        raise FileError(f"{path}: {_first_bad(lines, blanks=blanks)}")
     return np.array(rows)[::-1].T
 
 
@@ -125,12 +123,13 @@ def _cells(line: str, most: int = MOST_CELLS) -> list[str]:
     return [cell.strip() for cell in line.split(delimiter, most)]
 
 
-def _first_bad(lines: Iterable[tuple[int, str]]) -> str:
+def _first_bad(lines: Iterable[tuple[int, str]], *, blanks: bool) -> str:
     """The first cell that is no number, and how many others there are."""
-    bad = ((line, at, cell) for line, text in lines for at, cell in enumerate(_cells(text), 1) if not _number(cell))
+    cells = ((line, at, cell) for line, text in lines for at, cell in enumerate(_cells(text), 1))
+    bad = (each for each in cells if not (_number(each[2]) or (blanks and not each[2])))
     line, column, cell = next(bad)
     others = sum(1 for _ in bad)
-    amiss = f"{shown(cell)} is not a number" if cell else "is blank"
+    amiss = f"{shown(cell)} is not a number" if cell else "is blank: fill_holes gives it the height of its neighbours"
     said = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
     return f"line {line}, column {column}: {amiss}{said}"
 

@@ -54,6 +54,16 @@ def lowered_to(levels: Ints, caps: Ints, left: Blocks | None) -> Ints:
     return found
 
 
+def left_of(field: StepField, owned: Blocks) -> Blocks:
+    """The blocks of each level that a field does not use."""
+    return np.asarray(owned - np.bincount(field.levels[~field.frame], minlength=len(owned)))
+
+
+def used(field: StepField) -> int:
+    """The number of blocks of a field, those of level 0 left out."""
+    return int(np.count_nonzero(field.levels))
+
+
 def _nearest(level: int, levels: int) -> list[int]:
     """All other levels, nearest first; of two that are equally near, the lower first."""
     pairs = ((level - apart, level + apart) for apart in range(1, levels))

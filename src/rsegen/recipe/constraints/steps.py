@@ -14,17 +14,14 @@ def step_limited(field: StepField, limit: int) -> Ints:
 
     Half-way between the highest such levels below the field and the lowest above it.
     """
-    low, high = _envelope(field.levels, field, limit), -_envelope(-field.levels, field, limit)
+    low, high = envelope(field.levels, field, limit), -envelope(-field.levels, field, limit)
     return np.asarray(np.where(field.frame, 0, (low + high) // 2))
 
 
-def caps(field: StepField, limit: int) -> Ints:
-    """The highest level that each block may have to meet the limit, if no block is raised."""
-    return _envelope(field.levels, field, limit)
-
-
-def _envelope(levels: Ints, field: StepField, limit: int) -> Ints:
-    """min over all blocks of level + limit * distance from block to block; above all levels in frame cells."""
+def envelope(levels: Ints, field: StepField, limit: int) -> Ints:
+    """The highest levels that meet the limit and are not above `levels`, (n_x, n_y): the least over all blocks of
+    level + limit * distance from block to block; above all levels in frame cells.
+    """
     found = np.where(field.frame, _ANYTHING, levels.astype(np.int64))
     while True:
         p = np.pad(found, 1, constant_values=_ANYTHING)

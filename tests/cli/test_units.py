@@ -1,0 +1,85 @@
+"""Inches: said of every length, on build sheets and back."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from rsegen import build, load
+from rsegen.cli import main
+from tests.support.complaints import the_line
+
+POSTS = ["--unit-cm", "3.5in", "--block-width-cm", "3.5in", "--frame-height-cm", "3.5in"]
+INCHES = ["red-diagonal-pallet", "--units", "in", *POSTS]
+
+
+def test_a_sheet_in_inches_is_cut_from_8_feet(tmp_path: Path) -> None:
+    assert main(["sheet", *INCHES, "-o", str(tmp_path / "sheet.csv")]) == 0
+    lines = (tmp_path / "sheet.csv").read_text("utf-8").splitlines()
+    assert "# cut: 27 blocks of 3.5 in" in lines
+    assert "# cut: 10 blocks of 14 in" in lines
+    assert "# stock for the blocks: 8 pieces of 96 in less 0.1562 in per cut and 1 in of ends" in lines
+    assert "# frames: 2 boards of 42 in" in lines
+    assert "pallet,order,x,y,height_in" in lines
+    assert "A1,8,9,9,14" in lines
+
+
+def test_a_sheet_in_inches_makes_the_map_again(tmp_path: Path) -> None:
+    assert main(["sheet", *INCHES, "-o", str(tmp_path / "sheet.csv")]) == 0
+    assert main(["import", str(tmp_path / "sheet.csv"), "-o", str(tmp_path)]) == 0
+    again = load(tmp_path / "sheet_0000" / "recipe.json")
+    assert (again.units, again.unit_cm, again.block_width_cm, again.frame_height_cm) == ("in", 8.89, 8.89, 8.89)
+    assert main(["generate", *INCHES, "-o", str(tmp_path)]) == 0
+    assert build(again) == build(load(tmp_path / "red-diagonal-pallet_0000" / "recipe.json"))
+
+
+def test_stock_and_kerf_may_be_of_any_unit(tmp_path: Path) -> None:
+    flags = ["--stock-cm", "10ft", "--kerf-mm", "0.1in", "--tolerance-mm", "0mm", "-o", str(tmp_path / "sheet.csv")]
+    assert main(["sheet", *INCHES, *flags]) == 0
+    assert "pieces of 120 in less 0.1 in per cut and 1 in of ends" in (tmp_path / "sheet.csv").read_text("utf-8")
+
+
+def test_pages_in_inches_have_no_centimetres(tmp_path: Path) -> None:
+    from rsegen import CutSettings, compose
+    from rsegen.exporters.sheet import pages
+
+    assert main(["generate", *INCHES, "-o", str(tmp_path)]) == 0
+    scene = compose(load(tmp_path / "red-diagonal-pallet_0000" / "recipe.json"))
+    for page in pages(scene, CutSettings.default("in")):
+        texts = [text.get_text() for axes in page.axes for text in axes.texts]
+        assert texts
+        assert not [text for text in texts if re.search(r"\d (cm|mm|m)\b|in cm|\d kg$", text)]
+
+
+def test_heights_in_inches_are_imported(tmp_path: Path) -> None:
+    (tmp_path / "heights.csv").write_text("0,3.5\n14,7\n", "utf-8")
+    words = ["import", str(tmp_path / "heights.csv"), "-o", str(tmp_path), "--units", "in", "--unit-cm", "3.5in"]
+    assert main(words) == 0
+    recipe = load(tmp_path / "heights_0000" / "recipe.json")
+    assert build(recipe).levels.tolist() == [[4, 0], [2, 1]]
+    assert (recipe.units, recipe.unit_cm) == ("in", 8.89)
+
+
+def test_an_inventory_in_inches(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "blocks.csv").write_text("height_in,count\n3.5,2\n14,1\n", "utf-8")
+    words = ["--obstacle", "random levels=5", "--seed", "1", "--units", "in", "--unit-cm", "3.5in"]
+    words += ["--inventory", str(tmp_path / "blocks.csv"), "-o", str(tmp_path)]
+    assert main(["generate", *words]) == 0
+    assert load(tmp_path / "rse_0000" / "recipe.json").inventory == (2, 0, 0, 1)
+    assert " of 10.5 in" in capsys.readouterr().out
+
+
+def test_a_number_without_a_unit_is_refused_with_inches(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["generate", "peak", "--units", "in", "--unit-cm", "3.5", "-o", str(tmp_path / "out")]
+    assert main(words) == 2
+    assert "unit_cm: '3.5' has no unit; with units in give 3.5in or 3.5cm" in the_line(capsys.readouterr().err)
+    assert not (tmp_path / "out").exists()
+
+
+def test_info_is_in_the_units_of_the_recipe(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["info", *INCHES]) == 0
+    said = capsys.readouterr().out
+    assert "blocks   100 in levels of 3.5 in" in said
+    assert "  level   4       14 in         10   10.0%" in said
