@@ -23,6 +23,9 @@ from rsegen.gui.widgets.named import named
 
 _HIGHEST = 32766
 _SWATCHES = 8
+_CHECKED = "QToolButton:checked { border: 2px solid palette(highlight); border-radius: 3px; padding: 1px; }"
+"""In dark palettes some styles hardly show which button is checked."""
+
 _TIP = (
     "paint single cells (P): the left mouse button paints, the right one erases; on the keyboard arrows move, a digit "
     "sets the cell to that level and moves to the next, Space paints, Backspace erases"
@@ -101,6 +104,7 @@ class BrushBar(QWidget):
             swatches.addWidget(self._button(self._swatches, level, f"paint_level_{level}", f"paint level {level}"))
         self._tools.button(0).setChecked(True)
         self._more = QWidget()
+        self._more.setStyleSheet(_CHECKED)
         column = QVBoxLayout(self._more)
         for row in (tools, swatches):
             row.addStretch(1)
