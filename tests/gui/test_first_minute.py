@@ -11,7 +11,18 @@ pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]
 
 from PySide6.QtCore import QPoint, QSettings, QSize, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QMessageBox, QSlider, QSpinBox, QToolButton, QWidget
+from PySide6.QtWidgets import (
+    QApplication,
+    QLabel,
+    QLineEdit,
+    QMenu,
+    QMessageBox,
+    QPushButton,
+    QSlider,
+    QSpinBox,
+    QToolButton,
+    QWidget,
+)
 
 from rsegen import load
 from rsegen.field.obstacles import KINDS
@@ -43,19 +54,20 @@ def has_ghost(window: Window) -> bool:
     return window.views.plan._ghost is not None
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_untouched_defaults_of_every_kind_are_valid(window: Window, kind: str) -> None:
+def test_the_untouched_defaults_of_every_kind_are_valid(window: Window, kind: str, seed: int) -> None:
+    window.session.set("seed", seed)
     form = window.forms.obstacle
     form.kind.setCurrentIndex(form.kind.findData(kind))
     click(window, "default_ends")
     click(window, "add")
     assert window.session.problem is None
     assert {"first", "last"} <= set(window.session.draft.rows[0].entry)
-    for name in ("x_first", "y_last"):
+    for name, end, axis in (("x_first", "first", 0), ("y_last", "last", 1)):
         find(form, QSlider, name).setValue(5)
         assert window.session.problem is None, window.session.problem
-    entry = window.session.draft.rows[0].entry
-    assert (entry["first"][0], entry["last"][1]) == (5, 5)
+        assert window.session.draft.rows[0].entry[end][axis] == 5
 
 
 def test_the_ghost_of_the_form_goes_with_it_until_the_obstacle_is_added(window: Window) -> None:
@@ -174,12 +186,13 @@ def test_the_seed_is_shown_whole(window: Window) -> None:
 
 
 def test_a_written_map_can_be_opened_and_sent_from_beside_start(window: Window, tmp_path: Path) -> None:
-    button = find(window.forms, QToolButton, "open_in")
+    button = find(window.forms, QPushButton, "open_in")
     assert not button.isVisible()
     window.outputs.start_into(tmp_path / "out")
     until(button.isVisible)
     assert str(tmp_path / "out") in find(window.forms.start_form, QLabel, "outcome").text()
-    assert [action.objectName() for action in button.menu().actions()] == [
-        "Open in Gazebo Sim",
-        "Open in Gazebo Classic",
-    ]
+    QTest.mouseClick(button, LEFT)
+    menu = QApplication.activePopupWidget()
+    assert isinstance(menu, QMenu)
+    assert [action.objectName() for action in menu.actions()] == ["Open in Gazebo Sim", "Open in Gazebo Classic"]
+    menu.close()

@@ -101,6 +101,7 @@ def test_the_type_height_and_softness_of_the_form_are_those_of_the_row(window: W
 def test_sliders_move_the_ends_of_the_chosen_obstacle(window: Window) -> None:
     choose(window, "peak")
     window.forms.obstacle.default_ends.setChecked(False)
+    find(window.forms.obstacle, QSlider, "x_last").setValue(5)
     click(window, "add")
     slider = find(window.forms.obstacle, QSlider, "x_last")
     assert slider.maximum() == 9
@@ -127,6 +128,9 @@ def test_undo_and_redo_by_key(window: Window) -> None:
 def test_a_problem_stands_beside_its_row_and_nothing_can_be_started(window: Window) -> None:
     choose(window, "peak")
     window.forms.obstacle.default_ends.setChecked(False)
+    for name in ("x_first", "y_first", "y_last"):
+        find(window.forms.obstacle, QSlider, name).setValue(2)
+    find(window.forms.obstacle, QSlider, "x_last").setValue(9)
     click(window, "add")
     window.session.set("chunk_size", 5)
     assert window.forms.error_label.text() == "Row 1, X last: 9 is outside 0..4"

@@ -61,7 +61,9 @@ def fill_edit_menu(
     )
 
 
-def fill_view_menu(menus: CommandMenus, menu: QMenu, views: MapViews, outputs: Outputs) -> None:
+def fill_view_menu(
+    menus: CommandMenus, menu: QMenu, views: MapViews, outputs: Outputs, show_all: Callable[[], object]
+) -> None:
     """View: the camera, and pictures of what is seen."""
     view = views.view
     menus.add(
@@ -72,6 +74,7 @@ def fill_view_menu(menus: CommandMenus, menu: QMenu, views: MapViews, outputs: O
         Command("In &perspective", lambda: view.look_from(Side.PERSPECTIVE), "Ctrl+1"),
         Command("From &above", lambda: view.look_from(Side.TOP), "Ctrl+2"),
         Command("From the &south", lambda: view.look_from(Side.SOUTH), "Ctrl+3"),
+        Command("All &maps of the recipe...", show_all, "Ctrl+M", lambda: outputs.is_valid),
         Command("Save &picture...", lambda: outputs.save_picture(view)),
         Command("Save p&lan...", lambda: outputs.save_plan(views.plan)),
     )
@@ -92,5 +95,6 @@ def fill_run_menu(
     menus.add(
         menu,
         Command("Spawn in the &running simulation", outputs.spawn, "F6", lambda: outputs.is_valid),
+        Command("&Drive over the map...", outputs.drive, "Ctrl+Shift+D", lambda: outputs.is_valid),
         Command("Show &command line and Python code...", outputs.show_code, "Ctrl+E", lambda: outputs.is_valid),
     )

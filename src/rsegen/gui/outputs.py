@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 from rsegen.errors import RsegenError
 from rsegen.gui.dialogs.as_code import CodeDialog
 from rsegen.gui.dialogs.build_sheet import SheetDialog
+from rsegen.gui.dialogs.drive import DriveDialog
 from rsegen.gui.dialogs.export import ExportDialog
 from rsegen.gui.dialogs.picture_size import PictureSizeDialog
 from rsegen.gui.model.document import Document
@@ -57,6 +58,10 @@ class Outputs:
     def build_sheet(self) -> None:
         """Open the dialog that writes the build sheet of the map that is shown."""
         SheetDialog(self._document.session.recipe, self._index(), self._parent).open()
+
+    def drive(self) -> None:
+        """Open the dialog that drives robots over the map that is shown."""
+        DriveDialog(self._document.session.recipe, self._index(), self._parent).open()
 
     def show_code(self) -> None:
         """Open the dialog with the command line and the Python code that write the same maps."""

@@ -6,6 +6,7 @@ from PySide6.QtCore import QSettings, QSize, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QDialog, QMainWindow, QMenu, QSplitter
 
+from rsegen.gui.dialogs.gallery import GalleryDialog
 from rsegen.gui.dialogs.manual import show_manual
 from rsegen.gui.files import Files, dropped_path
 from rsegen.gui.menus import fill_edit_menu, fill_file_menu, fill_run_menu, fill_view_menu
@@ -64,6 +65,15 @@ class Window(QMainWindow):
         """Add the obstacle of the form at the end of the list."""
         self.document.add(self.forms.obstacle.entry())
 
+    def show_all_maps(self) -> None:
+        """Open the dialog with pictures of all maps of the recipe; the one that is chosen there is shown."""
+        recipe = self.session.recipe
+        dialog = GalleryDialog(
+            f"Maps of {recipe.name}", recipe.maps, lambda place: (recipe, recipe.indices[place]), self
+        )
+        dialog.chosen.connect(lambda place: self.status.show_index(recipe.indices[place]))
+        dialog.open()
+
     def _lay_out(self) -> None:
         self.halves = QSplitter()
         for widget, stretch in ((self.forms, 0), (self.views, 1)):
@@ -85,9 +95,10 @@ class Window(QMainWindow):
             button.clicked.connect(lambda _=False, run=run: run())
         forms.start_form.changed.connect(lambda: self._menus.refresh())
         forms.start_form.spawn.clicked.connect(lambda: self.outputs.spawn())
-        simulators = QMenu(forms.start_form.open_in)
-        self.simulators.add_to(simulators)
-        forms.start_form.open_in.setMenu(simulators)
+        self._simulators = QMenu(self)
+        self.simulators.add_to(self._simulators)
+        button = forms.start_form.open_in
+        button.clicked.connect(lambda: self._simulators.popup(button.mapToGlobal(button.rect().topLeft())))
 
     def _connect_views(self) -> None:
         table, plan, document = self.views.table, self.views.plan, self.document
@@ -129,7 +140,7 @@ class Window(QMainWindow):
         self._menus, bar, views = CommandMenus(self, self.finish_typing), self.menuBar(), self.views
         fill_file_menu(self._menus, bar.addMenu("&File"), self.files, self.close)
         fill_edit_menu(self._menus, bar.addMenu("&Edit"), self.document, self.add_obstacle, views.brushes.paint.toggle)
-        fill_view_menu(self._menus, bar.addMenu("&View"), views, self.outputs)
+        fill_view_menu(self._menus, bar.addMenu("&View"), views, self.outputs, self.show_all_maps)
         fill_run_menu(self._menus, bar.addMenu("&Run"), self.outputs, self.forms.start_form, self.simulators)
         self._menus.add(bar.addMenu("&Help"), Command("&Manual", lambda: show_manual(self), "F1"))
 

@@ -13,12 +13,14 @@ from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QLabel,
+    QPushButton,
     QSpinBox,
     QVBoxLayout,
     QWidget,
 )
 
 from rsegen.exporters.scene import compose
+from rsegen.gui.dialogs.gallery import GalleryDialog
 from rsegen.gui.widgets.named import named
 from rsegen.gui.widgets.plan_painting import square_image
 from rsegen.gui.workers.latest_only import LatestOnly, failure_text
@@ -68,6 +70,10 @@ class DatasetDialog(QDialog):
         buttons = QDialogButtonBox(standard.Open | standard.Cancel)
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
+        tip = "all maps as pictures, sorted by any metric"
+        everything = named(QPushButton("All maps..."), "all_maps", title="all maps", tip=tip)
+        buttons.addButton(everything, QDialogButtonBox.ButtonRole.ActionRole)
+        everything.clicked.connect(self._show_all)
         above = QHBoxLayout()
         above.addWidget(self._picture)
         above.addSpacing(12)
@@ -78,6 +84,11 @@ class DatasetDialog(QDialog):
         column.addWidget(buttons)
         self._number.selectAll()
         self._number.setFocus()
+
+    def _show_all(self) -> None:
+        dialog = GalleryDialog(f"Maps of {self._folder.name}", self._layout.maps, self._layout.map_at, self)
+        dialog.chosen.connect(self._number.setValue)
+        dialog.open()
 
     def _description(self) -> QVBoxLayout:
         """The folder, size and seed of the data set, and the field for the number."""

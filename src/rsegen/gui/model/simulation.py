@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,8 +17,10 @@ from rsegen.gui.model.reach import Reach, Way
 from rsegen.gui.model.robot_shape import RobotPart, RobotShape
 from rsegen.io.worlds import generate
 from rsegen.recipe.recipe import Recipe
+from rsegen.simulation.driving.drive import drive
 from rsegen.simulation.driving.footprints import footprint_of
-from rsegen.simulation.driving.robot_runs import spot_generator
+from rsegen.simulation.driving.robot_runs import ROUTES, spot_generator
+from rsegen.simulation.driving.routes import Wandering
 from rsegen.simulation.driving.start_poses import spots_on_map
 from rsegen.simulation.driving.way import planned_way
 from rsegen.simulation.robots import ROBOTS
@@ -36,12 +39,14 @@ __all__ = [
     "Installed",
     "LaunchCommand",
     "SpawnedMap",
+    "drive_map",
     "how_to_install",
     "installed",
     "launch_of",
     "reach",
     "robot_names",
     "robot_shape",
+    "route_names",
     "simulator_titles",
     "spawn",
     "why_it_cannot_open",
@@ -112,6 +117,28 @@ def _spots(field: StepField, footprint: Footprint, seed: int) -> tuple[Spot, ...
         return spots_on_map(field, footprint, 2, spot_generator(seed))
     except ParameterError:  # there are none
         return ()
+
+
+def route_names() -> tuple[str, ...]:
+    """The names of the routes that robots drive."""
+    return ROUTES
+
+
+def drive_map(recipe: Recipe, **options: Any) -> list[str]:
+    """Drive over the first map of a recipe, with the options of `rsegen.drive`; gives a line per robot and per note."""
+    result = drive(recipe, **options)
+    lines = []
+    for each in result.robots:
+        found = each.metrics
+        across = "" if result.route == Wandering.name else _across(found.crossed)
+        tipped = f", tipped over {found.tipped} times" if found.tipped else ""
+        driven = f"{found.distance:.2f} m in {found.seconds:g} s{across}"
+        lines.append(f"{each.name}: {driven}, stuck {found.stuck:g} s{tipped}")
+    return [f"{result.simulator}, {result.route}, seed {result.seed}", *lines, *result.notes]
+
+
+def _across(crossed: float | None) -> str:
+    return ", did not cross the map" if crossed is None else f", crossed the map after {crossed:g} s"
 
 
 def simulator_titles() -> dict[str, str]:

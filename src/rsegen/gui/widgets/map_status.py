@@ -46,6 +46,10 @@ class MapStatusBar(QStatusBar):
         """The index of the map that is chosen."""
         return self._first + self.index.value()
 
+    def show_index(self, index: int) -> None:
+        """Choose the map of an index, if the recipe has it."""
+        self.index.setValue(index - self._first)
+
     @property
     def robot_name(self) -> str:
         """The robot that is chosen, empty if none is."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtWidgets import QCheckBox, QPushButton, QToolButton
+from PySide6.QtWidgets import QCheckBox, QPushButton
 
 from rsegen.gui.model.jobs import WorldsJob
 from rsegen.gui.widgets.named import named
@@ -21,9 +21,7 @@ class StartForm(RunForm):
         tip = "write the maps for other programs: meshes, arrays, images and more (Ctrl+Shift+E)"
         export = named(QPushButton("Export..."), "export", tip=tip)
         tip = "open the map that is shown in a simulator"
-        self.open_in = named(QToolButton(), "open_in", title="open in Gazebo", tip=tip)
-        self.open_in.setText("Open in Gazebo")
-        self.open_in.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.open_in = named(QPushButton("Open in Gazebo..."), "open_in", title="open in Gazebo", tip=tip)
         tip = "spawn the map that is shown in the running simulation (F6)"
         self.spawn = named(QPushButton("Send"), "spawn", title="send to the running simulation", tip=tip)
         super().__init__(_TEXTS, sheets, export, afterwards=(self.open_in, self.spawn))
