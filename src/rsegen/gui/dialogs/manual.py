@@ -19,13 +19,14 @@ _HOW = """
 are imposed on it from the first of the list to the last; where they overlap, the later one counts unless its blend says
 otherwise.</p>
 <h3>Make a map</h3>
-<p><b>File, New from example</b> shows recipes to start from. Or:</p>
+<p>An empty window shows examples to start from; <b>File, New from example</b> has all of them. Or:</p>
 <ol>
 <li>Choose the size of a chunk, how many chunks the map has, and the height step.</li>
 <li>Choose a type of obstacle, its max height (5 gives the heights 0, 1, 2, 3 and 4 steps) and softness, and its ends
-with the sliders; press <b>+</b>. Or draw it on the plan with the mouse.</li>
-<li>Click a row of the list, or a handle on the plan, to change an obstacle; drag its ends; <b>-</b> removes the last,
-<b>C</b> all of them. Drag a row of the list to change the order. Everything can be undone.</li>
+with the sliders: it is shown pale where it will be. Press <b>+ Add</b>. Or draw it on the plan with the mouse.</li>
+<li>Click a row of the list, or a handle on the plan, to change an obstacle; drag its ends; <b>- Remove</b> removes it,
+<b>Clear</b> all of them; Escape makes the form one for a new obstacle. Drag a row of the list to change the order.
+Everything can be undone.</li>
 <li><b>Paint cells</b> (P) gives single cells a level: with the mouse, or by typing digits on the plan; they become a
 matrix.</li>
 <li>A coordinate that is <i>random</i> is drawn anew for every map; <b>Re-roll</b> draws another seed.
@@ -39,6 +40,8 @@ shows the blocks of each level, size, largest step, and what the map costs.</p>
 <p><b>Export</b> writes the maps in formats of other programs. <b>Run, Build sheet</b> writes a build sheet (PDF, CSV)
 for building the map in wood; while <b>Build sheets</b> is ticked, Start adds one to every map. <b>File, Open a map of a
 data set</b> opens one of its maps.</p>
+<p><b>Run, Drive over the map</b> drives robots over it in Gazebo. <b>View, All maps of the recipe</b> shows them as
+pictures, sorted by any metric.</p>
 <p><b>Run, Show command line and Python code</b> shows how to make the same maps without the window.</p>
 """
 
