@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,13 +15,7 @@ from rsegen.cli.simulation_flags import flags_in_errors, simulator_names
 from rsegen.cli.targets import target_of
 from rsegen.params.sorts import Parameter
 from rsegen.simulation.driving.drive import DURATION, OF_A_FILE, ROBOTS, ROUTE, SEED, drive
-from rsegen.simulation.driving.drive_metrics import DriveMetrics
-from rsegen.simulation.driving.drive_result import DriveResult
-from rsegen.simulation.driving.way import PlannedWay
 from rsegen.simulation.robots import ROBOTS as KINDS
-
-_PARTS = 5
-"""The parts of a robot with the most contacts that are printed; drive.json has all."""
 
 _NUMBERS: Mapping[str, Parameter] = {"robots": ROBOTS, "duration": DURATION, "seed": SEED, **OF_A_FILE}
 
@@ -98,36 +92,7 @@ def run(arguments: argparse.Namespace) -> None:
                 progress=progress,
                 **numbers,
             )
-    print(json.dumps(result.as_json(), indent=2) if arguments.json else "\n".join(_report(result)))
-
-
-def _report(result: DriveResult) -> Iterator[str]:
-    yield f"{result.scene.name} in {result.simulator}, {result.route}, seed {result.seed}:"
-    if result.way:
-        yield f"  {_foreseen(result.way)}"
-    for robot in result.robots:
-        found = robot.metrics
-        crossed = "" if result.route == "random" else _crossed(found)
-        tipped = f", tipped over {found.tipped}x" if found.tipped else ""
-        yield f"  {robot.name}: {found.distance:.2f} m in {found.seconds:g} s{crossed}, stuck {found.stuck:g} s{tipped}"
-        if found.touched:
-            yield "    contacts of " + ", ".join(f"{part} {share:.0%}" for part, share in _most(found.touched))
-    yield from (f"note: {line}" for line in result.notes)
-    yield from (f"warning: {line}" for line in dict.fromkeys(result.errors))
-
-
-def _foreseen(way: PlannedWay) -> str:
-    """What the metrics say of the way that the robots follow."""
-    said = {True: "; the robot can climb it", False: "; the robot cannot climb it", None: ""}
-    return f"the way across needs a step of {way.least_step * 100:g} cm{said[way.crosses]}"
-
-
-def _most(touched: Mapping[str, float]) -> Sequence[tuple[str, float]]:
-    return list(touched.items())[:_PARTS]
-
-
-def _crossed(found: DriveMetrics) -> str:
-    return f", crossed the map after {found.crossed:g} s" if found.crossed is not None else ", did not cross the map"
+    print(json.dumps(result.as_json(), indent=2) if arguments.json else "\n".join(result.report()))
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from rsegen.gui.widgets.run_form import FormTexts
 from rsegen.recipe.recipe import Recipe
 
 _TEXTS = FormTexts("drive_folder", "drives", "drive", "Drive", "drive, and write trajectories, metrics and a picture")
-_WIDTH = 480
+_WIDTH = 340
 """The width of the picture in pixels."""
 
 

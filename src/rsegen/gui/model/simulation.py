@@ -20,7 +20,6 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.driving.drive import drive
 from rsegen.simulation.driving.footprints import footprint_of
 from rsegen.simulation.driving.robot_runs import ROUTES, spot_generator
-from rsegen.simulation.driving.routes import Wandering
 from rsegen.simulation.driving.start_poses import spots_on_map
 from rsegen.simulation.driving.way import planned_way
 from rsegen.simulation.robots import ROBOTS
@@ -125,20 +124,8 @@ def route_names() -> tuple[str, ...]:
 
 
 def drive_map(recipe: Recipe, **options: Any) -> list[str]:
-    """Drive over the first map of a recipe, with the options of `rsegen.drive`; gives a line per robot and per note."""
-    result = drive(recipe, **options)
-    lines = []
-    for each in result.robots:
-        found = each.metrics
-        across = "" if result.route == Wandering.name else _across(found.crossed)
-        tipped = f", tipped over {found.tipped} times" if found.tipped else ""
-        driven = f"{found.distance:.2f} m in {found.seconds:g} s{across}"
-        lines.append(f"{each.name}: {driven}, stuck {found.stuck:g} s{tipped}")
-    return [f"{result.simulator}, {result.route}, seed {result.seed}", *lines, *result.notes]
-
-
-def _across(crossed: float | None) -> str:
-    return ", did not cross the map" if crossed is None else f", crossed the map after {crossed:g} s"
+    """Drive over the first map of a recipe, with the options of `rsegen.drive`; gives the lines of its report."""
+    return list(drive(recipe, **options).report())
 
 
 def simulator_titles() -> dict[str, str]:

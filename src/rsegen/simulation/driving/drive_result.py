@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path, PurePosixPath
 
@@ -12,9 +12,13 @@ from rsegen.io.writer import write
 from rsegen.recipe.codec import map_json
 from rsegen.simulation.driving.contacts import ContactSamples, contacts_csv
 from rsegen.simulation.driving.drive_metrics import DriveMetrics, Trajectory
+from rsegen.simulation.driving.routes import Wandering
 from rsegen.simulation.driving.trajectory_plot import draw_trajectories
 from rsegen.simulation.driving.way import PlannedWay
 from rsegen.simulation.simulators.live_world import Pose
+
+_PARTS = 5
+"""The parts of a robot with the most contacts that are reported; drive.json has all."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -65,6 +69,23 @@ class DriveResult:
             "notes": list(self.notes),
         }
 
+    def report(self) -> Iterator[str]:
+        """What `rsegen drive` prints: a line per robot, its contacts, notes and warnings."""
+        yield f"{self.scene.name} in {self.simulator}, {self.route}, seed {self.seed}:"
+        if self.way:
+            yield f"  {_foreseen(self.way)}"
+        for robot in self.robots:
+            found = robot.metrics
+            crossed = "" if self.route == Wandering.name else _crossed(found)
+            tipped = f", tipped over {found.tipped}x" if found.tipped else ""
+            driven = f"{found.distance:.2f} m in {found.seconds:g} s"
+            yield f"  {robot.name}: {driven}{crossed}, stuck {found.stuck:g} s{tipped}"
+            if found.touched:
+                most = list(found.touched.items())[:_PARTS]
+                yield "    contacts of " + ", ".join(f"{part} {share:.0%}" for part, share in most)
+        yield from (f"note: {line}" for line in self.notes)
+        yield from (f"warning: {line}" for line in dict.fromkeys(self.errors))
+
     def write(self, folder: str | Path, *, force: bool = False) -> None:
         """Write trajectories, contacts, metrics and pictures into a folder; `force` replaces an earlier drive."""
         write(self._files(), Path(folder), "drive", force=force)
@@ -81,6 +102,16 @@ class DriveResult:
             files["way.csv"] = _encoded(self.way.csv())
         pictures = {"gazebo.jpg": [self.image]} if self.image else {}
         return {PurePosixPath(name): content for name, content in (files | pictures).items()}
+
+
+def _foreseen(way: PlannedWay) -> str:
+    """What the metrics say of the way that the robots follow."""
+    said = {True: "; the robot can climb it", False: "; the robot cannot climb it", None: ""}
+    return f"the way across needs a step of {way.least_step * 100:g} cm{said[way.crosses]}"
+
+
+def _crossed(found: DriveMetrics) -> str:
+    return f", crossed the map after {found.crossed:g} s" if found.crossed is not None else ", did not cross the map"
 
 
 def _encoded(lines: Iterable[str]) -> list[bytes]:
