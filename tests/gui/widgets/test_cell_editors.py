@@ -11,12 +11,12 @@ pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QComboBox, QLineEdit, QSpinBox, QWidget
+from PySide6.QtWidgets import QApplication, QComboBox, QLineEdit, QWidget
 
 from rsegen.gui.model.session import Session
 from rsegen.gui.widgets.cell_editors import EndCell
 from rsegen.gui.window import Window
-from tests.support.clicking import shown
+from tests.support.clicking import active, shown
 from tests.support.waiting import until
 
 
@@ -72,18 +72,28 @@ def test_an_end_has_two_numbers_each_of_which_may_be_random(window: Window) -> N
     editor = opened(window, 4)
     assert isinstance(editor, EndCell)
     assert editor.text() == "1, random"
-    x, y = editor.findChildren(QSpinBox)
-    assert (x.maximum(), y.maximum()) == (9, 9)
-    y.setValue(3)
+    editor.lineEdit().setCursorPosition(4)
+    for _ in range(4):
+        QTest.keyClick(editor, Qt.Key.Key_Up)
+    assert editor.text() == "1, 3"
+    editor.lineEdit().setCursorPosition(0)
+    for _ in range(20):
+        QTest.keyClick(editor, Qt.Key.Key_Up)
+    assert editor.text() == "9, 3"
+    for _ in range(20):
+        QTest.keyClick(editor, Qt.Key.Key_Down)
+    assert editor.text() == "random, 3"
     window.finish_typing()
-    assert entry(window)["first"] == [1, 3]
+    assert entry(window)["first"] == ["random", 3]
 
 
 def test_an_end_that_is_left_is_taken_over(window: Window) -> None:
     editor = opened(window, 5)
-    x, _ = editor.findChildren(QSpinBox)
-    x.setValue(4)
-    QTest.keyClick(x, Qt.Key.Key_Tab)
+    assert isinstance(editor, EndCell)
+    active(window)
+    editor.setFocus()
+    editor.selectAll()
+    QTest.keyClicks(editor, "4, 7")
     assert entry(window)["last"] == [7, 7]
     window.views.plan.setFocus()
     until(lambda: entry(window)["last"] == [4, 7])

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QAbstractItemModel, QEvent, QModelIndex, QObject, QPersistentModelIndex, Qt, QTimer, Signal
+from PySide6.QtCore import QAbstractItemModel, QModelIndex, QObject, QPersistentModelIndex, Qt
 from PySide6.QtGui import QBrush, QColor, QPalette
 from PySide6.QtWidgets import (
     QAbstractSpinBox,
     QComboBox,
     QDoubleSpinBox,
-    QHBoxLayout,
     QSpinBox,
     QStyle,
     QStyledItemDelegate,
@@ -79,46 +78,44 @@ class SoftnessCell(QDoubleSpinBox):
         return self.value() == float(text or 0)
 
 
-class EndCell(QWidget):
-    """Two coordinates, each of which may be random; `left`: neither has the keyboard focus any more."""
-
-    left = Signal()
+class EndCell(QAbstractSpinBox):
+    """Two coordinates, each of which may be random; arrow keys count the one that has the cursor."""
 
     def __init__(self, parent: QWidget, grid: Grid) -> None:
         super().__init__(parent)
-        self.setAutoFillBackground(True)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.setSpacing(0)
-        self._boxes = [named(QSpinBox(), name, tip="one below 0 is random") for name in ("x", "y")]
-        for box, cells in zip(self._boxes, grid.shape, strict=True):
-            box.setRange(-1, cells - 1)
-            box.setSpecialValueText("random")
-            box.setButtonSymbols(QAbstractSpinBox.ButtonSymbols.NoButtons)
-            box.installEventFilter(self)
-            row.addWidget(box)
-        self.setFocusProxy(self._boxes[0])
+        self._highest = [cells - 1 for cells in grid.shape]
+        self.setToolTip("x, y; the arrow keys count up and down, one below 0 is random")
 
     def show_text(self, text: str) -> bool:
         """Show the text of a cell, none as random; whether it can be shown."""
-        parts = [part.strip() for part in text.split(",")] if text else ["random", "random"]
-        for box, part in zip(self._boxes, parts, strict=False):
-            box.setValue(int(part) if part.isdecimal() and len(part) < 10 else -1)
-        return not text or [box.text() for box in self._boxes] == parts
+        self.lineEdit().setText(text or "random, random")
+        return self._numbers() is not None
 
-    def text(self) -> str:
-        """The text of the cell."""
-        return ", ".join(box.text() for box in self._boxes)
+    def stepBy(self, steps: int) -> None:
+        """Count the coordinate that has the cursor."""
+        if numbers := self._numbers():
+            axis = self._axis()
+            numbers[axis] = min(max(numbers[axis] + steps, -1), self._highest[axis])
+            parts = ["random" if number < 0 else str(number) for number in numbers]
+            self.lineEdit().setText(", ".join(parts))
+            self.lineEdit().setSelection(0 if axis == 0 else len(parts[0]) + 2, len(parts[axis]))
 
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Tell when the focus goes to another widget than the two boxes."""
-        if event.type() == QEvent.Type.FocusOut:
-            QTimer.singleShot(0, self, self._look)
-        return super().eventFilter(watched, event)
+    def stepEnabled(self) -> QAbstractSpinBox.StepEnabledFlag:
+        """Both ways, if there are two coordinates."""
+        up, down = QAbstractSpinBox.StepEnabledFlag.StepUpEnabled, QAbstractSpinBox.StepEnabledFlag.StepDownEnabled
+        return up | down if self._numbers() else QAbstractSpinBox.StepEnabledFlag.StepNone
 
-    def _look(self) -> None:
-        if not any(box.hasFocus() for box in self._boxes):
-            self.left.emit()
+    def _axis(self) -> int:
+        """The coordinate that has the cursor, or that is selected."""
+        line = self.lineEdit()
+        start = line.selectionStart() if line.hasSelectedText() else line.cursorPosition()
+        return int(start > line.text().find(","))
+
+    def _numbers(self) -> list[int] | None:
+        """Both coordinates, -1 for random; None if the text is no two of them."""
+        parts = [part.strip() for part in self.text().split(",")]
+        known = all(part == "random" or (part.isdecimal() and len(part) < 10) for part in parts)
+        return [-1 if part == "random" else int(part) for part in parts] if known and len(parts) == 2 else None
 
 
 class CellEditors(QStyledItemDelegate):
@@ -140,9 +137,7 @@ class CellEditors(QStyledItemDelegate):
             return self.open_editor
         self.open_editor = named(found, "cell_editor", title=self._keys[index.column()].replace("_", " "))
         self._given = found.text()
-        if isinstance(found, EndCell):
-            found.left.connect(lambda: self._close(found))
-        elif isinstance(found, KindCell):
+        if isinstance(found, KindCell):
             found.activated.connect(lambda: self._close(found))
         return found
 
