@@ -122,8 +122,6 @@ def case(rng: random.Random) -> Case:
     """A command with a few of its flags."""
     command = rng.choice([name for name in COMMANDS if name not in LEFT_OUT])
     argv = [command]
-    if command == "terrain":
-        argv += ["--rows=2", "--columns=3"]  # by default there are so many tiles that their sheets take long
     outputs: list[str] = []
     known = options(command)
     required = [flag for flag in ("-o", "--to") if flag in known and rng.random() < 0.95]
