@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from PySide6.QtCore import QSettings, QSize, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QDialog, QMainWindow, QMenu, QSplitter
@@ -50,6 +52,7 @@ class Window(QMainWindow):
         self._restore_geometry()
         self.document.changed, self.document.opened = self._show_document, self._show_opened
         self.document.open(session)
+        self._restore_camera()
 
     @property
     def session(self) -> Session:
@@ -209,12 +212,20 @@ class Window(QMainWindow):
                 splitter.restoreState(settings.value(name))
         self.forms.tabs.setCurrentIndex(int(str(settings.value("tab", 0))))
 
+    def _restore_camera(self) -> None:
+        """Look from where the window looked last."""
+        with suppress(ValueError):  # nothing was kept, or it is no direction
+            x, y, z = map(float, str(QSettings("rsegen", "rsegen").value("camera", "")).split())
+            self.views.view.look_along((x, y, z))
+
     def _keep_geometry(self) -> None:
         settings = QSettings("rsegen", "rsegen")
         settings.setValue("geometry", self.saveGeometry())
         for name, splitter in self._splitters().items():
             settings.setValue(name, splitter.saveState())
         settings.setValue("tab", self.forms.tabs.currentIndex())
+        if direction := self.views.view.direction:
+            settings.setValue("camera", " ".join(map(str, direction)))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Escape selects no obstacle, so that the form is for a new one."""

@@ -152,6 +152,10 @@ def test_a_picture_of_twice_the_size_shows_the_same_twice_as_large(found: Found,
         assert np.abs(small - np.asarray(dark.convert("RGB")))[10:-10, 10:-10].mean() < 6
 
 
+def test_the_view_looks_from_a_direction_that_was_kept(found: Found) -> None:
+    assert found["along"]
+
+
 def test_the_camera_stays_until_it_is_reset(found: Found) -> None:
     assert found["camera kept"]
     assert found["camera reset"]

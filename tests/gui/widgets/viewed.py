@@ -64,6 +64,9 @@ def looked(app: QApplication, view: FieldView, folder: Path) -> dict[str, object
     camera.position = (9.0, 9.0, 9.0)
     view.show(compose(replace(LARGE, seed=9)))
     kept = tuple(camera.position) == (9.0, 9.0, 9.0)
+    view.look_along((1.0, -2.0, 1.5))
+    direction = np.array(view.direction)
+    along = bool(np.allclose(direction / direction[0], (1.0, -2.0, 1.5)))
     view.look_from(Side.PERSPECTIVE)
     dark = QPalette()
     dark.setColor(QPalette.ColorRole.Base, QColor(20, 20, 20))
@@ -74,6 +77,7 @@ def looked(app: QApplication, view: FieldView, folder: Path) -> dict[str, object
     view.save_picture(folder / "dark.png")
     return {
         "turned": turned,
+        "along": along,
         "keys": found_by_keys,
         "camera kept": kept,
         "clicks": clicks,

@@ -107,6 +107,17 @@ class FieldView(QWidget):
             self._actors.camera.look_from(side)
             QWidget.update(self._plotter)
 
+    @property
+    def direction(self) -> tuple[float, float, float] | None:
+        """From the map to the camera; None without a view."""
+        return self._actors.camera.direction if self._actors else None
+
+    def look_along(self, direction: tuple[float, float, float]) -> None:
+        """Look at the whole map from any direction, in perspective."""
+        if self._actors and any(direction):
+            self._actors.camera.look_along(direction)
+            QWidget.update(self._plotter)
+
     def cell_at(self, point: QPointF) -> Cell | None:
         """The field cell that is seen at a point of the view; of a map that is shown coarser, the middle of several."""
         if not self._actors or not self._preview:

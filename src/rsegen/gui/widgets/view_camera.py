@@ -45,10 +45,21 @@ class ViewCamera:
         self._plotter.camera.SetParallelProjection(side is not Side.PERSPECTIVE)
         self._look_along(np.array(side.value))
 
+    @property
+    def direction(self) -> tuple[float, float, float]:
+        """From the map to the camera."""
+        camera = self._plotter.camera
+        x, y, z = np.subtract(camera.position, camera.focal_point).tolist()
+        return x, y, z
+
+    def look_along(self, direction: tuple[float, float, float]) -> None:
+        """Show the whole map from any direction, in perspective."""
+        self._plotter.camera.SetParallelProjection(False)  # noqa: FBT003  # VTK's
+        self._look_along(np.array(direction))
+
     def fit(self) -> None:
         """Show the whole map from the present direction."""
-        camera = self._plotter.camera
-        self._look_along(np.subtract(camera.position, camera.focal_point))
+        self._look_along(np.array(self.direction))
 
     def fit_to_size(self) -> None:
         """Show the whole map in a resized view, unless the user has moved the camera."""
