@@ -13,7 +13,7 @@ import sys
 import tempfile
 import traceback
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -28,8 +28,6 @@ FREE_DISK = 400_000
 LONGEST_LINE = 1200
 SILENCE = 120
 """Seconds after which a case hangs in a library, where no signal ends it."""
-_MAPS_PER_PAGE = 20
-"""A page of a build sheet takes as long as this many maps."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -96,15 +94,6 @@ class Judge:
             return framed(*of)
 
         building.framed = counted
-        sheets: Any = importlib.import_module("rsegen.exporters.sheet")
-        pages = sheets.pages
-
-        def counted_pages(*of: object) -> Iterator[object]:
-            for page in pages(*of):
-                self._sandbox.maps += _MAPS_PER_PAGE
-                yield page
-
-        sheets.pages = counted_pages
 
     def failure(self, case: Case) -> Failure | None:
         """What is wrong with what a case does; None if nothing is. If it hangs where Python is not asked, all ends."""

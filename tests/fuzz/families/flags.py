@@ -16,6 +16,8 @@ LEFT_OUT = {"gui"}
 """Commands that are not run: the window has its own trials."""
 NEVER = {"--help", "-h", "--scheduler", "--workers", "--plugin", "--version", "--list"}
 """Flags that are not drawn: a cluster, more processes, code, and pages that end a command whatever else is given."""
+LONG = {("terrain", "--sheet")}
+"""Flags of commands that take long: a terrain has 200 tiles, and a sheet has a page for each of them."""
 OUTPUTS = {"-o", "--output", "--csv"}
 _PLACES = (
     "out",
@@ -115,7 +117,8 @@ def options(command: str) -> Mapping[str, argparse.Action]:
 
     import_module(module_of(command)).add(commands)
     own = commands._name_parser_map[command]
-    return {flag: action for action in own._actions for flag in action.option_strings if flag not in NEVER}
+    found = {flag: action for action in own._actions for flag in action.option_strings if flag not in NEVER}
+    return {flag: action for flag, action in found.items() if (command, flag) not in LONG}
 
 
 def case(rng: random.Random) -> Case:
