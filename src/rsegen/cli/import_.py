@@ -9,12 +9,13 @@ from pathlib import Path
 
 from rsegen.cli.flags import Subparsers, add_recipe_flags, describe_flag, flag, given, with_flags
 from rsegen.cli.generate import add_output_flags, produce
+from rsegen.cli.picture_path import picture_path
 from rsegen.errors import ParameterError
 from rsegen.exporters.pictures.preview import image_format
 from rsegen.exporters.pictures.rounding import rounding_plot
 from rsegen.exporters.scene import compose
 from rsegen.io.importers import IMPORTERS, Importer, heights_in, importer_for, recipe_of
-from rsegen.io.writer import refuse_taken_file, write_file
+from rsegen.io.writer import write_file
 from rsegen.params.sorts import Flag, Parameter, parameters
 from rsegen.recipe.recipe import Recipe
 
@@ -38,7 +39,7 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Import, generate, and say what was made and how far heights were rounded."""
     path = Path(arguments.file)
-    picture = _picture(arguments)
+    picture = picture_path(arguments.errors, force=arguments.force)
     recipe = given(Recipe, arguments)
     sorts = parameters(Recipe)
     settled = {name: sorts[name].check(name, recipe[name]) for name in ("unit_cm", "chunk_size") if name in recipe}
@@ -52,16 +53,6 @@ def run(arguments: argparse.Namespace) -> None:
         write_file([drawn], picture, force=arguments.force)
     if said := str(heights.rounding or ""):
         print(said, file=sys.stderr if arguments.json else sys.stdout)
-
-
-def _picture(arguments: argparse.Namespace) -> Path | None:
-    """Where the picture of the errors goes, if one is wanted and can be."""
-    if arguments.errors is None:
-        return None
-    path = Path(arguments.errors)
-    image_format(path)
-    refuse_taken_file(path, force=arguments.force)
-    return path
 
 
 def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:

@@ -15,6 +15,7 @@ from typing import Any
 from rsegen.cli.flags import Subparsers, add_parameter_flags, add_target_recipe_flags, given
 from rsegen.cli.measured import Measured, report
 from rsegen.cli.parser import HelpRow
+from rsegen.cli.picture_path import picture_path
 from rsegen.cli.targets import add_target_flags, scenes_of
 from rsegen.errors import ParameterError
 from rsegen.exporters.pictures.paths import path_plot
@@ -24,7 +25,7 @@ from rsegen.field.metrics import Metrics, RobotLimits, metrics
 from rsegen.field.metrics.custom import custom
 from rsegen.field.metrics.tables import flattened, nested
 from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS
-from rsegen.io.writer import refuse_taken_file, write_file
+from rsegen.io.writer import write_file
 from rsegen.simulation.robots import ROBOTS, robot
 
 _NO_ROBOT = "give a robot, as in --robot burger or --climb-cm 10"
@@ -70,12 +71,8 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _picture(arguments: argparse.Namespace, climber: RobotLimits | None) -> Path | None:
     """Where the picture goes, if one is wanted and can be."""
-    if arguments.output is None:
-        return None
-    path = Path(arguments.output)
-    image_format(path)
-    refuse_taken_file(path, force=arguments.force)
-    if climber is None:
+    path = picture_path(arguments.output, force=arguments.force)
+    if path and climber is None:
         raise ParameterError("-o/--output", f"there is nothing to draw without a robot; {_NO_ROBOT}")
     return path
 

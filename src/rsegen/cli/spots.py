@@ -7,16 +7,16 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from math import degrees
-from pathlib import Path
 from typing import Any
 
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags
+from rsegen.cli.picture_path import picture_path
 from rsegen.cli.simulation_flags import flags_in_errors
 from rsegen.cli.targets import add_target_flags, target_of
 from rsegen.exporters.pictures.preview import image_format
 from rsegen.exporters.pictures.spots import spots_plot
 from rsegen.field.spots import Spot
-from rsegen.io.writer import refuse_taken_file, write_file
+from rsegen.io.writer import write_file
 from rsegen.params.sorts import Parameter
 from rsegen.params.streams import fresh_seed
 from rsegen.simulation.driving.spots import COUNT, MAX_DIFFERENCE, SEED, SIZE, spot_footprint, spots
@@ -58,7 +58,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Find, draw and print them."""
-    path = _picture(arguments)
+    path = picture_path(arguments.output, force=arguments.force)
     with flags_in_errors(*_SORTS, "map", "robot"):
         given: dict[str, Any] = {
             name: sort.check(name, sort.parse(text))
@@ -78,16 +78,6 @@ def run(arguments: argparse.Namespace) -> None:
         return
     print(f"{scene.name}, seed {given['seed']}:")
     print("\n".join(_rows(found)))
-
-
-def _picture(arguments: argparse.Namespace) -> Path | None:
-    """The path of the picture, if one is wanted and can be written."""
-    if arguments.output is None:
-        return None
-    path = Path(arguments.output)
-    image_format(path)
-    refuse_taken_file(path, force=arguments.force)
-    return path
 
 
 def _rows(found: Sequence[Spot]) -> Iterator[str]:
