@@ -46,3 +46,12 @@ def test_a_preview_has_the_ghost_and_its_blocks() -> None:
     assert len(found.ghost_solid.faces)
     assert found.scene.field.level_counts() == {0: 100}
     assert preview(Recipe(seed=1), 0).ghost is None
+
+
+def test_only_the_ghost_of_a_map_that_is_shown_is_made_anew() -> None:
+    shown = preview(Recipe(seed=1), 0, {"kind": "peak", "max_height": 5})
+    other = preview(Recipe(seed=1), 0, {"kind": "peak", "max_height": 3}, shown)
+    assert other.scene is shown.scene
+    assert other.ghost is not shown.ghost
+    assert preview(Recipe(seed=1), 0, None, other).ghost is None
+    assert preview(Recipe(seed=2), 0, None, shown).scene is not shown.scene

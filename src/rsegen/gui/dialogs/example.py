@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QIcon, QPixmap
 from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
@@ -19,7 +18,7 @@ from PySide6.QtWidgets import (
 
 from rsegen.exporters.scene import compose
 from rsegen.gui.widgets.named import named
-from rsegen.gui.widgets.plan_painting import square_image
+from rsegen.gui.widgets.plan_painting import square_icon
 from rsegen.io.recipe_file import load
 from rsegen.recipe.examples import EXAMPLES
 
@@ -54,8 +53,7 @@ class ExampleDialog(QDialog):
     def _fill(self) -> None:
         for path in EXAMPLES.values():
             recipe = load(path)
-            plan = square_image(compose(recipe, recipe.first_map), SIDE)
-            item = QListWidgetItem(QIcon(QPixmap.fromImage(plan)), recipe.name, self._list)
+            item = QListWidgetItem(square_icon(compose(recipe, recipe.first_map), SIDE), recipe.name, self._list)
             item.setToolTip(recipe.description)
             item.setData(Qt.ItemDataRole.UserRole, path)
             item.setData(Qt.ItemDataRole.AccessibleDescriptionRole, recipe.description)

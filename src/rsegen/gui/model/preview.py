@@ -51,20 +51,23 @@ def is_quick(recipe: Recipe) -> bool:
     return n_x * n_y <= QUICK_CELLS
 
 
-def preview(recipe: Recipe, index: int, proposed: Entry | None = None) -> Preview:
-    """The preview of one map of a recipe and of one more obstacle; TooLarge if there is too little memory for it."""
+def preview(recipe: Recipe, index: int, proposed: Entry | None = None, shown: Preview | None = None) -> Preview:
+    """The preview of one map of a recipe and of one more obstacle; TooLarge if there is too little memory for it.
+
+    shown: an earlier preview; if it is of the same map, only the ghost of the obstacle is made anew.
+    """
     refuse_too_large(recipe, BYTES_PER_CELL)
+    is_shown = shown is not None and (shown.scene.recipe, shown.scene.index) == (recipe, index)
     try:
-        return preview_of(compose(recipe, index), proposed)
+        return _with_ghost(shown if shown and is_shown else preview_of(compose(recipe, index)), proposed)
     except MemoryError:
         raise TooLarge("this map needs more memory than is free; give fewer chunks or a smaller chunk_size") from None
 
 
-def preview_of(scene: Scene, proposed: Entry | None = None) -> Preview:
-    """The preview of a scene, with a ghost of one more obstacle."""
+def preview_of(scene: Scene) -> Preview:
+    """The preview of a scene."""
     factor = coarseness(scene.field, SHOWN_SIDE)
     seen = _coarse(scene, factor)
-    ghost = ghost_of(scene, proposed) if proposed else None
     return Preview(
         scene=scene,
         factor=factor,
@@ -73,9 +76,12 @@ def preview_of(scene: Scene, proposed: Entry | None = None) -> Preview:
         legend=legend(scene),
         shares=shares(scene),
         numbers=size_text(scene),
-        ghost=ghost,
-        ghost_solid=solid(_coarse(ghost.scene, factor)) if ghost else None,
     )
+
+
+def _with_ghost(found: Preview, proposed: Entry | None) -> Preview:
+    ghost = ghost_of(found.scene, proposed) if proposed else None
+    return replace(found, ghost=ghost, ghost_solid=solid(_coarse(ghost.scene, found.factor)) if ghost else None)
 
 
 def _coarse(scene: Scene, factor: int) -> Scene:

@@ -118,6 +118,9 @@ class EndCell(QAbstractSpinBox):
         return [-1 if part == "random" else int(part) for part in parts] if known and len(parts) == 2 else None
 
 
+CellEditor = KindCell | HeightCell | SoftnessCell | EndCell
+
+
 class CellEditors(QStyledItemDelegate):
     """Gives each column its editor; a text that it cannot show is edited as text."""
 
@@ -143,12 +146,12 @@ class CellEditors(QStyledItemDelegate):
 
     def setEditorData(self, editor: QWidget, index: Index) -> None:
         """Fill a text field; the other editors show their cell from the start."""
-        if not isinstance(editor, KindCell | HeightCell | SoftnessCell | EndCell):
+        if not isinstance(editor, CellEditor):
             super().setEditorData(editor, index)
 
     def setModelData(self, editor: QWidget, model: QAbstractItemModel, index: Index) -> None:
         """Put the text of an editor into the cell if the user has changed it."""
-        if not isinstance(editor, KindCell | HeightCell | SoftnessCell | EndCell):
+        if not isinstance(editor, CellEditor):
             super().setModelData(editor, model, index)
         elif editor.text() != self._given:
             model.setData(index, editor.text())
@@ -164,7 +167,7 @@ class CellEditors(QStyledItemDelegate):
             option.palette.setColor(QPalette.ColorRole.Text, colour)
             option.backgroundBrush = QBrush(_tint(option.palette.color(QPalette.ColorRole.Base), colour))
 
-    def _editor(self, parent: QWidget, key: str) -> KindCell | HeightCell | SoftnessCell | EndCell:
+    def _editor(self, parent: QWidget, key: str) -> CellEditor:
         match key:
             case "kind":
                 return KindCell(parent)

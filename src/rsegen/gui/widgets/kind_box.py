@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
-from PySide6.QtGui import QIcon, QPixmap
+from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QComboBox
 
 from rsegen.errors import RsegenError
@@ -12,7 +12,7 @@ from rsegen.field.obstacles import KINDS
 from rsegen.gui.model.typed_cells import kind_words
 from rsegen.gui.widgets.editors import shortened
 from rsegen.gui.widgets.named import named
-from rsegen.gui.widgets.plan_painting import square_image
+from rsegen.gui.widgets.plan_painting import square_icon
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Json
 from rsegen.recipe.codec import decode
@@ -55,4 +55,4 @@ def _picture(kind: str) -> QIcon:
         scene = compose(decode({"seed": 3, "boundary": "none", "obstacles": [row]}), 0)
     except RsegenError:
         return QIcon()
-    return QIcon(QPixmap.fromImage(square_image(scene, SIDE)))
+    return square_icon(scene, SIDE)

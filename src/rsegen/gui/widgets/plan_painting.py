@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from PySide6.QtCore import QLineF, QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QFont, QImage, QPainter, QPen
+from PySide6.QtGui import QColor, QFont, QIcon, QImage, QPainter, QPen, QPixmap
 
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
@@ -120,6 +120,11 @@ def square_image(scene: Scene, side: int) -> QImage:
     painter.drawImage((side - plan.width()) // 2, (side - plan.height()) // 2, plan)
     painter.end()
     return square
+
+
+def square_icon(scene: Scene, side: int) -> QIcon:
+    """The same as an icon."""
+    return QIcon(QPixmap.fromImage(square_image(scene, side)))
 
 
 def paint_rulers(painter: QPainter, layout: PlanLayout, area: Box, ink: QColor) -> None:

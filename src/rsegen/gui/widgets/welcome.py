@@ -5,12 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QIcon, QPixmap
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QToolButton
 
 from rsegen.exporters.scene import compose
 from rsegen.gui.widgets.named import named
-from rsegen.gui.widgets.plan_painting import square_image
+from rsegen.gui.widgets.plan_painting import square_icon
 from rsegen.io.recipe_file import load
 from rsegen.recipe.examples import EXAMPLES
 
@@ -48,8 +47,7 @@ class Welcome(QFrame):
         recipe = load(path)
         button = named(QToolButton(), f"example_{name}", title=f"example {name}", tip=recipe.description)
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
-        picture = square_image(compose(recipe, recipe.first_map), SIDE)
-        button.setIcon(QIcon(QPixmap.fromImage(picture)))
+        button.setIcon(square_icon(compose(recipe, recipe.first_map), SIDE))
         button.setIconSize(QSize(SIDE, SIDE))
         button.setText(name)
         button.clicked.connect(lambda: self.chosen.emit(path))

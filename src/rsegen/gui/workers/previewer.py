@@ -17,7 +17,7 @@ from rsegen.recipe.recipe import Recipe
 class Previewer(QObject):
     """Computes previews, of which only the latest counts.
 
-    scene: the one previewed last; previewed: its Preview; counted: its Costs; failed: why there is no preview.
+    previewed: its Preview; counted: its Costs; failed: why there is no preview.
     """
 
     previewed = Signal(object)
@@ -26,10 +26,15 @@ class Previewer(QObject):
 
     def __init__(self, parent: QObject) -> None:
         super().__init__(parent)
-        self.scene: Scene | None = None
+        self._shown: Preview | None = None
         self._previews, self._counts = LatestOnly(self), LatestOnly(self)
         self._previews.result.connect(self._take_preview)
         self._counts.result.connect(self._take_costs)
+
+    @property
+    def scene(self) -> Scene | None:
+        """The scene that was previewed last."""
+        return self._shown.scene if self._shown else None
 
     @property
     def busy(self) -> bool:
@@ -38,7 +43,7 @@ class Previewer(QObject):
 
     def preview(self, recipe: Recipe, index: int, proposed: Entry | None = None) -> None:
         """Preview one map of a recipe, with a ghost of one more obstacle; a small map at once."""
-        self._previews.submit(partial(preview, recipe, index, proposed), at_once=is_quick(recipe))
+        self._previews.submit(partial(preview, recipe, index, proposed, self._shown), at_once=is_quick(recipe))
 
     def count(self, robot: str) -> None:
         """Count the costs of the scene, and whether a robot can cross it if one is named."""
@@ -52,7 +57,7 @@ class Previewer(QObject):
 
     def _take_preview(self, result: object) -> None:
         if isinstance(result, Preview):
-            self.scene = result.scene
+            self._shown = result
             self.previewed.emit(result)
         else:
             self.failed.emit(failure_text(result))
