@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from rsegen.exporters.textures import mean_colour
 from rsegen.field.stepfield import NANOMETRE_DIGITS, CellWindow, StepField
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
@@ -29,6 +30,13 @@ _LOW_TO_HIGH: tuple[Colour, ...] = (
     (0.93, 0.85, 0.30),
 )
 """From dark to light, so that heights can be distinguished in greyscale too."""
+_TIMBER: tuple[Colour, ...] = ((1.0, 1.0, 1.0), (0.93, 0.92, 0.9), (0.97, 0.95, 0.95), (0.9, 0.87, 0.84))
+_BOARDS: Colour = (0.66, 0.5, 0.4)
+"""Of wood: the blocks of every fourth level were sawn from one beam, and frames are darker."""
+_SLIPPERY: Colour = (0.62, 0.82, 0.95)
+_ROUGH: Colour = (0.36, 0.3, 0.26)
+_ROUGHEST = 1.2
+"""From this friction coefficient on, the look `friction` has its darkest colour."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -61,6 +69,25 @@ class Scene:
             return _colour(given)
         return level_colour(material, self.recipe.top_level) if material else FRAME_COLOUR
 
+    def tint(self, material: int) -> Colour:
+        """The colour that the textures of a material are multiplied by, if the recipe's look has textures."""
+        if self.recipe.look == "friction":
+            return _friction_colour(self.friction_of(material))
+        if self.recipe.look != "wood":
+            return self.colour(material)
+        given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
+        if given is not None:
+            return _colour(given)
+        return _TIMBER[material % len(_TIMBER)] if material else _BOARDS
+
+    def surface_colour(self, material: int) -> Colour:
+        """The colour of a material from afar, for programs and pictures without textures."""
+        if not self.recipe.is_textured:
+            return self.colour(material)
+        tint, mean = self.tint(material), mean_colour(self.recipe.look)
+        red, green, blue = (round(one * other, 3) for one, other in zip(tint, mean, strict=True))
+        return red, green, blue
+
     def friction_of(self, material: int) -> float:
         """The friction coefficient of a material: 0 is the frame, any other number a level."""
         given = _given(material, self.recipe.frame_friction, self.recipe.level_friction)
@@ -80,11 +107,14 @@ class Scene:
             found.setdefault(round(self.friction_of(material), NANOMETRE_DIGITS), []).append(material)
         return sorted(found.items()) if len(found) > 1 else [(next(iter(found), self.friction), None)]
 
-    def preview(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-        """The plan and a 3D view of the map as the bytes of an image file, PNG by default."""
+    def preview(self, format: str = "png", *, outlines: bool = False) -> bytes:  # noqa: A002  # matplotlib's word
+        """The plan and a 3D view of the map as the bytes of an image file, PNG by default.
+
+        outlines: the cells of each obstacle are outlined on the plan.
+        """
         from rsegen.exporters.pictures.preview import preview_image
 
-        return preview_image(self, format)
+        return preview_image(self, format, outlines=outlines)
 
     def _repr_png_(self) -> bytes:
         """A small plan, which notebooks show."""
@@ -119,6 +149,12 @@ def level_colour(level: int, top_level: int) -> Colour:
     red, green, blue = (
         round(a + share * (b - a), 3) for a, b in zip(_LOW_TO_HIGH[low], _LOW_TO_HIGH[low + 1], strict=True)
     )
+    return red, green, blue
+
+
+def _friction_colour(friction: float) -> Colour:
+    share = min(friction / _ROUGHEST, 1)
+    red, green, blue = (round(a + share * (b - a), 3) for a, b in zip(_SLIPPERY, _ROUGH, strict=True))
     return red, green, blue
 
 

@@ -1,6 +1,6 @@
 """Meshes and boxes of a step field."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 from rsegen.errors import UnknownName
 from rsegen.field.stepfield import CellWindow, StepField
@@ -9,19 +9,23 @@ from rsegen.geometry.closed import closed
 from rsegen.geometry.label_grid import split_window
 from rsegen.geometry.mesh import NORMALS, Mesh
 from rsegen.geometry.surface import surface
+from rsegen.geometry.texture import TILES, TextureCoordinates, texture_coordinates
 from rsegen.geometry.unmerged import unmerged
 from rsegen.geometry.watertight import watertight
 
 __all__ = [
     "NORMALS",
     "PIECE",
+    "TILES",
     "Boxes",
     "Mesh",
+    "TextureCoordinates",
     "box_per_block",
     "boxes",
     "meshes",
     "split_window",
     "surface",
+    "texture_coordinates",
     "unmerged",
     "watertight",
     "whole_mesh",
@@ -31,7 +35,12 @@ PIECE = 512
 """Side of the pieces, in cells, that large maps are split into, so that memory does not grow with the map."""
 
 
-MESHES = {"merged": surface, "watertight": watertight, "closed": closed, "blocks": unmerged}
+MESHES: Mapping[str, Callable[[StepField], Mesh]] = {
+    "merged": surface,
+    "watertight": watertight,
+    "closed": closed,
+    "blocks": unmerged,
+}
 """What makes a mesh of a field, by the name that a recipe's `mesh` gives it; `closed` is for programs alone."""
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 from rsegen.errors import ParameterError
-from rsegen.params.sorts import Choice, Float, Integer, ListOf, Text, validate
+from rsegen.params.sorts import Choice, Flag, Float, Integer, ListOf, Text, validate
 
 _FRICTION = Float(0, 1000, help="friction coefficient of blocks, frames and ground")
 _COLOUR = Text("#[0-9A-Fa-f]{6}", "#rrggbb, in quotes")
@@ -23,7 +23,7 @@ class Representation:
         str,
         Choice(
             ("both", "classic"),
-            help="what the map is best in: both, or classic for smoother floors in Gazebo Classic; it opens in both",
+            help="target simulator: both, or classic for smoother floors in Gazebo Classic; a map opens in both",
         ),
     ] = "both"
     mesh: Annotated[
@@ -56,6 +56,16 @@ class Representation:
         str,
         Choice(("cm", "in"), help="lengths on build sheets and in reports: centimetres and metres, or inches and feet"),
     ] = "cm"
+    look: Annotated[
+        str,
+        Choice(
+            ("plain", "levels", "wood", "friction"),
+            help="surface of the blocks: plain, one colour per level; levels, the same with the edges of every block; "
+            "wood, pine with end grain and long grain; friction, one colour per coefficient, with edges",
+        ),
+    ] = "plain"
+    shadows: Annotated[bool, Flag(help="cast shadows in the world")] = False
+    sky: Annotated[bool, Flag(help="show a sky in the world")] = False
     frame_colour: Annotated[str | None, replace(_COLOUR, help="colour of the frames")] = None
     level_colours: Annotated[
         tuple[str, ...] | None,
@@ -65,6 +75,11 @@ class Representation:
     def __post_init__(self) -> None:
         validate(self)
         self.check_representation()
+
+    @property
+    def is_textured(self) -> bool:
+        """Whether the blocks have textures."""
+        return self.look != "plain"
 
     @property
     def is_of_one_friction(self) -> bool:

@@ -12,9 +12,10 @@ import pytest
 import rsegen
 from rsegen import Recipe, Scene, compose, load
 from rsegen.errors import pip_install
-from rsegen.exporters.formats import FORMATS, Format, base, exported
+from rsegen.exporters.formats import FORMATS, Format, exported
 from rsegen.io.importers import IMPORTERS as READ
 from rsegen.io.record import RECORD
+from rsegen.params import extras
 from rsegen.params.registry import summary
 from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import to_json
@@ -86,17 +87,12 @@ def test_what_is_not_installed_is_said_in_one_line_with_how_to_get_it(
 ) -> None:
     if cls.extra is None:
         return
-    monkeypatch.setattr(base, "find_spec", lambda module: None)
+    monkeypatch.setattr(extras, "find_spec", lambda module: None)
     for command in (["export", "peak", "--to"], ["generate", "peak", "--formats"]):
         assert exit_code(*command, cls.name, "-o", tmp_path / "out") == 2
         needed = f"rsegen: {cls.name} needs {cls.extra.module}, which is not installed"
         assert the_line(capsys.readouterr().err) == f"{needed}; {pip_install([cls.extra.name])}"
         assert not (tmp_path / "out").exists()
-
-
-def test_extras_are_the_package_s() -> None:
-    text = (Path(__file__).parents[3] / "pyproject.toml").read_text("utf-8")
-    assert all(f"\n{cls.extra.name} = [" in text for cls in FORMATS.values() if cls.extra)
 
 
 def test_options_of_one_name_take_the_same_values_and_are_no_others_flags() -> None:

@@ -10,9 +10,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePosixPath
 
 from rsegen.errors import ParameterError
-from rsegen.exporters.formats.base import FORMATS, Extra, Format, refuse_missing
+from rsegen.exporters.formats.base import FORMATS, Format, refuse_missing
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene
+from rsegen.params.extras import Extra
 from rsegen.params.sorts import Json
 from rsegen.recipe.codec import map_json
 

@@ -9,31 +9,15 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from importlib.util import find_spec
-from typing import ClassVar, NamedTuple, TypeVar
+from typing import ClassVar, TypeVar
 
 from rsegen.errors import UserError, pip_install
 from rsegen.exporters.scene import Scene
 from rsegen.params.contract import Contract, clash
+from rsegen.params.extras import MAT, Extra
 from rsegen.params.registry import Registry
 from rsegen.params.sorts import Json, parameters, validate
 from rsegen.recipe.recipe import Recipe
-
-
-class Extra(NamedTuple):
-    """What a format needs beyond rsegen itself: pip installs rsegen[name], which brings the module."""
-
-    name: str
-    module: str
-
-    @property
-    def is_missing(self) -> bool:
-        """Whether it is not installed for this Python."""
-        return find_spec(self.module) is None
-
-
-MESH = Extra("mesh", "trimesh")
-MAT = Extra("mat", "scipy")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -86,7 +70,7 @@ def refuse_missing(formats: Iterable[Format]) -> None:
     lacking = {each.name: each.extra for each in formats if each.extra and each.extra.is_missing}
     if not lacking:
         return
-    modules, extras = ({extra[place]: None for extra in lacking.values()} for place in (1, 0))
+    modules, extras = (dict.fromkeys(getattr(one, key) for one in lacking.values()) for key in ("module", "name"))
     need, are = ("needs", "is") if len(lacking) == 1 else ("need", "are" if len(modules) > 1 else "is")
     raise UserError(
         f"{', '.join(lacking)} {need} {', '.join(modules)}, which {are} not installed; {pip_install(extras)}"

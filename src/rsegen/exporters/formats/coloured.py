@@ -1,4 +1,4 @@
-"""The surface of a map split by colour, for programs that use one colour per mesh file."""
+"""The surface of a map split by material, for programs that use one material per mesh file."""
 
 from __future__ import annotations
 
@@ -6,14 +6,23 @@ from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
-from rsegen.exporters.gazebo.obj import obj
+from rsegen.exporters.gazebo.obj import PARTS, obj
 from rsegen.exporters.scene import Scene
-from rsegen.geometry import Mesh, surface
+from rsegen.geometry import Mesh, surface, texture_coordinates
 
 
 def coloured_objs(scene: Scene) -> Mapping[int, Iterable[bytes]]:
     """An OBJ file per material of the map; the colours are in the map's MTL file in the same folder."""
     return {material: obj([part], f"{scene.name}.mtl") for material, part in coloured(surface(scene.field))}
+
+
+def textured_objs(scene: Scene) -> Iterator[tuple[int, str, Iterable[bytes]]]:
+    """An OBJ file with texture coordinates per material of the map and per texture, `top` or `side`."""
+    for material, mesh in coloured(surface(scene.field)):
+        sides = texture_coordinates(mesh, scene.field).sides
+        for part, chosen in zip(PARTS, (~sides, sides), strict=True):
+            if chosen.any():
+                yield material, part, obj([mesh.part(chosen)], f"{scene.name}.mtl", scene.field)
 
 
 def coloured(mesh: Mesh) -> Iterator[tuple[int, Mesh]]:

@@ -8,14 +8,19 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from io import BytesIO
+from typing import Any, ClassVar
 
-from rsegen.exporters.formats.base import MESH, Extra, Format, register
-from rsegen.exporters.formats.solid import BYTES_A_CELL, solid
+import numpy as np
+
+from rsegen.exporters.formats.base import Format, register
+from rsegen.exporters.formats.solid import BYTES_A_CELL, Solid, solid
 from rsegen.exporters.formats.srgb import srgb_to_linear
-from rsegen.exporters.gazebo.obj import material_name
-from rsegen.exporters.scene import Scene
+from rsegen.exporters.formats.textured import textured_parts
+from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name, textured_name
+from rsegen.exporters.scene import Colour, Scene
 from rsegen.field.stepfield import Array
+from rsegen.params.extras import MESH, Extra
 
 
 @register
@@ -38,18 +43,45 @@ class Glb(Format):
 
 def _glb(scene: Scene) -> Iterator[bytes]:
     import trimesh
-    from trimesh.visual import TextureVisuals
-    from trimesh.visual.material import PBRMaterial
 
     found = trimesh.Scene()
-    for material, part in solid(scene.field).parts():
-        name = material_name(material)
-        colour = [*srgb_to_linear(scene.colour(material)), 1.0]
-        matt = PBRMaterial(name=name, baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=1.0)
-        mesh = part._replace(vertices=_y_up(part.vertices)).mesh
-        mesh.visual = TextureVisuals(material=matt)
+    for name, mesh in _textured(scene) if scene.recipe.is_textured else _coloured(scene):
         found.add_geometry(mesh, node_name=name, geom_name=name)
     yield found.export(file_type="glb") if found.geometry else _EMPTY
+
+
+def _coloured(scene: Scene) -> Iterator[tuple[str, Any]]:
+    """A mesh per material, by its name."""
+    from trimesh.visual import TextureVisuals
+
+    for material, part in solid(scene.field).parts():
+        name = material_name(material)
+        mesh = part._replace(vertices=_y_up(part.vertices)).mesh
+        mesh.visual = TextureVisuals(material=_matte(name, scene.colour(material)))
+        yield name, mesh
+
+
+def _textured(scene: Scene) -> Iterator[tuple[str, Any]]:
+    """A mesh per material and texture, by its name."""
+    from PIL import Image
+    from trimesh.visual import TextureVisuals
+
+    images = {name: Image.open(BytesIO(b"".join(content))) for name, content in texture_files(scene).items()}
+    for part in textured_parts(solid(scene.field, textured=True)):
+        name = textured_name(part.material, part.part)
+        image = images[texture_name(scene, part.part)].convert("RGB")
+        mesh = Solid(_y_up(part.vertices), part.triangles, np.full(len(part.triangles), part.material)).mesh
+        matte = _matte(name, scene.tint(part.material), baseColorTexture=image)
+        mesh.visual = TextureVisuals(uv=part.coordinates, material=matte)
+        yield name, mesh
+
+
+def _matte(name: str, colour: Colour, **texture: Any) -> Any:
+    """The material of a surface without gloss."""
+    from trimesh.visual.material import PBRMaterial
+
+    factor = [*srgb_to_linear(colour), 1.0]
+    return PBRMaterial(name=name, baseColorFactor=factor, metallicFactor=0.0, roughnessFactor=1.0, **texture)
 
 
 def _y_up(vertices: Array) -> Array:

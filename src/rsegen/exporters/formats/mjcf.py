@@ -16,9 +16,9 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, register
-from rsegen.exporters.formats.coloured import coloured_objs
+from rsegen.exporters.formats.coloured import coloured_objs, textured_objs
 from rsegen.exporters.formats.columns import Column, columns
-from rsegen.exporters.gazebo.obj import material_name
+from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name, textured_name
 from rsegen.exporters.gazebo.sdf import numbers, utf8
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
@@ -43,7 +43,7 @@ class Mjcf(Format):
     ] = "boxes"
     pixels: Annotated[
         int,
-        Integer(1, 100, help="samples per cell and side of a height field; more than 4 are too many for mujoco_warp"),
+        Integer(1, 100, help="samples of a height field along each side of a cell; mujoco_warp takes up to 4"),
     ] = 4
 
     @property
@@ -68,6 +68,8 @@ class Mjcf(Format):
             return _Body()
         if self.shape == "hfield":
             return _height_field(scene, self.pixels)
+        if scene.recipe.is_textured:
+            return _textured(scene)
         return _meshes(scene) if self.shape == "mesh" else _boxes(scene)
 
 
@@ -89,9 +91,33 @@ def _boxes(scene: Scene) -> _Body:
 
 
 def _meshes(scene: Scene) -> _Body:
-    """A visual mesh per colour, and collision boxes in group 3, which viewers hide."""
+    """A visual mesh per colour, and collision boxes."""
     objs = coloured_objs(scene)
     named = {_material(scene, material): content for material, content in objs.items()}
+    return _shown(scene, _materials(scene, objs), named)
+
+
+def _textured(scene: Scene) -> _Body:
+    """A visual mesh per material and texture, and collision boxes; only meshes have texture coordinates in MuJoCo."""
+    images = texture_files(scene)
+    assets = [f'    <texture name="{name.removesuffix(".png")}" type="2d" file="{name}"/>\n' for name in images]
+    named = {}
+    for material, part, content in textured_objs(scene):
+        name = f"{scene.name}_{textured_name(material, part)}"
+        rgba = numbers((*scene.tint(material), 1))
+        texture = texture_name(scene, part).removesuffix(".png")
+        assets.append(f'    <material name="{name}" texture="{texture}" rgba="{rgba}" specular="0.1"/>\n')
+        named[name] = content
+    return _shown(scene, assets, named, images)
+
+
+def _shown(
+    scene: Scene,
+    assets: Iterable[str],
+    named: Mapping[str, Iterable[bytes]],
+    images: Mapping[str, Iterable[bytes]] | None = None,
+) -> _Body:
+    """Visual meshes, each with the material of its name, and collision boxes in group 3, which viewers hide."""
     meshes = (f'    <mesh name="{name}" file="{name}.obj" inertia="shell"/>\n' for name in named)
     visuals = (
         f'      <geom type="mesh" mesh="{name}" material="{name}" mass="0" contype="0" conaffinity="0" group="2"/>\n'
@@ -99,9 +125,9 @@ def _meshes(scene: Scene) -> _Body:
     )
     collisions = (_box(scene, column) for column in columns(scene.field))
     return _Body(
-        assets=chain(_materials(scene, objs), meshes),
+        assets=chain(assets, meshes),
         geoms=chain(visuals, collisions),
-        files={f"{name}.obj": content for name, content in named.items()},
+        files={f"{name}.obj": content for name, content in named.items()} | dict(images or {}),
         collisions=' group="3"',
     )
 
@@ -174,6 +200,7 @@ def _scene(scene: Scene) -> Iterator[str]:
     """The scene with light, a ground plane and a camera; the free camera of viewers sees the whole map."""
     across = hypot(*scene.field.extent)
     top = float(scene.field.heights.max())
+    shadows = "true" if scene.recipe.shadows else "false"
     yield f"""\
 <!-- made by rsegen -->
 <mujoco model="{scene.name} scene">
@@ -183,12 +210,19 @@ def _scene(scene: Scene) -> Iterator[str]:
     <headlight ambient="0.3 0.3 0.3" diffuse="0.4 0.4 0.4" specular="0 0 0"/>
     <global azimuth="60" elevation="-35"/>
   </visual>
-  <worldbody>
-    <light name="sun" directional="true" castshadow="false" dir="-0.4 0.3 -0.86" diffuse="0.6 0.6 0.6"/>
+{_SKY if scene.recipe.sky else ""}  <worldbody>
+    <light name="sun" directional="true" castshadow="{shadows}" dir="-0.4 0.3 -0.86" diffuse="0.6 0.6 0.6"/>
     <camera name="overview" pos="0 {decimal(-across)} {decimal(across)}" xyaxes="1 0 0 0 1 1"/>
     <geom name="ground" type="plane" size="0 0 1" {_friction(scene.friction)} rgba="0.6 0.6 0.6 1"/>
   </worldbody>
 </mujoco>
+"""
+
+
+_SKY = """\
+  <asset>
+    <texture type="skybox" builtin="gradient" rgb1="0.95 0.97 1" rgb2="0.45 0.62 0.85" width="256" height="1536"/>
+  </asset>
 """
 
 

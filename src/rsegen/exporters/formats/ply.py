@@ -6,9 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from rsegen.exporters.formats.base import MESH, Extra, Format, register
+from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.formats.solid import BYTES_A_CELL, solid
 from rsegen.exporters.scene import Scene
+from rsegen.params.extras import MESH, Extra
 
 
 @register
@@ -37,6 +38,6 @@ def _ply(scene: Scene) -> Iterator[bytes]:
     parts = []
     for material, part in solid(scene.field).parts():
         parts.append(part.mesh)
-        parts[-1].visual.vertex_colors = [*scene.colour(material), 1.0]
+        parts[-1].visual.vertex_colors = [*scene.surface_colour(material), 1.0]
     mesh: Any = concatenate(parts) if parts else Trimesh()
     yield mesh.export(file_type="ply", vertex_normal=False)

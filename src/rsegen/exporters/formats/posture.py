@@ -46,7 +46,7 @@ class Posture(Format):
     name: ClassVar[str] = "posture"
     mat_file: ClassVar[str] = "posture.mat"
 
-    per_block: Annotated[int, Integer(1, 100, help="raster cells per block and side")] = 5
+    per_block: Annotated[int, Integer(1, 100, help="raster cells along each side of a block")] = 5
     climb_cm: Annotated[
         float | None,
         Float(0, 100_000, unit="cm", help="peaks and pits have higher steps than this on all sides; default: one unit"),

@@ -6,20 +6,27 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.geometry import watertight
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.geometry import TILES, texture_coordinates, watertight
 
 BYTES_A_CELL = 6000
 """The memory per cell for a watertight mesh and trimesh's copies of it."""
 
 
 class Solid(NamedTuple):
-    """A mesh: vertices (n, 3) in metres, z up; triangles (m, 3), counterclockwise from outside; materials (m,)."""
+    """A mesh: vertices (n, 3) in metres, z up; triangles (m, 3), counterclockwise from outside; materials (m,).
+
+    sides: (m,) and coordinates: (m, 3, 2), the texture and the texture coordinates of the corners, in images; both
+    empty if it has none.
+    """
 
     vertices: Array
     triangles: Ints
     materials: Ints
+    sides: Mask = np.zeros(0, dtype=bool)
+    coordinates: Array = np.zeros((0, 3, 2))
 
     @property
     def mesh(self) -> Any:
@@ -37,10 +44,14 @@ class Solid(NamedTuple):
         """The mesh of the triangles of these materials, with vertices of its own."""
         chosen = np.isin(self.materials, materials)
         used, corners = np.unique(self.triangles[chosen], return_inverse=True)
-        return Solid(self.vertices[used], corners.reshape(-1, 3), self.materials[chosen])
+        triangles = corners.reshape(-1, 3)
+        if not len(self.sides):
+            return Solid(self.vertices[used], triangles, self.materials[chosen])
+        own = self.sides[chosen], self.coordinates[chosen]
+        return Solid(self.vertices[used], triangles, self.materials[chosen], *own)
 
 
-def solid(field: StepField) -> Solid:
+def solid(field: StepField, *, textured: bool = False) -> Solid:
     """The watertight mesh of a field, which stays watertight when vertices at one position are merged.
 
     If two blocks touch only along a vertical edge, four faces meet in it. One of the two blocks has an additional
@@ -53,7 +64,11 @@ def solid(field: StepField) -> Solid:
     edge = np.unique(_numbered(places[edges], len(places)), return_inverse=True)[1].reshape(own.shape)
     lowest = np.full(own.size, np.iinfo(np.int64).max)
     np.minimum.at(lowest, edge, own)
-    return _bisected(Solid(mesh.vertices, mesh.triangles, mesh.materials), own, own != lowest[edge])
+    found = Solid(mesh.vertices, mesh.triangles, mesh.materials)
+    if textured:
+        texture = texture_coordinates(mesh, field)
+        found = found._replace(sides=texture.sides, coordinates=texture.values[texture.corners] / TILES)
+    return _bisected(found, own, own != lowest[edge])
 
 
 def _numbered(edges: Ints, count: int) -> Ints:
@@ -65,14 +80,22 @@ def _numbered(edges: Ints, count: int) -> Ints:
 def _bisected(found: Solid, edges: Ints, chosen: Ints) -> Solid:
     """The mesh with triangles bisected at the chosen edges; these are vertical, so no triangle has two of them."""
     cut, side = np.nonzero(chosen)
-    start, end, tip = (found.triangles[cut, (side + step) % 3] for step in range(3))
+    start, end = (found.triangles[cut, (side + step) % 3] for step in range(2))
     known, first, number = np.unique(edges[cut, side], return_index=True, return_inverse=True)
-    middle = len(found.vertices) + number.ravel()
     middles = (found.vertices[start[first]] + found.vertices[end[first]]) / 2
-    whole = np.delete(np.arange(len(found.triangles)), cut)
-    halves = [np.stack(corners, axis=1) for corners in ((start, middle, tip), (middle, end, tip))]
-    return Solid(
-        np.concatenate([found.vertices, middles.reshape(len(known), 3)]),
-        np.concatenate([found.triangles[whole], *halves]),
-        found.materials[np.concatenate([whole, cut, cut])],
-    )
+    vertices = np.concatenate([found.vertices, middles.reshape(len(known), 3)])
+    triangles = _halved(found.triangles, cut, side, len(found.vertices) + number.ravel())
+    faces = np.concatenate([np.delete(np.arange(len(found.triangles)), cut), cut, cut])
+    made = Solid(vertices, triangles, found.materials[faces])
+    if not len(found.sides):
+        return made
+    between = (found.coordinates[cut, side] + found.coordinates[cut, (side + 1) % 3]) / 2
+    coordinates = _halved(found.coordinates, cut, side, between)
+    return made._replace(sides=found.sides[faces], coordinates=coordinates)
+
+
+def _halved(corners: NDArray[Any], cut: Ints, side: Ints, middle: NDArray[Any]) -> NDArray[Any]:
+    """Values at the corners (m, 3, ...) of all triangles after those in `cut` were bisected: these come last."""
+    start, end, tip = (corners[cut, (side + step) % 3] for step in range(3))
+    halves = [np.stack(parts, axis=1) for parts in ((start, middle, tip), (middle, end, tip))]
+    return np.concatenate([np.delete(corners, cut, axis=0), *halves])

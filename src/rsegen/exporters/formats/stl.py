@@ -6,9 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rsegen.exporters.formats.base import MESH, Extra, Format, register
+from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.formats.solid import BYTES_A_CELL, solid
 from rsegen.exporters.scene import Scene
+from rsegen.params.extras import MESH, Extra
 
 
 @register

@@ -12,7 +12,7 @@ from typing import Annotated, ClassVar
 
 from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.formats.coloured import coloured_objs
-from rsegen.exporters.gazebo.obj import material_name, mtl
+from rsegen.exporters.gazebo.obj import material_name, plain_mtl
 from rsegen.exporters.gazebo.sdf import numbers, utf8
 from rsegen.exporters.gazebo.shapes import split_by_friction
 from rsegen.exporters.numbers import decimal
@@ -50,7 +50,7 @@ def urdf_files(scene: Scene, folder: str = "", root: str = "", *, world: bool = 
     """
     objs = coloured_objs(scene)
     meshes = {folder + _mesh(scene, material): content for material, content in objs.items()}
-    colours = {f"{folder}meshes/{scene.name}.mtl": mtl(scene)} if meshes else {}
+    colours = {f"{folder}meshes/{scene.name}.mtl": plain_mtl(scene)} if meshes else {}
     return {f"{folder}{scene.name}.urdf": utf8(_robot(scene, objs, root, world=world)), **meshes, **colours}
 
 
@@ -95,7 +95,7 @@ def _joint(parent: str, child: str) -> str:
 
 
 def _visual(scene: Scene, material: int, root: str) -> str:
-    rgba = numbers((*scene.colour(material), 1))
+    rgba = numbers((*scene.surface_colour(material), 1))
     return f"""\
     <visual name="{material_name(material)}">
       <geometry><mesh filename="{root}{_mesh(scene, material)}"/></geometry>

@@ -14,13 +14,15 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from rsegen.exporters.formats.base import Extra, Format, register
+from rsegen.exporters.formats.base import Format, register
 from rsegen.exporters.formats.solid import Solid, solid
 from rsegen.exporters.formats.srgb import srgb_to_linear
-from rsegen.exporters.gazebo.obj import material_name
+from rsegen.exporters.formats.usd_textures import bind_textures
+from rsegen.exporters.gazebo.obj import material_name, texture_files
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Colour, Scene
 from rsegen.field.stepfield import Array
+from rsegen.params.extras import USD, Extra
 from rsegen.params.sorts import Flag
 
 
@@ -30,7 +32,7 @@ class Usd(Format):
     """A watertight mesh with colours, friction and a static collider (USD) for Isaac Sim and usdview, metres, z up."""
 
     name: ClassVar[str] = "usd"
-    extra: ClassVar[Extra | None] = Extra("usd", "pxr")
+    extra: ClassVar[Extra | None] = USD
 
     binary: Annotated[
         bool,
@@ -43,10 +45,11 @@ class Usd(Format):
         return 4000
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """One USD file."""
+        """One USD file, and the images of its textures if the recipe's look has any."""
+        images = texture_files(scene) if scene.field.stands() else {}
         if self.binary:
-            return {f"{scene.name}.usdc": _binary(scene)}
-        return {f"{scene.name}.usda": _text(scene)}
+            return {f"{scene.name}.usdc": _binary(scene), **images}
+        return {f"{scene.name}.usda": _text(scene), **images}
 
 
 def prim_name(name: str) -> str:
@@ -81,11 +84,12 @@ def _stage(scene: Scene) -> Any:
     root = UsdGeom.Xform.Define(stage, f"/{prim_name(scene.name)}")
     Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
     stage.SetDefaultPrim(root.GetPrim())
-    found = solid(scene.field)
+    found = solid(scene.field, textured=scene.recipe.is_textured)
     for number, (friction, part) in enumerate(_by_friction(scene, found)):
         own = f"friction_{decimal(friction).replace('.', '_')}" if number else "friction"
         mesh = _mesh(root, scene, part, f"surface_{own}" if number else "surface")
-        _bind_colours(root, scene, mesh, part)
+        bind = bind_textures if scene.recipe.is_textured else _bind_colours
+        bind(root, scene, mesh, part)
         _add_physics(root, mesh, friction, own)
     return stage
 
@@ -112,7 +116,7 @@ def _mesh(root: Any, scene: Scene, found: Solid, name: str) -> Any:
     mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(_normals(found).astype(np.float32)))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.uniform)
     colours = np.array(
-        [srgb_to_linear(scene.colour(kind)) for kind in range(int(found.materials.max()) + 1)], dtype=np.float32
+        [srgb_to_linear(scene.surface_colour(kind)) for kind in range(int(found.materials.max()) + 1)], dtype=np.float32
     )
     shown = mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.uniform)
     shown.Set(Vt.Vec3fArray.FromNumpy(colours[found.materials]))

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from rsegen.exporters.gazebo import sdf
+from rsegen.exporters.gazebo import sdf, shapes
+from rsegen.exporters.gazebo.obj import material_name, obj
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
+from rsegen.geometry import surface
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
     """The world file, generated while it is written."""
-    return {f"{scene.name}.world": sdf.utf8(sdf.world(scene, boxes(scene)))}
+    return {f"{scene.name}.world": sdf.utf8(sdf.world(scene, boxes(scene))), **_mesh_files(scene)}
 
 
 def model_count(scene: Scene) -> int:
@@ -37,11 +40,12 @@ def boxes(scene: Scene) -> Iterator[str]:
     field = scene.field
     x, y = ([decimal(at) for at in ((line[:-1] + line[1:]) / 2).tolist()] for line in field.edges())
     block_x, block_y = ((np.cumsum(field.inside(axis)) - 1).tolist() for axis in (0, 1))
-    templates = {material: _template(scene, material, height) for material, height in _heights(field).items()}
+    templates = {material: _templates(scene, material, height) for material, height in _heights(field).items()}
     for i in range(field.shape[0]):
         row = zip(field.levels[i].tolist(), field.frame[i].tolist(), strict=True)
         yield "".join(
-            templates[level] % (f"frame_{i}_{j}" if framed else f"block_{block_x[i]}_{block_y[j]}", x[i], y[j])
+            templates[level][(i + 2 * j) % VARIANTS]
+            % (f"frame_{i}_{j}" if framed else f"block_{block_x[i]}_{block_y[j]}", x[i], y[j])
             for j, (level, framed) in enumerate(row)
             if framed * (0 in templates) or level
         )
@@ -53,9 +57,46 @@ def _heights(field: StepField) -> dict[int, float]:
     return {material: height for material, height in heights.items() if round(height, NANOMETRE_DIGITS)}
 
 
-def _template(scene: Scene, material: int, height: float) -> str:
-    """The model of a box with three placeholders: its name, x and y."""
+VARIANTS = 4
+"""Different textures of the blocks of one level."""
+
+
+def _templates(scene: Scene, material: int, height: float) -> list[str]:
+    """The models of a box, one per variant, each with three placeholders: its name, x and y."""
     size = (scene.field.block_width, scene.field.block_width, height)
-    visual = sdf.box("visual", size)._replace(material=sdf.material(scene.colour(material)))
     collision = sdf.box("collision", size)._replace(friction=scene.friction_of(material))
-    return "".join(sdf.model("%s", [visual], [collision], f"%s %s {decimal(height / 2)}"))
+    if scene.recipe.is_textured:
+        visuals = [_textured(scene, material, height, variant) for variant in range(VARIANTS)]
+    else:
+        visuals = [sdf.box("visual", size)._replace(material=sdf.material(scene.colour(material)))] * VARIANTS
+    place = f"%s %s {decimal(height / 2)}"
+    return ["".join(sdf.model("%s", [visual], [collision], place)) for visual in visuals]
+
+
+def _textured(scene: Scene, material: int, height: float, variant: int) -> sdf.Shape:
+    """The visual of a block as a mesh, which stands where `_block` has it."""
+    x = (VARIANTS - 1 - 2 * variant) / 2 * scene.field.block_width
+    shape = sdf.mesh("visual", f"meshes/{_mesh_name(scene, material, variant)}")
+    return shape._replace(centre=(x, 0, -height / 2))
+
+
+def _mesh_files(scene: Scene) -> dict[str, Iterable[bytes]]:
+    """The meshes of textured blocks, VARIANTS per level, and their materials."""
+    found: dict[str, Iterable[bytes]] = {}
+    for material in _heights(scene.field) if scene.recipe.is_textured else ():
+        for variant in range(VARIANTS):
+            block = _block(scene.field, material, variant)
+            mesh = obj([surface(block)], f"{scene.name}.mtl", block)
+            found[f"meshes/{_mesh_name(scene, material, variant)}"] = mesh
+    return found | (shapes.material_files(scene) if found else {})
+
+
+def _mesh_name(scene: Scene, material: int, variant: int) -> str:
+    return f"{scene.name}_{material_name(material)}_{variant}.obj"
+
+
+def _block(field: StepField, material: int, variant: int) -> StepField:
+    """A row of VARIANTS cells with one block or frame in the cell `variant`, which decides its texture."""
+    levels, frame = np.zeros((VARIANTS, 1), dtype=np.int16), np.zeros((VARIANTS, 1), dtype=bool)
+    levels[variant], frame[variant] = material, not material
+    return replace(field, levels=levels, frame=frame)

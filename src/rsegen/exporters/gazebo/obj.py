@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Ints
-from rsegen.geometry import NORMALS, Mesh
+from rsegen.exporters.scene import Colour, Scene
+from rsegen.exporters.textures import textures
+from rsegen.field.stepfield import Ints, StepField
+from rsegen.geometry import NORMALS, TILES, Mesh, TextureCoordinates, texture_coordinates
 
 _Texts = NDArray[np.void]
 """Texts of one width, padded with zero bytes, as items of that many bytes."""
@@ -24,14 +25,23 @@ STRIP = 2**15
 """Lines that are made at once: enough to be fast, few enough to stay in the CPU cache."""
 
 
-def obj(meshes: Iterable[Mesh], mtl_name: str) -> Iterator[bytes]:
-    """The OBJ file of meshes, one after the other, with the colours of the file `mtl_name` in the same folder."""
+def obj(meshes: Iterable[Mesh], mtl_name: str, textured: StepField | None = None) -> Iterator[bytes]:
+    """The OBJ file of meshes, one after the other, with the materials of the file `mtl_name` in the same folder.
+
+    With the field `textured`, of which they are meshes, they have texture coordinates.
+    """
     yield f"# metres, z up; made by rsegen\nmtllib {mtl_name}\n".encode()
     yield "".join(f"vn {x} {y} {z}\n" for x, y, z in NORMALS).encode()
-    vertices = 0
+    vertices = coordinates = 0
     for mesh in meshes:
         yield from _vertices(mesh)
-        yield from _faces(mesh, vertices + 1)
+        if textured is None:
+            yield from _faces(mesh, vertices + 1)
+        else:
+            texture = texture_coordinates(mesh, textured)
+            yield from _coordinates(texture)
+            yield from _textured_faces(mesh, texture, vertices + 1, coordinates + 1)
+            coordinates += len(texture.values)
         vertices += len(mesh.places)
 
 
@@ -41,16 +51,50 @@ def face_count(piece: bytes) -> int:
 
 
 def mtl(scene: Scene) -> Iterator[bytes]:
-    """The MTL file with every colour that maps of the scene's recipe can have."""
+    """The MTL file with every material that maps of the scene's recipe can have, with its textures if it has any."""
+    yield from plain_mtl(scene)
+    for material in range(scene.recipe.highest_level + 1) if scene.recipe.is_textured else ():
+        for part in PARTS:
+            lines = _material(textured_name(material, part), scene.tint(material))
+            yield f"{lines}map_Kd {texture_name(scene, part)}\n".encode()
+
+
+def plain_mtl(scene: Scene) -> Iterator[bytes]:
+    """The MTL file without textures, for meshes without texture coordinates."""
     for material in range(scene.recipe.highest_level + 1):
-        red, green, blue = map(decimal, scene.colour(material))
-        colour = f"{red} {green} {blue}"
-        yield f"newmtl {material_name(material)}\nKa {colour}\nKd {colour}\nKs 0 0 0\nd 1\nillum 1\n".encode()
+        yield _material(material_name(material), scene.surface_colour(material)).encode()
+
+
+def _material(name: str, colour: Colour) -> str:
+    rgb = " ".join(map(decimal, colour))
+    return f"newmtl {name}\nKa {rgb}\nKd {rgb}\nKs 0 0 0\nd 1\nillum 1\n"
+
+
+PARTS = ("top", "side")
+"""The parts of a block that have textures of their own; frames have that of the sides all over."""
+
+
+def texture_name(scene: Scene, part: str) -> str:
+    """The name of the image of tops or of sides, which no other map in a world has."""
+    return f"{scene.name}_{part}.png"
+
+
+def texture_files(scene: Scene) -> dict[str, Iterable[bytes]]:
+    """The images of the recipe's look by name; none if it has no textures."""
+    if not scene.recipe.is_textured:
+        return {}
+    images = textures(scene.recipe.look, scene.recipe.seed or 0)
+    return {texture_name(scene, part): [image] for part, image in zip(PARTS, images, strict=True)}
 
 
 def material_name(material: int) -> str:
     """The name of a material in OBJ and MTL: `frame` for 0, `level_N` for any other number."""
     return f"level_{material}" if material else "frame"
+
+
+def textured_name(material: int, part: str) -> str:
+    """The name of a material with the texture of tops or of sides."""
+    return f"{material_name(material)}_{part}"
 
 
 def _vertices(mesh: Mesh) -> Iterator[bytes]:
@@ -75,6 +119,34 @@ def _faces(mesh: Mesh, first: int) -> Iterator[bytes]:
                 yield f"g {name}\nusemtl {name}\n".encode()
             yield _bare(page[lines])
             before = material
+
+
+def _coordinates(texture: TextureCoordinates) -> Iterator[bytes]:
+    """Texture coordinates, in images: u to the right, v upward."""
+    for strip in _strips(0, len(texture.values)):
+        columns = (texture.values[strip] / TILES).round(9).T.tolist()
+        yield "".join(f"vt {decimal(u)} {decimal(v)}\n" for u, v in zip(*columns, strict=True)).encode()
+
+
+def _textured_faces(mesh: Mesh, texture: TextureCoordinates, first: int, first_coordinate: int) -> Iterator[bytes]:
+    """The faces with texture coordinates, one group per material of tops and one per material of sides."""
+    order = np.lexsort((texture.sides, mesh.materials))
+    numbers = _counted(first, len(mesh.places))
+    own = _texts([f"/{number}" for number in range(first_coordinate, first_coordinate + len(texture.values))])
+    normals = _texts([f"/{number + 1}" for number in range(len(NORMALS))])
+    before = -1
+    for strip in _strips(0, len(order)):
+        rows = order[strip]
+        normal = normals[mesh.normals[rows]]
+        pairs = zip(mesh.faces[rows].T, texture.corners[rows].T, strict=True)
+        corners = [part for place, at in pairs for part in (b" ", numbers[place], own[at], normal)]
+        page = _page([b"f", *corners, b"\n"], len(normal))
+        for group, lines in _groups(2 * mesh.materials[rows].astype(int) + texture.sides[rows]):
+            if group != before:
+                name = textured_name(group // 2, PARTS[group % 2])
+                yield f"g {name}\nusemtl {name}\n".encode()
+            yield _bare(page[lines])
+            before = group
 
 
 def _groups(materials: Ints) -> Iterator[tuple[int, slice]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from math import hypot
 from typing import NamedTuple
 
 from rsegen.exporters.numbers import decimal
@@ -14,7 +15,7 @@ HEADER = f'<?xml version="1.0"?>\n<!-- made by rsegen -->\n<sdf version="{VERSIO
 FOOTER = "</sdf>\n"
 
 _WORLD = """\
-  <world name="{name}">
+  <world name="{name}">{gui}
     <physics type="ode">
       <max_step_size>0.001</max_step_size>
       <real_time_factor>1</real_time_factor>
@@ -23,10 +24,10 @@ _WORLD = """\
     <scene>
       <ambient>0.5 0.5 0.5 1</ambient>
       <background>0.75 0.8 0.85 1</background>
-      <shadows>false</shadows>
+      <shadows>{shadows}</shadows>{sky}
     </scene>
     <light name="sun" type="directional">
-      <cast_shadows>false</cast_shadows>
+      <cast_shadows>{shadows}</cast_shadows>
       <pose>0 0 10 0 0 0</pose>
       <diffuse>0.7 0.7 0.7 1</diffuse>
       <specular>0.1 0.1 0.1 1</specular>
@@ -48,12 +49,31 @@ _WORLD = """\
 """
 
 
+_CAMERA = """
+    <gui>
+      <camera name="user_camera"><pose>{pose}</pose></camera>
+    </gui>"""
+
+
 def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
     """The text of a world file: physics, light, a ground plane much larger than the map, and `models`."""
-    side = max(100.0, 2 * max(scene.field.extent))
-    yield HEADER + _WORLD.format(name=scene.name, side=decimal(side), friction=_friction(scene.friction))
+    yield HEADER + _WORLD.format(
+        name=scene.name,
+        gui=_CAMERA.format(pose=_overview(scene)) if scene.recipe.is_textured else "",
+        shadows="true" if scene.recipe.shadows else "false",
+        sky="\n      <sky></sky>" if scene.recipe.sky else "",
+        side=decimal(max(100.0, 2 * max(scene.field.extent))),
+        friction=_friction(scene.friction),
+    )
     yield from models
     yield "  </world>\n" + FOOTER
+
+
+def _overview(scene: Scene) -> str:
+    """The pose of a camera that sees the whole map from the south-south-east and above, as x y z roll pitch yaw."""
+    away = 0.95 * hypot(*scene.field.extent)
+    x, y, z = (round(away * part, 3) for part in (0.4, -0.7, 0.6))
+    return f"{numbers((x, y, z))} 0 0.6398 2.09"
 
 
 class Shape(NamedTuple):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.exporters.gazebo import sdf
-from rsegen.exporters.gazebo.obj import mtl, obj
+from rsegen.exporters.gazebo.obj import mtl, obj, texture_files
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import CellWindow, StepField
@@ -22,14 +22,21 @@ from rsegen.geometry import Boxes, Mesh, box_per_block, boxes, meshes, split_win
 
 def mesh_files(scene: Scene, field: StepField, stem: str) -> dict[str, Iterable[bytes]]:
     """The mesh files of a field by their path in the map's folder, and the MTL file; generated while they are read."""
+    textured = field if scene.recipe.is_textured else None
     found: dict[str, Iterable[bytes]] = {
-        f"meshes/{name}.obj": obj(meshes(field, scene.recipe.mesh, part), f"{scene.name}.mtl")
+        f"meshes/{name}.obj": obj(meshes(field, scene.recipe.mesh, part), f"{scene.name}.mtl", textured)
         for name, part in _parts(scene, field, stem)
     }
     for each in _collision_meshes(scene, field, stem):
         if each.materials is not None:
             found[each.path] = obj(_of(each, scene, field), f"../{scene.name}.mtl")
-    return found | ({f"meshes/{scene.name}.mtl": mtl(scene)} if found else {})
+    return found | (material_files(scene) if found else {})
+
+
+def material_files(scene: Scene) -> dict[str, Iterable[bytes]]:
+    """The MTL file and the images of its textures by their path in the map's folder."""
+    found = {f"{scene.name}.mtl": mtl(scene)} | texture_files(scene)
+    return {f"meshes/{name}": content for name, content in found.items()}
 
 
 def visuals(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:

@@ -1,0 +1,82 @@
+"""Texture coordinates of a mesh: one tile of an image per block, on tops and on sides.
+
+A top takes the tile of its cell. A side takes the column of its cell, and its rows from the top of the block downward:
+
+     ___ ___ ___           v = 0 at the top of the block
+    | 0 | 1 | 2 |   side
+    |   |   |   |          v = -1 one block width below it
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.geometry.faces import welded
+from rsegen.geometry.mesh import Mesh
+
+TILES = 8
+"""Tiles along each side of an image, after which it repeats."""
+
+SHIFT = (3, 5)
+"""Tiles by which each level is shifted, so that neighbours of different height have different tiles."""
+
+
+class TextureCoordinates(NamedTuple):
+    """values: (n, 2) u to the right and v upward, in tiles; corners: (m, 3 or 4) rows of `values`, one per face corner;
+    sides: (m,) whether a face shows long grain: the sides of blocks, and frames.
+    """
+
+    values: Array
+    corners: Ints
+    sides: Mask
+
+
+def texture_coordinates(mesh: Mesh, field: StepField) -> TextureCoordinates:
+    """The texture coordinates of a mesh of `field` or of a part of it."""
+    vertical, frame = mesh.normals < 4, mesh.materials == 0
+    across, along = _tiles(mesh, field, vertical, frame)
+    depths, depth = _depths(mesh, field)
+    rows = int(along.max(initial=0)) + 1
+    values_of_v = np.concatenate([np.arange(rows), depths])
+    v = np.where(vertical[:, None], rows + depth, along)
+    turned = (vertical & frame)[:, None]  # the grain of a frame is horizontal
+    columns = int(across.max(initial=0)) + 1
+    known, corners = welded((turned * columns + across) * len(values_of_v) + v, 2 * columns * len(values_of_v))
+    column, row = np.divmod(known, len(values_of_v))
+    is_turned, column = np.divmod(column, columns)
+    values = np.where(is_turned, [-values_of_v[row], -column], [column, values_of_v[row]]).T
+    return TextureCoordinates(values + 0.0, corners, vertical | frame)
+
+
+def _tiles(mesh: Mesh, field: StepField, vertical: Mask, frame: Mask) -> tuple[Ints, Ints]:
+    """The column, and for tops the row, of the tiles at each corner, (m, 3 or 4) each, less whole images."""
+    x, y = (_cells(mesh, field, axis) for axis in (0, 1))
+    is_along_x = frame & (np.ptp(x, axis=1) > np.ptp(y, axis=1))
+    swapped = ((mesh.normals < 2) | (~vertical & is_along_x))[:, None]
+    shift_u, shift_v = (shift * mesh.materials[:, None] % TILES for shift in SHIFT)
+    return _reduced(np.where(swapped, y, x) + shift_u), _reduced(np.where(swapped, x, y) + shift_v)
+
+
+def _cells(mesh: Mesh, field: StepField, axis: int) -> Ints:
+    """The cell edge along an axis at each corner of the faces, counted from the side of the field: (m, 3 or 4)."""
+    edges = np.rint((mesh.lines[axis] - field.edges()[axis][0]) / field.block_width).astype(np.int64)
+    return np.asarray(edges[mesh.places[mesh.faces, axis]])
+
+
+def _reduced(tiles: Ints) -> Ints:
+    """Tiles of each face less whole images: the lowest is in 0..TILES - 1."""
+    lowest = tiles.min(axis=1, keepdims=True)
+    return np.asarray(tiles - lowest + lowest % TILES)
+
+
+def _depths(mesh: Mesh, field: StepField) -> tuple[Array, Ints]:
+    """Distinct values of v, and the index of that of each corner: minus the depth below the top of its block."""
+    materials = np.arange(int(mesh.materials.max(initial=0)) + 1)
+    tops = np.where(materials > 0, materials * field.unit, field.frame_height)
+    table = np.round((mesh.lines[2][None, :] - tops[:, None]) / field.block_width, 9) + 0.0
+    values, index = np.unique(np.minimum(table, 0), return_inverse=True)
+    depth = index.reshape(table.shape)[mesh.materials[:, None], mesh.places[mesh.faces, 2]]
+    return values, np.asarray(depth)
