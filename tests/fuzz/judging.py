@@ -179,11 +179,12 @@ def _misbehaved(ended: _Ended) -> Failure | None:
         where = _place(ended.error)
         return Failure(sort=f"internal error {where}", detail=f"{ended.err.strip()} {where}")
     fails = isinstance(ended.error, DatasetDamaged) or ended.err.startswith("rsegen: plug-in ")
-    if ended.code not in (0, 2) and not (ended.code == 1 and fails):
+    differs = bool(ended.out) and not ended.err  # as `compare` says of maps
+    if ended.code not in (0, 2) and not (ended.code == 1 and (fails or differs)):
         where = _place(ended.error)
         return Failure(sort=f"exit code {ended.code} {where}", detail=f"{ended.code}: {ended.err.strip()} {where}")
     lines = ended.err.splitlines()
-    if ended.code != 0 and (len(lines) != 1 or not lines[0].startswith("rsegen")):
+    if ended.code != 0 and not differs and (len(lines) != 1 or not lines[0].startswith("rsegen")):
         return Failure(sort=f"{len(lines)} lines on stderr {_plain(ended.err)}", detail=ended.err)
     if ended.code == 2 and ended.out:
         return Failure(sort=f"printed and refused {_plain(ended.err)}", detail=ended.err)

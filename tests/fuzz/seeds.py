@@ -153,6 +153,15 @@ def array(values: Any) -> bytes:
     return stream.getvalue()
 
 
+def cloud(rng: np.random.Generator) -> Any:
+    """Points on a field of 4 x 4 random blocks of 10 cm, and on some floor around: (n, 3), in metres."""
+    levels = np.pad(np.floor(rng.random((4, 4)) * 4), 4)
+    points = rng.random((3000, 3)) * (1.2, 1.2, 0) - (0.6, 0.6, 0)
+    i, j = np.floor(points[:, :2].T / 0.1).astype(int) + 6
+    points[:, 2] = 0.1 * levels[i, j]
+    return points
+
+
 ROS_MAP = {"image": "grey.pgm", "resolution": 0.05, "origin": [0.0, 0.0, 0.0], "negate": 0, "occupied_thresh": 0.65}
 ROS_MAP |= {"free_thresh": 0.196, "mode": "trinary"}
 TABLES = (

@@ -57,9 +57,9 @@ def test_a_function_is_a_metric_and_a_metric_is_itself() -> None:
         ("steps.rsm", None, r"by: unknown metric 'steps.rsm'; did you mean 'steps.rms'\? \(known: opening"),
         (7, None, "by: unknown metric 7"),
         (["steps.rms"], None, "by: unknown metric"),
-        (min(OF_A_ROBOT), None, f"by: {min(OF_A_ROBOT)} is of a robot; give robot too"),
-        ("steps.rms", ROBOT, "robot: steps.rms is of no robot; give by=reach.west_east.cost, or another one of a rob"),
-        (len, ROBOT, "robot: a function is of no robot"),
+        (min(OF_A_ROBOT), None, f"by: {min(OF_A_ROBOT)} needs a robot; give robot too"),
+        ("steps.rms", ROBOT, "robot: steps.rms does not depend on a robot; give by=reach.west_east.cost, or leave rob"),
+        (len, ROBOT, "robot: a function does not depend on a robot"),
         ("steps.rms", "burger", r"robot: 'burger' is not a robot's limits; give RobotLimits\(climb_cm=10\)"),
     ],
 )

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from tests.fuzz.case import Case
-from tests.fuzz.families import flags, folders, heights, others, recipes
+from tests.fuzz.families import clouds, flags, folders, heights, others, recipes
 
 Family = Callable[[random.Random], Case]
 
@@ -19,6 +19,7 @@ FAMILIES: Mapping[str, tuple[Family, int]] = MappingProxyType(
         "array": (heights.array, 6),
         "image": (heights.image, 10),
         "ros": (heights.ros, 6),
+        "cloud": (clouds.case, 4),
         "map": (folders.damaged_map, 6),
         "data set": (folders.damaged_data_set, 8),
         "inventory": (others.inventory, 3),

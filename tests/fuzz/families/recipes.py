@@ -22,6 +22,7 @@ COMMANDS: Sequence[tuple[Sequence[str], tuple[str, ...], int]] = (
     (["series", "FILE", "--maps", "2", "-o", "out", "--workers", "1"], ("out",), 1),
     (["dataset", "FILE", "-o", "out", "--workers", "1"], ("out",), 5),
     (["sheet", "FILE", "-o", "sheet.csv"], ("sheet.csv",), 4),
+    (["view", "FILE", "-o", "map.html"], ("map.html",), 4),
     (["open", "FILE", "--print"], (), 2),
     (["drive", "FILE"], (), 1),
     (["spawn", "FILE"], (), 1),

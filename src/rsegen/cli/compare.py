@@ -1,0 +1,115 @@
+"""rsegen compare: which blocks differ between what stands and a map."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+from rsegen.cli.flags import Subparsers, add_parameter_flags, add_target_recipe_flags, given
+from rsegen.cli.picture_path import picture_path
+from rsegen.cli.targets import map_of_flags
+from rsegen.errors import ParameterError
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.pictures.comparison import summary
+from rsegen.exporters.pictures.preview import image_format
+from rsegen.field.comparison import Comparison
+from rsegen.io.clouds import is_cloud
+from rsegen.io.resources import refuse_too_large
+from rsegen.io.scans import ComparedMap, ScanOptions, compare
+from rsegen.io.targets import found
+from rsegen.io.writer import write_file
+from rsegen.recipe.recipe import Recipe
+
+_KNOWN = ("size", "fill_holes", "block_width_cm", "unit_cm", "boundary", "chunk_size")
+"""What the map says already."""
+
+_SHOWN = 20
+
+
+def add(commands: Subparsers) -> None:
+    """The parser of this command."""
+    command = commands.add_parser(
+        "compare",
+        description="Print, and draw, which blocks of a real field or of a map differ from those of MAP: by a scan, "
+        "which may be turned and moved, or cell by cell.",
+        epilog="Exit code 0: all blocks are right; 1: some differ, or were not seen.",
+    )
+    command.add_argument(
+        "paths",
+        nargs="+",
+        metavar="SCAN-or-MAP",
+        help="point clouds or depth images of one field, as for rsegen scan, or a map; MAP, the last, is what should "
+        "stand: a recipe, an example, the folder of a map",
+    )
+    command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
+    group = command.add_argument_group("output")
+    group.add_argument("-o", "--output", metavar="PICTURE", help="draw what to change: png, svg or pdf by its ending")
+    group.add_argument("--force", action="store_true", help="replace an existing picture")
+    group.add_argument("--json", action="store_true", help="print the differences for programs")
+    add_parameter_flags(command.add_argument_group("reading a scan"), ScanOptions, without=_KNOWN)
+    add_target_recipe_flags(command)
+    command.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compare, draw and report; gives exit code 1 if anything differs or was not seen."""
+    *stands, wanted = arguments.paths
+    if not stands:
+        raise ParameterError("MAP", f"only {wanted} is given; give a scan or a map, and then the map that should stand")
+    picture = picture_path(arguments.output, force=arguments.force)
+    arguments.target = wanted
+    _, recipe, index = map_of_flags(arguments)
+    refuse_too_large(recipe)
+    compared = _compared(stands, arguments, recipe.alone(index))
+    if picture:
+        write_file([compared.picture(image_format(picture))], picture, force=arguments.force)
+    comparison = compared.comparison
+    print(json.dumps(_as_json(comparison), indent=2) if arguments.json else "\n".join(_report(comparison)))
+    return 0 if comparison.is_equal else 1
+
+
+def _compared(stands: list[str], arguments: argparse.Namespace, recipe: Recipe) -> ComparedMap:
+    clouds = [path for path in stands if is_cloud(Path(path))]
+    if clouds and len(clouds) == len(stands):
+        options = {name: value for name, value in given(ScanOptions, arguments).items() if name not in _KNOWN}
+        return compare(clouds, recipe, ScanOptions(**options))
+    if len(stands) > 1:
+        raise ParameterError("SCAN-or-MAP", "give clouds of one field and a map, or two maps")
+    _, other, index = found(stands[0], arguments.map)
+    refuse_too_large(other)
+    return compare(other.alone(index), recipe)
+
+
+def _report(comparison: Comparison) -> Iterator[str]:
+    yield summary(comparison)
+    changes = list(comparison.changes())
+    for x, y, height, wanted in changes[:_SHOWN]:
+        way = "too high" if height > wanted else "too low"
+        yield f"  {_cell(comparison, x, y)}: {_cm(height)} cm, should be {_cm(wanted)} cm ({way})"
+    if len(changes) > _SHOWN:
+        yield f"  and {len(changes) - _SHOWN} more"
+
+
+def _cm(metres: float) -> str:
+    return decimal(round(metres * 100, 1) + 0)
+
+
+def _cell(comparison: Comparison, x: int, y: int) -> str:
+    if comparison.wanted.frame[x, y]:
+        return f"frame, cell {x}, {y} from the south-west corner"
+    return f"x {comparison.numbered(0)[x]} y {comparison.numbered(1)[y]}"
+
+
+def _as_json(comparison: Comparison) -> dict[str, object]:
+    """For programs; lengths in metres, cells counted from the south-west corner, frames counted."""
+    return {
+        "cells": comparison.wrong.size,
+        "wrong": int(comparison.wrong.sum()),
+        "not_seen": int((~comparison.seen).sum()),
+        "differences": [
+            {"cell": [x, y], "height_m": round(height, 4), "wanted_m": wanted}
+            for x, y, height, wanted in comparison.changes()
+        ],
+    }

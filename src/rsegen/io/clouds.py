@@ -1,0 +1,187 @@
+"""Reads point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, and depth images with the camera's intrinsics.
+
+Nothing in a file is trusted: what a library says of a file that it cannot read becomes one FileError.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from rsegen.errors import FileError, ParameterError, RsegenError, UserError, pip_install
+from rsegen.field.stepfield import Array
+from rsegen.io.image_files import opened_image
+from rsegen.io.input_files import open_regular
+from rsegen.io.npy_files import mapped
+from rsegen.io.text_files import text_of
+from rsegen.params.extras import SCAN
+from rsegen.params.lengths import CENTIMETRES
+
+MOST_POINTS = 20_000_000
+"""Of a file: some 2 GB of memory while it is read."""
+
+_MOST_MIB = 1024
+_SAMPLED = 400_000
+"""Points on the surface of a mesh, spread evenly."""
+
+_NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|\s*nan", re.IGNORECASE)
+_SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
+
+Intrinsics = tuple[float, float, float, float]
+"""Focal lengths fx, fy and the centre cx, cy of a depth camera, in pixels."""
+
+
+def is_cloud(path: Path) -> bool:
+    """Whether a file is one of those that a cloud can be read from, by its name."""
+    return path.suffix.lower() in READERS
+
+
+def read_clouds(paths: Sequence[Path], values: str | None = None, intrinsics: Intrinsics | None = None) -> Array:
+    """The points (n, 3) of all files together, metres, in the frame that they share.
+
+    values: the unit of their numbers (m, cm, mm, in, ft); default: m, but mm for depth images with whole numbers.
+    intrinsics: for depth images; x is right, y down and z away from the camera. A FileError if a file has no points.
+    """
+    with np.errstate(all="ignore"):  # what is no number, or too large for one, is left out when a field is looked for
+        return np.concatenate([_read(path, values, intrinsics) for path in paths])
+
+
+def _read(path: Path, values: str | None, intrinsics: Intrinsics | None) -> Array:
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise FileError(f"{path}: clouds are read from files named {', '.join('*' + suffix for suffix in READERS)}")
+    found, usual = reader(path)
+    if found.ndim == 2 and found.shape[1] != 3:
+        points = _of_depth(path, found, intrinsics)
+    elif intrinsics is not None:
+        raise ParameterError("intrinsics", f"{path} has points, not the depths of an image")
+    else:
+        points = np.asarray(found.reshape(-1, 3), dtype=np.float64)
+    return points * (CENTIMETRES[values or usual] / 100)
+
+
+def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
+    """The points of a depth image (rows, columns), in its unit; 0 and nan are holes."""
+    if intrinsics is None:
+        raise ParameterError("intrinsics", f"{path} is a depth image; give fx,fy,cx,cy of its camera in pixels")
+    fx, fy, cx, cy = intrinsics
+    if fx <= 0 or fy <= 0:
+        raise ParameterError("intrinsics", f"fx {fx:g} and fy {fy:g} have to be above 0")
+    v, u = np.indices(depth.shape)
+    z = depth.astype(np.float64)
+    z[~np.isfinite(z) | (z <= 0)] = np.nan
+    points = np.stack([(u - cx) / fx * z, (v - cy) / fy * z, z], axis=-1).reshape(-1, 3)
+    return np.asarray(points[np.isfinite(points[:, 2])])
+
+
+def _array(path: Path) -> tuple[Array, str]:
+    found = mapped(path)
+    if found.dtype.kind not in "biuf" or not (found.ndim == 2 or (found.ndim == 3 and found.shape[2] == 3)):
+        raise FileError(f"{path}: an array of shape {found.shape}; give points (n, 3) or depths (rows, columns)")
+    _refuse_many(path, found.size // 3)
+    return np.asarray(found), "mm" if found.ndim == 2 and found.shape[1] != 3 and found.dtype.kind in "iu" else "m"
+
+
+def _image(path: Path) -> tuple[Array, str]:
+    with opened_image(path) as image:
+        _refuse_many(path, image.width * image.height)
+        if image.mode not in ("I", "I;16", "I;16B", "L", "F"):
+            raise FileError(f"{path}: a {image.mode} image; give a depth image of one channel (16 bit, millimetres)")
+        return np.array(image, dtype=np.float64), "m" if image.mode == "F" else "mm"
+
+
+def _text(path: Path) -> tuple[Array, str]:
+    """Lines of x, y, z and perhaps more, by blanks, commas or semicolons; lines before the first of them are titles."""
+    lines = text_of(path, _mib(path), "a cloud; write it as PLY or PCD").splitlines()
+    first = next((at for at, line in enumerate(lines) if _is_point(line)), None)
+    if first is None:
+        raise FileError(f"{path}: no line has three numbers x, y, z")
+    _refuse_many(path, len(lines) - first)
+    separator = next((mark for mark in ",;" if mark in lines[first]), None)
+    try:
+        return np.loadtxt(lines[first:], delimiter=separator, usecols=(0, 1, 2), ndmin=2, comments=("#", "//")), "m"
+    except ValueError as error:
+        raise FileError(f"{path}: {_one_line(error)}") from None
+
+
+def _mib(path: Path) -> int:
+    """How many MiB of a file to read: no more than it has, for so much memory is taken at once."""
+    try:
+        with open_regular(path) as file:
+            return min(os.fstat(file.fileno()).st_size // 2**20 + 1, _MOST_MIB)
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from None
+
+
+def _is_point(line: str) -> bool:
+    parts = _SEPARATOR.split(line.strip())
+    return len(parts) >= 3 and all(_NUMBER.fullmatch(part) for part in parts[:3])
+
+
+def _mesh(path: Path) -> tuple[Array, str]:
+    """The points of a cloud, or of a mesh's surface, which trimesh reads."""
+
+    def read() -> Array:
+        import trimesh
+
+        with open_regular(path) as file:
+            found = trimesh.load(file, file_type=path.suffix[1:].lower())
+        if isinstance(found, trimesh.Scene):
+            found = found.to_geometry()
+        if isinstance(found, trimesh.Trimesh) and len(found.faces):
+            return np.asarray(trimesh.sample.sample_surface(found, _SAMPLED, seed=0)[0])
+        return np.asarray(getattr(found, "vertices", np.empty((0, 3))))
+
+    return _by_library(path, read), "m"
+
+
+def _pcd(path: Path) -> tuple[Array, str]:
+    """The points of a file of the Point Cloud Library, which pypcd4 reads."""
+
+    def read() -> Array:
+        from pypcd4.pypcd4 import PointCloud
+
+        with open_regular(path) as file:
+            return np.asarray(PointCloud.from_fileobj(file).numpy(("x", "y", "z")), dtype=np.float64)
+
+    return _by_library(path, read), "m"
+
+
+def _by_library(path: Path, read: Callable[[], Array]) -> Array:
+    try:
+        found = read()
+    except ImportError as error:
+        raise UserError(f"{path}: needs {error.name}, which is not installed; {pip_install([SCAN.name])}") from None
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from None
+    except RsegenError:
+        raise
+    except Exception as error:  # libraries fail in many ways at files that are none of theirs
+        raise FileError(f"{path}: not a {path.suffix[1:].upper()} file that can be read ({_one_line(error)})") from None
+    if found.ndim != 2 or found.shape[1] != 3 or not len(found):
+        raise FileError(f"{path}: has no points")
+    _refuse_many(path, len(found))
+    return found
+
+
+def _refuse_many(path: Path, points: int) -> None:
+    if points > MOST_POINTS:
+        raise FileError(f"{path}: {points:,} points; give up to {MOST_POINTS:,}")
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())[:120] or type(error).__name__
+
+
+READERS: dict[str, Callable[[Path], tuple[Array, str]]] = {
+    **dict.fromkeys((".xyz", ".txt", ".csv", ".asc", ".pts"), _text),
+    **dict.fromkeys((".ply", ".obj", ".stl", ".glb"), _mesh),
+    ".pcd": _pcd,
+    ".npy": _array,
+    **dict.fromkeys((".png", ".tif", ".tiff", ".pgm"), _image),
+}
+"""What reads a file by its suffix: its points (n, 3), or its depths (rows, columns), and their usual unit."""

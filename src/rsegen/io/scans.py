@@ -1,0 +1,191 @@
+"""Scans of real fields: `rsegen.scan` gives the map that stands there, `rsegen.compare` what is built wrong.
+
+clouds --read_clouds--> points --find_field--> Scan --> Recipe of one matrix, or a Comparison with a map
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+import numpy as np
+
+from rsegen.errors import FileError
+from rsegen.exporters.pictures.comparison import comparison_plot
+from rsegen.exporters.pictures.scan import scan_plot
+from rsegen.field.comparison import Comparison, compared
+from rsegen.field.scanning import Scan, ScanSettings, find_field
+from rsegen.field.stepfield import Array, StepField
+from rsegen.io.clouds import read_clouds
+from rsegen.io.importers import recipe_of
+from rsegen.io.importers.base import Heights
+from rsegen.io.importers.rounding import filled
+from rsegen.params.lengths import CENTIMETRES
+from rsegen.params.places import Cell, Size2D
+from rsegen.params.sorts import Choice, Flag, Float, ListOf, parameters, validate
+from rsegen.recipe.building import build
+from rsegen.recipe.map_design import MapDesign
+from rsegen.recipe.recipe import Recipe
+
+Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
+"""Files of one scan, or points (n, 3) [m]."""
+
+_MOST_UNSEEN = 0.5
+_UPWARDS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "-x": (-1, 0, 0), "-y": (0, -1, 0), "-z": (0, 0, -1)}
+_DESIGN = parameters(MapDesign)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ScanOptions:
+    """How clouds are read, and what is known of the field in them; what is not given is found."""
+
+    values: Annotated[
+        str | None,
+        Choice(tuple(CENTIMETRES), help="unit of the cloud's numbers; default: m, and mm for depth images of integers"),
+    ] = None
+    intrinsics: Annotated[
+        tuple[float, float, float, float] | None,
+        ListOf(Float(-1e6, 1e6), 4, help="fx,fy,cx,cy of a depth image's camera, in pixels"),
+    ] = None
+    up: Annotated[
+        str | None, Choice(tuple(_UPWARDS), help="axis of the cloud that is nearly up, as --up=-y; default: found")
+    ] = None
+    size: Annotated[
+        Cell | None,
+        Size2D(
+            help="blocks of the field along x and y, frames not counted; default: the rectangle of all that is raised"
+        ),
+    ] = None
+    base_cm: Annotated[float, Float(0, 1000, unit="cm", help="thickness of a board below the blocks")] = 0.0
+    fill_holes: Annotated[
+        bool, Flag(help="give blocks that were not seen the median level of their neighbours, not 0")
+    ] = False
+    block_width_cm: Annotated[float | None, _DESIGN["block_width_cm"]] = None
+    unit_cm: Annotated[float | None, _DESIGN["unit_cm"]] = None
+    boundary: Annotated[str | None, _DESIGN["boundary"]] = None
+    chunk_size: Annotated[int | None, _DESIGN["chunk_size"]] = None
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    @property
+    def settings(self) -> ScanSettings:
+        """What is known of the field, in metres."""
+        return ScanSettings(
+            block_width=self.block_width_cm / 100 if self.block_width_cm else None,
+            unit=self.unit_cm / 100 if self.unit_cm else None,
+            blocks=self.size,
+            boundary=self.boundary,
+            chunk_size=self.chunk_size,
+            up=_UPWARDS[self.up] if self.up else None,
+            eye=(0, 0, 0) if self.intrinsics else None,
+            base=self.base_cm / 100,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScannedMap:
+    """What a scan shows: the field as a Scan and as a recipe of one map, and the points that it was read from.
+
+    points: (n, 3), metres, in the frame of the clouds.
+    """
+
+    scan: Scan
+    recipe: Recipe
+    points: Array
+
+    @cached_property
+    def field(self) -> StepField:
+        """The field that the recipe makes."""
+        return build(self.recipe, self.recipe.first_map)
+
+    def picture(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+        """The points from above with the grid that was found, and how far each top is from its level."""
+        return scan_plot(self.scan, self.points, format)
+
+    def _repr_png_(self) -> bytes:
+        return self.picture()
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComparedMap:
+    """What differs between a map and what stands; with a scan, also how that was read."""
+
+    comparison: Comparison
+    scan: Scan | None = None
+
+    def picture(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+        """The plan with every block that is wrong, for the person with the mallet."""
+        return comparison_plot(self.comparison, format)
+
+    def _repr_png_(self) -> bytes:
+        return self.picture()
+
+
+def scan(clouds: Clouds, options: ScanOptions | None = None) -> ScannedMap:
+    """The step field that stands in a point cloud, as a recipe: `rsegen.scan("pallet.ply").recipe`.
+
+    clouds: files in one common frame (XYZ, CSV, PLY, PCD, meshes, arrays, depth images), or points (n, 3) [m]
+    Errors: FileError for a file that cannot be read, ScanError if there is no field in the cloud.
+    """
+    options = options or ScanOptions()
+    points, name = _points(clouds, options)
+    found = find_field(points, options.settings)
+    return ScannedMap(scan=found, recipe=_recipe(found, name, fill_holes=options.fill_holes), points=points)
+
+
+def compare(
+    stands: Recipe | StepField | Clouds, wanted: Recipe | StepField, options: ScanOptions | None = None
+) -> ComparedMap:
+    """What differs between what stands and a map: `rsegen.compare("pallet.ply", recipe).comparison.wrong`.
+
+    stands: a recipe (its first map), a field, or clouds as for `scan`; a scan is turned and moved to where the map fits
+    best, and has the map's block width and unit; wanted: a recipe (its first map) or a field
+    Errors: ParameterError if two maps have different cells, ScanError if a scan shows another map.
+    """
+    field = _field(wanted)
+    if isinstance(stands, (Recipe, StepField)):
+        return ComparedMap(comparison=compared(_field(stands), field))
+    options = options or ScanOptions()
+    points, _ = _points(stands, options)
+    found = find_field(points, options.settings, known=field)
+    stretch = found.unit / found.measured_unit
+    comparison = Comparison(heights=found.heights * stretch, wanted=field, tolerance=field.unit / 2)
+    return ComparedMap(comparison=comparison, scan=found)
+
+
+def _field(shown: Recipe | StepField) -> StepField:
+    return build(shown, shown.first_map) if isinstance(shown, Recipe) else shown
+
+
+def _points(clouds: Clouds, options: ScanOptions) -> tuple[Array, str]:
+    """The points [m], and a name for what they show."""
+    if isinstance(clouds, np.ndarray):
+        return clouds, "scan"
+    paths = [Path(clouds)] if isinstance(clouds, (str, Path)) else [Path(path) for path in clouds]
+    if not paths:
+        raise FileError("no cloud is given")
+    return read_clouds(paths, options.values, options.intrinsics), paths[0].stem
+
+
+def _recipe(found: Scan, name: str, *, fill_holes: bool) -> Recipe:
+    """The field as a recipe of one matrix; that of blocks that were not seen apart, if they are filled."""
+    levels = found.blocks
+    holes = levels < 0
+    if fill_holes and holes.any() and holes.mean() <= _MOST_UNSEEN:
+        levels = np.rint(filled(np.maximum(levels, 0).astype(float), holes)).astype(np.int64)
+    heights = Heights(
+        levels=levels,
+        unit_cm=round(found.unit * 100, 6),
+        recipe_values={
+            "boundary": found.boundary,
+            "block_width_cm": round(found.block_width * 100, 6),
+            **({"frame_height_cm": round(found.frame_height * 100, 6)} if found.boundary != "none" else {}),
+        },
+        holes=holes if fill_holes and holes.any() else None,
+    )
+    recipe = recipe_of(Path(name), heights, found.chunk_size)
+    return replace(recipe, description=f"scan of {name}"[:500])
