@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from rsegen.exporters.pictures.preview import preview_image
 from rsegen.field.metrics.pairs import differences
 from rsegen.field.metrics.traversability import crossing
 from rsegen.params.streams import generator
+from rsegen.recipe.constraints import crossing as crossing_constraint
 from rsegen.recipe.constraints.inventory import fitted_to_inventory
 from tests.support.complaints import the_line
 from tests.support.strategies import fields, recipes
@@ -56,6 +58,21 @@ def test_a_robot_gets_across(made: rsegen.Recipe, climb: float, drop: float, wid
     assert (field.levels <= free.levels).all()
     if crosses(free, *robot):
         assert field == free
+
+
+@pytest.mark.parametrize("limits", [(5, 5), (9, 15), (25, 4)])
+def test_a_robot_that_cannot_climb_a_block_gets_a_level_way_at_once(
+    limits: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a round per direction, where more rounds would each clear another way and take minutes."""
+    counted = Mock(side_effect=crossing_constraint.caps)
+    monkeypatch.setattr(crossing_constraint, "caps", counted)
+    robot = (*limits, 30)
+    for index in range(5):
+        field = rsegen.build(recipe(chunk_size=20, boundary="none", crossable_by=robot), index)
+        assert crosses(field, *robot)
+        assert field.levels.any()
+    assert counted.call_count <= 5 * 3
 
 
 @pytest.mark.parametrize("boundary", ["outer", "divided"])
@@ -160,8 +177,8 @@ def test_an_inventory_with_semicolons(tmp_path: Path) -> None:
     ("text", "says"),
     [
         ("10,40\n", "does not begin with the line height_cm,count"),
-        ("height_cm,count\n12,40\n", "line 2: a block of 12 cm has no whole number of units of 10 cm"),
-        ("height_cm,count\n0,40\n", "line 2: a block of 0 cm has no whole number of units of 10 cm"),
+        ("height_cm,count\n12,40\n", "line 2: a block of 12 cm is not a whole number of units of 10 cm"),
+        ("height_cm,count\n0,40\n", "line 2: a block of 0 cm is not a whole number of units of 10 cm"),
         ("height_cm;count\n10;2,5\n", "line 2: '2.5' is not a whole number"),
         ("height_cm,count\n10\n", "line 2: '10' is not a height and a count"),
         ("height_cm,count\n10,-1\n", "line 2: -1 is outside 0..1000000000"),

@@ -3,7 +3,8 @@
     StepField --step_limited, fitted_to_inventory--> StepField --lowered_to, repeated--> StepField
 
 The repeated part only lowers blocks, and a flat field meets every constraint, so it ends. If a largest step and an
-inventory lead to fewer blocks than that, the blocks in stock are arranged anew.
+inventory lead to fewer blocks than that, the blocks in stock are arranged anew. Blocks that are left then go wherever
+all constraints are met with them.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from rsegen.params.streams import generator
 from rsegen.recipe.constraints import crossing, steps
 from rsegen.recipe.constraints.arrangement import Stock
 from rsegen.recipe.constraints.inventory import Blocks, blocks, fitted_to_inventory, left_of, lowered_to, used
+from rsegen.recipe.constraints.refilling import refilled
 from rsegen.recipe.map_design import MapDesign
 
 _TRIES = 16
@@ -45,10 +47,13 @@ def constrained(field: StepField, design: MapDesign, index: int) -> StepField:
     levels, left = fitted_to_inventory(field, design.inventory, generator(design.seed, index, "inventory"))
     fitted = _with(field, levels)
     found = _lowered(fitted, design, left.copy())
-    if design.max_step is None or used(found) >= used(fitted):
+    if used(found) >= used(fitted):
         return found
-    found = max(found, _arranged(fitted, like, design, index, design.inventory), key=used)
-    if not found.levels.any():
+    if design.max_step is not None:
+        found = max(found, _arranged(fitted, like, design, index, design.inventory), key=used)
+    owned = blocks(design.inventory, len(design.inventory) + 1)
+    found = refilled(found, used(fitted), like, left_of(found, owned), lambda tried: _caps(tried, design) is None)
+    if design.max_step is not None and not found.levels.any():
         raise ParameterError(
             "inventory",
             f"none of its {sum(design.inventory):,} blocks can be used on {np.count_nonzero(~field.frame):,} cells "

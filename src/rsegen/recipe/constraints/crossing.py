@@ -45,9 +45,10 @@ def _tops(field: StepField, climber: RobotLimits, axis: int, path: Ints) -> Ints
     margin = cells_to_each_side(field, climber.width) + 1
     along = (path if axis == 0 else path[:, ::-1]) + (margin, 0)
     tops = lane(field, climber.width, axis).heights[along[:, 0], along[:, 1]]
-    climb, drop = climber.limits
+    unit = round(field.unit * NANOMETRES)
+    climb, drop = (0 if limit < unit else limit for limit in climber.limits)  # less than a block is no step at all
     for k in range(1, len(tops)):
         tops[k] = min(tops[k], tops[k - 1] + climb)
     for k in range(len(tops) - 2, -1, -1):
         tops[k] = min(tops[k], tops[k + 1] + drop)
-    return np.asarray(tops // round(field.unit * NANOMETRES))
+    return np.asarray(tops // unit)
