@@ -66,7 +66,7 @@ def test_the_preview_of_a_scene_is_that_of_the_command_line(scene: Scene, tmp_pa
 
 def test_a_field_has_a_preview_without_a_recipe(scene: Scene) -> None:
     picture = Image.open(io.BytesIO(scene.field.preview()))
-    assert picture.size == (1400, 660)
+    assert picture.width == 1600
     assert "Description" not in picture.info
 
 

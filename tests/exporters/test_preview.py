@@ -8,11 +8,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from PIL import Image
 
+import rsegen
 from rsegen import Placement, Random, Recipe, compose
-from rsegen.exporters.pictures.preview import DRAWN, FORMATS, preview_image
+from rsegen.exporters.pictures.layout import WIDTH, layout
+from rsegen.exporters.pictures.oblique_view import DRAWN
+from rsegen.exporters.pictures.outlines import boundary, covered
+from rsegen.exporters.pictures.preview import FORMATS, preview_figure, preview_image
+from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode
+from rsegen.recipe.examples import EXAMPLES
+from tests.support.strategies import recipes
 
 RECIPE = Recipe(seed=1, obstacles=(Placement(obstacle=Random(max_height=5)),))
 
@@ -51,9 +60,71 @@ def test_same_map_same_bytes_in_every_format(format_: str) -> None:
     "recipe", [Recipe(seed=1, boundary="none"), replace(RECIPE, chunk_size=1)], ids=["flat", "one"]
 )
 def test_the_smallest_maps_can_be_drawn(recipe: Recipe) -> None:
-    assert image(recipe).size == (1400, 660)
+    width, height = image(recipe).size
+    assert 1000 < width <= 1600
+    assert height > 400
 
 
 def test_a_large_map_is_drawn_coarser_but_whole() -> None:
     large = replace(RECIPE, chunk_size=DRAWN + 50, boundary="none")
     assert share(image(large), compose(large).colour(4)) > 0.01
+
+
+@pytest.mark.parametrize("chunks", [(1, 1), (5, 1), (1, 5), (3, 2)], ids=str)
+def test_no_half_of_a_picture_is_empty(chunks: tuple[int, int]) -> None:
+    """In each of the parts, about as large as a view, there is something drawn; the legend may be short."""
+    found = np.asarray(image(replace(RECIPE, chunks=chunks)).convert("L"))
+    drawn = found[:, :-170] < 250
+    assert drawn.any(axis=1).mean() > 0.8
+    assert drawn.any(axis=0).mean() > 0.85
+    assert drawn.mean() > 0.3
+
+
+@pytest.mark.parametrize(("plan", "view"), [(1, 1.6), (5, 2.1), (0.2, 1.0), (1.9, 1.8), (50, 2.4), (0.02, 0.5)])
+@pytest.mark.parametrize("legend", [1.6, 2.2])
+def test_the_parts_of_a_picture_keep_their_shape_and_do_not_overlap(plan: float, view: float, legend: float) -> None:
+    found = layout(plan, view, legend)
+    width, height = found.size
+    assert width <= WIDTH + 1e-9
+    for (left, low, wide, high), ratio in ((found.plan, plan), (found.view, view)):
+        assert left >= 0
+        assert low >= 0
+        assert left + wide <= found.legend + 1e-9 <= width
+        assert low + high <= height
+        assert wide / high == pytest.approx(ratio) or (wide / high > ratio and ratio == view)
+    (left, low, wide, _), (other, _, _, top) = found.plan, found.view
+    assert other >= left + wide or low >= top
+
+
+@given(recipes(), st.integers(0, 3))
+def test_outlines_are_those_of_the_cells_that_obstacles_cover(recipe: Recipe, index: int) -> None:
+    scene = compose(recipe, index)
+    inside = np.ix_(scene.field.inside(0), scene.field.inside(1))
+    for placement in recipe.obstacles:
+        _, _, patch = placed(recipe, placement, index)
+        expected = np.zeros(scene.field.blocks.shape, dtype=bool)
+        expected[patch.window] = patch.footprint
+        cells = covered(scene, placement)
+        assert np.array_equal(cells[inside], expected)
+        lines = boundary(cells, *scene.field.edges())
+        assert np.allclose(np.abs(np.diff(lines, axis=1)).sum(axis=(1, 2)), scene.field.block_width)
+        assert len(lines) == sum(np.count_nonzero(np.diff(np.pad(cells, 1), axis=axis)) for axis in (0, 1))
+
+
+def test_outlines_are_drawn_on_request() -> None:
+    course = compose(rsegen.load(EXAMPLES["mixed-course"]))
+    with_them, without = (preview_image(course, "svg", outlines=outlines).decode() for outlines in (True, False))
+    for number, placement in enumerate(course.recipe.obstacles):
+        assert f"<!-- {number}  {placement.obstacle.kind} -->" in with_them
+    assert "peak -->" not in without
+
+
+def test_cells_and_metres_are_on_opposite_sides() -> None:
+    """Of a map with a frame in its middle, cell 10 is the first after it."""
+    figure = preview_figure(compose(replace(RECIPE, chunks=(2, 2))), "")
+    plan = figure.axes[0]
+    numbers = {label.get_text(): at for at, label in zip(plan.get_xticks(), plan.get_xticklabels(), strict=True)}
+    assert numbers["0"] == pytest.approx(-1.05)
+    assert numbers["10"] == pytest.approx(0.15)
+    assert [each.get_xlabel() for each in plan.child_axes if each.get_xlabel()] == ["x [m]"]
+    assert plan.get_xlabel() == "x [cells]"

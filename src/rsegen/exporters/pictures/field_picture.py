@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.pictures.preview import Drawable, cell_colours, encoded, preview_figure
+from rsegen.exporters.pictures.plan import Drawable, cell_colours
+from rsegen.exporters.pictures.preview import encoded, preview_figure
 from rsegen.exporters.scene import FRAME_COLOUR, Colour, level_colour
 from rsegen.field.coarse import coarse, coarseness
 from rsegen.field.stepfield import StepField
@@ -27,6 +28,10 @@ class ColouredField:
         """The colour of a material: 0 is the frame, any other number a level."""
         return level_colour(material, int(self.field.levels.max())) if material else FRAME_COLOUR
 
+    def surface_colour(self, material: int) -> Colour:
+        """The same, in views."""
+        return self.colour(material)
+
 
 def field_preview(field: StepField, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
     """The plan and the 3D view of a field as the bytes of an image file."""
@@ -41,7 +46,7 @@ def thumbnail(drawn: Drawable) -> bytes:
 
     field = coarse(drawn.field, coarseness(drawn.field, THUMBNAIL))
     pixels = max(THUMBNAIL // max(field.shape), 1)
-    colours = np.rint(255 * cell_colours(drawn, field)).astype(np.uint8).transpose(1, 0, 2)[::-1]
+    colours = np.rint(255 * cell_colours(drawn.colour, field)).astype(np.uint8).transpose(1, 0, 2)[::-1]
     stream = io.BytesIO()
     Image.fromarray(colours.repeat(pixels, axis=0).repeat(pixels, axis=1)).save(stream, "png")
     return stream.getvalue()

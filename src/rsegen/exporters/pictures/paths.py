@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.pictures.preview import draw_plan, figure_bytes
+from rsegen.exporters.pictures.outlines import boundary
+from rsegen.exporters.pictures.plan import draw_plan
+from rsegen.exporters.pictures.preview import figure_bytes
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Crossing, RobotLimits, Traversability
 from rsegen.field.stepfield import Array
@@ -73,10 +75,6 @@ def _outline(axes: Axes, reach: Traversability, edges_x: Array, edges_y: Array) 
     """Draw the boundary of the largest traversable area."""
     from matplotlib.collections import LineCollection
 
-    region = np.pad(reach.region, 1)
-    i, j = np.nonzero(region[1:, 1:-1] != region[:-1, 1:-1])
-    upright = np.stack([np.stack([edges_x[i], edges_y[j + side]], axis=-1) for side in (0, 1)], axis=1)
-    i, j = np.nonzero(region[1:-1, 1:] != region[1:-1, :-1])
-    level = np.stack([np.stack([edges_x[i + side], edges_y[j]], axis=-1) for side in (0, 1)], axis=1)
+    lines = boundary(reach.region, edges_x, edges_y)
     width = float(np.clip(200 / max(reach.region.shape), 0.1, 2.5))
-    axes.add_collection(LineCollection(list(np.concatenate([upright, level])), colors="#ff2d95", linewidths=width))
+    axes.add_collection(LineCollection(list(lines), colors="#ff2d95", linewidths=width))

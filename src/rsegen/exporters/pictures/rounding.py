@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rsegen.exporters.pictures.preview import LEGIBLE, figure_bytes
+from rsegen.exporters.pictures.plan import LEGIBLE
+from rsegen.exporters.pictures.preview import figure_bytes
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Mask
 

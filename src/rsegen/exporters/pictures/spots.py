@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rsegen.exporters.pictures.preview import draw_plan, figure_bytes
+from rsegen.exporters.pictures.plan import draw_plan
+from rsegen.exporters.pictures.preview import figure_bytes
 from rsegen.exporters.scene import Scene
 from rsegen.field.spots import Rectangle, Spot
 from rsegen.field.stepfield import Array
