@@ -28,6 +28,7 @@ from rsegen import load
 from rsegen.field.obstacles import KINDS
 from rsegen.gui.model.session import Session
 from rsegen.gui.widgets import message_label
+from rsegen.gui.widgets.welcome import Welcome
 from rsegen.gui.window import Window
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.clicking import answer, click, find, said, shown
@@ -116,6 +117,14 @@ def test_an_empty_window_says_how_to_begin_and_opens_an_example(window: Window) 
     assert window.windowTitle() == "copy of mixed-course[*] - rsegen"
 
 
+def test_the_pictures_of_the_welcome_are_made_only_if_it_is_shown(app: QApplication) -> None:
+    welcome = Welcome()
+    assert not welcome.findChildren(QToolButton)
+    welcome.show()
+    assert len(welcome.findChildren(QToolButton)) == 4
+    welcome.close()
+
+
 def test_what_blend_does_is_said(window: Window) -> None:
     assert said(window, "about_blend") == "This obstacle overwrites the earlier ones."
     assert said(window, "about_kind").startswith("A straight ridge along x or y.")
@@ -153,7 +162,7 @@ def test_parameters_are_filtered_by_name_and_help(window: Window) -> None:
     assert "crossable_by" in seen
     assert "friction" not in seen
     field.clear()
-    assert window.forms.advanced.groups["Friction and colour"]._editors["friction"].isVisible()
+    assert window.forms.advanced.groups["Friction"]._editors["friction"].isVisible()
 
 
 def test_selecting_an_obstacle_brings_its_form_back(window: Window) -> None:

@@ -15,6 +15,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QApplication, QComboBox, QFileDialog, QSpinBox
 
 from rsegen.gui.dialogs.picture_size import PictureSizeDialog
+from rsegen.gui.dialogs.saving import SavingDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
 from tests.support.clicking import active, click, find, shown, typed
@@ -157,6 +158,7 @@ def test_a_picture_is_saved_in_the_size_that_is_typed(
     typed(dialog, "picture_height", "360")
     QTimer.singleShot(0, lambda: QTest.keyClick(dialog, Qt.Key.Key_Return))
     until((tmp_path / "view.png").exists)
+    until(lambda: not window.findChildren(SavingDialog))
     picture = QImage(str(tmp_path / "view.png"))
     has_view = view._actors is not None
     assert (picture.width(), picture.height()) == ((640, 360) if has_view else view.pixels.toTuple())

@@ -379,4 +379,5 @@ def test_a_picture_that_cannot_be_written_is_one_line(
     (action,) = window.findChildren(QAction, "Save picture")
     action.trigger()
     QTest.keyClick(find(window, PictureSizeDialog, "picture_size_dialog"), Qt.Key.Key_Return)
+    until(lambda: bool(messages))
     assert messages == [f"{path}: cannot be written as a picture; give a name in an existing folder, such as x.png"]

@@ -96,5 +96,6 @@ def fill_run_menu(
         menu,
         Command("Spawn in the &running simulation", outputs.spawn, "F6", lambda: outputs.is_valid),
         Command("&Drive over the map...", outputs.drive, "Ctrl+Shift+D", lambda: outputs.is_valid),
+        Command("E&xperiment...", outputs.experiment),
         Command("Show &command line and Python code...", outputs.show_code, "Ctrl+E", lambda: outputs.is_valid),
     )

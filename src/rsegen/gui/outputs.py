@@ -11,12 +11,15 @@ from rsegen.errors import RsegenError
 from rsegen.gui.dialogs.as_code import CodeDialog
 from rsegen.gui.dialogs.build_sheet import SheetDialog
 from rsegen.gui.dialogs.drive import DriveDialog
+from rsegen.gui.dialogs.experiment import ExperimentDialog
 from rsegen.gui.dialogs.export import ExportDialog
 from rsegen.gui.dialogs.picture_size import PictureSizeDialog
+from rsegen.gui.dialogs.saving import SavingDialog
 from rsegen.gui.model.document import Document
 from rsegen.gui.widgets.field_view import FieldView
 from rsegen.gui.widgets.plan_view import PlanView
 from rsegen.gui.widgets.start_form import StartForm
+from rsegen.gui.workers.picture_saver import PictureSaver
 from rsegen.gui.workers.spawn_job import SpawnJob
 
 
@@ -25,7 +28,7 @@ class Outputs:
 
     def __init__(self, document: Document, start_form: StartForm, index: Callable[[], int], parent: QWidget) -> None:
         self._document, self._form, self._index, self._parent = document, start_form, index, parent
-        self.spawn_job = SpawnJob(parent)
+        self.spawn_job, self.pictures = SpawnJob(parent), PictureSaver(parent)
 
     @property
     def is_valid(self) -> bool:
@@ -63,6 +66,10 @@ class Outputs:
         """Open the dialog that drives robots over the map that is shown."""
         DriveDialog(self._document.session.recipe, self._index(), self._parent).open()
 
+    def experiment(self) -> None:
+        """Open the dialog that runs the trials of an experiment, on maps of its own."""
+        ExperimentDialog(self._parent).open()
+
     def show_code(self) -> None:
         """Open the dialog with the command line and the Python code that write the same maps."""
         CodeDialog(self._form.job(self._document.session.recipe), self._parent).open()
@@ -79,7 +86,7 @@ class Outputs:
                 "Save the picture",
                 "field.png",
                 "PNG (*.png);;JPEG (*.jpg)",
-                lambda path: view.save_picture(path, dialog.size_in_pixels),
+                lambda path: SavingDialog(self.pictures, view.drawing(dialog.size_in_pixels), path, self._parent),
             )
         )
         dialog.open()
@@ -101,3 +108,4 @@ class Outputs:
         """Cancel what is being written, and wait until it has ended."""
         self._form.stop()
         self.spawn_job.stop()
+        self.pictures.stop()

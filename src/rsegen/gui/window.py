@@ -178,7 +178,7 @@ class Window(QMainWindow):
 
     def _count(self) -> None:
         self.status.crossing.setText("")
-        self.views.plan.show_reach(None)
+        self.views.show_reach(None)
         self.previewer.count(self.status.robot_name)
 
     def _show_robot(self) -> None:
@@ -187,7 +187,7 @@ class Window(QMainWindow):
 
     def _show_costs(self, costs: Costs) -> None:
         self.status.show_costs(costs)
-        self.views.plan.show_reach(costs.reach)
+        self.views.show_reach(costs.reach)
         self.forms.show_warnings(costs.warnings)
 
     def _fixed(self, entry: Entry) -> Entry:

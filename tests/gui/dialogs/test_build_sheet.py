@@ -71,6 +71,15 @@ def test_saw_and_timber_are_those_of_the_form(window: Window, tmp_path: Path) ->
         assert (tmp_path / f"rse_0000.{format_}").read_bytes() == sheet(scene, saw, format_)
 
 
+def test_saw_and_timber_of_a_recipe_in_inches_are_those_of_the_command(window: Window, tmp_path: Path) -> None:
+    window.session.set("units", "in")
+    dialog = opened(window, tmp_path)
+    written(dialog)
+    scene = compose(window.session.recipe)
+    for format_ in ("pdf", "csv"):
+        assert (tmp_path / f"rse_0000.{format_}").read_bytes() == sheet(scene, None, format_)
+
+
 def test_stock_that_is_too_short_is_one_line_and_nothing_is_written(window: Window, tmp_path: Path) -> None:
     dialog = opened(window, tmp_path)
     typed(dialog, "stock_cm_field", "5")

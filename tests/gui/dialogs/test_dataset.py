@@ -144,7 +144,7 @@ def damaged(folder: Path) -> str:
     path = folder / "manifest.json"
     found = json.loads(path.read_text("utf-8"))
     path.write_text(json.dumps({**found, "maps": 41}), "utf-8")
-    return f"{path}: maps: 41 is at odds with the recipe, by which it is 40"
+    return f"{path}: maps: 41 does not match the recipe, which gives 40"
 
 
 def test_a_number_beyond_them_and_a_data_set_that_is_damaged_are_one_line_each(window: Window, rubble: Path) -> None:
@@ -157,7 +157,7 @@ def test_a_number_beyond_them_and_a_data_set_that_is_damaged_are_one_line_each(w
     assert amiss == [expected]
     none = answer(Said.Ok)
     window.files.open(rubble.parent)
-    assert none == [f"{rubble.parent}: has no manifest.json, so it is no data set of rsegen"]
+    assert none == [f"{rubble.parent}: has no manifest.json, so it is not a data set of rsegen"]
     assert window.session is before
 
 

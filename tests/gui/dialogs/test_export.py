@@ -24,12 +24,13 @@ from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QMessageBox, QPus
 from rsegen import build, compose, generate, save
 from rsegen.cli import main
 from rsegen.errors import pip_install
-from rsegen.exporters.formats import FORMATS, base
+from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.formats.arrays import Arrays
 from rsegen.gui.dialogs.export import ExportDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
 from rsegen.io.record import RECORD
+from rsegen.params import extras
 from rsegen.params.registry import summary
 from tests.support.clicking import active, answer, click, find, said, shown, typed
 from tests.support.waiting import exposed, until
@@ -121,7 +122,7 @@ def test_all_maps_are_exported_or_the_one_that_is_shown(window: Window, tmp_path
 def test_a_format_that_needs_what_is_missing_is_grey_and_says_how_to_get_it(
     window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(base, "find_spec", lambda name: None if name == "pxr" else find_spec(name))
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name == "pxr" else find_spec(name))
     dialog = opened(window, tmp_path)
     box = find(dialog, QCheckBox, "format_usd")
     assert not box.isEnabled()

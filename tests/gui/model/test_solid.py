@@ -97,6 +97,11 @@ def test_marks_lie_beside_the_map() -> None:
     assert len(found.lines.pairs) == len(found.texts) == len(found.places)
 
 
+def test_along_a_short_side_there_are_few_numbers() -> None:
+    found = tick_marks((-30.0, 30.0, -0.6, 0.6, 0.0, 0.5), 3.0)
+    assert found.texts[-3:] == ["-0.5", "0", "y = 0.5 m"]
+
+
 @pytest.mark.parametrize("aspect", [0.5, 1.0, 2.5])
 @pytest.mark.parametrize("direction", [SOUTH_EAST, np.array([0.0, 0.0, 1.0]), np.array([-1.0, 3.0, 0.1])])
 def test_the_whole_map_is_in_sight_and_fills_the_view(aspect: float, direction: Array) -> None:

@@ -14,6 +14,7 @@ import pytest
 from PIL import Image
 
 from rsegen.exporters.scene import FRAME_COLOUR, level_colour
+from rsegen.gui.model.reach import EASTWARD, NORTHWARD
 from tests.support.screen import ON_SCREEN, missing
 from tests.support.waiting import MINUTES
 
@@ -75,6 +76,17 @@ def test_a_flat_map_is_ground_alone(found: Found, folder: Path) -> None:
     assert share(folder, "flat", (219 / 255,) * 3) > 0.1
     assert share(folder, "flat", level_colour(4, 4)) == 0
     assert share(folder, "flat", BOX) == 0
+
+
+def test_what_a_robot_reaches_and_its_ways_are_shown_in_the_view_and_its_pictures(found: Found, folder: Path) -> None:
+    eastward, northward = (np.array(colour) / 255 for colour in (EASTWARD, NORTHWARD))
+    for name in ("reach", "reach-saved"):
+        assert share(folder, name, tuple(eastward)) > 0.0005
+        assert share(folder, name, tuple(northward)) > 0.0005
+    for name in ("before-reach", "no-reach"):
+        assert share(folder, name, tuple(eastward)) == 0
+    before, after = (np.asarray(Image.open(folder / f"{name}.png")) for name in ("before-reach", "no-reach"))
+    assert np.array_equal(before, after)
 
 
 def corner(folder: Path, name: str, row: int) -> float:

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QApplication
 
 from rsegen import Placement, Random, Recipe, compose
 from rsegen.errors import FileError
-from rsegen.gui.model.simulation import robot_shape
+from rsegen.gui.model.simulation import reach, robot_shape
 from rsegen.gui.widgets.field_view import FieldView
 from rsegen.gui.widgets.opengl import unavailable
 from rsegen.gui.widgets.view_camera import Side
@@ -59,6 +59,14 @@ def looked(app: QApplication, view: FieldView, folder: Path) -> dict[str, object
     view.save_picture(folder / "robot.png")
     view.show_robot(None)
     view.save_picture(folder / "no-robot.png")
+    view.save_picture(folder / "before-reach.png")
+    view.show(compose(replace(LARGE, unit_cm=1)))
+    view.show_reach(reach(compose(replace(LARGE, unit_cm=1)).field, "crawler", 1))
+    view.save_picture(folder / "reach.png")
+    view.save_picture(folder / "reach-saved.png", view.pixels)
+    view.show_reach(None)
+    view.show(compose(LARGE))
+    view.save_picture(folder / "no-reach.png")
     clicks = clicked(view)
     found_by_keys, (sides, scales) = keyed(view), seen_from_sides(view, folder)
     camera.position = (9.0, 9.0, 9.0)

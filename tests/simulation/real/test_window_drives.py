@@ -16,7 +16,7 @@ if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get(
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 from PySide6.QtCore import QSettings
-from PySide6.QtWidgets import QApplication, QComboBox, QDoubleSpinBox, QLabel
+from PySide6.QtWidgets import QApplication, QCheckBox, QDoubleSpinBox, QLabel
 
 from rsegen.gui.dialogs.drive import DriveDialog
 from rsegen.recipe.recipe import Recipe
@@ -28,8 +28,7 @@ from tests.support.waiting import until
 
 @contextmanager
 def opened(tmp_path: Path) -> Iterator[DriveDialog]:
-    QSettings.setDefaultFormat(QSettings.Format.IniFormat)
-    QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "settings"))
+    QSettings.setPath(QSettings.Format.NativeFormat, QSettings.Scope.UserScope, str(tmp_path / "settings"))
     app = QApplication.instance() or QApplication([])
     dialog = DriveDialog(Recipe(seed=1, chunks=(2, 2), boundary="none", maps=3), 2)
     dialog.form.folder = tmp_path / "drives"
@@ -42,7 +41,8 @@ def opened(tmp_path: Path) -> Iterator[DriveDialog]:
 def test_robots_drive_over_the_map_that_is_shown(gazebo: Installation, tmp_path: Path) -> None:
     with opened(tmp_path) as dialog:
         find(dialog, QDoubleSpinBox, "duration_field").setValue(4)
-        find(dialog, QComboBox, "contacts_field").setCurrentText("no")
+        click(dialog, "contacts_field")
+        assert not find(dialog, QCheckBox, "contacts_field").isChecked()
         click(dialog, "start")
         until(lambda: dialog.form.written is not None and not dialog.form.busy)
         result = json.loads((tmp_path / "drives" / "rse_0002-burger" / "drive.json").read_text("utf-8"))

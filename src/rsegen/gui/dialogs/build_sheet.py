@@ -22,7 +22,7 @@ class SheetDialog(JobDialog):
         super().__init__("sheet_dialog", f"Build sheet of {name}", _TEXTS, parent)
         self.setMinimumWidth(540)
         self._recipe = recipe.alone(index)
-        self._saw = OptionsForm(CutSettings)
+        self._saw = OptionsForm(CutSettings, CutSettings.default(recipe.units))
         pages = page_count(recipe)
         about = f"The cutting list, and the place of each block: {name}.pdf ({pages} pages of A4) and {name}.csv"
         body = QWidget()

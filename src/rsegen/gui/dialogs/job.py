@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QVBoxLayout, QWidget
 
-from rsegen.errors import ParameterError
+from rsegen.errors import RsegenError
 from rsegen.gui.model.jobs import Job
 from rsegen.gui.widgets.named import named
 from rsegen.gui.widgets.run_form import FormTexts, RunForm
@@ -26,11 +26,11 @@ class JobDialog(QDialog):
         self.form.column.setContentsMargins(0, 0, 0, 0)
 
     def job(self) -> Job:
-        """The job by the options in the dialog; a ParameterError if one is invalid."""
+        """The job by the options in the dialog; an RsegenError if one is invalid."""
         raise NotImplementedError
 
-    def lay_out(self, body: QWidget, stretch: int = 0) -> None:
-        """Lay out the options, the form, and Close."""
+    def lay_out(self, body: QWidget, stretch: int = 0, results: QWidget | None = None) -> None:
+        """Lay out the options, the form, the results if there is a widget for them, and Close."""
         self._body = body
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
         buttons.button(QDialogButtonBox.StandardButton.Close).setAutoDefault(False)
@@ -39,6 +39,8 @@ class JobDialog(QDialog):
         column.setSpacing(12)
         column.addWidget(body, stretch)
         column.addWidget(self.form)
+        if results:
+            column.addWidget(results, 1)
         column.addWidget(buttons)
 
     def show_state(self) -> None:
@@ -53,7 +55,7 @@ class JobDialog(QDialog):
     def _write(self) -> None:
         try:
             job = self.job()
-        except ParameterError as error:
+        except RsegenError as error:
             self.form.error_label.show_message(str(error))
             return
         if self.form.may_write(job):

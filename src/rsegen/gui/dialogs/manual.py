@@ -40,8 +40,8 @@ shows the blocks of each level, size, largest step, and what the map costs.</p>
 <p><b>Export</b> writes the maps in formats of other programs. <b>Run, Build sheet</b> writes a build sheet (PDF, CSV)
 for building the map in wood; while <b>Build sheets</b> is ticked, Start adds one to every map. <b>File, Open a map of a
 data set</b> opens one of its maps.</p>
-<p><b>Run, Drive over the map</b> drives robots over it in Gazebo. <b>View, All maps of the recipe</b> shows them as
-pictures, sorted by any metric.</p>
+<p><b>Run, Drive over the map</b> drives robots over it in Gazebo; <b>Run, Experiment</b> measures what maps cost it.
+<b>View, All maps of the recipe</b> shows them as pictures, sorted by any metric.</p>
 <p><b>Run, Show command line and Python code</b> shows how to make the same maps without the window.</p>
 """
 

@@ -11,7 +11,9 @@ from rsegen.field.stepfield import Array
 from rsegen.gui.model.bounds import Bounds
 from rsegen.gui.model.solid import Lines
 
-_MARKS = 6
+_MARKS, _FEWEST = 6, 3
+"""Numbers along the longer side of a map, and along one that is much shorter, where more would overlap."""
+
 _BASES = (1, 2, 5)
 
 
@@ -27,7 +29,11 @@ def tick_marks(bounds: Bounds, border: float) -> Marks:
     """Ticks across the border, x on the south side and y on the east."""
     west, east, south, north = bounds[:4]
     near, far, beyond = (np.array([east, south]) + at * np.array([1, -1]) for at in (0, border, 1.8 * border))
-    along_x, along_y = round_numbers(west, east), round_numbers(south, north)
+    longest = max(east - west, north - south)
+    along_x, along_y = (
+        round_numbers(low, high, max(_MARKS * min(1.5 * (high - low) / longest, 1), _FEWEST))
+        for low, high in ((west, east), (south, north))
+    )
     starts = [*((x, near[1]) for x in along_x), *((near[0], y) for y in along_y)]
     ends = [*((x, far[1]) for x in along_x), *((far[0], y) for y in along_y)]
     places = [*((x, beyond[1]) for x in along_x), *((beyond[0] + 0.8 * border, y) for y in along_y)]
@@ -36,9 +42,9 @@ def tick_marks(bounds: Bounds, border: float) -> Marks:
     return Marks(_on_the_ground(places), texts, Lines(_on_the_ground([*starts, *ends]), pairs))
 
 
-def round_numbers(low: float, high: float) -> list[float]:
-    """About six round numbers in a range: multiples of 1, 2 or 5 times a power of ten."""
-    rough = (high - low) / _MARKS
+def round_numbers(low: float, high: float, marks: float = _MARKS) -> list[float]:
+    """About so many round numbers in a range: multiples of 1, 2 or 5 times a power of ten."""
+    rough = (high - low) / marks
     power = 10.0 ** np.floor(np.log10(rough))
     step = next((base * power for base in _BASES if base * power >= rough), 10 * power)
     first, last = (int(np.ceil(round(low / step, 6))), int(np.floor(round(high / step, 6))))

@@ -23,6 +23,12 @@ def palette(scene: Scene) -> Bytes:
     return np.array([rgb(scene, material) for material in range(scene.recipe.highest_level + 1)], dtype=np.uint8)
 
 
+def surface_palette(scene: Scene) -> Bytes:
+    """(highest level + 1, 3): the colour that the surface of each material has from afar, 0 the frame."""
+    found = [scene.surface_colour(material) for material in range(scene.recipe.highest_level + 1)]
+    return np.asarray(np.rint(np.minimum(found, 1) * 255).astype(np.uint8))
+
+
 def rgb(scene: Scene, material: int) -> Rgb:
     """The colour of one material."""
     red, green, blue = (min(round(part * 255), 255) for part in scene.colour(material))

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from rsegen.gui.model.jobs import Job
+from rsegen.gui.model.jobs import MapsJob, Step
 from rsegen.gui.model.simulation import drive_map, robot_names, route_names
-from rsegen.params.sorts import Choice, Float, Integer, validate
+from rsegen.params.sorts import Choice, Flag, Float, Integer, validate
 
 PICTURE = "drive.png"
 """The file with the trajectories on the plan of the map."""
@@ -24,14 +24,14 @@ class DriveSettings:
     robots: Annotated[int, Integer(1, 100, help="how many of them")] = 1
     route: Annotated[str, Choice(route_names(), help="straight on, at random, or along the way across")] = "straight"
     duration: Annotated[float, Float(0.1, 1e5, unit="s", help="seconds of simulation time")] = 20.0
-    contacts: Annotated[str, Choice(("yes", "no"), help="whether to sample what the robots touch")] = "yes"
+    contacts: Annotated[bool, Flag(help="whether to sample what the robots touch")] = True
 
     def __post_init__(self) -> None:
         validate(self)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class DriveJob(Job):
+class DriveJob(MapsJob):
     """Drive over the first map of a recipe, into a folder of the drive's own."""
 
     settings: DriveSettings
@@ -62,7 +62,7 @@ class DriveJob(Job):
     def refuse(self) -> None:
         """Whatever is wrong is said by the drive itself, before it starts a server."""
 
-    def run(self, step: Callable[[object], None], *, force: bool) -> str:
+    def run(self, step: Step, *, force: bool) -> str:
         """Do what `rsegen drive` does."""
         done = 0
 
@@ -70,7 +70,7 @@ class DriveJob(Job):
             nonlocal done
             while done < min(int(seconds), self.steps - 1):
                 done += 1
-                step(None)
+                step()
 
         settings = self.settings
         lines = drive_map(
@@ -79,7 +79,7 @@ class DriveJob(Job):
             robots=settings.robots,
             route=settings.route,
             duration=settings.duration,
-            contacts=settings.contacts == "yes",
+            contacts=settings.contacts,
             output=self.result_folder,
             force=force,
             progress=progress,

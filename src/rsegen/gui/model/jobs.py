@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os.path
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from rsegen.exporters.formats import Format, refuse_unready
 from rsegen.exporters.sheet import FORMATS, CutSettings, page_count, refuse_unbuildable
@@ -17,12 +18,59 @@ from rsegen.io.worlds import generate
 from rsegen.recipe.recipe import Recipe
 
 
+class Step(Protocol):
+    """Called after each step of a job; `check` is called during long ones. Both may raise to cancel the job."""
+
+    def __call__(self, done: object = None, /) -> None:
+        """A step is done."""
+
+    def check(self) -> None:
+        """A step still lasts."""
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Job(ABC):
-    """Files to write for the maps of a recipe into a folder, step by step."""
+    """Files to write into a folder, step by step."""
+
+    folder: Path
+
+    @property
+    def result_folder(self) -> Path:
+        """The folder to open afterwards."""
+        return self.folder
+
+    @property
+    @abstractmethod
+    def steps(self) -> int:
+        """How many steps a whole run has."""
+
+    @property
+    @abstractmethod
+    def question(self) -> str:
+        """The question to ask before existing files are replaced."""
+
+    @abstractmethod
+    def paths(self) -> Iterator[Path]:
+        """The files or folders that it replaces."""
+
+    @abstractmethod
+    def cancelled(self, steps: int) -> str:
+        """The message if it is cancelled after some steps."""
+
+    @abstractmethod
+    def refuse(self) -> None:
+        """Raise a UserError if it cannot be done, whatever is in the folder."""
+
+    @abstractmethod
+    def run(self, step: Step, *, force: bool) -> str:
+        """Write the files, and give a message about them; calls `step` after each step, which may raise to cancel."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class MapsJob(Job):
+    """Files to write for the maps of a recipe."""
 
     recipe: Recipe
-    folder: Path
 
     @property
     def steps(self) -> int:
@@ -43,17 +91,9 @@ class Job(ABC):
         made = sum(map(os.path.lexists, self.paths()))
         return f"Cancelled: {max(made, steps)} of {self.steps} maps are in {self.folder}"
 
-    @abstractmethod
-    def refuse(self) -> None:
-        """Raise a UserError if it cannot be done, whatever is in the folder."""
-
-    @abstractmethod
-    def run(self, step: Callable[[object], None], *, force: bool) -> str:
-        """Write the files, and give a message about them; calls `step` after each step, which may raise to cancel."""
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class WorldsJob(Job):
+class WorldsJob(MapsJob):
     """Write worlds, with build sheets or without."""
 
     sheets: bool = False
@@ -62,14 +102,14 @@ class WorldsJob(Job):
         """Raise a UserError if build sheets are wanted of a map that is too large for them."""
         Sidecars(sheet=self.sheets).refuse(self.recipe)
 
-    def run(self, step: Callable[[object], None], *, force: bool) -> str:
+    def run(self, step: Step, *, force: bool) -> str:
         """Do what `rsegen generate` does."""
         made = generate(self.recipe, self.folder, force=force, sheet=self.sheets, progress=step)
         return f"{_maps(len(made.maps))} in {self.folder.absolute()}, seed {made.recipe.seed}"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class ExportJob(Job):
+class ExportJob(MapsJob):
     """Write maps in formats of other programs, without worlds."""
 
     formats: tuple[Format, ...]
@@ -84,14 +124,14 @@ class ExportJob(Job):
         """Raise a UserError if a format needs a package that is not installed."""
         refuse_unready(self.formats)
 
-    def run(self, step: Callable[[object], None], *, force: bool) -> str:
+    def run(self, step: Step, *, force: bool) -> str:
         """Do what `rsegen export` does."""
         made = export_maps([self.recipe], self.folder, self.formats, force=force, progress=step)
         return f"{_maps(len(made))} as {', '.join(each.name for each in self.formats)} in {self.folder}"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class SheetJob(Job):
+class SheetJob(MapsJob):
     """Write the build sheet of a recipe's first map, as PDF and as CSV."""
 
     saw: CutSettings
@@ -118,7 +158,7 @@ class SheetJob(Job):
         """Raise a UserError if the map is too large for a build sheet, or the timber too short."""
         refuse_unbuildable(self.recipe, self.saw)
 
-    def run(self, step: Callable[[object], None], *, force: bool) -> str:
+    def run(self, step: Step, *, force: bool) -> str:
         """Do what `rsegen sheet` does."""
         paths = list(self.paths())
         write_sheets(self.recipe, self.recipe.first_map, paths, self.saw, force=force, progress=step)

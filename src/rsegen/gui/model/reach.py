@@ -9,6 +9,9 @@ import numpy as np
 from rsegen.field.spots import Rectangle, Spot
 from rsegen.field.stepfield import Array, Mask
 
+EASTWARD, NORTHWARD = (255, 45, 149), (255, 140, 0)
+"""The colours of ways from west to east, and from south to north."""
+
 
 class Way(NamedTuple):
     """A way across: points (n, 2) [m], from one side to the other; whether it is from west to east; whether it is one

@@ -18,7 +18,9 @@ SUN = (0.8, 0.45, 1.0)
 """The direction from the map to the sun."""
 
 _TEXELS = 500_000
-_FINEST = 10
+FINEST = 10
+"""Texels along a cell, which suffice for shadows."""
+
 _SHADOW, _CORNER = 0.36, 0.42
 _STEPS = 40
 _PENUMBRA = 0.35
@@ -26,31 +28,34 @@ _PENUMBRA = 0.35
 
 
 class Shading(NamedTuple):
-    """light: (n, m) 0..1, for points on the ground and on tops, x along the first axis; low, high: its corners [m]."""
+    """light: (n, m) 0..1, for points on the ground and on tops, x along the first axis; low, high: its corners [m];
+    fine: texels along a cell; rim: cells of ground around the field.
+    """
 
     light: Floats
     low: tuple[float, float]
     high: tuple[float, float]
+    fine: int
+    rim: int
 
 
-def shading(field: StepField, border: float) -> Shading:
-    """The light on a field and on the ground around it, up to `border` metres away."""
-    fine = _texels_per_cell(field)
+def shading(field: StepField, border: float, finest: int = FINEST) -> Shading:
+    """The light on a field and on the ground around it, up to `border` metres away.
+
+    finest: texels along a cell, at most; fewer on maps of many cells
+    """
+    fine = int(np.clip(np.sqrt(_TEXELS / field.levels.size), 1, finest))
     rim = int(np.ceil(border / field.block_width))
     heights = np.pad(field.heights.astype(np.float32) / np.float32(field.block_width), rim)
     fine_heights = heights.repeat(fine, axis=0).repeat(fine, axis=1) * np.float32(fine)
     light = (1 - _SHADOW * _in_shadow(fine_heights)) * (1 - _CORNER * _in_corners(fine_heights, fine))
     half_x, half_y = (side / 2 + rim * field.block_width for side in field.extent)
-    return Shading(light.astype(np.float32), (-half_x, -half_y), (half_x, half_y))
+    return Shading(light.astype(np.float32), (-half_x, -half_y), (half_x, half_y), fine, rim)
 
 
 def foot(height: Array) -> Array:
     """The light on a wall at some heights above its foot, in widths of a block: 1 from a width and a half upward."""
     return 1 - _CORNER * 0.8 * np.clip(1 - height / 1.5, 0, 1) ** 2
-
-
-def _texels_per_cell(field: StepField) -> int:
-    return int(np.clip(np.sqrt(_TEXELS / field.levels.size), 1, _FINEST))
 
 
 def _in_shadow(heights: Floats) -> Floats:

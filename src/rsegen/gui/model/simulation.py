@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,8 @@ from rsegen.simulation.driving.footprints import footprint_of
 from rsegen.simulation.driving.robot_runs import ROUTES, spot_generator
 from rsegen.simulation.driving.start_poses import spots_on_map
 from rsegen.simulation.driving.way import planned_way
+from rsegen.simulation.experiment.plan import PLANS, load_plan
+from rsegen.simulation.experiment.run import experiment
 from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.robots.base import Robot
 from rsegen.simulation.robots.links import PoseTuple
@@ -37,15 +39,19 @@ from rsegen.simulation.spawning.spawning import at_free_place, spawn_map
 __all__ = [
     "Installed",
     "LaunchCommand",
+    "PlanSummary",
     "SpawnedMap",
     "drive_map",
+    "experiment_plans",
     "how_to_install",
     "installed",
     "launch_of",
+    "plan_summary",
     "reach",
     "robot_names",
     "robot_shape",
     "route_names",
+    "run_experiment",
     "simulator_titles",
     "spawn",
     "why_it_cannot_open",
@@ -126,6 +132,40 @@ def route_names() -> tuple[str, ...]:
 def drive_map(recipe: Recipe, **options: Any) -> list[str]:
     """Drive over the first map of a recipe, with the options of `rsegen.drive`; gives the lines of its report."""
     return list(drive(recipe, **options).report())
+
+
+class PlanSummary(NamedTuple):
+    """A plan of an experiment: its name, how many trials it has, and the seconds that each measures."""
+
+    name: str
+    trials: int
+    seconds: float
+
+
+def experiment_plans() -> dict[str, str]:
+    """What each included plan measures, by its name: the comment at the head of its file."""
+    return {name: file.read_text("utf-8").splitlines()[0].lstrip("# ") for name, file in sorted(PLANS.items())}
+
+
+def plan_summary(plan: str, simulators: tuple[str, ...]) -> PlanSummary:
+    """An included plan, or one in a YAML file, in these simulators; a UserError if there is none, or it is wrong."""
+    found = load_plan(plan)
+    found = found.in_simulators(simulators) if simulators else found
+    return PlanSummary(found.name, len(found.cells) * found.repeats, found.seconds)
+
+
+def run_experiment(
+    plan: str,
+    folder: Path,
+    simulators: tuple[str, ...],
+    *,
+    force: bool,
+    progress: Callable[[int], None],
+    watch: Callable[[], None],
+) -> None:
+    """Run the missing trials of a plan; `progress` is called with the number of trials that are done."""
+    chosen = simulators or None
+    experiment(plan, folder, simulator=chosen, force=force, progress=lambda done, _: progress(done), watch=watch)
 
 
 def simulator_titles() -> dict[str, str]:

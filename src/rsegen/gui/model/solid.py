@@ -11,7 +11,8 @@ from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, CellWindow, StepField
 from rsegen.geometry import surface
 from rsegen.gui.model.bounds import border
-from rsegen.gui.model.colours import GROUND, Bytes, palette
+from rsegen.gui.model.colours import GROUND, Bytes, surface_palette
+from rsegen.gui.model.grain import finest, with_grain
 from rsegen.gui.model.shading import Floats, Shading, foot, shading
 
 _LIT = np.array([0.88, 0.68, 0.80, 0.66, 1.0, 0.5])
@@ -49,7 +50,7 @@ class Lines(NamedTuple):
 
 def lit(scene: Scene) -> Lit:
     """The merged surface of a scene's blocks and frames, empty for a flat scene, and the ground around them."""
-    found = shading(scene.field, border(scene.field))
+    found = with_grain(shading(scene.field, border(scene.field), finest(scene)), scene)
     strip = foot(np.linspace(0, _WALL_BLOCKS, _WALL_TEXELS)).astype(np.float32)
     light = np.hstack([found.light, np.broadcast_to(strip, (len(found.light), _WALL_TEXELS))])
     share = found.light.shape[1] / light.shape[1]
@@ -60,7 +61,7 @@ def lit(scene: Scene) -> Lit:
 def solid(scene: Scene) -> Solid:
     """The merged surface of a scene's blocks and frames, each face with points of its own; without a light map."""
     mesh = surface(scene.field)
-    shades = palette(scene)[mesh.materials] * _LIT[mesh.normals][:, None]
+    shades = surface_palette(scene)[mesh.materials] * _LIT[mesh.normals][:, None]
     points = mesh.vertices.astype(np.float32)[mesh.faces].reshape(-1, 3)
     faces = np.arange(len(points), dtype=np.int32).reshape(-1, 4)
     return Solid(points, faces, np.round(shades).astype(np.uint8), np.zeros_like(points[:, :2]))

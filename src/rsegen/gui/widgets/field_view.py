@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QObject, QPointF, QSize, Qt, Signal
@@ -19,11 +20,11 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QLabel, QWidget
 
-from rsegen.errors import FileError
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import CellWindow
 from rsegen.gui.model.picking import cell_hit
 from rsegen.gui.model.preview import Preview, preview_of
+from rsegen.gui.model.reach import Reach
 from rsegen.gui.model.robot_shape import RobotShape
 from rsegen.gui.widgets.meshes import Plotter
 from rsegen.gui.widgets.opengl import unavailable
@@ -31,6 +32,7 @@ from rsegen.gui.widgets.scene_actors import SceneActors
 from rsegen.gui.widgets.view_camera import Side, ViewCamera
 from rsegen.gui.widgets.view_overlay import ViewOverlay
 from rsegen.gui.widgets.view_picture import Shown, set_colours, view_picture
+from rsegen.gui.workers.picture_saver import write_picture
 from rsegen.params.places import Cell
 
 _FRAME = 2
@@ -95,6 +97,12 @@ class FieldView(QWidget):
             self._actors.show_robot(shape)
             QWidget.update(self._plotter)
 
+    def show_reach(self, reach: Reach | None) -> None:
+        """Show what a robot reaches on the map, its ways across, a start and a goal; None shows none."""
+        if self._actors:
+            self._actors.reach.show(self._preview.coarse if self._preview else None, reach)
+            QWidget.update(self._plotter)
+
     def fit(self) -> None:
         """Look at the whole map from the present direction."""
         if self._actors:
@@ -137,9 +145,7 @@ class FieldView(QWidget):
 
         Its texts grow with its height. A FileError if it cannot be written.
         """
-        picture = self._drawn(size) if size else None
-        if not (picture or self.grab()).save(str(path)):
-            raise FileError(f"{path}: cannot be written as a picture; give a name in an existing folder, such as x.png")
+        write_picture(self.drawing(size)() if size else self.grab().toImage(), path)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Arrows turn, + and - zoom, 0 shows the whole map, 1, 2 and 3 look from a side."""
@@ -227,14 +233,16 @@ class FieldView(QWidget):
         widget: QWidget = self._plotter
         return widget
 
-    def _drawn(self, size: QSize) -> QImage | None:
-        """The view in another size; None where there is no view."""
+    def drawing(self, size: QSize) -> Callable[[], QImage]:
+        """What draws the view as it is now in a size in pixels, in any thread; without a view what the widget shows."""
         if not self._actors or not self._preview:
-            return None
-        shown = Shown(self._preview, self._highlighted, self._actors.robot, self.palette())
+            image = self.grab().toImage()
+            return lambda: image
+        shown = Shown(self._preview, self._highlighted, self._actors.robot, self._actors.reach.reach, self.palette())
         growth = min(size.width() / max(self.pixels.width(), 1), size.height() / max(self.pixels.height(), 1))
         scale = max(self.devicePixelRatioF() * growth, 0.2)
-        return view_picture(shown, self._actors.camera, size, scale)
+        look = self._actors.camera.look
+        return lambda: view_picture(shown, look, size, scale)
 
     def _set_colours(self) -> None:
         if self._actors and self._overlay:

@@ -10,6 +10,7 @@ from rsegen.field.stepfield import CellWindow
 from rsegen.gui.model.document import Document
 from rsegen.gui.model.handles import cells_between
 from rsegen.gui.model.preview import Preview
+from rsegen.gui.model.reach import Reach
 from rsegen.gui.widgets.brush_bar import BrushBar
 from rsegen.gui.widgets.field_view import FieldView
 from rsegen.gui.widgets.layouts import column_of, group_of
@@ -52,6 +53,11 @@ class MapViews(QSplitter):
         self.table.show_grid(session.recipe.grid)
         self.table.show_rows(session.draft.rows, document.selected, session.problem)
         self.brushes.show_unit(session.recipe.unit_cm)
+
+    def show_reach(self, reach: Reach | None) -> None:
+        """Show what a robot can do on the map, on both views."""
+        self.plan.show_reach(reach)
+        self.view.show_reach(reach)
 
     def show_preview(self, preview: Preview, document: Document) -> None:
         """Show a preview, the handles of the obstacles, and the cells of the selected one."""

@@ -89,7 +89,7 @@ def fill_lines(drawn: Drawn, found: Lines) -> None:
     import pyvista
 
     rows = np.column_stack([np.full(len(found.pairs), 2), found.pairs]).ravel()
-    _replace(drawn.mesh, pyvista.PolyData(found.points, lines=rows))
+    _replace(drawn.mesh, pyvista.PolyData(found.points, lines=rows) if len(rows) else pyvista.PolyData())
 
 
 def robot_in(plotter: Plotter) -> Drawn:

@@ -17,7 +17,8 @@ _GROUPS = {
     "Shape": ("block_width_cm", "frame_height_cm", "difficulty"),
     "Constraints": ("max_step", "crossable_by", "inventory"),
     "Files and simulator": ("name", "description", "first_map", "simulator", "mesh", "collision", "tile"),
-    "Friction and colour": ("friction", "frame_friction", "level_friction", "frame_colour", "level_colours"),
+    "Friction": ("friction", "frame_friction", "level_friction"),
+    "Look": ("look", "frame_colour", "level_colours", "shadows", "sky"),
 }
 """The titles of the groups and their parameters; a parameter that no group has is in the last one, Other."""
 

@@ -51,6 +51,7 @@ class ObstacleTable(QTableWidget):
         self.setWordWrap(False)
         self.verticalHeader().hide()
         self.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        self.horizontalHeader().setHighlightSections(False)  # bold letters need more room than there is
         self.horizontalHeader().setStretchLastSection(True)
         self._rows: Sequence[ObstacleRow] = ()
         self._dragged: int | None = None

@@ -14,18 +14,19 @@ Owner = TypeVar("Owner")
 
 
 class OptionsForm(QWidget, Generic[Owner]):
-    """An editor for each parameter, initially with its default; `form` is its layout."""
+    """An editor for each parameter; `editors` are they by name, `form` is the layout."""
 
-    def __init__(self, owner: type[Owner]) -> None:
+    def __init__(self, owner: type[Owner], initial: Owner | None = None) -> None:
+        """The editors have the values of `initial` at first, by default the defaults."""
         super().__init__()
-        self._owner = owner
+        self._owner, self._initial = owner, initial
         self.form = QFormLayout(self)
         self.form.setContentsMargins(0, 0, 0, 0)
-        self._editors = {name: self._field(name) for name in parameters(owner)}
+        self.editors = {name: self._field(name) for name in parameters(owner)}
 
     def value(self) -> Owner:
         """An instance with the values in the form; a ParameterError if one is invalid."""
-        return self._owner(**{name: each.value() for name, each in self._editors.items()})
+        return self._owner(**{name: each.value() for name, each in self.editors.items()})
 
     def add(self, each: Editor, title: str) -> None:
         """Add a row."""
@@ -36,7 +37,8 @@ class OptionsForm(QWidget, Generic[Owner]):
 
     def _field(self, name: str) -> Editor:
         each = editor(self._owner, name)
-        each.show_value(next(field.default for field in fields(self._owner) if field.name == name))  # type: ignore[arg-type]  # a dataclass
+        default = next(field.default for field in fields(self._owner) if field.name == name)  # type: ignore[arg-type]  # a dataclass
+        each.show_value(getattr(self._initial, name, default))
         plain = name.removesuffix("_cm").removesuffix("_mm")
         self.add(each, plain.replace("_", " ").capitalize())
         return each

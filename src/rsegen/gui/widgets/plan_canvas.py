@@ -100,7 +100,7 @@ class PlanCanvas(QWidget):
             plan_painting.paint_vector_cells(painter, scene, layout)
             plan_painting.paint_grid(painter, scene, layout)
             self._paint_on_cells(painter, layout)
-            plan_painting.paint_rulers(painter, layout, layout.area, QColor("black"))
+            plan_painting.paint_rulers(painter, layout, layout.area, QColor("black"), QColor("white"))
 
         save_plan(path, size, paint)
 
@@ -201,7 +201,8 @@ class PlanCanvas(QWidget):
             plan_painting.paint_grid(painter, scene, layout, self._area)
             self._paint_on_cells(painter, layout)
             painter.setClipping(False)  # Qt takes no name
-            plan_painting.paint_rulers(painter, layout, self._area, self._ink)
+            paper = self.palette().color(QPalette.ColorRole.Window)
+            plan_painting.paint_rulers(painter, layout, self._area, self._ink, paper)
             painter.end()
         return self._cells_pixmap
 

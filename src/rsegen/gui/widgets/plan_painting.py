@@ -31,6 +31,8 @@ _WRITTEN = 17
 _INK = QColor(20, 20, 20)
 _PAPER = QColor(255, 255, 255)
 _LINE = QColor(0, 0, 0, 70)
+_COVERED = 210
+"""The opacity of paper behind the numbers of rulers."""
 
 
 def plan_area(width: int, height: int) -> Box:
@@ -127,23 +129,37 @@ def square_icon(scene: Scene, side: int) -> QIcon:
     return QIcon(QPixmap.fromImage(square_image(scene, side)))
 
 
-def paint_rulers(painter: QPainter, layout: PlanLayout, area: Box, ink: QColor) -> None:
-    """Paint the numbers of the block cells in an area, below the map and to its left."""
+def paint_rulers(painter: QPainter, layout: PlanLayout, area: Box, ink: QColor, paper: QColor) -> None:
+    """Paint the numbers of the block cells in an area, below the map and to its left, over what else is there."""
     font = QFont(painter.font())
     font.setPixelSize(11)
     painter.setFont(font)
-    painter.setPen(ink)
+    letters = painter.fontMetrics()
     left, top, width, height = area
     start, bottom = max(layout.left, left), min(layout.bottom, top + height)
-    centre, right = Qt.AlignmentFlag.AlignCenter, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-    for x in ticks(len(layout.blocks[0]), layout.side, room=30):
+    n_x, n_y = map(len, layout.blocks)
+    for x in ticks(n_x, layout.side, room=max(30, letters.horizontalAdvance(str(n_x)) + 9)):
         middle = layout.middle((x, 0))[0]
         if left <= middle <= left + width:
-            painter.drawText(QRectF(middle - RULER, bottom + 2, 2 * RULER, 16), centre, str(x))
-    for y in ticks(len(layout.blocks[1]), layout.side, room=18):
+            place = QRectF(middle - RULER, bottom + 2, 2 * RULER, 16)
+            _write_number(painter, place, Qt.AlignmentFlag.AlignHCenter, str(x), (ink, paper))
+    for y in ticks(n_y, layout.side, room=max(18, letters.height() + 2)):
         middle = layout.middle((0, y))[1]
         if top <= middle <= top + height:
-            painter.drawText(QRectF(start - RULER - 4, middle - 8, RULER, 16), right, str(y))
+            place = QRectF(start - RULER - 4, middle - 8, RULER, 16)
+            _write_number(painter, place, Qt.AlignmentFlag.AlignRight, str(y), (ink, paper))
+
+
+def _write_number(
+    painter: QPainter, place: QRectF, side: Qt.AlignmentFlag, text: str, colours: tuple[QColor, QColor]
+) -> None:
+    """Write a number of a ruler in an ink, on paper, as the end of a way may be under it."""
+    ink, paper = colours
+    flags = side | Qt.AlignmentFlag.AlignVCenter
+    paper.setAlpha(_COVERED)
+    painter.fillRect(painter.boundingRect(place, flags, text).adjusted(-1, 1, 1, -1), paper)
+    painter.setPen(ink)
+    painter.drawText(place, flags, text)
 
 
 def paint_handles(painter: QPainter, layout: PlanLayout, handles: Sequence[Handle], selected: int | None) -> None:

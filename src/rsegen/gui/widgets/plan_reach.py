@@ -8,12 +8,12 @@ from PySide6.QtGui import QBrush, QColor, QImage, QPainter, QPen, QPolygonF
 
 from rsegen.field.stepfield import Array, StepField
 from rsegen.gui.model.plan_layout import PlanLayout
-from rsegen.gui.model.reach import Reach, Way, corners
+from rsegen.gui.model.reach import EASTWARD, NORTHWARD, Reach, Way, corners
 
 _VEIL = (245, 245, 245, 195)
 """Blocks that the robot does not reach are nearly white: what is in colour is what it reaches."""
 
-_EASTWARD, _NORTHWARD = QColor(255, 45, 149), QColor(255, 140, 0)
+_EASTWARD, _NORTHWARD = QColor(*EASTWARD), QColor(*NORTHWARD)
 _PAPER, _INK = QColor(255, 255, 255), QColor(20, 20, 20)
 
 

@@ -46,7 +46,10 @@ class FormTexts(NamedTuple):
 
 
 class RunForm(QWidget):
-    """A folder, and a run that writes into it; `changed`: a run has started or ended."""
+    """A folder, and a run that writes into it; `changed`: a run has started or ended.
+
+    written: the folder of the last run that has ended; is_complete: whether that was neither cancelled nor failed
+    """
 
     changed = Signal()
 
@@ -55,6 +58,7 @@ class RunForm(QWidget):
         super().__init__()
         self.run: JobThread | None = None
         self.written: Path | None = None
+        self.is_complete = False
         self._is_running = False
         self._texts, self._beside, self._force = texts, beside, False
         self._afterwards: tuple[QWidget, ...] = tuple(afterwards)
@@ -102,11 +106,12 @@ class RunForm(QWidget):
         self.bar.setRange(0, job.steps if 1 < job.steps < 2**31 else 0)
         self.bar.setValue(0)
         run.progressed.connect(self.bar.setValue)
-        run.succeeded.connect(self._show_outcome)
+        run.succeeded.connect(self._show_success)
         run.cancelled.connect(self._show_outcome)
         run.failed.connect(self.error_label.show_message)
         run.finished.connect(self._end)  # after its outcome: a run that has ended has shown it
         self.error_label.show_message("")
+        self.is_complete = False
         self._outcome.setText("")
         self._is_running = True
         run.start()
@@ -177,8 +182,13 @@ class RunForm(QWidget):
         self._is_running = False
         self._show_state()
 
+    def _show_success(self, text: str) -> None:
+        self.is_complete = True
+        self._show_outcome(text)
+
     def _show_outcome(self, text: str) -> None:
-        self.written = self.run.job.folder if self.run else None
+        folder = self.run.job.result_folder if self.run else None
+        self.written = folder if folder and folder.exists() else None
         self._outcome.setText(text)
 
     def _show_state(self) -> None:

@@ -22,6 +22,7 @@ from rsegen.gui.widgets.meshes import (
     lines_in,
     robot_in,
 )
+from rsegen.gui.widgets.reach_actors import ReachActors
 from rsegen.gui.widgets.view_camera import ViewCamera
 
 EDGED = 120
@@ -42,7 +43,7 @@ _GHOSTLY = 0.45
 class SceneActors:
     """What a plotter shows: the map, the edges of its blocks, the highlighted cells, the ground, the axes.
 
-    camera: the plotter's; robot: the one that is shown
+    camera: the plotter's; robot: the one that is shown; reach: what it can do on the map
     scale: how many times wider lines are than a pixel; texts are as large as the window's dots per inch say
     """
 
@@ -57,6 +58,7 @@ class SceneActors:
         self._box = lines_in(plotter, _HIGHLIGHT, width=3 * scale, nearer=40)
         self._robot_drawn = robot_in(plotter)
         self.robot: RobotShape | None = None
+        self.reach = ReachActors(plotter, scale)
         self._shown: tuple[Bounds, float] | None = None
         self._ink = (0.0, 0.0, 0.0)
 

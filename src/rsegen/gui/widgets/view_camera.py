@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,19 @@ class Side(Enum):
     PERSPECTIVE = tuple(SOUTH_EAST.tolist())
     TOP = (0.0, 0.0, 1.0)
     SOUTH = (0.0, -1.0, 0.0)
+
+
+class Look(NamedTuple):
+    """How a camera looks: its position, focal point and direction up; the scale without perspective, the angle with it,
+    degrees; the size of its view in pixels, and whether that shows the whole map.
+    """
+
+    place: tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]
+    is_parallel: bool
+    scale: float
+    angle: float
+    size: tuple[int, int]
+    is_fitted: bool
 
 
 class ViewCamera:
@@ -107,18 +121,31 @@ class ViewCamera:
         away = float(np.linalg.norm(np.subtract(camera.position, camera.focal_point)))
         return float(2 * away * np.tan(np.radians(camera.GetViewAngle() / 2)) / max(height, 1))
 
-    def look_as(self, other: ViewCamera) -> None:
+    @property
+    def look(self) -> Look:
+        """Where it looks from, and how."""
+        camera = self._plotter.camera
+        return Look(
+            place=(tuple(camera.position), tuple(camera.focal_point), tuple(camera.up)),
+            is_parallel=bool(camera.GetParallelProjection()),
+            scale=float(camera.GetParallelScale()),
+            angle=float(camera.view_angle),
+            size=self._size(),
+            is_fitted=self._is_fitted,
+        )
+
+    def look_as(self, look: Look) -> None:
         """Look as another camera does: at the whole map if that does, else at as much from left to right."""
-        camera, theirs = self._plotter.camera, other._plotter.camera
-        camera.position, camera.focal_point, camera.up = theirs.position, theirs.focal_point, theirs.up
-        (width, height), (their_width, their_height) = self._size(), other._size()
+        camera = self._plotter.camera
+        camera.position, camera.focal_point, camera.up = look.place
+        (width, height), (their_width, their_height) = self._size(), look.size
         wider = max(their_width * height / max(width * their_height, 1), 1.0)
-        camera.SetParallelProjection(theirs.GetParallelProjection())
-        if other._is_fitted:
+        camera.SetParallelProjection(look.is_parallel)
+        if look.is_fitted:
             self.fit()
             return
-        camera.SetParallelScale(theirs.GetParallelScale() * wider)
-        camera.view_angle = float(np.degrees(2 * np.arctan(wider * np.tan(np.radians(theirs.view_angle / 2)))))
+        camera.SetParallelScale(look.scale * wider)
+        camera.view_angle = float(np.degrees(2 * np.arctan(wider * np.tan(np.radians(look.angle / 2)))))
         self._plotter.renderer.ResetCameraClippingRange()
 
     def ray(self, x: float, y: float) -> tuple[Array, Array]:

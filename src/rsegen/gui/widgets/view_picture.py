@@ -10,11 +10,12 @@ from PySide6.QtGui import QColor, QImage, QPalette
 
 from rsegen.field.stepfield import CellWindow
 from rsegen.gui.model.preview import Preview
+from rsegen.gui.model.reach import Reach
 from rsegen.gui.model.robot_shape import RobotShape
 from rsegen.gui.widgets.legend import Inks
 from rsegen.gui.widgets.meshes import Plotter
 from rsegen.gui.widgets.scene_actors import SceneActors
-from rsegen.gui.widgets.view_camera import ViewCamera
+from rsegen.gui.widgets.view_camera import Look, ViewCamera
 from rsegen.gui.widgets.view_overlay import ViewOverlay
 
 _SMOOTHED = 20_000_000
@@ -22,16 +23,20 @@ _SMOOTHED = 20_000_000
 
 
 class Shown(NamedTuple):
-    """What a view shows: a map, the cells that are highlighted, a robot, and the colours of everything else."""
+    """What a view shows: a map, highlighted cells, a robot and what it can do, and the colours of everything else."""
 
     preview: Preview
     highlighted: CellWindow | None
     robot: RobotShape | None
+    reach: Reach | None
     palette: QPalette
 
 
-def view_picture(shown: Shown, seen_by: ViewCamera, size: QSize, scale: float) -> QImage:
-    """What a camera sees, in a size in pixels; scale: how many times larger texts are than on a common screen."""
+def view_picture(shown: Shown, look: Look, size: QSize, scale: float) -> QImage:
+    """What a camera that looks so sees, in a size in pixels; any thread may call it.
+
+    scale: how many times larger texts are than on a common screen
+    """
     import pyvista
 
     plotter: Plotter = pyvista.Plotter(off_screen=True, window_size=list(size.toTuple()))
@@ -42,8 +47,9 @@ def view_picture(shown: Shown, seen_by: ViewCamera, size: QSize, scale: float) -
     set_colours(shown.palette, actors, overlay)
     actors.show(shown.preview, shown.highlighted)
     actors.show_robot(shown.robot)
+    actors.reach.show(shown.preview.coarse, shown.reach)
     overlay.show_legend(shown.preview)
-    camera.look_as(seen_by)
+    camera.look_as(look)
     pixels = np.ascontiguousarray(plotter.screenshot(return_img=True)[..., :3])
     plotter.close()
     height, width = pixels.shape[:2]

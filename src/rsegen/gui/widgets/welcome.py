@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QToolButton
 
 from rsegen.exporters.scene import compose
@@ -23,7 +24,7 @@ Or draw one on the plan with the mouse. Or start from an example:"""
 
 
 class Welcome(QFrame):
-    """`chosen` gives the file of an example; `more` asks for all examples."""
+    """`chosen` gives the file of an example; `more` asks for all examples. It is empty until it is shown."""
 
     chosen = Signal(Path)
     more = Signal()
@@ -32,6 +33,14 @@ class Welcome(QFrame):
         super().__init__()
         named(self, "welcome", title="how to begin")
         self.setFrameShape(QFrame.Shape.StyledPanel)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Fill the panel: the maps of its pictures are made only for those who see them."""
+        if self.layout() is None:
+            self._fill()
+        super().showEvent(event)
+
+    def _fill(self) -> None:
         row = QHBoxLayout(self)
         text = QLabel(_TEXT, wordWrap=True, textFormat=Qt.TextFormat.RichText)
         row.addWidget(text, stretch=1)

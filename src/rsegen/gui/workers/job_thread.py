@@ -20,21 +20,35 @@ class JobThread(QThread):
         super().__init__()
         self.job = job
         self._force = force
-        self._done = 0
 
     def run(self) -> None:
         """Run the job; called by Qt in the thread."""
+        step = _Step(self)
         try:
-            self.succeeded.emit(self.job.run(self._step, force=self._force))
+            self.succeeded.emit(self.job.run(step, force=self._force))
         except _Cancelled:
-            self.cancelled.emit(self.job.cancelled(self._done))
+            self.cancelled.emit(self.job.cancelled(step.done))
         except Exception as error:  # also a library's: whoever waits for the files sees it
             self.failed.emit(failure_text(error))
 
-    def _step(self, _: object) -> None:
-        self._done += 1
-        self.progressed.emit(self._done)
-        if self.isInterruptionRequested() and self._done < self.job.steps:
+
+class _Step:
+    """Counts the steps of a thread's job, and cancels it at the next one, or while one lasts."""
+
+    def __init__(self, thread: JobThread) -> None:
+        self._thread = thread
+        self.done = 0
+
+    def __call__(self, _: object = None, /) -> None:
+        """Count a step; a job that is complete is not cancelled."""
+        self.done += 1
+        self._thread.progressed.emit(self.done)
+        if self.done < self._thread.job.steps:
+            self.check()
+
+    def check(self) -> None:
+        """Raise if the job is to be cancelled."""
+        if self._thread.isInterruptionRequested():
             raise _Cancelled
 
 
