@@ -1,0 +1,150 @@
+"""`rsegen doctor`: what is here and what is missing, however disordered the machine is."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen.cli import environment, main
+from rsegen.errors import pip_install
+from rsegen.params import extras
+from rsegen.params.extras import EXTRAS
+from rsegen.simulation.simulators import SIMULATORS
+from tests.simulation.simulators.standins import PROGRAMS, alone_on_path, put
+from tests.support.screen import ON_SCREEN, xvfb
+
+Capture = pytest.CaptureFixture[str]
+PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
+
+
+@pytest.fixture
+def without_screen(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"):
+        monkeypatch.delenv(name, raising=False)
+
+
+@pytest.fixture(scope="module")
+def screen() -> Iterator[str]:
+    yield from xvfb()
+
+
+def report(capsys: Capture) -> str:
+    capsys.readouterr()
+    assert main(["doctor"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return out
+
+
+def summary(capsys: Capture) -> dict[str, Any]:
+    assert main(["doctor", "--json"]) == 0
+    found: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return found
+
+
+def remedies(capsys: Capture) -> dict[str, str]:
+    return {row["what"]: row["remedy"] for row in summary(capsys)["missing"]}
+
+
+def test_extras_are_those_of_the_package() -> None:
+    section = PYPROJECT.read_text("utf-8").partition("[project.optional-dependencies]")[2].partition("\n[")[0]
+    assert set(re.findall(r"^(\w+) = \[", section, re.MULTILINE)) == {extra.name for extra in EXTRAS} | {"all"}
+
+
+def test_versions_are_those_that_run(capsys: Capture) -> None:
+    found = summary(capsys)
+    assert found["rsegen"] == rsegen.__version__
+    assert found["libraries"]["numpy"] == np.__version__
+    assert found["executable"] == sys.executable
+    assert {"matplotlib", "pyyaml", "pyzmq"} <= found["libraries"].keys()
+    text = report(capsys)
+    assert f"rsegen      {rsegen.__version__}\n" in text
+    assert f"numpy {np.__version__}" in text
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
+def test_simulators_are_found_with_version_and_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    programs = alone_on_path(tmp_path, monkeypatch)
+    put(programs, PROGRAMS["classic"])
+    assert f"  Gazebo Classic 11.14.0\n    gzserver: {programs}/gzserver\n" in report(capsys)
+    sim, classic = summary(capsys)["simulators"]
+    assert (sim["version"], classic["version"]) == (None, "11.14.0")
+    assert remedies(capsys)["Gazebo Sim: worlds cannot be opened in it"] in SIMULATORS["sim"].how_to_install
+    assert not (programs / "gzserver.started").exists()
+
+
+def test_what_an_extra_is_for_and_how_to_get_it_is_said_where_it_is_missing(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name in ("scipy", "pyvista") else find_spec(name))
+    found = remedies(capsys)
+    assert found["scipy: MATLAB files of the formats arrays and posture"] == pip_install(["mat"])
+    assert found["pyvista: rsegen gui: the window"] == pip_install(["gui"])
+    assert {row["name"]: row["missing"] for row in summary(capsys)["extras"]}["gui"] == ["pyvista"]
+
+
+def test_without_any_extra_there_is_a_report(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    monkeypatch.setattr(extras, "find_spec", lambda name: None)
+    text = report(capsys)
+    assert all(pip_install([extra.name]) in text for extra in EXTRAS)
+    assert "not checked, as PySide6 is not installed" in text
+
+
+def test_a_simulator_that_breaks_is_a_line(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    def broken(self: object) -> None:
+        raise RuntimeError("no\nway")
+
+    monkeypatch.setattr(type(SIMULATORS["sim"]), "installation", broken)
+    assert "  Gazebo Sim: RuntimeError: no way\n" in report(capsys)
+
+
+def test_without_metadata_of_the_package_there_is_a_report(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    def not_installed(_: str) -> list[str]:
+        raise PackageNotFoundError
+
+    monkeypatch.setattr(environment, "requires", not_installed)
+    assert summary(capsys)["libraries"] == {"numpy": np.__version__}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have a screen, or say so by themselves")
+def test_no_screen_is_said(without_screen: None, capsys: Capture) -> None:
+    found = summary(capsys)["opengl"]
+    assert found == {
+        "version": None,
+        "problem": "there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)",
+    }
+
+
+@pytest.mark.parametrize("platform", ["offscreen", "no-such-platform"])
+def test_a_qt_that_opens_no_window_is_a_line(
+    platform: str, without_screen: None, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    """Of the second one Qt kills the process that asks it."""
+    monkeypatch.setenv("QT_QPA_PLATFORM", platform)
+    found = summary(capsys)["opengl"]
+    assert found["version"] is None
+    assert platform in found["problem"]
+    assert "\n" not in found["problem"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="Xvfb is of Linux")
+def test_opengl_of_a_screen_is_found(
+    screen: str, without_screen: None, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    for name, value in {"DISPLAY": screen, **ON_SCREEN}.items():
+        monkeypatch.setenv(name, value)
+    found = summary(capsys)["opengl"]
+    assert re.fullmatch(r"[3-9]\.\d", found["version"] or ""), found
+    assert found["problem"] == ""
