@@ -61,10 +61,17 @@ if TYPE_CHECKING:
     from rsegen.io.importers import imported as imported
     from rsegen.io.recipe_file import load as load
     from rsegen.io.recipe_file import save as save
+    from rsegen.io.scans import ComparedMap as ComparedMap
+    from rsegen.io.scans import ScannedMap as ScannedMap
+    from rsegen.io.scans import ScanOptions as ScanOptions
+    from rsegen.io.scans import compare as compare
+    from rsegen.io.scans import scan as scan
     from rsegen.io.series import Series as Series
     from rsegen.io.series import series as series
     from rsegen.io.verifying import Verified as Verified
     from rsegen.io.verifying import verify as verify
+    from rsegen.io.view import View as View
+    from rsegen.io.view import view as view
     from rsegen.io.worlds import Generated as Generated
     from rsegen.io.worlds import GeneratedMap as GeneratedMap
     from rsegen.io.worlds import generate as generate
@@ -89,7 +96,7 @@ if TYPE_CHECKING:
     from rsegen.simulation.spawning.spawn import SpawnResult as SpawnResult
     from rsegen.simulation.spawning.spawn import spawn as spawn
 
-__version__ = "0.2.0"
+__version__ = "1.0.0"
 
 _HOMES = {
     "rsegen.errors": ("RsegenError", "UserError"),
@@ -116,8 +123,10 @@ _HOMES = {
     "rsegen.io.exports": ("export_maps",),
     "rsegen.io.importers": ("imported",),
     "rsegen.io.recipe_file": ("load", "save"),
+    "rsegen.io.scans": ("ComparedMap", "ScanOptions", "ScannedMap", "compare", "scan"),
     "rsegen.io.series": ("Series", "series"),
     "rsegen.io.verifying": ("Verified", "verify"),
+    "rsegen.io.view": ("View", "view"),
     "rsegen.io.worlds": ("Generated", "GeneratedMap", "generate"),
     "rsegen.params.plugins": ("load_plugin",),
     "rsegen.recipe.batch": ("build_many",),

@@ -8,6 +8,7 @@ RsegenError
 │   ├── OutputError      the output folder is taken, or may not be written to
 │   ├── PluginError      a plug-in cannot be loaded, or is not what it should be
 │   ├── TooLarge         it would need more room than there is, in memory or on the disk
+│   ├── ScanError        a point cloud shows no step field, or another one than was said
 │   ├── NoSimulator      no simulator that is installed here can do it
 │   └── NothingRuns      no simulation runs that could be changed
 ├── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
@@ -55,6 +56,10 @@ class PluginError(UserError):
 
 class TooLarge(UserError):
     """It would need more room than there is, in memory or on the disk."""
+
+
+class ScanError(UserError):
+    """A point cloud shows no step field, or another one than was said."""
 
 
 class NoSimulator(UserError):

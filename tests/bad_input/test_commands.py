@@ -26,7 +26,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         [
             "'genrate'",
             "did you mean 'generate'?",
-            "info, metrics, obstacles, open, preview, remove, respawn, schema, series, sheet, sim, spawn",
+            "info, metrics, obstacles, open, preview, remove, respawn, scan, schema, series, sheet, sim, spawn",
         ],
     ),
     "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, import, info"]),
@@ -178,7 +178,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "metrics in two forms": (["metrics", "two.yaml", "--json", "--csv"], ["--csv: not allowed with argument --json"]),
     "a data set nowhere": (["dataset", *OBSTACLE], ["one of the arguments -o/--output --verify is required"]),
     "a data set of no map": (["dataset", "-o", "out", "--maps", "0"], ["maps: 0 is not 1 or more"]),
-    "a data set in a folder of other things": (["dataset", "-o", "."], [".: is not empty, and no data set"]),
+    "a data set in a folder of other things": (["dataset", "-o", "."], [".: is not empty, and not a data set"]),
     "a data set in a file": (["dataset", "-o", "file"], ["file: is a file; give a folder"]),
     "metrics in another form": (["dataset", "-o", "out", "--metrics", "csv"], ["metrics: 'csv'", "npy, parquet, none"]),
     "shards of less than a map": (["dataset", "-o", "out", "--shard-maps=-1"], ["shard_maps: -1 is outside 0.."]),
@@ -234,6 +234,9 @@ def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, c
         "series": ["-o", "out"],
         "terrain": ["a.yaml", "-o", "out"],
         "sheet": ["a.yaml", "-o", "s.pdf"],
+        "view": ["a.yaml", "-o", "m.html"],
+        "scan": ["a.xyz", "-o", "out"],
+        "compare": ["a.xyz", "a.yaml"],
         "export": ["a.yaml", "--to", "stl", "-o", "out"],
     }
     given |= {"spawn": ["burger"], "respawn": ["a.yaml"], "remove": ["burger"]}

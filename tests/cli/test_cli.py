@@ -18,7 +18,7 @@ import rsegen
 from rsegen import KINDS, Recipe
 from rsegen.cli import COMMANDS, main
 from rsegen.io.record import RECORD
-from rsegen.params.sorts import Choice, parameters
+from rsegen.params.sorts import Flag, parameters
 from rsegen.recipe.codec import OTHER_NAMES, decode
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Placement
@@ -313,7 +313,8 @@ def test_help_of_generate_says_of_every_parameter_what_it_takes(
     parameter = parameters(Recipe)[name]
     assert f"--{name.replace('_', '-')} " in text
     assert parameter.help in text
-    values = f"{{{','.join(parameter.values)}}}" if isinstance(parameter, Choice) else parameter.describe()
+    choices = ("yes", "no") if isinstance(parameter, Flag) else getattr(parameter, "values", ())
+    values = f"{{{','.join(choices)}}}" if choices else parameter.describe()
     assert values in text
 
 

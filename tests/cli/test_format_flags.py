@@ -12,7 +12,7 @@ import pytest
 from rsegen.cli import main
 from rsegen.cli.formats import OLD_FLAGS, OLD_SWITCHES
 from rsegen.errors import pip_install
-from rsegen.exporters.formats import base
+from rsegen.params import extras
 from tests.support.complaints import exit_code, the_line
 
 
@@ -94,7 +94,7 @@ def test_old_flags_are_in_no_help_and_in_no_list(capsys: pytest.CaptureFixture[s
 def test_everything_that_is_missing_is_named_at_once_with_this_pythons_command(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(base, "find_spec", lambda module: None)
+    monkeypatch.setattr(extras, "find_spec", lambda module: None)
     assert exit_code("export", "peak", "--to", "stl,heightmap,usd,glb", "-o", tmp_path / "out") == 2
     line = the_line(capsys.readouterr().err)
     assert line == (
@@ -115,7 +115,7 @@ def test_without_scipy_the_rest_is_written_and_the_mat_is_said_to_be_left_out(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(base, "find_spec", lambda module: None)
+    monkeypatch.setattr(extras, "find_spec", lambda module: None)
     assert exit_code("export", "peak", "--to", name, "-o", tmp_path) == 0
     line = the_line(capsys.readouterr().err)
     assert line == f"rsegen: {name}: {file} is left out, as scipy is not installed; {pip_install(['mat'])}"

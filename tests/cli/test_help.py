@@ -89,7 +89,7 @@ def test_the_help_of_a_command_has_options_last_and_none_that_are_required_among
 def test_a_default_is_said_once_and_none_is_not_said(capsys: pytest.CaptureFixture[str]) -> None:
     text = " ".join(helped(capsys, "generate").split())
     assert (
-        "--boundary {none,divided,outer} frames: none, round every chunk, or one round the map (default: divided)"
+        "--boundary {none,divided,outer} frames: none, around every chunk, or one around the map (default: divided)"
         in text
     )
     assert "(0.001..100000 cm; default: 10)" in text

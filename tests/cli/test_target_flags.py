@@ -29,6 +29,7 @@ COMMANDS = {
     "metrics": ["metrics", "--json"],
     "preview": ["preview", "-o", "made/map.svg"],
     "sheet": ["sheet", "-o", "made/map.csv"],
+    "view": ["view", "-o", "made/map.html"],
     "export": ["export", "--to", "heightmap", "-o", "made"],
 }
 

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import rsegen
+from docs import catalogue
+from rsegen import KINDS
+from rsegen.cli import main
 from tests.plugins.installed import declare, done
 
 ROOT = Path(__file__).parents[2]
@@ -22,23 +27,59 @@ def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
 
 
+OWN_TESTS = {
+    "CONTRIBUTING.md",
+    "api.md",
+    "datasets.md",
+    "difficulty.md",
+    "formats.md",
+    "gazebo.md",
+    "learning.md",
+    "metrics.md",
+    "plugins.md",
+    "sheet.md",
+}
+"""Pages whose programs have tests of their own below."""
+RUN = [
+    page
+    for page in PAGES
+    if page.name not in OWN_TESTS and re.search("^```(bash|python)$", page.read_text("utf-8"), re.M)
+]
+
+
+def steps(page: Path) -> list[tuple[str, str]]:
+    """The blocks of a page that a reader saves or runs, in order: their language and content."""
+    return re.findall(r"^```(bash|python|yaml)\n(.*?)^```$", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+
+
 @pytest.mark.slow
-def test_the_readme_s_commands_and_recipe_work_in_one_folder(tmp_path: Path) -> None:
-    (recipe,) = blocks(ROOT / "README.md", "yaml")
-    name = recipe.partition("\n")[0].removeprefix("# ")
-    (tmp_path / name).write_text(recipe)
+@pytest.mark.parametrize("page", RUN, ids=lambda page: page.name)
+def test_the_commands_of_a_page_run_in_order_in_one_folder(page: Path, tmp_path: Path) -> None:
+    """Recipes begin with the name that they are saved by, as `# NAME.yaml`."""
     tools = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
-    for script in blocks(ROOT / "README.md", "bash"):
-        subprocess.run(["bash", "-euc", script], cwd=tmp_path, env=tools, check=True, capture_output=True)
-    made = {path.name for path in (tmp_path / "worlds").iterdir()}
-    assert {"rse_0000", "rubble_0000", "rubble_0001", "rubble_0002"} == made
-    assert (tmp_path / "rubble.png").stat().st_size > 10_000
+    commands = {"bash": ["bash", "-euc"], "python": [sys.executable, "-c"]}
+    for language, content in steps(page):
+        if language != "yaml":
+            done = subprocess.run(
+                [*commands[language], content], check=False, cwd=tmp_path, env=tools, capture_output=True, text=True
+            )
+            assert done.returncode == 0, f"{content}\n{done.stderr}"
+        elif name := re.match(r"# (\S+\.yaml)\n", content):
+            (tmp_path / name[1]).write_text(content)
 
 
-def test_the_readme_s_python_works(tmp_path: Path) -> None:
-    (script,) = blocks(ROOT / "README.md", "python")
+def test_the_readme_is_short_and_makes_what_it_says(tmp_path: Path) -> None:
+    text = (ROOT / "README.md").read_text("utf-8")
+    assert len(text.splitlines()) <= 100
+    script = blocks(ROOT / "README.md", "python")[0]
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
     assert (tmp_path / "worlds-from-python" / "rse_0000" / "rse_0000.world").is_file()
+
+
+def test_the_python_of_the_page_of_browsers_works(tmp_path: Path) -> None:
+    (script,) = blocks(ROOT / "docs" / "view.md", "python")
+    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
+    assert {path.name for path in tmp_path.iterdir()} == {"map.html", "field.html"}
 
 
 def test_the_python_of_the_page_of_metrics_works() -> None:
@@ -65,8 +106,8 @@ def test_the_recipe_of_the_page_of_gazebo_has_frictions(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_python_of_the_page_of_formats_works(tmp_path: Path) -> None:
-    (recipe,), (script,) = blocks(ROOT / "README.md", "yaml"), blocks(ROOT / "docs" / "formats.md", "python")
-    (tmp_path / "rubble.yaml").write_text(recipe)
+    (script,) = blocks(ROOT / "docs" / "formats.md", "python")
+    (tmp_path / "rubble.yaml").write_text("{name: rubble, seed: 7, maps: 3, obstacles: [{kind: random, levels: 4}]}")
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
     for folder in ("exported", "worlds"):
         assert (tmp_path / folder / "rubble_0002" / "posture" / "raster.npy").is_file()
@@ -94,7 +135,7 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
     for library in ("mujoco", "trimesh", "pxr"):
         pytest.importorskip(library)
     gymnasium = pytest.importorskip("gymnasium")
-    terrain, exports, many, _, in_place, reset, _ = blocks(ROOT / "docs" / "learning.md", "python")
+    terrain, exports, many, _, in_place, reset, *_ = blocks(ROOT / "docs" / "learning.md", "python")
     ant = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets" / "ant.xml"
     (tmp_path / "robot.xml").write_bytes(ant.read_bytes())
     write_ant = 'open("ant_on_blocks.xml", "w").write(spec.to_xml())'
@@ -107,12 +148,27 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) -> None:
     pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
-    terrain, *_, race = blocks(ROOT / "docs" / "learning.md", "python")
+    terrain, *_, race, _ = blocks(ROOT / "docs" / "learning.md", "python")
     script = f"{terrain.partition('terrain =')[0]}\n{race}"
     found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
     assert "overflow" not in found.stdout + found.stderr
     easy, hard = map(float, found.stdout.splitlines()[-1].split())
     assert easy > 1.3 > 2 * hard
+
+
+@pytest.mark.slow
+def test_the_quadruped_of_the_page_of_learning_stands_on_flat_tiles_and_falls_on_rough_ones(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    robot = Path(sys.prefix) / "mjlab" / "mjlab" / "asset_zoo" / "robots" / "unitree_go1" / "xmls"
+    if not robot.is_dir():
+        pytest.skip(f"no mjlab in {robot.parents[4]}: make learners puts it there")
+    shutil.copytree(robot, tmp_path, dirs_exist_ok=True)
+    terrain, *_, quadruped = blocks(ROOT / "docs" / "learning.md", "python")
+    script = f"{terrain.partition('terrain =')[0]}\n{quadruped}"
+    found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
+    flat, *_, rough, roughest = map(float, found.stdout.splitlines()[-1].strip("[]").split())
+    assert flat < 5
+    assert max(rough, roughest) > 20
 
 
 def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None:
@@ -152,6 +208,39 @@ def test_the_package_of_the_page_of_plug_ins_is_found(tmp_path: Path) -> None:
     offers = re.sub(r'project\.entry-points\."([^"]+)"', r"\1", declared.partition("\n\n")[2]).replace('"', "")
     declare(tmp_path, "rsegen-ramps", "1.2", offers)
     assert "From rsegen-ramps 1.2." in done("obstacles", packages=tmp_path)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_command_of_a_kind_makes_the_map_of_its_picture(kind: str, tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "obstacles.md").read_text("utf-8")
+    (words,) = re.findall(r"^    rsegen (.*)$", page.partition(f"## `{kind}`")[2].partition("\n## ")[0], re.MULTILINE)
+    assert main([*shlex.split(words), "-o", str(tmp_path)]) == 0
+    made = rsegen.load(tmp_path / f"{kind}_0000" / "recipe.json")
+    assert rsegen.build(made) == rsegen.build(catalogue.recipe_of(kind))
+
+
+def ridge(kind: str) -> set[tuple[int, int]]:
+    """The cells of the highest level of a kind's picture."""
+    levels = rsegen.build(catalogue.recipe_of(kind)).blocks
+    return {(int(i), int(j)) for i, j in np.argwhere(levels == levels.max())}
+
+
+def test_pictures_of_kinds_show_what_their_names_say() -> None:
+    assert ridge("diagonal_barrier") == {(i, i) for i in range(10)}
+    assert ridge("horizontal_barrier") == {(i, 5) for i in range(10)}
+    assert ridge("peak") <= {(i, j) for i in (4, 5) for j in (4, 5)}
+    assert ridge("platform") == {(i, j) for i in range(3, 7) for j in range(3, 7)}
+    flat, hill, diagonal = (rsegen.build(catalogue.recipe_of("pallet")).blocks[at : at + 10] for at in (0, 10, 20))
+    assert (flat < 4).all()
+    assert (hill[4:6] == 4).all()
+    assert (np.diagonal(diagonal) == 4).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_softness_of_the_gallery_changes_every_kind(kind: str) -> None:
+    fields = [rsegen.build(recipe).levels for _, recipe in catalogue.softnesses(kind)]
+    assert not np.array_equal(fields[0], fields[1])
+    assert not np.array_equal(fields[1], fields[2])
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

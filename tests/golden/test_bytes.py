@@ -138,6 +138,11 @@ SHAPES: Mapping[str, tuple[Any, ...]] = {
     "tile": (0, 3),
 }
 
+LOOKS: Mapping[str, tuple[Any, ...]] = {
+    "look": ("levels", "wood", "friction"),
+    "mesh_type": ("single", "multi", "pallet"),
+}
+
 OPTIONS: Mapping[str, tuple[dict[str, Any], ...]] = {
     "heightmap": ({"pixels": 3},),
     "mjcf": ({"shape": "mesh"}, {"shape": "hfield"}, {"shape": "hfield", "pixels": 2}),
@@ -162,6 +167,15 @@ def _shapes() -> Iterator[tuple[str, Case]]:
         except rsegen.UserError:
             continue
         yield f"{name}: {' '.join(map(str, values))}", partial(rsegen.generate, shaped)
+
+
+def _looks() -> Iterator[tuple[str, Case]]:
+    """Textures, with shadows and a sky."""
+    for values in product(*LOOKS.values()):
+        recipe = replace(
+            RECIPES["friction and colours"], **dict(zip(LOOKS, values, strict=True)), shadows=True, sky=True
+        )
+        yield f"looks: {' '.join(values)}", partial(rsegen.generate, recipe)
 
 
 def _formats() -> Iterator[tuple[str, Case]]:
@@ -207,7 +221,7 @@ def _listed(recipe: Recipe, folder: Path) -> None:
 
 
 CASES: Mapping[str, Case] = dict(
-    case for cases in (_examples, _shapes, _formats, _levels, _datasets, _sheets) for case in cases()
+    case for cases in (_examples, _shapes, _looks, _formats, _levels, _datasets, _sheets) for case in cases()
 )
 
 LEFT_OUT = {"recipe.json", "formats.json", "manifest.json", "rsegen-files.json"}

@@ -95,7 +95,7 @@ def test_maps_that_cannot_be_built_by_hand_leave_nothing(tmp_path: Path, name: s
 def test_a_format_without_its_package_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    monkeypatch.setattr("rsegen.exporters.formats.base.find_spec", lambda _: None)
+    monkeypatch.setattr("rsegen.params.extras.find_spec", lambda _: None)
     message = refused(RUNS[name], RECIPE, tmp_path / "out", UserError, formats=[Stl()])
     assert "stl needs trimesh" in message
 

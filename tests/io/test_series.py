@@ -234,7 +234,7 @@ def test_a_function_is_called_here_alone(tmp_path: Path, monkeypatch: pytest.Mon
     ("given", "message"),
     [
         ({"by": "steps.rsm"}, "by: unknown metric 'steps.rsm'"),
-        ({"by": "reach.cover"}, "by: reach.cover is of a robot; give robot too"),
+        ({"by": "reach.cover"}, "by: reach.cover needs a robot; give robot too"),
         ({"by": "spread.lowest"}, "by: spread.lowest is 0 at difficulty 0 and at 1; give a metric that changes"),
     ],
 )
@@ -265,9 +265,9 @@ def test_the_command_takes_a_metric_and_a_robot(tmp_path: Path, capsys: pytest.C
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
-        (("--by", "reach.cover"), "by: reach.cover is of a robot; give robot too"),
+        (("--by", "reach.cover"), "by: reach.cover needs a robot; give robot too"),
         (("--by", "cost"), "by: unknown metric 'cost'"),
-        (("--robot", "crawler"), "robot: steps.rms is of no robot; give by=reach.west_east.cost"),
+        (("--robot", "crawler"), "robot: steps.rms does not depend on a robot; give by=reach.west_east.cost"),
         (("--robot", "burgr"), "--robot: unknown robot 'burgr'; did you mean 'burger'"),
         (("--robot", "1,2,3,4"), "--robot: 4 numbers; give climb, drop and width in cm, as in 7,7,30"),
         (("--robot", "7,x"), "--robot: 'x' is not a number"),

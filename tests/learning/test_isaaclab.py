@@ -86,7 +86,7 @@ def test_what_isaac_lab_keeps_in_its_cache_is_called_after_the_recipe() -> None:
     ("recipe", "size", "message"),
     [
         (RECIPE, (0.9, 2.0), "size: a map of 10 x 10 cells is larger than a tile of 9 x 20; give 1 x 1 m or more"),
-        (RECIPE, (1.23, 2.0), "size: 1.23 m along x are no multiple of the blocks' 0.1 m; give 1.2 or 1.3"),
+        (RECIPE, (1.23, 2.0), "size: 1.23 m along x is not a multiple of the block width 0.1 m; give 1.2 or 1.3"),
         (replace(RECIPE, level_friction=(0.5,)), (2.0, 2.0), "level_friction: a terrain of Isaac Lab has one friction"),
         (replace(RECIPE, difficulty=(0, 1)), (2.0, 2.0), "difficulty: .* is a range, and tiles have their own"),
     ],

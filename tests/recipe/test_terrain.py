@@ -130,7 +130,7 @@ def _alone(terrain: Terrain, levels: Any) -> rsegen.StepField:
         ({"recipes": [ROUGH] * 3, "columns": 2}, "recipes: 3 for 2 columns"),
         ({"recipes": ["rough"]}, "recipes: .* is not a recipe or a list of recipes"),
         ({"by": "steps.rsm"}, "by: unknown metric 'steps.rsm'; did you mean 'steps.rms'"),
-        ({"by": "reach.cover"}, "by: reach.cover is of a robot; give robot too"),
+        ({"by": "reach.cover"}, "by: reach.cover needs a robot; give robot too"),
         ({"rows": 0}, "rows: 0 is outside 1..1000"),
         ({"difficulty": 0.5}, "difficulty: 0.5 is not a list of 2"),
         ({"recipes": [ROUGH, replace(ROUGH, chunk_size=8)]}, r"recipes\[1\]: tiles of 8 x 8 and 10 x 10 cells"),
@@ -151,3 +151,20 @@ def _alone(terrain: Terrain, levels: Any) -> rsegen.StepField:
 def test_what_cannot_be_is_said(given: Mapping[str, Any], message: str) -> None:
     with pytest.raises(UserError, match=message):
         Terrain(**{"recipes": ROUGH, **given})
+
+
+@given(st.integers(1, 60))
+def test_grid_origins_are_even_and_on_top_of_the_blocks(count: int) -> None:
+    terrain = Terrain(recipes=ROUGH, rows=3, columns=5, gap=1)
+    x, y, z = terrain.grid_origins(count).T
+    field = terrain.field
+    assert len(np.unique(np.round(np.column_stack([x, y]), 9), axis=0)) == count
+    for line in (np.unique(np.round(x, 9)), np.unique(np.round(y, 9))):
+        assert len(line) < 3 or np.allclose(np.diff(line), np.diff(line)[0])
+    edges_x, edges_y = field.edges()
+    for at_x, at_y, at_z in zip(x, y, z, strict=True):
+        near = np.ix_(
+            (edges_x[:-1] <= at_x + 1e-9) & (at_x - 1e-9 <= edges_x[1:]),
+            (edges_y[:-1] <= at_y + 1e-9) & (at_y - 1e-9 <= edges_y[1:]),
+        )
+        assert at_z == field.heights[near].max()

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from rsegen import KINDS, Placement, Recipe
 from rsegen.params.difficulty_range import DifficultySort
 from rsegen.params.places import CellRef, Size2D
-from rsegen.params.sorts import Choice, Float, Integer, ListOf, Parameter, Text, parameters
+from rsegen.params.sorts import Choice, Flag, Float, Integer, ListOf, Parameter, Text, parameters
 from tests.support.complaints import MANY_DIGITS, NO_WORD
 
 OWNERS: Mapping[str, type] = {"recipe": Recipe, "placement": Placement, **KINDS}
@@ -70,7 +70,8 @@ _OF_OTHERS: tuple[object, ...] = (
 
 
 def _wrong_values(parameter: Parameter) -> Iterator[object]:
-    yield from (True, NO_WORD, {}, {"a": [1]}, [[[[1]]]], math.nan, math.inf, -math.inf)
+    yield from () if isinstance(parameter, Flag) else (True,)
+    yield from (NO_WORD, {}, {"a": [1]}, [[[[1]]]], math.nan, math.inf, -math.inf)
     match parameter:
         case Integer(low=low, high=high):
             yield from (low - 1, low + 0.5, str(low), -MANY_DIGITS)

@@ -1,6 +1,6 @@
 """The command line: parse, call, report. No arithmetic of the domain.
 
-Exit codes: 0 done, 2 the user's mistake (one line), 1 anything else.
+Exit codes: 0 done, 2 the user's mistake (one line), 1 anything else; of `compare` also that maps differ.
 """
 
 from __future__ import annotations
@@ -33,8 +33,7 @@ def _run(arguments: Sequence[str] | None, stop: Stop) -> int:
     try:
         parsed = parser().parse_args(load_plugins(sys.argv[1:] if arguments is None else arguments))
         stop.heed()
-        parsed.run(parsed)
-        return 0
+        return int(parsed.run(parsed) or 0)
     finally:
         if sys.stdout:
             sys.stdout.flush()

@@ -15,21 +15,24 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         "worlds": {
             "generate": "write worlds and models",
-            "series": "write maps of difficulty that rises evenly",
+            "series": "write maps whose difficulty rises evenly",
             "terrain": "write one field of many maps, in rows of rising difficulty, for learning",
-            "import": "write a world from measured heights, an image or a map of ROS",
+            "import": "write a world from measured heights, an image or an occupancy grid of ROS",
+            "scan": "write the world of a real field from a point cloud or a depth image of it",
             "gui": "open the window",
         },
         "maps": {
-            "info": "say how large a map is, what stands in it and what it costs",
+            "info": "print the size of a map, its obstacles and its cost",
             "metrics": "measure how rough maps are, and what a robot can do on them",
+            "compare": "show which blocks of a scan, or of a map, differ from those of a map",
             "spots": "find even places for a start or a goal of a robot",
             "preview": "draw a map: plan with heights, and a view in 3D",
+            "view": "write maps as an HTML page with a 3D view and heights",
         },
         "files for other programs": {
-            "export": "write maps for other programs: meshes, arrays, images, occupancy maps",
+            "export": "write maps for other programs: meshes, arrays, images, occupancy grids",
             "sheet": "write a build sheet (PDF, CSV) for building a map in wood",
-            "dataset": "make very many maps in few files, for machine learning",
+            "dataset": "write very many maps into few files, for machine learning",
         },
         "simulation": {
             "open": "open a world in Gazebo",
@@ -44,6 +47,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "obstacles": "list the kinds of obstacles and their parameters",
             "schema": "print the JSON Schema of recipe files",
             "sim": "list the simulators with version and path, or how to install them",
+            "doctor": "list what is installed, what is missing and what it is needed for",
         },
     }
 )

@@ -34,16 +34,15 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "dataset",
-        description="Make the maps of one or several recipes as a data set: block levels as arrays, metrics as tables, "
-        "in shards. "
-        "DIR#17 then names one of its maps in every command: rsegen generate DIR#17 -o worlds.",
-        epilog="docs/datasets.md says how to read it in Python, and how to train on it.",
+        description="Write the maps of one or several recipes as a data set: block levels as arrays, metrics as "
+        "tables, in shards. DIR#17 then names one of its maps in every command: rsegen generate DIR#17 -o worlds.",
+        epilog="docs/datasets.md shows how to read it in Python, and how to train on it.",
     )
-    text = f"{RECIPE_HELP}; flags are for each of several, so --maps N makes N of each"
+    text = f"{RECIPE_HELP}; flags apply to every recipe, so --maps N makes N maps of each"
     command.add_argument_group("input").add_argument("recipes", nargs="*", metavar="RECIPE", help=text)
     group = command.add_argument_group("output")
     what = group.add_mutually_exclusive_group(required=True)
-    what.add_argument("-o", "--output", type=folder, metavar="DIR", help="folder to make the data set in")
+    what.add_argument("-o", "--output", type=folder, metavar="DIR", help="folder for the data set")
     what.add_argument("--verify", type=folder, metavar="DIR", help="check every file of the data set in DIR instead")
     add_parameter_flags(group, ShardLayout)
     there = group.add_mutually_exclusive_group()
@@ -51,7 +50,7 @@ def add(commands: Subparsers) -> None:
     there.add_argument(
         "--resume",
         action="store_true",
-        help="continue a run that was stopped: keep the shards that are complete, and make the others; needs the same "
+        help="continue a stopped run: keep the shards that are complete, and make the others; needs the same "
         "recipe and seed",
     )
     add_workers_flag(group)
@@ -62,7 +61,7 @@ def add(commands: Subparsers) -> None:
         "--workers processes on this machine; needs rsegen[cluster]",
     )
     group.add_argument("--rebuild", metavar="N", help="with --verify: maps to build again and compare (default: 100)")
-    group.add_argument("--json", action="store_true", help="print a summary for programs")
+    group.add_argument("--json", action="store_true", help="print a summary as JSON")
     add_recipe_flags(command)
     command.set_defaults(run=run)
 

@@ -37,7 +37,7 @@ def add(commands: Subparsers) -> None:
     command.add_argument(
         "--robot", default="burger", metavar="KIND|SDF", help="kind of robot, or SDF file of a model (default: burger)"
     )
-    text = "joints of its wheels, as LEFT,RIGHT or FRONT+REAR,FRONT+REAR (default: those of its drive's plug-in)"
+    text = "joints of its wheels, as LEFT,RIGHT or FRONT+REAR,FRONT+REAR (default: from its drive plug-in)"
     command.add_argument("--wheels", metavar="LEFT,RIGHT", help=text)
     text = "size of the robot in the file, m (default: of its collision shapes)"
     command.add_argument("--size", metavar="L,W,H", help=text)
@@ -50,16 +50,16 @@ def add(commands: Subparsers) -> None:
     )
     text = f"{simulator_names()} (default: the newest that is installed)"
     command.add_argument("--simulator", metavar="NAME", help=text)
-    text = "straight across the map, randomly on it, or across it on the way that rsegen metrics finds"
+    text = "straight across the map, randomly on it, or across it on the path that rsegen metrics finds"
     command.add_argument("--route", default="straight", help=f"{ROUTE.describe()}: {text} (default: straight)")
     command.add_argument("--duration", default="30", metavar="S", help="simulation time, seconds (default: 30)")
     text = "seed of start poses and routes, and of a map made by --obstacle alone (default: drawn and printed)"
     command.add_argument("--seed", metavar="SEED", help=text)
-    text = "do not sample what the robots touch, which takes Gazebo Sim 1.5 to 1.8 times the CPU time"
+    text = "do not record contacts, which take Gazebo Sim 1.5 to 1.8 times the CPU time"
     command.add_argument("--no-contacts", dest="contacts", action="store_false", help=text)
     command.add_argument("-o", "--output", type=Path, metavar="DIR", help="write trajectories, metrics and a picture")
     command.add_argument(
-        "--picture", action="store_true", help="add gazebo.jpg to DIR, by Gazebo's own camera; needs a screen"
+        "--picture", action="store_true", help="add gazebo.jpg to DIR, from a camera in Gazebo; needs a screen"
     )
     command.add_argument("--force", action="store_true", help="replace DIR")
     command.add_argument("--json", action="store_true", help="print the metrics as JSON")

@@ -17,10 +17,10 @@ def add(commands: Subparsers) -> None:
     command = commands.add_parser(
         "examples",
         description="List the recipes that come with rsegen, or copy them into a folder.",
-        epilog="Wherever a recipe is asked for, the name of an example will do: rsegen generate peak -o worlds",
+        epilog="The name of an example works wherever a recipe is expected: rsegen generate peak -o worlds",
     )
     command.add_argument("-o", "--output", type=folder, metavar="DIR", help="folder to copy them into")
-    command.add_argument("--force", action="store_true", help="replace files that are there already")
+    command.add_argument("--force", action="store_true", help="replace existing files")
     command.set_defaults(run=run)
 
 

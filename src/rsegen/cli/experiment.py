@@ -21,9 +21,9 @@ def add(commands: Subparsers) -> None:
     command = commands.add_parser(
         "experiment",
         description="Repeat the paper's experiment in a Gazebo server: robots drive randomly over maps of several "
-        "sizes; real-time factor, CPU, memory, load time and how far the robots drove go into DIR as table.md, "
-        "trials.csv, summary.json and plot.png, and where each robot was into DIR/tracks.",
-        epilog="If it was stopped, the same command runs the trials that are missing.",
+        "sizes. Writes real-time factor, CPU, memory, load time and how far the robots drove into DIR (table.md, "
+        "trials.csv, summary.json, plot.png), and the trajectories of the robots into DIR/tracks.",
+        epilog="To continue a stopped experiment, run the same command again.",
     )
     names = ", ".join(sorted(PLANS))
     command.add_argument("plan", metavar="PLAN", help=f"{names}, or a YAML file like these")

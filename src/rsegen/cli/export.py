@@ -30,7 +30,7 @@ def add(commands: Subparsers) -> None:
         epilog="rsegen export --list explains each format; rsegen generate --formats adds the same files to worlds.",
     )
     add_target_flags(command, usual="all")
-    command.add_argument("--list", action=_List, nargs=0, help="say what each format is, and its options")
+    command.add_argument("--list", action=_List, nargs=0, help="explain each format and its options")
     group = command.add_argument_group("output")
     text = "comma-separated formats with their options, as in stl,'mjcf shape=hfield'; may be repeated (required)"
     add_format_flags(command, group, "--to", text)
@@ -42,9 +42,9 @@ def add(commands: Subparsers) -> None:
     there.add_argument(
         "--resume",
         action="store_true",
-        help="continue a run that was stopped: keep formats that are complete and have the same options",
+        help="continue a stopped run: keep formats that are complete and have the same options",
     )
-    group.add_argument("--json", action="store_true", help="print a summary for programs")
+    group.add_argument("--json", action="store_true", help="print a summary as JSON")
     add_workers_flag(group)
     add_target_recipe_flags(command)
     command.set_defaults(run=run)

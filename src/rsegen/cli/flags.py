@@ -56,9 +56,10 @@ def add_target_recipe_flags(command: Parser, without: Collection[str] = ()) -> N
             group.add_argument(flag(name), dest=name, metavar=_metavar(name), help=text)
 
 
-def add_parameter_flags(command: argparse._ActionsContainer, owner: Any) -> None:
-    """A flag for every parameter of a dataclass, with its default."""
-    _add_flags(command, parameters(owner), {field.name: field.default for field in fields(owner)})
+def add_parameter_flags(command: argparse._ActionsContainer, owner: Any, without: Collection[str] = ()) -> None:
+    """A flag for every parameter of a dataclass, but for some, with its default."""
+    known = {name: parameter for name, parameter in parameters(owner).items() if name not in without}
+    _add_flags(command, known, {field.name: field.default for field in fields(owner)})
 
 
 def _add_flags(

@@ -12,7 +12,7 @@ from rsegen.cli.key_values import key_values
 from rsegen.cli.parser import HelpRow, Parser
 from rsegen.errors import ParameterError, refuse_unknown, shown
 from rsegen.exporters.formats import FORMATS, Format, format_named
-from rsegen.exporters.formats.base import MAT
+from rsegen.params.extras import MAT
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Parameter, parameters
 

@@ -43,12 +43,12 @@ def add_output_flags(command: Parser) -> None:
         "-o", "--output", type=folder, required=True, metavar="DIR", help="folder to write the maps into (required)"
     )
     there = group.add_mutually_exclusive_group()
-    there.add_argument("--force", action="store_true", help="replace existing maps, if all their files are rsegen's")
+    there.add_argument("--force", action="store_true", help="replace existing maps, if rsegen wrote all their files")
     there.add_argument(
         "--resume",
         action="store_true",
-        help="continue a run that was stopped: keep each map that is the one that would be made (with --preview, "
-        "--sheet or --formats: and has them), and make the others; needs the same recipe and seed",
+        help="continue a stopped run: keep complete maps (with --preview, --sheet or --formats: if they have these "
+        "files), and make the others; needs the same recipe and seed",
     )
     group.add_argument("--preview", action="store_true", help="add a picture, preview.png, to every map")
     group.add_argument(
@@ -57,7 +57,7 @@ def add_output_flags(command: Parser) -> None:
         help="add a build sheet, sheet.pdf and sheet.csv, to every map (see rsegen sheet)",
     )
     add_format_flags(command, group, "--formats", "add files for other programs to every map: stl,'mjcf shape=hfield'")
-    group.add_argument("--json", action="store_true", help="print a summary for programs")
+    group.add_argument("--json", action="store_true", help="print a summary as JSON")
     add_workers_flag(group)
 
 
@@ -66,8 +66,8 @@ def add_workers_flag(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--no-sync",
         action="store_true",
-        help="do not wait until the disk has the files: a little quicker for many small maps; after a power failure "
-        "some may be empty, which --resume makes again",
+        help="do not wait until files are on disk: a little faster for many small maps; after a power failure some "
+        "may be empty, and --resume makes them again",
     )
     text = f"{WORKERS.help} ({WORKERS.describe()}; default: the number of cores)"
     group.add_argument("--workers", metavar="N", help=text)

@@ -8,6 +8,7 @@ import sys
 
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags, has_recipe_flags, recipe_from
 from rsegen.errors import FileError, pip_install
+from rsegen.params.extras import GUI
 from rsegen.recipe.examples import or_example
 
 
@@ -15,7 +16,7 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "gui",
-        description="Open the window to shape a map with the mouse and see it. Needs rsegen[gui].",
+        description="Open a window in which maps are edited with the mouse. Needs rsegen[gui].",
     )
     where = "YAML or JSON file, the name of an example, a data set, or one of its maps as DIR#17"
     command.add_argument("recipe", nargs="?", metavar="RECIPE-or-DIR", help=where)
@@ -28,7 +29,7 @@ def run(arguments: argparse.Namespace) -> None:
     try:
         from rsegen.gui.application import run as run_window
     except ImportError as error:
-        raise FileError(f"gui: the window cannot be opened ({error}); {pip_install(['gui'])}") from None
+        raise FileError(f"gui: the window cannot be opened ({error}); {pip_install([GUI.name])}") from None
     if sys.platform == "linux" and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))):
         raise FileError("gui: there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)")
     if has_recipe_flags(arguments):

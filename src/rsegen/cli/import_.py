@@ -24,9 +24,9 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "import",
-        description="Write a world from heights that come from elsewhere, with vertical risers: a table (CSV), a numpy "
-        "array (NPY), a grey image (PNG, JPEG, PGM, TIFF), an occupancy map of ROS (map.yaml).",
-        epilog="The recipe is written beside the world, and can be opened in the window and generated again.",
+        description="Write a world from a file of heights, each cell a block with vertical sides: a table (CSV), a "
+        "numpy array (NPY), a greyscale image (PNG, JPEG, PGM, TIFF), or an occupancy grid of ROS (map.yaml).",
+        epilog="The folder of the world has its recipe, which can be opened in the window and generated again.",
     )
     command.add_argument("file", metavar="FILE", help=f"named {', '.join('*' + suffix for suffix in IMPORTERS)}")
     _add_reading_flags(command)

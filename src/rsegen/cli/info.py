@@ -18,11 +18,11 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "info",
-        description="Say how large a map is, how many blocks of each level it has, and its cost in faces and bytes.",
+        description="Print the size of a map, its number of blocks of each level, and its cost in faces and bytes.",
     )
     add_target_flags(command)
     group = command.add_argument_group("output")
-    group.add_argument("--json", action="store_true", help="print it for programs")
+    group.add_argument("--json", action="store_true", help="print it as JSON")
     group.add_argument(
         "--verify",
         action="store_true",

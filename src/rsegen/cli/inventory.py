@@ -58,5 +58,5 @@ def _row(where: str, row: list[str], unit_cm: float, written: str) -> tuple[int,
     count = Integer(0, 10**9).check(where, Integer(0).parse(row[1].strip()))
     level = round(height * CENTIMETRES[written] / unit_cm)
     if abs(level * unit_cm - height * CENTIMETRES[written]) > 1e-6 or not 1 <= level <= _MOST_LEVELS:
-        raise ParameterError(where, f"a block of {height:g} {written} has no whole number of units of {unit_cm:g} cm")
+        raise ParameterError(where, f"a block of {height:g} {written} is not a whole number of units of {unit_cm:g} cm")
     return level, count

@@ -62,7 +62,7 @@ def _cells(found: Metrics) -> dict[str, str]:
 
 def _page(scene: Scene, found: Metrics) -> Iterator[str]:
     blocks, width = sum(found.spread.level_counts.values()), decimal(scene.field.block_width * 100)
-    yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {width} x {width} cm; frames are no blocks"
+    yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {width} x {width} cm; frames are not blocks"
     yield from _spread(found.spread)
     yield from _steps(found.steps)
     yield _scale(found.scale)

@@ -35,20 +35,20 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "metrics",
-        description="Measure how rough maps are: heights, steps, scale, ruggedness, and the step at which they open. "
-        "With a robot also how much of a map it can get about on, and its cheapest ways across.",
+        description="Measure how rough maps are: heights, steps, scale, ruggedness, and the smallest step with "
+        "which they can be crossed. With a robot, also the area that it can reach, and its cheapest paths across.",
         epilog="docs/metrics.md has every formula.",
     )
     add_target_flags(command, usual="all")
     group = command.add_argument_group("robot", "the limits of a kind of robot, each overridden by a flag")
     group.add_argument(
-        "--robot", metavar="KIND", help="the steps that a robot of those below mostly crosses, and its width"
+        "--robot", metavar="KIND", help="use the highest step that this robot usually crosses, and its width"
     )
     add_parameter_flags(group, RobotLimits)
     output = command.add_argument_group("output")
     form = output.add_mutually_exclusive_group()
-    form.add_argument("--json", action="store_true", help="print a list for programs, lengths in metres")
-    form.add_argument("--csv", action="store_true", help="print a table for programs, lengths in metres")
+    form.add_argument("--json", action="store_true", help="print a list as JSON, lengths in metres")
+    form.add_argument("--csv", action="store_true", help="print a table as CSV, lengths in metres")
     text = "draw the robot's cheapest paths over the first map, and the area that it can reach"
     output.add_argument("-o", "--output", metavar="PICTURE", help=text)
     output.add_argument("--force", action="store_true", help="replace an existing picture")

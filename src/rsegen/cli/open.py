@@ -20,18 +20,18 @@ def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     command = commands.add_parser(
         "open",
-        description="Open a world in the newest Gazebo that is installed and can; Ctrl-C or closing the window ends "
+        description="Open a world in the newest installed Gazebo that supports it; Ctrl-C or closing the window ends "
         "it.",
         epilog="rsegen sim lists the installed simulators. Error lines of the simulator go to stderr.",
     )
-    where = "a world file, the folder of a map or of maps, or a recipe, of which a temporary world is made"
+    where = "a world file, the folder of a map or of maps, or a recipe (a temporary world is made)"
     command.add_argument("target", nargs="?", metavar="WORLD-or-DIR-or-RECIPE", help=where)
     command.add_argument("--map", metavar="INDEX", help="map, by its index or name (default: the first)")
     command.add_argument("--simulator", metavar="NAME", help=f"{simulator_names()} (default: the newest)")
-    command.add_argument("--headless", action="store_true", help="run the server alone, without a window")
+    command.add_argument("--headless", action="store_true", help="run only the server, without a window")
     command.add_argument("--seconds", metavar="N", help="end after N seconds")
     command.add_argument(
-        "--shared", action="store_true", help="use the default address, so that other programs find it"
+        "--shared", action="store_true", help="use the default address, so that other programs can connect"
     )
     command.add_argument("--print", action="store_true", help="print the shell command and open nothing")
     add_target_recipe_flags(command, _OWN)

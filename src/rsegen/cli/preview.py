@@ -15,12 +15,15 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "preview",
-        description="Draw a map: its plan with the heights, and a view in three dimensions. Needs no screen.",
+        description="Draw a map: its plan with the heights, and a view in three dimensions. Needs no screen. The plan "
+        "counts the cells of recipes below and on the left, and metres above and on the right.",
     )
     add_target_flags(command)
     group = command.add_argument_group("output")
     text = "png, svg, pdf, jpg or webp, by its ending (required)"
     group.add_argument("-o", "--output", required=True, metavar="FILE", help=text)
+    text = "draw on the plan which cells each obstacle covers; they are numbered from 0, as in error messages"
+    group.add_argument("--outlines", action="store_true", help=text)
     group.add_argument("--force", action="store_true", help="replace an existing picture")
     add_target_recipe_flags(command)
     command.set_defaults(run=run)
@@ -32,5 +35,5 @@ def run(arguments: argparse.Namespace) -> None:
     format_ = image_format(path)
     refuse_taken_file(path, force=arguments.force)
     scene = scene_of(arguments)
-    write_file([preview_image(scene, format_)], path, force=arguments.force)
+    write_file([preview_image(scene, format_, outlines=arguments.outlines)], path, force=arguments.force)
     print(f"{path}: {scene.name}, seed {scene.recipe.seed}")

@@ -27,8 +27,8 @@ def add(commands: Subparsers) -> None:
     command = commands.add_parser(
         "series",
         description="Write the maps of a recipe at a difficulty that rises evenly from the first to the last, a table "
-        "of what they measure (series.csv), and a picture of how they rise (series.png).",
-        epilog="docs/difficulty.md says what difficulty is, and how near the maps come to it.",
+        "of the measured values (series.csv), and a picture (series.png).",
+        epilog="docs/difficulty.md defines difficulty, and shows how near the maps come to it.",
     )
     command.add_argument_group("input").add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
     add_output_flags(command)

@@ -17,14 +17,14 @@ def add(commands: Subparsers) -> None:
     """The parser of this command."""
     command = commands.add_parser(
         "sheet",
-        description="Write the build sheet of a map: how its pallets stand, what timber to buy and how to cut it, and "
-        " a page for each pallet with the height in every cell and the order of placing.",
+        description="Write the build sheet of a map: how its pallets are arranged, what timber to buy and how to "
+        "cut it, and a page per pallet with the height of every block and the order of placing.",
         epilog="rsegen import reads the CSV again.",
     )
     add_target_flags(command)
     group = command.add_argument_group("output")
     group.add_argument("-o", "--output", required=True, metavar="FILE", help="pdf or csv, by its ending (required)")
-    group.add_argument("--csv", metavar="FILE", help="write the same as CSV, too: a row for each cell")
+    group.add_argument("--csv", metavar="FILE", help="also write it as CSV, one row per cell")
     group.add_argument("--force", action="store_true", help="replace existing files")
     add_parameter_flags(command.add_argument_group("cutting"), CutSettings)
     add_target_recipe_flags(command)

@@ -31,7 +31,8 @@ def add(commands: Subparsers) -> None:
     command = commands.add_parser(
         "spots",
         description="Print even places on a map, for a start or a goal: a robot stands level there, within 3 degrees, "
-        "and nothing but its wheels or tracks touches a block. Robots of a random drive of the same seed start there.",
+        "and nothing but its wheels or tracks touches a block. rsegen drive --route random with the same seed starts "
+        "there.",
         epilog="Kinds of robots: " + ", ".join(ROBOTS) + ".",
     )
     add_target_flags(command)
@@ -41,14 +42,12 @@ def add(commands: Subparsers) -> None:
     text = "length and width of a robot in metres, in place of --robot"
     group.add_argument("--size", metavar="L,W", help=text)
     group.add_argument("--count", default="1", metavar="N", help=f"number of spots ({COUNT.describe()}, default: 1)")
-    text = (
-        "largest height difference under the whole robot, cm (default: any, as lower blocks under the body do no harm)"
-    )
+    text = "largest height difference under the whole robot, cm (default: any; lower blocks under the body are allowed)"
     group.add_argument("--max-difference-cm", "--max-difference", metavar="CM", help=text)
     text = "seed of the choice, and of a map made by --obstacle alone (default: drawn and printed)"
     group.add_argument("--seed", metavar="SEED", help=text)
     output = command.add_argument_group("output")
-    output.add_argument("--json", action="store_true", help="print a list for programs, in metres and radians")
+    output.add_argument("--json", action="store_true", help="print a list as JSON, in metres and radians")
     text = "draw the footprints on the plan: png, svg, pdf, jpg or webp, by its ending"
     output.add_argument("-o", "--output", metavar="PICTURE", help=text)
     output.add_argument("--force", action="store_true", help="replace an existing picture")

@@ -30,7 +30,7 @@ class Stop:
         self._before = {each: signal.getsignal(each) for each in found if signal.getsignal(each) is not signal.SIG_IGN}
         self._put_off = 0
         self._repeating: threading.Timer | None = None
-        self.happened = False
+        self.happened: bool = False
 
     def heed(self) -> None:
         """From now on a signal raises a KeyboardInterrupt."""

@@ -30,10 +30,10 @@ def add(commands: Subparsers) -> None:
     command = commands.add_parser(
         "terrain",
         description="Write one field of many maps for a curriculum: rows along x from the easiest to the hardest, "
-        "columns along y of one recipe each. NAME_0000.json beside it has difficulty, kind and origin of each tile.",
-        epilog="docs/learning.md says how trainers take it.",
+        "columns along y of one recipe each. NAME_0000.json has the difficulty, kind and origin of each tile.",
+        epilog="docs/learning.md shows how to use it for training.",
     )
-    text = "YAML or JSON file, or the name of an example; each has as many columns as the others"
+    text = "YAML or JSON file, or the name of an example; each recipe has the same number of columns"
     command.add_argument_group("input").add_argument("recipes", nargs="+", metavar="RECIPE", help=text)
     group = command.add_argument_group("terrain")
     usual = {name: field.default for name, field in Terrain.__dataclass_fields__.items()} | {"difficulty": "0,1"}

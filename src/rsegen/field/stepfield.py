@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,7 +56,7 @@ class StepField:
             and np.array_equal(self.frame, other.frame)
         )
 
-    __hash__ = None  # type: ignore[assignment]  # compares by its arrays
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]  # compares by its arrays
 
     @property
     def shape(self) -> tuple[int, int]:

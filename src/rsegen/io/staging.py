@@ -31,8 +31,8 @@ class Staging:
     """What is about to appear in a folder: files below `new`, what they replace below `old`."""
 
     def __init__(self, folder: Path, home: Path, *, sync: bool) -> None:
-        self.folder = folder
-        self.new = home / "new"
+        self.folder: Path = folder
+        self.new: Path = home / "new"
         self._old = home / "old"
         self._sync = sync
         for path in (self.new, self._old):

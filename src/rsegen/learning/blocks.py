@@ -25,11 +25,11 @@ class BlockArrays:
 
     def __init__(self, recipe: Recipe, name: str = "block", pos: Sequence[float] = (0, 0, 0)) -> None:
         if recipe.boundary != "none":
-            raise ParameterError(
-                "boundary", f"'{recipe.boundary}' has frames, and a grid is of blocks alone; give none"
-            )
-        self.recipe, self.name, self.position = recipe, name, np.array(pos, dtype=float)
-        self.shape = recipe.grid.shape
+            raise ParameterError("boundary", f"'{recipe.boundary}' has frames, and a grid has only blocks; give none")
+        self.recipe: Recipe = recipe
+        self.name: str = name
+        self.position: Array = np.array(pos, dtype=float)
+        self.shape: tuple[int, int] = recipe.grid.shape
         flat = np.zeros(self.shape, dtype=np.int16)
         width, unit = recipe.block_width_cm / 100, recipe.unit_cm / 100
         field = StepField(levels=flat, frame=flat > 0, block_width=width, unit=unit, frame_height=0.0)

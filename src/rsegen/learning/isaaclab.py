@@ -16,6 +16,7 @@ import numpy as np
 from rsegen.errors import ParameterError, UserError, pip_install
 from rsegen.field.stepfield import Array
 from rsegen.learning.tile import index_of, tile
+from rsegen.params.extras import MESH
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import check_tile
@@ -41,10 +42,11 @@ class StepFieldTerrain:
     def __init__(self, recipe: Recipe, mesh: str = "merged") -> None:
         check_tile(recipe)
         if not recipe.is_of_one_friction:
-            raise ParameterError("level_friction", "a terrain of Isaac Lab has one friction; give `friction` alone")
-        self.recipe, self.kind = recipe, mesh
+            raise ParameterError("level_friction", "a terrain of Isaac Lab has one friction; give only `friction`")
+        self.recipe: Recipe = recipe
+        self.kind: str = mesh
         content = to_json(recipe).encode() + mesh.encode()
-        self.__name__ = f"{recipe.name}_{hashlib.blake2b(content, digest_size=8).hexdigest()}"
+        self.__name__: str = f"{recipe.name}_{hashlib.blake2b(content, digest_size=8).hexdigest()}"
         """Isaac Lab calls what it keeps in its cache after this."""
 
     def __call__(self, difficulty: float, cfg: SubTerrain) -> tuple[list[Trimesh], Array]:
@@ -52,7 +54,7 @@ class StepFieldTerrain:
         try:
             import trimesh
         except ImportError:
-            raise UserError(f"trimesh is not installed; {pip_install(['mesh'])}") from None
+            raise UserError(f"trimesh is not installed; {pip_install([MESH.name])}") from None
         found = tile(self.recipe, difficulty, index_of(getattr(cfg, "seed", None), difficulty), cfg.size)
         vertices, triangles = found.mesh(self.kind)
         return [trimesh.Trimesh(vertices, triangles, process=False)], np.array(found.origin)

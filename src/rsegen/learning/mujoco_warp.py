@@ -26,7 +26,8 @@ class BlocksOfWorlds:
     """
 
     def __init__(self, grid: BlockGrid, compiled: Any, model: Any, data: Any) -> None:
-        self.grid, self._first, self._data = grid, compiled.geom(grid.names[0]).id, data
+        self.grid: BlockGrid = grid
+        self._first, self._data = compiled.geom(grid.names[0]).id, data
         self.worlds: int = data.nworld
         body = compiled.body(grid.name).id
         self._place = compiled.body_pos[body]

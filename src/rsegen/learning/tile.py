@@ -89,6 +89,6 @@ def _cells(along: float, axis: str, width: float) -> int:
     if cells < 1 or abs(cells * width - along) > _SAME:
         near = " or ".join(f"{count * width:g}" for count in (int(along / width), int(along / width) + 1) if count)
         raise ParameterError(
-            "size", f"{along:g} m along {axis} are no multiple of the blocks' {width:g} m; give {near}"
+            "size", f"{along:g} m along {axis} is not a multiple of the block width {width:g} m; give {near}"
         )
     return cells

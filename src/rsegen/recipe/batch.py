@@ -56,7 +56,7 @@ def _checked(indices: Iterable[int]) -> Sequence[int]:
     try:
         wanted = indices if isinstance(indices, range) else [operator.index(index) for index in indices]
     except TypeError:
-        raise ParameterError("indices", f"{shown(indices)} is no list of indices of maps, as range(1000) is") from None
+        raise ParameterError("indices", f"{shown(indices)} is not a list of map indices, such as range(1000)") from None
     for index in (min(wanted), max(wanted)) if len(wanted) else ():
         if not 0 <= index < SEEDS:
             raise ParameterError("indices", f"{index} is outside 0..{SEEDS - 1}")

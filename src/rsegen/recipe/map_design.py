@@ -28,14 +28,14 @@ class MapDesign:
     unit_cm: Annotated[float, replace(_CENTIMETRES, help="height discretization step")] = 10.0
     block_width_cm: Annotated[float, replace(_CENTIMETRES, help="side of a block, and depth of a frame")] = 10.0
     boundary: Annotated[
-        str, Choice(("none", "divided", "outer"), help="frames: none, round every chunk, or one round the map")
+        str, Choice(("none", "divided", "outer"), help="frames: none, around every chunk, or one around the map")
     ] = "divided"
     frame_height_cm: Annotated[float, Float(0, 100_000, unit="cm", help="height of the frames")] = 10.0
     difficulty: Annotated[
         Difficulty,
         DifficultySort(
             help="how rough the map is: 1 as designed, 0 flat; a range is drawn for each map, with a third number "
-            "it rises in so many steps from map to map, again and again"
+            "it rises in this number of steps from map to map, and begins again"
         ),
     ] = 1.0
     max_step: Annotated[

@@ -34,7 +34,7 @@ class Placement:
         Text(
             r"[A-Za-z0-9_.\-]{1,64}",
             "1..64 letters, digits, _ . -",
-            help="name of its random stream: the same key draws the same",
+            help="name of its random stream: the same key gives the same draw",
         ),
     ] = None
 

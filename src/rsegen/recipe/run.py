@@ -26,7 +26,7 @@ class Run:
         ""
     )
     maps: Annotated[int, Integer(1, help="number of maps to generate")] = 1
-    first_map: Annotated[int, Integer(0, SEEDS - 1, help="index of the first of them")] = 0
+    first_map: Annotated[int, Integer(0, SEEDS - 1, help="index of the first map")] = 0
 
     def __post_init__(self) -> None:
         validate(self)

@@ -38,6 +38,7 @@ _MOST_CELLS = 2**27
 """Of a terrain: what follows from them takes hundreds of bytes for each."""
 
 SIZE, _COUNT = ListOf(Float(0.01, 100, unit="m"), 2), Integer(1, 1000)
+_ENVIRONMENTS = Integer(1, 10_000_000)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +63,7 @@ class Terrain:
     ] = (0.0, 1.0)
     gap: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground between tiles")] = 0
     border: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground around all tiles")] = 10
-    name: Annotated[str, replace(parameters(Recipe)["name"], help="of the terrain as a map")] = "terrain"
+    name: Annotated[str, replace(parameters(Recipe)["name"], help="name of the terrain as a map")] = "terrain"
     by: By = RMS
     robot: RobotLimits | None = None
     progress: Callable[[], object] | None = None
@@ -70,7 +71,9 @@ class Terrain:
     def __post_init__(self) -> None:
         validate(self)
         if not 0 < len(self._kinds) <= self.columns:
-            raise ParameterError("recipes", f"{len(self._kinds)} for {self.columns} columns; give one for each at most")
+            raise ParameterError(
+                "recipes", f"{len(self._kinds)} for {self.columns} columns; give at most one per column"
+            )
         refuse_unlike(self._kinds, _ALIKE)
         for number, recipe in enumerate(self._kinds):
             self._check_tile(f"recipes[{number}]", recipe)
@@ -142,6 +145,21 @@ class Terrain:
     def origins(self) -> Array:
         """The middle of each tile, (rows, columns, 3), metres; z is the highest of the cells that meet there."""
         return np.concatenate([self._middles, amid(self.levels)[..., None] * (self._kinds[0].unit_cm / 100)], axis=2)
+
+    def grid_origins(self, count: int) -> Array:
+        """Places for `count` environments in an even grid over all tiles, (count, 3), metres, along x first.
+
+        z is the highest of the cells that meet there, as in `origins`: for policies that stay where they are.
+        """
+        count = _ENVIRONMENTS.check("count", count)
+        field, extent = self.field, np.array(self.field.extent)
+        along_x = max(1, min(count, round(float(np.sqrt(count * extent[0] / extent[1])))))
+        shape = np.array([along_x, -(-count // along_x)])
+        places = (np.stack(np.unravel_index(np.arange(count), shape), axis=1) + 0.5) / shape
+        cells = np.round(places * field.shape, NANOMETRE_DIGITS)
+        i, j = (np.stack([np.ceil(at) - 1, np.floor(at)]).astype(int) for at in cells.T)
+        heights = field.heights[i[:, None], j[None, :]].max(axis=(0, 1))
+        return np.column_stack([places * extent - extent / 2, heights])
 
     def spots(
         self,

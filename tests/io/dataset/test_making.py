@@ -221,7 +221,7 @@ def test_force_replaces_a_data_set_and_spares_all_else(tmp_path: Path) -> None:
 def test_a_folder_of_something_else_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("years of work")
     for flag in ("force", "resume", "neither"):
-        with pytest.raises(OutputError, match="is not empty, and no data set"):
+        with pytest.raises(OutputError, match="is not empty, and not a data set"):
             make_dataset(RECIPE, tmp_path, force=flag == "force", resume=flag == "resume")
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
 

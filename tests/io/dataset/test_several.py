@@ -171,7 +171,7 @@ def test_columns_have_a_recipe_each_and_rows_rise_in_it(tmp_path: Path) -> None:
         ({"recipes": []}, "recipes: 0 for 3 columns"),
         ({"recipes": "hill"}, "recipes: 'hill' is not a list of names"),
         ({"recipes": [["hill"]]}, r"recipes\[0\]: unknown recipe"),
-        ({"columns": 2}, "recipes: 3 for 2 columns; give one for each at most"),
+        ({"columns": 2}, "recipes: 3 for 2 columns; give at most one per column"),
         ({"rows": 2}, "rows: 2 x 1 tiles of flat need as many maps, and 1 have a steps.rms"),
     ],
 )

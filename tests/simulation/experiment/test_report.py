@@ -57,7 +57,7 @@ def test_the_page_has_the_cost_and_what_the_robots_did_and_the_paper_s_figures(r
         "1.50 m in 20 s / 1.50 m in 20 s", "10 % / 10 %", "0.00 / 0.00", "2.0 % / 2.0 %", *BURGERS[80],
     ]  # fmt: skip
     assert found["20 x 20"][6] == "0.80"
-    assert "on the wall, in real time and at full speed." in text
+    assert "of wall time, in real time and at full speed." in text
     assert len(found["20 x 20"]) == 11
     assert "## 3 jackal, unit 1 cm, 5 levels, mesh blocks" in text
     assert MARK not in text
@@ -73,7 +73,7 @@ def test_a_row_whose_robots_rested_is_marked_and_explained(results: Results) -> 
     resting = [outcome(9, stuck=share) for share in (0.9, 0.2, 0.6)]
     text = report_page(PLAN, {**results, Cell(row=0, size=10, pace="free"): resting}, MACHINE)
     assert rows(text)[f"10 x 10 {MARK}"][8] == "10 % / 57 %"
-    assert sum(line.startswith(f"{MARK} The robots rested") for line in text.splitlines()) == 1
+    assert sum(line.startswith(f"{MARK} The robots were stuck") for line in text.splitlines()) == 1
     moving = [outcome(9, stuck=share) for share in (0.9, 0.2, 0.3)]
     assert MARK not in report_page(PLAN, {**results, Cell(row=0, size=10, pace="free"): moving}, MACHINE)
 
@@ -85,7 +85,7 @@ def test_no_speed_is_compared_with_the_empty_world_s_where_nobody_knows_what_the
     old = {cell: list(map(unknown, outcomes)) for cell, outcomes in results.items()}
     text = report_page(PLAN, old, MACHINE)
     assert rows(text)["80 x 80"][5:11] == ["4.0", "-", "", "", "", ""]
-    assert "What the robots did was not recorded" in text
+    assert "It was not recorded what the robots did" in text
     assert "was not recorded" not in report_page(PLAN, results, MACHINE)
 
 
@@ -120,7 +120,7 @@ def test_a_row_without_an_empty_world_is_held_against_that_of_the_same_robots(re
         plan = replace(PLAN, rows=(*PLAN.rows, *[replace(jackal, robots=robots)] * (number - 1)), paces=("free",))
         outcomes = {**results, Cell(row=number, size=20, pace="free"): [outcome(4.0)]}
         assert rows(report_page(plan, outcomes, MACHINE))["20 x 20"][6] == found
-        assert "on the wall, at full speed." in report_page(plan, outcomes, MACHINE)
+        assert "of wall time, at full speed." in report_page(plan, outcomes, MACHINE)
 
 
 def test_rows_in_two_simulators_are_one_table(results: Results) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NoReturn
 
@@ -11,6 +11,7 @@ import pytest
 
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.process import command_output
+from tests.support.screen import ON_SCREEN, xvfb
 
 CHECKERS = (("ign", "sdf", "--check"), ("gz", "sdf", "--check"))
 """Commands of libsdformat 12 and later; Gazebo Classic's own `gz sdf` reads its old dialect and is not asked."""
@@ -33,6 +34,15 @@ def gazebo_classic() -> Installation:
 def gazebo_sim() -> Installation:
     """The Gazebo Sim of this machine."""
     return SIMULATORS["sim"].installation() or missing_sim()
+
+
+@pytest.fixture
+def screen(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A virtual screen, on which cameras of simulators and of MuJoCo render."""
+    for number in xvfb():
+        for name, value in {**ON_SCREEN, "DISPLAY": number, "MUJOCO_GL": "glfw"}.items():
+            monkeypatch.setenv(name, value)
+        yield
 
 
 @pytest.fixture(scope="session")

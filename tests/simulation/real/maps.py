@@ -53,6 +53,24 @@ def variants() -> Iterator[rsegen.Recipe]:
         )
 
 
+def textured() -> Iterator[rsegen.Recipe]:
+    """A small map of two friction coefficients in every mesh type, with every look, shadows and a sky."""
+    random = rsegen.Placement(obstacle=rsegen.Random(max_height=4))
+    for mesh_type, look in product(MESH_TYPES, ("levels", "wood", "friction")):
+        yield rsegen.Recipe(
+            name=f"{mesh_type}-{look}",
+            chunk_size=4,
+            chunks=(2, 1),
+            mesh_type=mesh_type,
+            look=look,
+            shadows=True,
+            sky=True,
+            level_friction=(0.3,),
+            seed=1,
+            obstacles=(random,),
+        )
+
+
 Shape = Mapping[str, Any]
 """Parameters of a recipe that say what is seen and touched, where they are not the default ones."""
 
@@ -64,6 +82,7 @@ SHAPES: tuple[Shape, ...] = (
     {"collision": "blocks"},
     {"tile": 7},
     {"simulator": "classic"},
+    {"look": "wood"},
 )
 
 

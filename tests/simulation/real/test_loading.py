@@ -12,13 +12,13 @@ import rsegen
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import Pose
 from tests.simulation.real.bodies import SIZE, body
-from tests.simulation.real.maps import examples, generated, kinds, map_name, variants
+from tests.simulation.real.maps import examples, generated, kinds, map_name, textured, variants
 from tests.simulation.simulated import simulated
 
 Place = tuple[float, float, float]
 
 
-@pytest.mark.parametrize("recipe", [*examples(), *variants(), *kinds()], ids=map_name)
+@pytest.mark.parametrize("recipe", [*examples(), *variants(), *textured(), *kinds()], ids=map_name)
 def test_gazebo_loads_every_map(recipe: rsegen.Recipe, gazebo: Installation, tmp_path: Path) -> None:
     made = generated(recipe, tmp_path)
 

@@ -28,8 +28,7 @@ from tests.support.waiting import until
 def test_a_map_is_sent_and_the_next_one_takes_its_place(
     gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    QSettings.setDefaultFormat(QSettings.Format.IniFormat)
-    QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "settings"))
+    QSettings.setPath(QSettings.Format.NativeFormat, QSettings.Scope.UserScope, str(tmp_path / "settings"))
     app = QApplication.instance() or QApplication([])
     world = generate(Recipe(name="bare", seed=1, boundary="none"), tmp_path).maps[0].world
     with running_server(gazebo, world) as server:

@@ -29,10 +29,10 @@ class CutSettings:
         float, Float(0, 1000, unit="cm", help="cut off at each end of a piece of stock; 1/2 in with units in")
     ] = 1.0
     tolerance_mm: Annotated[
-        float, Float(0, 100, unit="mm", help="by how much a part may come out too long; 1/32 in with units in")
+        float, Float(0, 100, unit="mm", help="by how much a part may be cut too long; 1/32 in with units in")
     ] = 0.5
-    play_mm: Annotated[float, Float(0, 1000, unit="mm", help="room that all blocks of a row have in their frame")] = 0.0
-    density: Annotated[float, Float(1, 10_000, unit="kg/m3", help="of the timber; 500 is usual for pine")] = 500.0
+    play_mm: Annotated[float, Float(0, 1000, unit="mm", help="clearance of a row of blocks in its frame")] = 0.0
+    density: Annotated[float, Float(1, 10_000, unit="kg/m3", help="density of the timber; pine: about 500")] = 500.0
     price: Annotated[float | None, Float(0, 1e9, help="price of a piece of stock for blocks; default: no cost")] = None
     frame_price: Annotated[float | None, Float(0, 1e9, help="price of a piece of stock for frames")] = None
 

@@ -57,12 +57,14 @@ def metric_by(by: By, robot: RobotLimits | None = None) -> Metric:
         raise ParameterError("robot", f"{shown(robot)} is not a robot's limits; give RobotLimits(climb_cm=10)")
     if robot is not None and not (isinstance(by, str) and by.startswith(("reach.", "opening."))):
         what = by if isinstance(by, str) else "a function"
-        raise ParameterError("robot", f"{what} is of no robot; give by=reach.west_east.cost, or another one of a robot")
+        raise ParameterError(
+            "robot", f"{what} does not depend on a robot; give by=reach.west_east.cost, or leave robot out"
+        )
     if callable(by):
         return by if isinstance(by, Metric) else Metric.of(by)
     if isinstance(by, str) and by in UNITS:
         if by in OF_A_ROBOT and robot is None:
-            raise ParameterError("by", f"{by} is of a robot; give robot too")
+            raise ParameterError("by", f"{by} needs a robot; give robot too")
         return Metric(name=by, unit=UNITS[by], help="", measure=partial(_measured, by, robot))
     if not isinstance(by, str) or by not in METRICS:
         raise UnknownName.among("by", "metric", by, [*UNITS, *METRICS])

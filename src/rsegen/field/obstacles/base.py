@@ -60,7 +60,7 @@ class Obstacle(ABC):
             2,
             MOST_LEVELS,
             unit="units",
-            help="number of levels, also called levels: 5 of 10 cm are the heights 0, 10, 20, 30, 40 cm",
+            help="number of levels (also `levels`): 5 levels of 10 cm are the heights 0, 10, 20, 30, 40 cm",
         ),
     ]
     softness: Annotated[
@@ -69,7 +69,7 @@ class Obstacle(ABC):
             0,
             100,
             unit="%",
-            help="width of the slopes, 0: vertical walls; of random kinds: how much every height is reduced",
+            help="width of the slopes, 0: vertical walls; for random kinds: how much every height is reduced",
         ),
     ] = 0.0
 

@@ -42,8 +42,8 @@ class Pallet(Obstacle):
         tuple[str, ...],
         ListOf(
             Choice(("flat", "hill", "diagonal")),
-            help="no ridge, one across x, or one from corner to corner; "
-            "several are taken in turn, chunk by chunk along x",
+            help="flat: no ridge; hill: one across x; diagonal: one from corner to corner; "
+            "several alternate, chunk by chunk along x",
         ),
     ] = ("diagonal",)
     symmetry: Annotated[
@@ -54,7 +54,7 @@ class Pallet(Obstacle):
         ),
     ] = "random"
     turns: Annotated[
-        tuple[int, ...], ListOf(Integer(0, 3), help="quarter turns counterclockwise; several are taken in turn")
+        tuple[int, ...], ListOf(Integer(0, 3), help="quarter turns counterclockwise; several alternate")
     ] = (0,)
     step: Annotated[
         int,

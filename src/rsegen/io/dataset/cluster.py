@@ -11,6 +11,7 @@ from logging import CRITICAL
 from typing import Any, TypeVar
 
 from rsegen.errors import ParameterError, WorkerLost, pip_install
+from rsegen.params.extras import CLUSTER
 from rsegen.params.plugins import with_plugins
 
 Made = TypeVar("Made")
@@ -50,5 +51,5 @@ def dask() -> Any:
     try:
         import distributed
     except ImportError:
-        raise ParameterError("scheduler", f"needs Dask: {pip_install(['cluster'])}") from None
+        raise ParameterError("scheduler", f"needs Dask: {pip_install([CLUSTER.name])}") from None
     return distributed

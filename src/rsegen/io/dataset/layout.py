@@ -48,7 +48,7 @@ class ShardLayout:
     """Recipes of many maps, how many of them a shard has (0: about a million cells), and the form of the metrics."""
 
     recipes: Sequence[Recipe]
-    shard_maps: Annotated[int, Integer(0, 10**9, unit="maps", help="maps in a file; 0: about a million cells")] = 0
+    shard_maps: Annotated[int, Integer(0, 10**9, unit="maps", help="maps per file; 0: about a million cells")] = 0
     metrics: Annotated[
         str, Choice(("npy", "parquet", "none"), help="form of the table of metrics; parquet needs rsegen[dataset]")
     ] = "npy"

@@ -83,11 +83,11 @@ def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
     if not path.is_file():
         unfinished = (folder / RECORD).is_file()
         why = "is not finished; the command that began it goes on with --resume" if unfinished else "has no " + MANIFEST
-        raise FileError(f"{folder}: {why}" + ("" if unfinished else ", so it is no data set of rsegen"))
+        raise FileError(f"{folder}: {why}" + ("" if unfinished else ", so it is not a data set of rsegen"))
     found = content(path)
     try:
         if not isinstance(found, Mapping) or found.get("dataset") not in (FORMAT, FORMAT_OF_SEVERAL):
-            raise ParameterError("", f"is no manifest of a data set in format {FORMAT} or {FORMAT_OF_SEVERAL}")
+            raise ParameterError("", f"is not a manifest of a data set in format {FORMAT} or {FORMAT_OF_SEVERAL}")
         layout = _layout(found)
         return layout, _shards(layout, found["shards"])
     except ParameterError as error:
@@ -154,7 +154,7 @@ def _layout(found: Mapping[str, Any]) -> ShardLayout:
     for key in ("maps", "shape", "dtype", "axes", "shard_maps"):
         if found.get(key) != expected[key]:
             raise ParameterError(
-                key, f"{shown(found.get(key))} is at odds with the {_key(found)}, by which it is {shown(expected[key])}"
+                key, f"{shown(found.get(key))} does not match the {_key(found)}, which gives {shown(expected[key])}"
             )
     return layout
 

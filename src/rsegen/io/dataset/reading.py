@@ -17,7 +17,7 @@ from rsegen.field.robot_limits import RobotLimits
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.io.dataset.checking import random_places, refuse_other_checksums, refuse_other_sizes
 from rsegen.io.dataset.layout import ROW, ShardLayout
-from rsegen.io.dataset.manifest import read_manifest
+from rsegen.io.dataset.manifest import Shard, read_manifest
 from rsegen.io.dataset.tables import mapped, read_parquet
 from rsegen.io.dataset.tiles import Tiles, tiles
 from rsegen.params.sorts import Integer
@@ -35,8 +35,8 @@ class LevelsOfMaps:
         self._layout = layout
         self._folder = folder
         self._shard = lru_cache(OPEN)(self._mapped)
-        self.shape = (layout.maps, *layout.grid_shape)
-        self.dtype = layout.dtype
+        self.shape: tuple[int, ...] = (layout.maps, *layout.grid_shape)
+        self.dtype: np.dtype[Any] = layout.dtype
 
     def _mapped(self, number: int) -> Ints:
         path = self._folder / self._layout.names(number)["levels"]
@@ -99,7 +99,9 @@ class Dataset:
     """
 
     def __init__(self, folder: str | Path) -> None:
-        self.folder = Path(folder)
+        self.folder: Path = Path(folder)
+        self.layout: ShardLayout
+        self.shards: list[Shard]
         self.layout, self.shards = read_manifest(self.folder)
         refuse_other_sizes(self.folder, self.layout, self.shards)
 

@@ -14,6 +14,7 @@ from rsegen.field.metrics.batch import COLUMNS, Table
 from rsegen.io import npy_files
 from rsegen.io.dataset.layout import ROW
 from rsegen.io.input_files import open_regular
+from rsegen.params.extras import DATASET
 
 
 def npy(array: NDArray[Any]) -> bytes:
@@ -77,5 +78,5 @@ def arrow() -> tuple[Any, Any]:
         import pyarrow
         from pyarrow import parquet
     except ImportError:
-        raise ParameterError("metrics", f"parquet needs pyarrow: {pip_install(['dataset'])}; or give npy") from None
+        raise ParameterError("metrics", f"parquet needs pyarrow: {pip_install([DATASET.name])}; or give npy") from None
     return pyarrow, parquet

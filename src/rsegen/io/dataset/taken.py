@@ -25,7 +25,7 @@ def refuse_taken(folder: Path, on_existing: OnExisting) -> None:
     names = sorted(os.listdir(folder)) if folder.is_dir() else []
     marks = [name for name in _BEGIN if name in names]
     if not marks and not all(map(HIDDEN.fullmatch, names)):
-        raise OutputError(f"{folder}: is not empty, and no data set of rsegen; give another folder")
+        raise OutputError(f"{folder}: is not empty, and not a data set of rsegen; give another folder")
     if marks and on_existing is OnExisting.REFUSE:
         raise OutputError(
             f"{folder}: a data set exists there already; give --resume to continue it, --force to replace it, or "

@@ -25,7 +25,7 @@ class Saved(Measured):
     name: ClassVar[str] = "array"
     suffixes: ClassVar[tuple[str, ...]] = (".npy",)
 
-    values: Annotated[str, Choice((*CENTIMETRES, "levels"), help="what its numbers are; in: inches")] = "cm"
+    values: Annotated[str, Choice((*CENTIMETRES, "levels"), help="unit of the numbers; in: inches")] = "cm"
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """The shape is looked at before anything else is."""

@@ -109,9 +109,9 @@ def whole_units(
     if rounded and not any_heights and are_not_blocks(units[told], levels[told]):
         heights = heights_cm[told]
         raise FileError(
-            f"{path}: heights of {heights.min():.4g} to {heights.max():.4g} cm are no blocks of {unit_cm:g} cm: "
+            f"{path}: heights of {heights.min():.4g} to {heights.max():.4g} cm are not blocks of {unit_cm:g} cm: "
             f"{advice(heights, unit_cm)}; "
-            "any_heights rounds them all the same"
+            "any_heights rounds them anyway"
         )
     return levels.astype(np.int32)
 

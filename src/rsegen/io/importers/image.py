@@ -31,17 +31,17 @@ class Picture(Measured):
     name: ClassVar[str] = "image"
     suffixes: ClassVar[tuple[str, ...]] = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp")
 
-    max_height: Annotated[int, Integer(2, 32767, unit="units", help="number of levels that grey is rounded to")] = 5
+    max_height: Annotated[int, Integer(2, 32767, unit="units", help="number of levels for the grey values")] = 5
     invert: Annotated[bool, Flag(help="black is the highest")] = False
     threshold: Annotated[
-        float | None, Float(0, 100, unit="%", help="only two levels: the highest from this grey on, else 0")
+        float | None, Float(0, 100, unit="%", help="two levels only: the highest for grey values from this on, else 0")
     ] = None
     values: Annotated[
         str,
         Choice(
             ("grey", "mm", "depth"),
-            help="what its pixels are: shares of the highest level; heights in mm; distances in mm below a level "
-            "camera, 0 for none",
+            help="meaning of the pixels: grey, shares of the highest level; mm, heights; depth, distances in mm from "
+            "a level camera, 0 for none",
         ),
     ] = "grey"
     camera_cm: Annotated[
@@ -51,10 +51,10 @@ class Picture(Measured):
     def __post_init__(self) -> None:
         Measured.__post_init__(self)
         if (self.values == "depth") != (self.camera_cm is not None):
-            raise ParameterError("camera_cm", "give the height of the camera with values: depth, and only then")
+            raise ParameterError("camera_cm", "the height of the camera is needed with values: depth, and only there")
         given = [name for name in _OF_MEASURES if self.values == "grey" and getattr(self, name)]
         if given:
-            raise ParameterError(given[0], "is for values: mm and depth; grey has no heights of its own")
+            raise ParameterError(given[0], "is for values: mm and depth; grey values have no unit")
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Its size is looked at before it is decoded."""
@@ -68,7 +68,7 @@ class Picture(Measured):
         with opened_image(path) as image:
             refuse_too_many_cells(path, *image.size)
             if not image.mode.startswith("I"):
-                raise FileError(f"{path}: {image.mode} pixels; heights and depths in mm are grey of 16 bits")
+                raise FileError(f"{path}: {image.mode} pixels; heights and depths in mm need a 16-bit greyscale image")
             millimetres = np.asarray(_grey(path, image)[0], dtype=np.float64)[::-1].T
         if self.camera_cm is None:
             return millimetres / 10

@@ -26,7 +26,7 @@ _MOST_HOLES = 0.5
 class Measured(Importer):
     """An importer of heights that were measured."""
 
-    rounded: Annotated[bool, Flag(help="round heights that are no whole units, which are refused otherwise")] = False
+    rounded: Annotated[bool, Flag(help="round heights that are not whole units; without it they are errors")] = False
     any_heights: Annotated[
         bool, Flag(help="round heights even if most are far from whole units, as those of natural ground are")
     ] = False
@@ -49,7 +49,7 @@ class Measured(Importer):
         ),
     ] = None
     rotation: Annotated[
-        float, Float(-360, 360, unit="degrees", help="by how much the map is turned counterclockwise in the file")
+        float, Float(-360, 360, unit="degrees", help="angle of the map in the file, counterclockwise")
     ] = 0.0
 
     def measured(

@@ -35,7 +35,7 @@ class Occupancy(Importer):
     name: ClassVar[str] = "occupancy map"
     suffixes: ClassVar[tuple[str, ...]] = (".yaml", ".yml")
 
-    unknown: Annotated[bool, Flag(help="build walls on cells that are neither known to be occupied nor free")] = False
+    unknown: Annotated[bool, Flag(help="also make walls of unknown cells")] = False
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """A cell is occupied where its probability, dark being likely, is above `occupied_thresh`."""
@@ -53,7 +53,7 @@ class Occupancy(Importer):
 def _metadata(path: Path) -> dict[str, Json]:
     found = content(path)
     if not isinstance(found, Mapping):
-        raise FileError(f"{path}: not a map of ROS; it has keys such as image: and resolution:")
+        raise FileError(f"{path}: not an occupancy grid of ROS; it has keys such as image: and resolution:")
     try:
         return {key: sort.check(key, found.get(key, _USUAL.get(key))) for key, sort in _KEYS.items()}
     except ParameterError as error:

@@ -36,7 +36,7 @@ class Table(Measured):
         str,
         Choice(
             ("auto", *CENTIMETRES, "levels"),
-            help="what its numbers are; auto: as rsegen wrote them, else cm; in: inches",
+            help="unit of the numbers; auto: as in files of rsegen, else cm; in: inches",
         ),
     ] = "auto"
 

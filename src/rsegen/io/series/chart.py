@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rsegen.exporters.pictures.preview import draw_cells
+from rsegen.exporters.pictures.plan import draw_cells
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.metrics.by_name import RMS
 from rsegen.field.stepfield import Array

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping
 
-from rsegen.exporters.pictures.preview import draw_plan
+from rsegen.exporters.pictures.plan import draw_plan
 from rsegen.exporters.scene import Scene
 from rsegen.simulation.driving.drive_metrics import Trajectory
 from rsegen.simulation.driving.way import PlannedWay

@@ -27,7 +27,7 @@ def refuse_without_frames(plan: ExperimentPlan, installed: Mapping[str, Installa
     for source in (pace for pace in plan.paces if pace in SOURCES):
         for here in installed.values():
             if source not in here.simulator.frames:
-                raise ParameterError("paces", f"rsegen counts no frames of {here}; leave {source} out, or take classic")
+                raise ParameterError("paces", f"frames of {here} cannot be counted; leave {source} out, or use classic")
             if source == "window" and "gzclient" not in here.commands:
                 raise ParameterError("paces", f"the window of {here} is not installed; leave window out")
         if not has_screen():

@@ -41,7 +41,7 @@ class TableRow:
     """Robots of a kind on random maps of several sizes; `recipe` holds more parameters of these maps."""
 
     robot: Annotated[str, Choice(tuple(ROBOTS), help="kind of robot")] = "burger"
-    robots: Annotated[int, Integer(1, 100, help="how many of them")] = 3
+    robots: Annotated[int, Integer(1, 100, help="number of robots")] = 3
     sizes: Annotated[
         tuple[int, ...],
         ListOf(Integer(0, 4000, unit="blocks"), help="sides of the maps in blocks, 0 for an empty world"),
@@ -49,7 +49,7 @@ class TableRow:
     max_height: Annotated[int, Integer(2, 1000, unit="units", help="number of levels")] = 5
     unit_cm: Annotated[float, Float(0.001, 1000, unit="cm", help="height discretization step")] = 1.0
     recipe: Mapping[str, Json] | None = None
-    simulator: Annotated[str | None, Choice(tuple(SIMULATORS), help="by default the newest that is installed")] = None
+    simulator: Annotated[str | None, Choice(tuple(SIMULATORS), help="default: the newest that is installed")] = None
 
     def __post_init__(self) -> None:
         validate(self)
@@ -115,18 +115,18 @@ class Cell:
 class ExperimentPlan:
     """What an experiment tries, and how often; `seconds` by the clock on the wall each, whatever the pace."""
 
-    name: Annotated[str, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="of the experiment")]
+    name: Annotated[str, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="name of the experiment")]
     rows: tuple[TableRow, ...]
     paces: Annotated[
         tuple[str, ...],
         ListOf(
             Choice(PACES),
-            help="in real time, as fast as can be, or so beside an empty world; in real time with a camera or a window",
+            help="real time, full speed, full speed alternating with an empty world, real time with camera or window",
         ),
     ] = ("real", "free")
-    seconds: Annotated[float, Float(1, 1e5, unit="s", help="of each trial, once its world is there")] = 20.0
-    repeats: Annotated[int, Integer(1, 1000, help="trials of each cell")] = 3
-    seed: Annotated[int, Integer(0, 2**62, help="of maps, places, routes and order; the next one for each repeat")] = 1
+    seconds: Annotated[float, Float(1, 1e5, unit="s", help="wall time of each trial, after its world is loaded")] = 20.0
+    repeats: Annotated[int, Integer(1, 1000, help="trials per cell of the table")] = 3
+    seed: Annotated[int, Integer(0, 2**62, help="seed of maps, places, routes and order; plus 1 for each repeat")] = 1
 
     def __post_init__(self) -> None:
         validate(self)

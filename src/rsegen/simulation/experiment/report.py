@@ -28,23 +28,21 @@ MARK = "†"
 _TITLES = {
     "real": "in real time",
     "free": "at full speed",
-    "beside": "at full speed in turns with an empty world (± the standard error)",
+    "beside": "at full speed, alternating with an empty world (± the standard error)",
     "camera": "in real time with a camera",
     "window": "in real time with the simulator's window",
 }
 _LINES = {"": ("real", "free", "beside"), "with a camera": ("camera",), "with the window": ("window",)}
 """The paces whose figures are in one line of a table, by what its first cell says."""
 
-_COLUMNS = ("blocks", "RTF least-most (mean)", "CPU: server", "CPU: machine", "memory", "load")
+_COLUMNS = ("blocks", "RTF min-max (mean)", "CPU: server", "CPU: machine", "memory", "load")
 _RENDERING = ("frames per s", "GPU")
 _AT_FULL_SPEED = ("simulated s per CPU s", "of the empty world's")
 _ROBOTS = ("driven", "stuck", "tipped", "covered")
 _PAPER = ("paper: RTF", "CPU", "memory")
 
-_RESTED = f"{MARK} The robots rested, stuck for more than half of the time: this is what robots at rest cost here."
-_UNKNOWN = (
-    "What the robots did was not recorded when these trials were made; no speed is compared with the empty world's."
-)
+_RESTED = f"{MARK} The robots were stuck for more than half of the time, so these are the costs of robots at rest."
+_UNKNOWN = "It was not recorded what the robots did in these trials, so speeds are not compared with the empty world."
 
 
 def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], command: str = "") -> str:
@@ -70,18 +68,18 @@ def trials_csv(plan: ExperimentPlan, results: Results) -> str:
 
 def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], command: str) -> Iterator[str]:
     yield f"# Experiment: {plan.name}\n"
-    yield f"Made by `{command}`: {plan.repeats} {'trial' if plan.repeats == 1 else 'trials'} of each cell in mixed"
+    yield f"Made by `{command}`: {plan.repeats} {'trial' if plan.repeats == 1 else 'trials'} per cell, in mixed"
     paces = " and ".join(_TITLES[pace] for pace in plan.paces)
-    yield f"order; robots wander for {plan.seconds:g} seconds by the clock on the wall, {paces}."
-    yield "RTF: the least, the most and the mean that were registered over all trials. Robots: means per robot of all"
-    yield "trials, in the simulated seconds of one. All else: medians of the trials."
+    yield f"order; robots drive randomly for {plan.seconds:g} seconds of wall time, {paces}."
+    yield "RTF: the smallest, the largest and the mean value of all trials. Robots: means per robot over all trials, in"
+    yield "the simulation time of one trial. Everything else: medians of the trials."
     if len(mixed := [pace for pace in plan.paces if pace in _LINES[""]]) > 1:
-        yield f"Where a cell has several figures, they are {' / '.join(_TITLES[pace] for pace in mixed)}."
+        yield f"If a cell has several figures, they are {' / '.join(_TITLES[pace] for pace in mixed)}."
     if not set(plan.paces) & set(SOURCES):
         yield "No window and no camera, so no frames per second."
     yield "\n| machine | |\n|---|---|"
     yield from (f"| {name} | {value} |" for name, value in machine.items())
-    yield f"\nThe paper's computer: {COMPUTER}; with a window. Its RTF: least and most of three runs.\n"
+    yield f"\nThe paper's computer: {COMPUTER}; with a window. Its RTF: smallest and largest value of three runs.\n"
 
 
 def row_label(plan: ExperimentPlan, row: TableRow) -> str:

@@ -57,13 +57,15 @@ def experiment(
     simulator: str | Sequence[str] | None = None,
     force: bool = False,
     progress: Callable[[int, Cell], None] = lambda *_: None,
+    watch: Callable[[], None] = lambda: None,
 ) -> ExperimentResult:
     """Measure what maps cost a simulator while robots drive on them, and write tables and a plot into a folder.
 
     plan: the name of an included plan, a YAML file like these, or a Plan; output: the folder; if it has outcomes of
     this plan, only the missing trials are run; `force` deletes them first, and nothing else. simulator: `sim`,
     `classic`, or both, which are compared; by default the newest that is installed. `progress` is called with the
-    number of trials that are done and the next cell. UserError, before the first trial, if the plan is wrong, a
+    number of trials that are done and the next cell, `watch` several times per second during a trial; what they raise
+    stops the experiment, and the same call continues it. UserError, before the first trial, if the plan is wrong, a
     simulator is not installed, or the folder has other files of these names.
     """
     command, folder = _command(plan, output, simulator), Path(output)
@@ -83,7 +85,7 @@ def experiment(
     for number, (cell, repeat) in enumerate(plan.order()):
         progress(number, cell)
         if (cell, repeat) not in done:
-            trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)])
+            trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)], watch)
             write_tracks(plan, folder, cell, repeat, trial)
             log.add(cell, repeat, trial.outcome)
     found = ExperimentResult(plan=plan, results=log.results(), machine=machine, folder=folder, command=command)

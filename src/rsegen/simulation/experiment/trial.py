@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import astuple, dataclass, replace
 from math import ceil
@@ -75,12 +75,21 @@ class Trial:
     trajectories: Mapping[str, Trajectory]
 
 
-def run_trial(plan: ExperimentPlan, cell: Cell, repeat: int, here: Installation) -> Trial:
-    """One trial; each repeat has its own map and start poses. A failed server is tried again."""
+def run_trial(
+    plan: ExperimentPlan,
+    cell: Cell,
+    repeat: int,
+    here: Installation,
+    watch: Callable[[], None] = lambda: None,
+) -> Trial:
+    """One trial; each repeat has its own map and start poses. A failed server is tried again.
+
+    `watch` is called several times per second; what it raises ends the trial and its servers.
+    """
     cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
     with ExitStack() as stack:
         setups = [stack.enter_context(_setup(plan, each, plan.seed + repeat, here)) for each in cells]
-        return retried(lambda: _trial(setups, plan.seconds, here, is_empty=not cell.size))
+        return retried(lambda: _trial(setups, plan.seconds, here, watch, is_empty=not cell.size))
 
 
 def refuse_crowded(plan: ExperimentPlan) -> None:
@@ -121,10 +130,12 @@ def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> I
         yield Setup(file=file, scene=scene, runs=runs, rest=rest, real=real, frames=frames)
 
 
-def _trial(setups: Sequence[Setup], seconds: float, here: Installation, *, is_empty: bool) -> Trial:
+def _trial(
+    setups: Sequence[Setup], seconds: float, here: Installation, watch: Callable[[], None], *, is_empty: bool
+) -> Trial:
     """The trial of the first setup, simulated in turns with the second, if there is one."""
     with ExitStack() as stack:
-        servers = [stack.enter_context(trial_server(setup, here)) for setup in setups]
+        servers = [stack.enter_context(trial_server(setup, here, watch)) for setup in setups]
         turns = [seconds] if len(servers) == 1 else [TURN] * ceil(seconds / TURN)
         spans = [[server.measure(turn) for server in servers] for turn in turns]
         ours, *others = (total(each) for each in zip(*spans, strict=True))

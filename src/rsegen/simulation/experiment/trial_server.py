@@ -86,7 +86,10 @@ def total(spans: Sequence[Span]) -> Span:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TrialServer:
-    """A running server that took `load` seconds to load its setup, the routes of its robots, and their record."""
+    """A running server that took `load` seconds to load its setup, the routes of its robots, and their record.
+
+    watch: called several times per second while robots drive; may raise
+    """
 
     live: LiveWorld
     pid: int
@@ -94,6 +97,7 @@ class TrialServer:
     setup: Setup
     routes: Mapping[str, Route]
     frames: Callable[[], int]
+    watch: Callable[[], None]
     record: Record = field(default_factory=list)
 
     @property
@@ -148,6 +152,7 @@ class TrialServer:
         end = time.monotonic() + self.setup.rest
         while (left := end - time.monotonic()) > 0:
             time.sleep(min(left, LOOKS))
+            self.watch()
             if record is not None:
                 self._look(record)
 
@@ -160,17 +165,20 @@ class TrialServer:
 
 
 @contextmanager
-def trial_server(setup: Setup, here: Installation) -> Iterator[TrialServer]:
+def trial_server(setup: Setup, here: Installation, watch: Callable[[], None]) -> Iterator[TrialServer]:
     """A server of a trial in which the robots have fallen to the ground and started to drive."""
     began = time.monotonic()
     with ExitStack() as stack:
         screen = setup.frames == "camera"
-        server = stack.enter_context(running_server(here, setup.file, timeout=TIMEOUT, screen=screen))
+        running = running_server(here, setup.file, timeout=TIMEOUT, screen=screen, watch=watch)
+        server = stack.enter_context(running)
         live = stack.enter_context(server.connect())
         live.stop_recording()
         load, routes = time.monotonic() - began, {run.name: run.route() for run in setup.runs}
         frames = live.frame_counter(setup.frames) if setup.frames else lambda: 0
-        trial = TrialServer(live=live, pid=server.pid, load=load, setup=setup, routes=routes, frames=frames)
+        trial = TrialServer(
+            live=live, pid=server.pid, load=load, setup=setup, routes=routes, frames=frames, watch=watch
+        )
         if setup.frames == "window":
             stack.enter_context(window_of(server))
             wait_for_frames(frames, setup.frames, _paused)

@@ -59,9 +59,9 @@ BURGER = register(
         kind="burger",
         title="like a TurtleBot3 Burger",
         source=(
-            "sizes, wheels, mass and top speeds: ROBOTIS e-manual and turtlebot3_description; ours: even densities,"
-            " a hull that touches with balls at its corners, tyres with their middle, a caster without friction,"
-            " the motors' inertia and acceleration"
+            "sizes, wheels, mass and top speeds: ROBOTIS e-manual and turtlebot3_description; our own: uniform"
+            " densities, collision balls at the hull's corners, narrow collision shapes of the tyres, a caster"
+            " without friction, the motors' inertia and acceleration"
         ),
         size=(0.138, 0.178, 0.192),
         clearance=0.010,

@@ -133,7 +133,7 @@ CRAWLER = register(
     Robot(
         kind="crawler",
         title="in the class of the Servosila Engineer",
-        source="all figures ours: the geometry of the Servosila Engineer is not confirmed",
+        source="all figures are our own: the geometry of the Servosila Engineer is not confirmed",
         size=(0.975, 0.53, 0.320),
         clearance=0.050,
         climbs=0.20,

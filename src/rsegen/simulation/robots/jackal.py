@@ -37,7 +37,7 @@ JACKAL = register(
         title="of the Jackal's class",
         source=(
             "chassis, wheels, masses, friction and top speeds: jackal_description, jackal_control (Clearpath);"
-            " ours: size over all from these, centre of mass in the middle, the motors' inertia"
+            " our own: overall size (from these), centre of mass in the middle, the motors' inertia"
         ),
         size=(_BASE + 2 * _RADIUS, _SEPARATION + _WIDTH, 0.250),
         clearance=0.066,

@@ -10,7 +10,7 @@ CLASSIC = MessageTypes(
         "Vector3d": {"x": (1, float), "y": (2, float), "z": (3, float)},
         "Quaternion": {"x": (2, float), "y": (3, float), "z": (4, float), "w": (5, float)},
         "Pose": {"name": (1, str), "id": (2, int), "position": (3, "Vector3d"), "orientation": (4, "Quaternion")},
-        "ImageStamped": {"time": (1, "Time")},
+        "ImageStamped": {"time": (1, "Time"), "image": (2, bytes)},
         "PosesStamped": {"time": (1, "Time"), "pose": (2, "bytes[]")},
         "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
         "GzString": {"data": (1, str)},

@@ -59,8 +59,11 @@ class Server:
         """A connection to its world."""
         return self.here.simulator.connect(self.environment, TIMEOUT)
 
-    def wait_until_loaded(self, timeout: float = TIMEOUT) -> None:
-        """Wait until its world is loaded; SimulatorFailed if the server dies, reports a failure, or takes too long."""
+    def wait_until_loaded(self, timeout: float = TIMEOUT, watch: Callable[[], None] = lambda: None) -> None:
+        """Wait until its world is loaded; SimulatorFailed if the server dies, reports a failure, or takes too long.
+
+        `watch` is called often meanwhile, and may raise.
+        """
         end = time.monotonic() + timeout
         is_loaded = False
         while not is_loaded:
@@ -71,6 +74,7 @@ class Server:
                 raise self.failure("the world was not loaded")
             if has_died or (late and not is_loaded):
                 raise self.failure("the server has died" if has_died else "it did not load in time")
+            watch()
             time.sleep(0 if is_loaded else 0.02)
 
     def run_command(self, name: str, *arguments: str, timeout: float = TIMEOUT) -> str:
@@ -93,7 +97,7 @@ class Server:
 
 
 @contextmanager
-def running_server(
+def running_server(  # noqa: PLR0913  # options of a server
     here: Installation,
     world: Path,
     *,
@@ -101,11 +105,13 @@ def running_server(
     options: tuple[str, ...] = (),
     timeout: float = TIMEOUT,
     screen: bool = False,
+    watch: Callable[[], None] = lambda: None,
 ) -> Iterator[Server]:
     """A server that has loaded a world and is paused; it ends with all its processes when this ends.
 
     Its home, its address and its log are its own. `models` is the folder of model:// URIs, by default the one above the
-    world's; `options` are options of the server; with `screen` it may render.
+    world's; `options` are options of the server; with `screen` it may render. `watch`
+    is called often while it loads, and may raise.
     """
     with tempfile.TemporaryDirectory(prefix="rsegen-") as name:
         home = Path(name)
@@ -113,7 +119,7 @@ def running_server(
         launch = here.simulator.paused(here, opening, home).with_options(*options)
         with OutputFiles(folder=home).running(launch) as process:
             server = Server(here=here, launch=launch, home=home, running=process)
-            server.wait_until_loaded(timeout)
+            server.wait_until_loaded(timeout, watch)
             yield server
 
 

@@ -266,7 +266,7 @@ def _answered_client(
                 worlds = client.request(WORLDS, "Empty", {}, _FIRST_RESPONSE).get("data", [])
                 stack.enter_context(attempt.pop_all())
                 return client, worlds
-    raise SimulatorFailed("Gazebo Sim: a server is there, and does not answer")
+    raise SimulatorFailed("Gazebo Sim: a server exists, but does not answer")
 
 
 def _clock(message: Mapping[str, Any]) -> Clock:
