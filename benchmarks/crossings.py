@@ -143,7 +143,7 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
     robots = list(dict.fromkeys(each.robot for each in found))
     limits = {name: (100 * ROBOTS[name].climbs, ROBOTS[name].limits.climb_cm) for name in robots}
     heads = [f"{name} (climbs {climbs:g} cm, limit {limit:g} cm)" for name, (climbs, limit) in limits.items()]
-    yield "| highest step of the way, of what the robot climbs | " + " | ".join(heads) + " |"
+    yield "| highest step of the path / `climbs` | " + " | ".join(heads) + " |"
     yield "|---|" + "---|" * len(robots)
     for low, high in pairwise(BINS):
         within = [each for each in found if low < each.share <= high or each.share == low == 0]
@@ -163,7 +163,7 @@ def _cell(found: Sequence[Trial]) -> str:
 
 def _right(found: Sequence[Trial], robots: Sequence[str]) -> Iterator[str]:
     """How often the forecast came true, and at which limit it would have done so most often."""
-    yield "| robot | foreseen to cross, and crossed | foreseen not to cross, and did not | most often right at |"
+    yield "| robot | predicted to cross, and did | predicted not to cross, and did not | best limit on these maps |"
     yield "|---|---|---|---|"
     for name in robots:
         mine = [each for each in found if each.robot == name]

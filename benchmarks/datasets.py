@@ -94,32 +94,32 @@ def _grown(results: Results) -> float | None:
 _MILLION = COUNTS[-1]
 TARGETS = (
     Target(
-        text="complete worlds a second and core",
+        text="complete worlds per second and core",
         figure=_figure("worlds-1", WORLDS, lambda run: WORLDS / run.cpu),
         limit=300,
         unit="/s",
         at_most=False,
     ),
     Target(
-        text="maps a second and core",
+        text="maps per second and core",
         figure=_figure("none-1", _MILLION, lambda run: _MILLION / run.cpu),
         limit=20_000,
         unit="/s",
         at_most=False,
     ),
     Target(
-        text="a million with metrics on two cores, wall",
+        text="a million maps with metrics on two cores, wall time",
         figure=_figure("npy-2", _MILLION, lambda run: run.wall),
         limit=120,
         unit="s",
     ),
     Target(
-        text="its three processes, each at its largest",
+        text="three times the peak memory of a process",
         figure=_figure("npy-2", _MILLION, lambda run: 3 * run.rss / 1e6),
         limit=1000,
         unit="MB",
     ),
-    Target(text="CPU a map, from 100,000 on / up to there", figure=_grown, limit=1.25, unit="x"),
+    Target(text="CPU per map, from 100,000 on / up to there", figure=_grown, limit=1.25, unit="x"),
 )
 
 
@@ -127,7 +127,7 @@ def table(results: Results) -> Iterator[str]:
     """The figures as lines of Markdown."""
     yield from verdicts(TARGETS, results)
     yield ""
-    yield "| 10 x 10 blocks | maps | CPU s | CPU us for each map more | wall s | peak MB of a process | bytes |"
+    yield "| 10 x 10 blocks | maps | CPU s | CPU us per additional map | wall s | peak MB of a process | bytes |"
     yield "|---|---|---|---|---|---|---|"
     before: dict[str, tuple[int, float]] = {}
     for row in results.commands:

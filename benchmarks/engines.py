@@ -151,7 +151,7 @@ def _step(steps: Callable[[int], object]) -> float:
 
 def table(entries: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     """The figures as lines of Markdown."""
-    yield "| engine | shape | geoms | compiling, CPU s | model, MB | a step, CPU us |"
+    yield "| engine | shape | geoms | compiling, CPU s | model, MB | CPU us per step |"
     yield "|---|---|---|---|---|---|"
     for row in (EngineRow(**entry) for entry in entries):
         size = "" if row.bytes is None else f"{row.bytes / 1e6:.3g}"

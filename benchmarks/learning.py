@@ -203,7 +203,7 @@ def _seconds(work: Callable[[], object]) -> float:
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:
     """The figures as lines of Markdown."""
-    yield "| work | CPU s | a second | beside | CPU s | ratio |"
+    yield "| work | CPU s | per second | compared with | CPU s | ratio |"
     yield "|---|---|---|---|---|---|"
     for row in (Row(**each) for each in record["rows"]):
         rate = f"{row.count / row.seconds:,.0f} {row.unit}"

@@ -1,4 +1,4 @@
-"""The figures as Markdown: the page of results, and the small table of the README."""
+"""The figures as Markdown: the page of results, and the small table of what was measured."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from benchmarks.figures import Results, Row, Run
 from benchmarks.targets import TARGETS, Target
 
 MARKS = ("<!-- figures: made by docs.generate from benchmarks/results -->", "<!-- end of figures -->")
-"""Between these lines of the README its table stands."""
+"""Between these lines of a page its table stands."""
 
 _VERDICTS = {True: "met", False: "**missed**", None: "not measured"}
 
@@ -53,7 +53,7 @@ def _page(results: Results) -> Iterator[str]:
     yield _head("command", "blocks", "maps", "wall s", "CPU s", "peak MB", "bytes", "runs")
     yield from (_command(row) for row in results.commands)
     yield "\n## Many maps\n"
-    yield _head("work", "maps a second", "maps a second of CPU")
+    yield _head("work", "maps per second", "maps per second of CPU")
     yield from (_rates(row) for row in results.commands if row.count > 1)
     yield from _faces(results)
 
@@ -100,7 +100,7 @@ def _rates(row: Row) -> str:
 
 def _faces(results: Results) -> Iterator[str]:
     yield "\n## Faces\n"
-    yield "Naive: six a block. Exposed: one a top and one a height difference. Merged: what rsegen writes.\n"
+    yield "Naive: six per block. Exposed: one per top and one per height difference. Merged: what rsegen writes.\n"
     yield _head("grid", "blocks", "naive", "exposed", "merged", "merged / naive", "merged / exposed", "seeds")
     for each in results.faces:
         counts = f"{each.naive:,.0f} | {each.exposed:,.0f} | {each.merged:,.0f}"

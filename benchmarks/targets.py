@@ -110,12 +110,12 @@ def _targets() -> Iterator[Target]:
         text="80 x 80 to OBJ, CPU", figure=over(read("merged", 80, _cpu), lambda _: 0.001), limit=20, unit="ms"
     )
     yield Target(text="4000 x 4000, peak memory", figure=read("merged", LARGEST, _rss), limit=500, unit="MB")
-    yield Target(text="CPU a block, 4000 / 1000", figure=over(largest, million, growth), limit=1.25, unit="x")
-    yield Target(text="bytes a block, 4000 / 1000", figure=written, limit=1.25, unit="x")
+    yield Target(text="CPU per block, 4000 / 1000", figure=over(largest, million, growth), limit=1.25, unit="x")
+    yield Target(text="bytes per block, 4000 / 1000", figure=written, limit=1.25, unit="x")
     yield from _starts()
-    yield Target(text="10 x 10 worlds a second and core", figure=rate("maps"), limit=300, unit="/s", at_most=False)
+    yield Target(text="10 x 10 worlds per second and core", figure=rate("maps"), limit=300, unit="/s", at_most=False)
     yield Target(
-        text="10 x 10 matrices a second and core", figure=rate(MATRICES.name), limit=20_000, unit="/s", at_most=False
+        text="10 x 10 matrices per second and core", figure=rate(MATRICES.name), limit=20_000, unit="/s", at_most=False
     )
 
 

@@ -36,11 +36,14 @@ class Command:
 
 FOLDER = "FOLDER"
 
-_BOX_A_BLOCK = "trimesh, one creation.box a block, OBJ"
+_BOX_A_BLOCK = "trimesh, one creation.box per block, OBJ"
 
 WAYS = (
     Way(
-        name="loop", title="pure-Python loop, 8 vertices and 6 faces a block, OBJ", module="loop", function="boxes_obj"
+        name="loop",
+        title="pure-Python loop, 8 vertices and 6 faces per block, OBJ",
+        module="loop",
+        function="boxes_obj",
     ),
     Way(
         name="merged",
@@ -58,10 +61,10 @@ WAYS = (
         largest=320,
         largest_full=320,
     ),
-    Way(name="blocks", title="rsegen, 8 vertices and 6 faces a block, OBJ", module="ours", function="blocks_obj"),
+    Way(name="blocks", title="rsegen, 8 vertices and 6 faces per block, OBJ", module="ours", function="blocks_obj"),
     Way(
         name="multi",
-        title="rsegen `multi`, a box model a block, SDF",
+        title="rsegen `multi`, a box model per block, SDF",
         module="ours",
         function="multi_world",
         ending="world",

@@ -35,7 +35,7 @@ _KINDS: Mapping[str, tuple[str, int, float]] = {
 
 def table() -> Iterator[str]:
     """A row for every recipe."""
-    yield "| recipe | blocks | rms step at 1, cm | off by: most | mean | came apart | by chance |"
+    yield "| recipe | blocks | rms step at 1, cm | largest error | mean | changed pairs | random rounding |"
     yield "|---|---|---|---|---|---|---|"
     for chunks in (1, 4):
         yield from (_row(name, recipe) for name, recipe in _alone(chunks).items())

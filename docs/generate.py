@@ -15,10 +15,10 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from benchmarks import crossings, datasets, learning, starts
+from benchmarks import crossings, datasets, learning, scan, starts
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
-from docs import difficulty, reliability
+from docs import catalogue, difficulty, gallery, reliability
 from rsegen import (
     FORMATS,
     KINDS,
@@ -37,10 +37,10 @@ from rsegen import (
     schema,
     series,
 )
-from rsegen.exporters.formats.base import MAT
 from rsegen.exporters.pictures.paths import path_plot
 from rsegen.exporters.pictures.preview import figure_bytes, preview_image
 from rsegen.exporters.sheet import pages
+from rsegen.params.extras import MAT
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Parameter, parameters
 from rsegen.recipe.codec import decode
@@ -54,12 +54,13 @@ DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"
 DATASETS = DOCS / "datasets.md"
 DRIVING = DOCS / "driving.md"
+SCAN = DOCS / "scan.md"
 LEARNING = DOCS / "learning.md"
 METRICS = DOCS / "metrics.md"
 RELIABILITY = DOCS / "reliability.md"
 ROBOTS_PAGE = DOCS / "robots.md"
 FORMATS_PAGE = DOCS / "formats.md"
-README = DOCS.parent / "README.md"
+MEASURED = DOCS / "measured.md"
 EXPERIMENT = RESULTS / "experiment.json"
 PLOT = "\n![Real-time factor, speed and memory over the side of the map](pictures/experiment.png)\n"
 WAYS = DOCS / "pictures" / "ways.png"
@@ -74,16 +75,19 @@ def texts() -> dict[Path, str]:
     figures = loaded(RESULTS / "speed.json")
     contact = (RESULTS / "contact.md").read_text("utf-8")
     return {
-        README: with_table(README.read_text("utf-8"), figures),
+        MEASURED: with_table(MEASURED.read_text("utf-8"), figures),
         DOCS / "benchmarks.md": page(figures),
         DRIVING: filled(DRIVING.read_text("utf-8"), starts.table(json.loads(starts.FILE.read_text("utf-8")))),
         METRICS: filled(METRICS.read_text("utf-8"), crossings.table(json.loads(crossings.FILE.read_text("utf-8")))),
         LEARNING: filled(LEARNING.read_text("utf-8"), learning.table(json.loads(learning.FILE.read_text("utf-8")))),
+        SCAN: filled(SCAN.read_text("utf-8"), scan.table(json.loads(scan.FILE.read_text("utf-8")))),
         DATASETS: filled(DATASETS.read_text("utf-8"), datasets.table(loaded(datasets.FILE))),
         DOCS / "contact.md": contact + "\n" + (RESULTS / "contact-sim.md").read_text("utf-8"),
         GAZEBO: filled(GAZEBO.read_text("utf-8"), _told_apart(contact)),
         DOCS / "recipe.schema.json": json.dumps(schema(), indent=2) + "\n",
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
+        DOCS / "decisions" / "index.md": "\n".join(_decisions()) + "\n",
+        DOCS / "gallery.md": "\n".join(gallery.page()) + "\n",
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
         DOCS / "examples.md": "\n".join(_examples()) + "\n",
         DOCS / "experiment.md": experiments.report_page(*load_summary(EXPERIMENT)) + PLOT,
@@ -100,7 +104,7 @@ def texts() -> dict[Path, str]:
 def pictures() -> dict[Path, Scene]:
     """What every generated picture shows, by its file: the first map of each example, each kind alone, ways, sheets."""
     shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES.values()}
-    shown |= {DOCS / "pictures" / f"kind-{kind}.png": _alone(kind) for kind in KINDS}
+    shown |= {DOCS / "pictures" / f"kind-{kind}.png": catalogue.recipe_of(kind) for kind in KINDS}
     shown[WAYS] = load(EXAMPLES["mixed-course"])
     shown[TERRAIN] = _terrain()
     shown |= {SHEET: load(EXAMPLES["five-pallet-dash"]), SHEET_OF_A_PALLET: load(EXAMPLES["red-diagonal-pallet"])}
@@ -120,8 +124,8 @@ def stale() -> Iterator[Path]:
     for path, scene in pictures().items():
         if not path.exists() or not _shows(path, scene.alone):
             yield path
-    for path in rising():
-        if not path.exists() or not _shows(path, difficulty.EXAMPLE):
+    for path, recipe in (dict.fromkeys(rising(), difficulty.EXAMPLE) | gallery.pictures()).items():
+        if not path.exists() or not _shows(path, recipe):
             yield path
 
 
@@ -137,6 +141,8 @@ def main(arguments: list[str]) -> int:
     for path, scene in pictures().items():
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(_DRAWN.get(path, preview_image)(scene))
+    for path in gallery.pictures():
+        path.write_bytes(gallery.picture(path))
     for path, same_field in rising().items():
         path.write_bytes(_rise(same_field=same_field))
     plan, results, *_ = load_summary(EXPERIMENT)
@@ -179,11 +185,6 @@ def _terrain() -> Recipe:
     return Terrain(recipes=recipes, rows=10, columns=6, gap=2, border=6).recipe
 
 
-def _alone(kind: str) -> Recipe:
-    obstacle = KINDS[kind](max_height=5, softness=0 if "random" in kind else 50)
-    return Recipe(name=kind, seed=5, obstacles=(Placement(obstacle=obstacle),))
-
-
 def _shows(path: Path, recipe: Recipe) -> bool:
     """Whether a picture shows the maps of a recipe: the one that it carries, whatever wrote it, has the same values."""
     from PIL import Image
@@ -199,7 +200,7 @@ SHOWN = {
     "mesh-kd1000": "merged mesh, by default",
     "watertight-kd1000": "watertight mesh",
     "mesh": "merged mesh without soft contact",
-    "block-mesh": "8 vertices and 6 faces a block, without soft contact",
+    "block-mesh": "8 vertices and 6 faces per block, without soft contact",
 }
 """What of the contact benchmark is in the manual, and what it is called there."""
 
@@ -208,7 +209,7 @@ def _told_apart(contact: str) -> Iterator[str]:
     """A few rows and columns of the contact benchmark's table."""
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in contact.splitlines() if line[:1] == "|"]
     columns = [rows[0].index(name) for name in ("soft: lane", "soft: scattered", "light wheels", "sphere wheels")]
-    yield "| mm aside after 2.2 m, mean (max) | lane in a random field | plain with others | light wheels | spheres |"
+    yield "| mm off course in 2.2 m, mean (max) | lane in a random field | plain with others | light wheels | spheres |"
     yield "|---|---|---|---|---|"
     for row in (row for name in SHOWN for row in rows if row[0] == name):
         yield "| " + " | ".join([SHOWN[row[0]], *(row[column].split(" /")[0] for column in columns)]) + " |"
@@ -216,12 +217,21 @@ def _told_apart(contact: str) -> Iterator[str]:
 
 def _obstacles() -> Iterator[str]:
     yield "# Obstacles\n\nMade by `make docs` from the obstacle classes; `rsegen obstacles` prints the same."
+    yield "The [gallery](gallery.md) has every kind at three values of softness."
     for kind, cls in KINDS.items():
         yield f"\n## `{kind}`\n\n{summary(cls)}\n"
         yield from _table(parameters(cls))
-        yield f"\n![{kind}](pictures/kind-{kind}.png)"
+        yield f"\n![{kind}](pictures/kind-{kind}.png)\n"
+        yield f"    {catalogue.command(kind)}"
     yield "\n## Every kind\n"
     yield from _table(parameters(Placement))
+
+
+def _decisions() -> Iterator[str]:
+    yield "# Decisions\n\nWhat was decided and would be costly to change, with the reasons.\n"
+    for path in sorted((DOCS / "decisions").glob("0*.md")):
+        title = path.read_text("utf-8").partition("\n")[0].removeprefix("# ")
+        yield f"- [{title}]({path.name})"
 
 
 def _parameters() -> Iterator[str]:
@@ -239,7 +249,7 @@ def _examples() -> Iterator[str]:
 
 def _robots() -> Iterator[str]:
     yield (
-        "| robot | L x W x H m | kg | wheels or tracks m | top v, w | clearance m | climbs m | figures |\n"
+        "| robot | L x W x H m | kg | wheels or tracks m | top v, w | clearance m | climbs m | sources |\n"
         + "|---" * 8
         + "|"
     )
