@@ -14,18 +14,19 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-ARGS ?= --numprocesses=auto
+# One process more than cores: tests in a simulator mostly wait; an idle process takes tests of a busy one.
+ARGS ?= --numprocesses=$(shell echo $$(($$(getconf _NPROCESSORS_ONLN) + 1))) --dist=worksteal
 FAST ?= --numprocesses=2
 MUTANTS ?=
 FUZZ ?=
 CRASH ?=
 
-.PHONY: learners worlds test test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: browser learners worlds test test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in src/rsegen/recipe/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
 
-test: $(VENV)/developer gazebo screen learners
+test: $(VENV)/developer gazebo screen browser learners
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest $(ARGS)
 
 test-fast: $(VENV)/developer
@@ -97,6 +98,10 @@ learners: $(VENV)/developer
 # A screen for the tests of the window.
 screen:
 	scripts/screen || test $$? = 3
+
+# A browser for the tests of pages.
+browser:
+	scripts/browser || test $$? = 3
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
