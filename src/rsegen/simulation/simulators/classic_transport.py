@@ -47,6 +47,7 @@ class TransportClient:
         self._subscribers: dict[str, list[socket.socket]] = defaultdict(list)
         self._publishers: dict[socket.socket, str] = {}
         self._sockets: list[socket.socket] = []
+        self._is_closed = False
         self._world = ""
         self._last = 0.0
         self._master = self._registered(socket.create_connection(address, timeout))
@@ -127,6 +128,9 @@ class TransportClient:
         self._wait_until_quiet()
         with suppress(SimulatorFailed):
             self._unsubscribe(set(self._publishers.values()))
+        self._is_closed = True
+        with suppress(OSError):  # not every system ends a waiting accept() so
+            self._own.shutdown(socket.SHUT_RDWR)
         for each in (self._own, *self._sockets):
             each.close()
 
@@ -175,13 +179,17 @@ class TransportClient:
     def _connect_publisher(self, publisher: Mapping[str, Any]) -> None:
         """Connect to a publisher of a subscribed topic."""
         if publisher["topic"] in self._types and publisher["port"] != self._port:
-            self._start_thread(lambda: self._read_publisher(publisher))
+            self._start_thread(partial(self._read_publisher, publisher))
 
     def _read_publisher(self, publisher: Mapping[str, Any]) -> None:
         topic = publisher["topic"]
-        other = self._registered(socket.create_connection((publisher["host"], publisher["port"]), TIMEOUT))
+        try:
+            other = self._registered(socket.create_connection((publisher["host"], publisher["port"]), TIMEOUT))
+        except OSError:  # it is gone already
+            return
         self._inbox.update(lambda: self._publishers.update({other: topic}))
-        _send(other, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
+        with suppress(SimulatorFailed):  # it goes in this moment: then nothing is received
+            _send(other, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
         for content in _received(other):
             message = CLASSIC.decode(self._types[topic], content)
             self._takers.get(topic, partial(self._inbox.add, topic))(message)
@@ -195,19 +203,22 @@ class TransportClient:
                 subscriber, _ = self._own.accept()
             except OSError:
                 return
-            self._start_thread(lambda: self._read_subscriber(self._registered(subscriber)))  # noqa: B023
+            self._start_thread(partial(self._read_subscriber, subscriber))
 
     def _read_subscriber(self, subscriber: socket.socket) -> None:
-        for content in _received(subscriber):
+        for content in _received(self._registered(subscriber)):
             packet = CLASSIC.decode("Packet", content)
             if packet["type"] == "sub":
                 topic = CLASSIC.decode("Subscribe", packet["serialized_data"])["topic"]
                 self._inbox.update(lambda: self._subscribers[topic].append(subscriber))  # noqa: B023
 
     def _registered(self, other: socket.socket) -> socket.socket:
+        """A connection that is closed with this client, at once if that is closed already."""
         other.settimeout(None)
         other.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._sockets.append(other)
+        if self._is_closed:
+            other.close()
         return other
 
     def _start_thread(self, run: Callable[[], None]) -> None:

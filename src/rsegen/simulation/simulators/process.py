@@ -16,9 +16,10 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import IO
 
 from rsegen.errors import SimulatorFailed
@@ -48,8 +49,6 @@ class RunningProgram:
         if self.process.poll() is None:  # somebody has killed the watch
             os.killpg(self.process.pid, signal.SIGKILL)
             self.process.wait()
-        if self.process.stdout:
-            self.process.stdout.close()
 
 
 @contextmanager
@@ -75,19 +74,30 @@ def running(
 
 def output_of(launch: LaunchCommand, timeout: float) -> str:
     """stdout and stderr of a program that ends by itself; SimulatorFailed if it takes longer than `timeout` s."""
-    with running(launch, subprocess.PIPE) as started:
-        try:
-            return started.process.communicate(timeout=timeout)[0]
-        except subprocess.TimeoutExpired:
-            raise SimulatorFailed(f"{launch.command[0]}: no answer in {timeout:g} s") from None
+    printed, has_ended = _printed(launch, timeout)
+    if not has_ended:
+        raise SimulatorFailed(f"{launch.command[0]}: no answer in {timeout:g} s")
+    return printed
 
 
 def command_output(command: Sequence[str | Path]) -> str:
-    """stdout and stderr of a short command; empty if there is no such command or it does not end."""
+    """stdout and stderr of a short command, also if it does not end; empty if there is no such command."""
     try:
-        return output_of(LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd()), timeout=30)
-    except (OSError, SimulatorFailed):
+        return _printed(LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd()), 30)[0]
+    except OSError:
         return ""
+
+
+def _printed(launch: LaunchCommand, timeout: float) -> tuple[str, bool]:
+    """What a program prints in some seconds, and whether it has ended: its end counts, not that of a pipe, which any
+    process that it has started may keep open.
+    """
+    with TemporaryFile("w+", encoding="utf-8", errors="replace") as file, running(launch, file) as started:
+        with suppress(subprocess.TimeoutExpired):
+            started.process.wait(timeout)
+        has_ended = started.exit_code is not None
+        file.seek(0)
+        return file.read(), has_ended
 
 
 def _started(

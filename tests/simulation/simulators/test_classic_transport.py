@@ -1,0 +1,90 @@
+"""The client of Gazebo Classic's transport, and servers that connect and disconnect at any moment."""
+
+from __future__ import annotations
+
+import socket
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from rsegen.simulation.simulators.classic_messages import CLASSIC
+from rsegen.simulation.simulators.classic_transport import TransportClient, transport_client
+
+TOPIC = "/gazebo/lab/request"
+SUBSCRIBERS = 40
+
+
+def packet(kind: str, type_name: str, message: dict[str, object]) -> bytes:
+    inside = {"type": kind, "serialized_data": CLASSIC.encode(type_name, message), "stamp": {"sec": 1}}
+    content = CLASSIC.encode("Packet", inside)
+    return b"%08X" % len(content) + content
+
+
+@contextmanager
+def a_client() -> Iterator[TransportClient]:
+    """A client of a master that only tells the name of its world."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        address = server.getsockname()
+
+        def serve() -> None:
+            client, _ = server.accept()
+            with client:
+                client.sendall(packet("topic_namepaces_init", "GzString_V", {"data": ["lab"]}))
+                while client.recv(4096):
+                    pass
+
+        threading.Thread(target=serve, daemon=True).start()
+        with transport_client(address, 5) as client:
+            try:
+                yield client
+            finally:
+                client._master.shutdown(socket.SHUT_RDWR)
+
+
+def subscriber(client: TransportClient) -> socket.socket:
+    return socket.create_connection(client._own.getsockname(), 5)
+
+
+def test_every_subscriber_gets_a_message_however_many_come_at_once() -> None:
+    with a_client() as client:
+        others = [subscriber(client) for _ in range(SUBSCRIBERS)]
+        for other in others:
+            other.sendall(packet("sub", "Subscribe", {"topic": TOPIC, "host": "127.0.0.1", "port": 1}))
+        client._wait("subscribers are lost", lambda: len(client._subscribers[TOPIC]) == SUBSCRIBERS, 10)
+        client.publish("~/request", "GzString", {"data": "hello"})
+        for other in others:
+            with other, other.makefile("rb") as stream:
+                assert CLASSIC.decode("GzString", stream.read(int(stream.read(8), 16))) == {"data": "hello"}
+
+
+def test_nobody_can_connect_to_a_client_that_is_closed() -> None:
+    with a_client() as client:
+        address = client._own.getsockname()
+    with pytest.raises(OSError, match="refused"):
+        socket.create_connection(address, 5)
+
+
+def test_a_connection_that_comes_while_a_client_is_closed_is_closed_too() -> None:
+    with a_client() as client:
+        pass
+    ours, theirs = connected()
+    with theirs:
+        assert client._registered(ours).fileno() == -1
+        assert theirs.recv(1) == b""
+
+
+def test_a_publisher_that_is_gone_already_is_no_error() -> None:
+    with a_client() as client:
+        with socket.create_server(("127.0.0.1", 0)) as gone:
+            port = gone.getsockname()[1]
+        client._read_publisher({"topic": TOPIC, "host": "127.0.0.1", "port": port})
+        assert client._publishers == {}
+
+
+def connected() -> tuple[socket.socket, socket.socket]:
+    """Two sockets of TCP that are connected."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        ours = socket.create_connection(server.getsockname(), 5)
+        return ours, server.accept()[0]
