@@ -150,6 +150,11 @@ def pip_install(extras: Iterable[str]) -> str:
     return f"{shlex.quote(sys.executable or 'python3')} -m pip install 'rsegen[{','.join(extras)}]'"
 
 
+def said_by(error: Exception) -> str:
+    """What a library says of its error, on one short line."""
+    return " ".join(str(error).split())[:_LONGEST] or type(error).__name__
+
+
 def shown(value: object) -> str:
     """`value` as an error message shows it: short, and on one line whatever it is."""
     if value is None:

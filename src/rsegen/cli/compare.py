@@ -20,10 +20,11 @@ from rsegen.io.resources import refuse_too_large
 from rsegen.io.scans import ComparedMap, ScanOptions, compare
 from rsegen.io.targets import found
 from rsegen.io.writer import write_file
+from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 
-_KNOWN = ("size", "fill_holes", "block_width_cm", "unit_cm", "boundary", "chunk_size")
-"""What the map says already."""
+_KNOWN = frozenset({*parameters(Recipe), "size", "fill_holes"})
+"""Options of a scan that the map decides."""
 
 _SHOWN = 20
 
@@ -97,9 +98,10 @@ def _cm(metres: float) -> str:
 
 
 def _cell(comparison: Comparison, x: int, y: int) -> str:
-    if comparison.wanted.frame[x, y]:
+    field = comparison.wanted
+    if field.frame[x, y]:
         return f"frame, cell {x}, {y} from the south-west corner"
-    return f"x {comparison.numbered(0)[x]} y {comparison.numbered(1)[y]}"
+    return f"x {field.numbered(0)[x]} y {field.numbered(1)[y]}"
 
 
 def _as_json(comparison: Comparison) -> dict[str, object]:

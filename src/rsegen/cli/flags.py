@@ -70,6 +70,11 @@ def _add_flags(
         command.add_argument(flag(name), dest=name, metavar=metavar, help=text)
 
 
+def add_switch(command: argparse._ActionsContainer, name: str, text: str) -> None:
+    """A flag without a value that says yes to a parameter."""
+    command.add_argument(flag(name), dest=name, action="store_const", const="yes", help=text)
+
+
 def describe_flag(name: str, parameter: Parameter, default: object = None) -> tuple[str, str]:
     """How the help shows the value of a flag, and what it says of it: meaning, values, default; the last two once."""
     words = _words(parameter)

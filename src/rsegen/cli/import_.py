@@ -7,7 +7,7 @@ import sys
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from rsegen.cli.flags import Subparsers, add_recipe_flags, describe_flag, flag, given, with_flags
+from rsegen.cli.flags import Subparsers, add_recipe_flags, add_switch, describe_flag, flag, given, with_flags
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.picture_path import picture_path
 from rsegen.errors import ParameterError
@@ -76,7 +76,7 @@ def _add_reading_flags(command: argparse.ArgumentParser) -> None:
     for name, option in _options().items():
         text = "; ".join(f"{', '.join(kinds)}: {said}" for said, kinds in _meanings(name).items())
         if isinstance(option, Flag):
-            group.add_argument(flag(name), dest=name, action="store_const", const="yes", help=text)
+            add_switch(group, name, text)
         else:
             group.add_argument(flag(name), dest=name, metavar=name.upper(), help=text)
 

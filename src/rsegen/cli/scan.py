@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rsegen.cli.flags import Subparsers, add_parameter_flags, add_recipe_flags, given, with_flags
+from rsegen.cli.flags import Subparsers, add_parameter_flags, add_recipe_flags, add_switch, given, with_flags
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.picture_path import picture_path
 from rsegen.exporters.pictures.preview import image_format
@@ -37,8 +37,7 @@ def add(commands: Subparsers) -> None:
     command.add_argument("clouds", nargs="+", metavar="CLOUD", help=f"named {names}")
     group = command.add_argument_group("reading", "what is not given is found from the cloud")
     add_parameter_flags(group, ScanOptions, without=(*parameters(Recipe), "fill_holes"))
-    text = parameters(ScanOptions)["fill_holes"].help
-    group.add_argument("--fill-holes", dest="fill_holes", action="store_const", const="yes", help=text)
+    add_switch(group, "fill_holes", parameters(ScanOptions)["fill_holes"].help)
     add_output_flags(command)
     text = "draw the grid, levels and residuals that were found (default: DIR/NAME_fit.png)"
     command.add_argument("--fit", metavar="PICTURE", help=text)
@@ -86,7 +85,7 @@ def _report(found: ScannedMap) -> Iterator[str]:
 def _cells(found: ScannedMap, chosen: Mask) -> str:
     """How many cells, and the first of them as recipes count them."""
     cells = [tuple(cell) for cell in np.argwhere(chosen & ~found.scan.frame).tolist()]
-    inside = [np.cumsum(found.scan.field.inside(axis)) - 1 for axis in (0, 1)]
-    names = ", ".join(f"x {inside[0][x]} y {inside[1][y]}" for x, y in cells[:_SHOWN])
+    numbers_x, numbers_y = (found.scan.field.numbered(axis) for axis in (0, 1))
+    names = ", ".join(f"x {numbers_x[x]} y {numbers_y[y]}" for x, y in cells[:_SHOWN])
     more = f" and {len(cells) - _SHOWN} more" if len(cells) > _SHOWN else ""
     return f"{int(chosen.sum())} of {chosen.size} cells" + (f" ({names}{more})" if names else "")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.field.stepfield import Array, Mask, StepField
 
 _FEW_WRONG = 0.5
 """Share of wrong cells up to which two maps are taken for the same one, turned."""
@@ -51,11 +51,6 @@ class Comparison:
         """x, y, height [m] and wanted height [m] of every cell that is wrong, frames counted; row by row from y = 0."""
         for y, x in np.argwhere(self.wrong.T):
             yield int(x), int(y), float(self.heights[x, y]), float(self.wanted.heights[x, y])
-
-    def numbered(self, axis: int) -> Ints:
-        """The number of each line of cells along an axis as recipes count them, -1 for lines that are all frame."""
-        inside = self.wanted.inside(axis)
-        return np.where(inside, np.cumsum(inside) - 1, -1)
 
 
 def compared(stands: StepField, wanted: StepField) -> Comparison:

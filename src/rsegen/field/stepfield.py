@@ -106,6 +106,11 @@ class StepField:
         """Per index along an axis (0: x, 1: y): true if that line has blocks, false if it is all frame."""
         return np.asarray(~self.frame.all(axis=1 - axis))
 
+    def numbered(self, axis: int) -> Ints:
+        """Per index along an axis: the number of that line of blocks in recipes, -1 if it is all frame."""
+        inside = self.inside(axis)
+        return np.where(inside, np.cumsum(inside) - 1, -1)
+
     def edges(self) -> tuple[Array, Array]:
         """Coordinates of the cell edges, metres: x of shape (n_x + 1,) and y of shape (n_y + 1,)."""
         return _edges(self.shape[0], self.block_width), _edges(self.shape[1], self.block_width)

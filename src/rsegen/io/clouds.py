@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError, RsegenError, UserError, pip_install
+from rsegen.errors import FileError, ParameterError, RsegenError, UserError, pip_install, said_by
 from rsegen.field.stepfield import Array
 from rsegen.io.image_files import opened_image
 from rsegen.io.input_files import open_regular
@@ -105,7 +105,7 @@ def _text(path: Path) -> tuple[Array, str]:
     try:
         return np.loadtxt(lines[first:], delimiter=separator, usecols=(0, 1, 2), ndmin=2, comments=("#", "//")), "m"
     except ValueError as error:
-        raise FileError(f"{path}: {_one_line(error)}") from None
+        raise FileError(f"{path}: {said_by(error)}") from None
 
 
 def _mib(path: Path) -> int:
@@ -161,7 +161,7 @@ def _by_library(path: Path, read: Callable[[], Array]) -> Array:
     except RsegenError:
         raise
     except Exception as error:  # libraries fail in many ways at files that are none of theirs
-        raise FileError(f"{path}: not a {path.suffix[1:].upper()} file that can be read ({_one_line(error)})") from None
+        raise FileError(f"{path}: not a {path.suffix[1:].upper()} file that can be read ({said_by(error)})") from None
     if found.ndim != 2 or found.shape[1] != 3 or not len(found):
         raise FileError(f"{path}: has no points")
     _refuse_many(path, len(found))
@@ -171,10 +171,6 @@ def _by_library(path: Path, read: Callable[[], Array]) -> Array:
 def _refuse_many(path: Path, points: int) -> None:
     if points > MOST_POINTS:
         raise FileError(f"{path}: {points:,} points; give up to {MOST_POINTS:,}")
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split())[:120] or type(error).__name__
 
 
 READERS: dict[str, Callable[[Path], tuple[Array, str]]] = {

@@ -10,7 +10,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rsegen.errors import FileError, RsegenError
+from rsegen.errors import FileError, RsegenError, said_by
 from rsegen.io.input_files import open_regular
 
 if TYPE_CHECKING:
@@ -41,8 +41,8 @@ def opened_image(path: Path) -> Iterator[Image]:
     except (Image.DecompressionBombError, MemoryError):
         raise FileError(f"{path}: an image too large to be read") from None
     except Exception as error:  # Pillow fails in many ways at values that cannot be
-        said = " ".join(str(error).split())[:100] or type(error).__name__
-        raise FileError(f"{path}: {getattr(error, 'strerror', None) or f'not a whole image: {said}'}") from None
+        said = getattr(error, "strerror", None) or f"not a whole image: {said_by(error)}"
+        raise FileError(f"{path}: {said}") from None
 
 
 @contextmanager

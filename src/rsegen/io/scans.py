@@ -175,7 +175,8 @@ def _recipe(found: Scan, name: str, *, fill_holes: bool) -> Recipe:
     """The field as a recipe of one matrix; that of blocks that were not seen apart, if they are filled."""
     levels = found.blocks
     holes = levels < 0
-    if fill_holes and holes.any() and holes.mean() <= _MOST_UNSEEN:
+    fill_holes = fill_holes and 0 < holes.mean() <= _MOST_UNSEEN
+    if fill_holes:
         levels = np.rint(filled(np.maximum(levels, 0).astype(float), holes)).astype(np.int64)
     heights = Heights(
         levels=levels,
@@ -185,7 +186,7 @@ def _recipe(found: Scan, name: str, *, fill_holes: bool) -> Recipe:
             "block_width_cm": round(found.block_width * 100, 6),
             **({"frame_height_cm": round(found.frame_height * 100, 6)} if found.boundary != "none" else {}),
         },
-        holes=holes if fill_holes and holes.any() else None,
+        holes=holes if fill_holes else None,
     )
     recipe = recipe_of(Path(name), heights, found.chunk_size)
     return replace(recipe, description=f"scan of {name}"[:500])

@@ -39,7 +39,7 @@ def boxes(scene: Scene) -> Iterator[str]:
     """
     field = scene.field
     x, y = ([decimal(at) for at in ((line[:-1] + line[1:]) / 2).tolist()] for line in field.edges())
-    block_x, block_y = ((np.cumsum(field.inside(axis)) - 1).tolist() for axis in (0, 1))
+    block_x, block_y = (field.numbered(axis).tolist() for axis in (0, 1))
     templates = {material: _templates(scene, material, height) for material, height in _heights(field).items()}
     for i in range(field.shape[0]):
         row = zip(field.levels[i].tolist(), field.frame[i].tolist(), strict=True)
