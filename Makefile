@@ -14,8 +14,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-# One process more than cores: tests in a simulator mostly wait; an idle process takes tests of a busy one.
-ARGS ?= --numprocesses=$(shell echo $$(($$(getconf _NPROCESSORS_ONLN) + 1))) --dist=worksteal
+# A process that has no more tests takes some of another's.
+ARGS ?= --numprocesses=auto --dist=worksteal
 FAST ?= --numprocesses=2
 MUTANTS ?=
 FUZZ ?=

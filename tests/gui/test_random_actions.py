@@ -22,7 +22,7 @@ pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]
 
 from tests.support.screen import ON_SCREEN
 
-SEEDS = range(1, 7)
+SEEDS = range(1, 5)
 ROOT = Path(__file__).parents[2]
 SHORTENINGS = 25
 """So many shorter lists of actions are tried after a failure."""
