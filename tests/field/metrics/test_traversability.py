@@ -89,11 +89,33 @@ def test_a_mirrored_field_has_the_same_length() -> None:
 @given(fields(), CLIMBERS)
 def test_the_region_is_scipy_s_largest(found: StepField, climber: RobotLimits) -> None:
     assume(not found.frame.all())
-    _, group = connected_components(graph(ground(found, climber.width), climber, 1), connection="strong")
-    counts = np.bincount(group[~found.frame.ravel()])
+    """Of those with the most blocks that are as high as all that is below a robot on them."""
+    carrying, blocks = ground(found, climber.width), ~found.frame
+    _, group = connected_components(graph(carrying, climber, 1), connection="strong")
+    carries = blocks & (np.abs(found.heights - carrying.heights / NANOMETRES) < 1e-9)
+    counts = [
+        tuple(np.count_nonzero(those.ravel() & (group == each)) for those in (carries, blocks)) for each in set(group)
+    ]
     result = traversability(found, climber)
-    assert result.cover == pytest.approx(counts.max() / counts.sum())
-    assert len(set(group[result.region.ravel()])) == 1
+    (chosen,) = set(group[result.region.ravel()])
+    assert counts[list(set(group)).index(chosen)] == max(counts)
+    assert np.array_equal(result.region, blocks & (group == chosen).reshape(found.shape))
+    assert result.cover == pytest.approx(result.region.sum() / blocks.sum())
+
+
+def test_the_region_of_a_wide_robot_is_the_floor_and_not_the_surroundings_of_barriers() -> None:
+    """A robot that is three blocks wide would stand on a barrier wherever it is next to it."""
+    levels = np.zeros((30, 20), dtype=np.int16)
+    levels[[6, 22, 25, 28], :] = levels[:, 19] = 1
+    field = StepField(
+        levels=levels, frame=np.zeros(levels.shape, dtype=bool), block_width=0.1, unit=0.1, frame_height=0.0
+    )
+    narrow, wide = (traversability(field, RobotLimits(climb_cm=5, width_cm=width)) for width in (0, 30))
+    expected = np.zeros(levels.shape, dtype=bool)
+    expected[7:22, :19] = True
+    assert np.array_equal(narrow.region, expected)
+    expected[[7, 21]] = expected[:, 18] = False
+    assert np.array_equal(wide.region, expected)
 
 
 EDGES = st.lists(st.tuples(st.integers(0, 19), st.integers(0, 19), st.booleans(), st.booleans()), max_size=60)

@@ -35,20 +35,21 @@ class Ground(NamedTuple):
 
 def ground(field: StepField, width: float) -> Ground:
     """The ground of a field, frames counted, for robots of a width in metres whose middle is on a cell."""
-    heights = _widened(_heights(field), cells_to_each_side(field, width))
+    heights = _widened(field_heights(field), cells_to_each_side(field, width))
     return Ground(heights, rows=field.inside(1), columns=field.inside(0))
 
 
 def lane(field: StepField, width: float, axis: int) -> Ground:
     """The ground with level ground before and behind the field along one axis, which becomes the first axis."""
     margin = cells_to_each_side(field, width) + 1
-    heights = _heights(field) if axis == 0 else _heights(field).T
+    heights = field_heights(field) if axis == 0 else field_heights(field).T
     widened = _widened(np.pad(heights, ((margin, margin), (0, 0))), margin - 1)
     columns = np.pad(field.inside(axis), margin, constant_values=True)
     return Ground(widened, rows=field.inside(1 - axis), columns=columns)
 
 
-def _heights(field: StepField) -> Heights:
+def field_heights(field: StepField) -> Heights:
+    """The heights of a field's cells (n_x, n_y) in nanometres."""
     return np.rint(field.heights * NANOMETRES).astype(np.int64)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rsegen.field.metrics.ground import ground, lane
+from rsegen.field.metrics.ground import field_heights, ground, lane
 from rsegen.field.metrics.paths import UNREACHABLE, cheapest_paths
 from rsegen.field.metrics.regions import strongly_connected
 from rsegen.field.metrics.steps import steps
@@ -43,7 +43,7 @@ class Traversability:
 
     climbable, droppable: share of the steps between blocks that it can climb, or descend; None if there are none
     cover: coverage, the share of the blocks in the largest traversable area, in which the robot can drive from every
-    block to every other; region: (n_x, n_y), the mask of that area
+    block to every other, measured by the blocks that carry it; region: (n_x, n_y), the mask of that area
     """
 
     climber: RobotLimits
@@ -79,13 +79,20 @@ def _share_within(field: StepField, limit: float) -> float | None:
 
 
 def _largest_region(field: StepField, climber: RobotLimits) -> Mask:
-    """The mask of the blocks of the largest strongly connected component; of two equal ones, of the first."""
+    """The mask of the blocks of the largest strongly connected component; of two equal ones, of the first.
+
+    The largest one has the most blocks that carry the robot, as no cell below it is higher; of these, the most blocks.
+    So it is the floor, and not the surroundings of a barrier, in which a wide robot would stand on it.
+    """
     carrying = ground(field, climber.width)
     (low, high), (climb, drop) = carrying.moves(), climber.limits
     rise = carrying.heights.flat[high] - carrying.heights.flat[low]
     onward, back = (rise <= climb) & (-rise <= drop), (-rise <= climb) & (rise <= drop)
     group = strongly_connected(field.levels.size, low, high, onward, back).reshape(field.shape)
-    return np.asarray(~field.frame & (group == np.bincount(group[~field.frame]).argmax()))
+    blocks = ~field.frame
+    carries = blocks & (field_heights(field) == carrying.heights)
+    carried, size = (np.bincount(group[those], minlength=group.size) for those in (carries, blocks))
+    return np.asarray(blocks & (group == (carried * (group.size + 1) + size).argmax()))
 
 
 def crossing(field: StepField, climber: RobotLimits, axis: int, *, shortest: bool = True) -> Crossing:
