@@ -13,7 +13,7 @@ from PIL import Image
 pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]'")
 
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QTimer, QUrl
-from PySide6.QtGui import QAction, QDragEnterEvent, QDropEvent
+from PySide6.QtGui import QAction, QDragEnterEvent, QDropEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -37,7 +37,7 @@ from rsegen.gui.model.plan_layout import fit
 from rsegen.gui.model.session import Session
 from rsegen.gui.widgets.plan_painting import plan_area
 from rsegen.gui.window import Window
-from tests.support.clicking import answer, click, find, shown
+from tests.support.clicking import answer, click, find, shown, typed
 from tests.support.waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
@@ -95,7 +95,7 @@ def test_the_type_height_and_softness_of_the_form_are_those_of_the_row(window: W
     (row,) = window.session.draft.rows
     assert (row.entry["kind"], row.entry["max_height"]) == ("random", 4)
     assert [cell(window, 0, column).text() for column in (1, 2)] == ["random", "4"]
-    assert find(window.forms.obstacle, QLabel, "heights").text() == "Heights: 0, 10, 20, 30 cm"
+    assert find(window.forms.obstacle, QLabel, "heights").text() == "4 levels: 0, 10, 20, 30 cm"
 
 
 def test_sliders_move_the_ends_of_the_chosen_obstacle(window: Window) -> None:
@@ -381,3 +381,58 @@ def test_a_picture_that_cannot_be_written_is_one_line(
     QTest.keyClick(find(window, PictureSizeDialog, "picture_size_dialog"), Qt.Key.Key_Return)
     until(lambda: bool(messages))
     assert messages == [f"{path}: cannot be written as a picture; give a name in an existing folder, such as x.png"]
+
+
+def test_a_place_beyond_the_map_can_be_typed_and_is_an_error(window: Window) -> None:
+    window.session.add({"kind": "peak", "max_height": 5, "first": [2, 2], "last": [5, 5]})
+    window.document.select(0)
+    typed(window, "x_first_number", "99")
+    assert window.session.draft.rows[0].entry["first"] == [99, 2]
+    assert find(window.forms.obstacle, QSpinBox, "x_first_number").text() == "99"
+    assert window.forms.error_label.text() == "Row 1, X first: 99 is outside 0..9"
+    for name in ("start", "export", "spawn", "open_in"):
+        assert not find(window, QAbstractButton, name).isEnabled()
+    typed(window, "x_first_number", "3")
+    assert window.session.draft.rows[0].entry["first"] == [3, 2]
+    assert not window.forms.error_label.text()
+    for name in ("start", "export", "spawn", "open_in"):
+        assert find(window, QAbstractButton, name).isEnabled()
+
+
+def test_a_barrier_moves_as_a_whole_when_its_place_is_typed(window: Window) -> None:
+    window.session.add({"kind": "horizontal_barrier", "max_height": 5, "first": [9, 0], "last": [9, 7]})
+    window.document.select(0)
+    typed(window, "x_first_number", "4")
+    entry = window.session.draft.rows[0].entry
+    assert (entry["first"], entry["last"]) == ([4, 0], [4, 7])
+
+
+def test_the_wheel_scrolls_the_form_and_changes_no_value(window: Window) -> None:
+    for name in ("max_height_field", "chunk_size_field", "boundary_field", "kind"):
+        for field in window.forms.findChildren(QWidget, name):
+            before = window.session.draft, window.forms.obstacle.entry()
+            window.setFocus()
+            spin(field)
+            assert (window.session.draft, window.forms.obstacle.entry()) == before
+    box = find(window.forms.obstacle, QSpinBox, "max_height_field")
+    box.setFocus()
+    spin(box)
+    assert box.value() == 6
+
+
+def spin(field: QWidget) -> None:
+    """One notch of the wheel upwards."""
+    middle, none = QPointF(field.rect().center()), Qt.KeyboardModifier.NoModifier
+    phase = Qt.ScrollPhase.NoScrollPhase
+    at, angle = field.mapToGlobal(middle), QPoint(0, 120)
+    event = QWheelEvent(middle, at, QPoint(), angle, Qt.MouseButton.NoButton, none, phase, False)  # noqa: FBT003  # Qt's
+    QApplication.sendEvent(field, event)
+
+
+def test_what_was_written_is_forgotten_when_another_recipe_is_opened(window: Window, tmp_path: Path) -> None:
+    window.outputs.start_into(tmp_path / "worlds")
+    outcome = find(window, QLabel, "outcome")
+    until(lambda: outcome.text().startswith("1 map in"))
+    window.document.open(Session.new())
+    assert outcome.text() == ""
+    assert not find(window, QAbstractButton, "open_folder").isVisible()

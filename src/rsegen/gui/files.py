@@ -13,6 +13,7 @@ from rsegen.errors import RsegenError
 from rsegen.gui.dialogs.dataset import DatasetDialog
 from rsegen.gui.dialogs.example import ExampleDialog
 from rsegen.gui.dialogs.heights import HeightsDialog
+from rsegen.gui.dialogs.save_file import ask_where_to_save
 from rsegen.gui.model.document import Document
 from rsegen.gui.model.session import Session
 from rsegen.gui.widgets.recent_files import RecentFiles
@@ -60,7 +61,7 @@ class Files:
     def choose_file(self) -> None:
         """Ask for a recipe, or for the manifest of a data set, and open it."""
         title = "Open a recipe, or manifest.json of a data set"
-        name, _ = QFileDialog.getOpenFileName(self._parent, title, "", RECIPES)
+        name, _ = QFileDialog.getOpenFileName(self._parent, title, "", f"{RECIPES};;All files (*)")
         if name:
             self.open(Path(name))
 
@@ -121,9 +122,8 @@ class Files:
     def save_as(self) -> None:
         """Ask for a file, and save the recipe to it."""
         session = self._document.session
-        name, _ = QFileDialog.getSaveFileName(self._parent, "Save the recipe", f"{session.recipe.name}.yaml", RECIPES)
-        if name:
-            self._save(Path(name))
+        if path := ask_where_to_save(self._parent, "Save the recipe", f"{session.recipe.name}.yaml", RECIPES):
+            self._save(path)
 
     def _save(self, path: Path) -> None:
         """Save the recipe to a file, which is from then on its file; show why if it cannot be."""

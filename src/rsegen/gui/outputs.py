@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QMessageBox, QWidget
 
 from rsegen.errors import RsegenError
 from rsegen.gui.dialogs.as_code import CodeDialog
@@ -14,9 +14,11 @@ from rsegen.gui.dialogs.drive import DriveDialog
 from rsegen.gui.dialogs.experiment import ExperimentDialog
 from rsegen.gui.dialogs.export import ExportDialog
 from rsegen.gui.dialogs.picture_size import PictureSizeDialog
+from rsegen.gui.dialogs.save_file import ask_where_to_save
 from rsegen.gui.dialogs.saving import SavingDialog
 from rsegen.gui.model.document import Document
 from rsegen.gui.widgets.field_view import FieldView
+from rsegen.gui.widgets.map_status import MapStatusBar
 from rsegen.gui.widgets.plan_view import PlanView
 from rsegen.gui.widgets.start_form import StartForm
 from rsegen.gui.workers.picture_saver import PictureSaver
@@ -24,10 +26,11 @@ from rsegen.gui.workers.spawn_job import SpawnJob
 
 
 class Outputs:
-    """Writes the open recipe, and opens the dialogs that do; `index` gives the map that is shown."""
+    """Writes the open recipe, and opens the dialogs that do, for the map and the robot of the status bar."""
 
-    def __init__(self, document: Document, start_form: StartForm, index: Callable[[], int], parent: QWidget) -> None:
-        self._document, self._form, self._index, self._parent = document, start_form, index, parent
+    def __init__(self, document: Document, start_form: StartForm, status: MapStatusBar, parent: QWidget) -> None:
+        self._document, self._form, self._status, self._parent = document, start_form, status, parent
+        self._index = status.shown_index
         self.spawn_job, self.pictures = SpawnJob(parent), PictureSaver(parent)
 
     @property
@@ -64,7 +67,7 @@ class Outputs:
 
     def drive(self) -> None:
         """Open the dialog that drives robots over the map that is shown."""
-        DriveDialog(self._document.session.recipe, self._index(), self._parent).open()
+        DriveDialog(self._document.session.recipe, self._index(), self._parent, robot=self._status.robot_name).open()
 
     def experiment(self) -> None:
         """Open the dialog that runs the trials of an experiment, on maps of its own."""
@@ -85,7 +88,7 @@ class Outputs:
             lambda: self._save(
                 "Save the picture",
                 "field.png",
-                "PNG (*.png);;JPEG (*.jpg)",
+                "PNG (*.png);;JPEG (*.jpg *.jpeg)",
                 lambda path: SavingDialog(self.pictures, view.drawing(dialog.size_in_pixels), path, self._parent),
             )
         )
@@ -97,10 +100,10 @@ class Outputs:
 
     def _save(self, title: str, default: str, formats: str, save: Callable[[Path], object]) -> None:
         """Ask for a file, and save something in it."""
-        name, _ = QFileDialog.getSaveFileName(self._parent, title, default, formats)
+        path = ask_where_to_save(self._parent, title, default, formats)
         try:
-            if name:
-                save(Path(name))
+            if path:
+                save(path)
         except RsegenError as error:
             QMessageBox.warning(self._parent, "rsegen", str(error))
 

@@ -41,7 +41,7 @@ class Window(QMainWindow):
         self.forms, self.views, self.status = RecipeForms(), MapViews(), MapStatusBar()
         self.previewer, self.simulators = Previewer(self), SimulatorActions(self)
         self.files = Files(self.document, self)
-        self.outputs = Outputs(self.document, self.forms.start_form, self.status.shown_index, self)
+        self.outputs = Outputs(self.document, self.forms.start_form, self.status, self)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE)
         self._lay_out()
         self._connect_forms()
@@ -150,6 +150,7 @@ class Window(QMainWindow):
     def _show_opened(self) -> None:
         """Show another session at once, the whole map in view."""
         self.forms.basic.keep.setChecked(self.session.seed_kept)
+        self.forms.start_form.forget()
         self._show_document()
         self._preview()
         self.views.view.look_from(Side.PERSPECTIVE)

@@ -28,6 +28,7 @@ from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.formats.arrays import Arrays
 from rsegen.gui.dialogs.export import ExportDialog
 from rsegen.gui.model.session import Session
+from rsegen.gui.widgets.named import tooltip
 from rsegen.gui.window import Window
 from rsegen.io.record import RECORD
 from rsegen.params import extras
@@ -99,7 +100,7 @@ def test_options_of_a_format_are_there_when_it_is_ticked_and_count(window: Windo
 def test_every_format_is_there_in_the_words_of_the_command(window: Window, tmp_path: Path) -> None:
     dialog = opened(window, tmp_path)
     assert [(box.text(), box.toolTip()) for box in dialog.findChildren(QCheckBox) if box.text() in FORMATS] == [
-        (name, summary(cls)) for name, cls in FORMATS.items()
+        (name, tooltip(summary(cls))) for name, cls in FORMATS.items()
     ]
     assert not dialog.form.start.isEnabled()
     click(dialog, "format_urdf")

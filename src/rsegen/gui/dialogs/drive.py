@@ -21,11 +21,12 @@ _WIDTH = 340
 class DriveDialog(JobDialog):
     """Asks which robots drive and how; then shows how far they got, and their trajectories."""
 
-    def __init__(self, recipe: Recipe, index: int, parent: QWidget | None = None) -> None:
+    def __init__(self, recipe: Recipe, index: int, parent: QWidget | None = None, *, robot: str = "") -> None:
+        """robot: the one that is chosen at first, by default the usual one."""
         super().__init__("drive_dialog", f"Drive over {recipe.map_name(index)}", _TEXTS, parent)
         self.setMinimumWidth(540)
         self._recipe = recipe.alone(index)
-        self._settings = OptionsForm(DriveSettings)
+        self._settings = OptionsForm(DriveSettings, DriveSettings(robot=robot) if robot else None)
         self._picture = named(QLabel(alignment=Qt.AlignmentFlag.AlignCenter), "trajectories")
         self._picture.hide()
         about = "Robots drive in a Gazebo server without a window, the newest that is installed, as by rsegen drive."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QPoint, QSize
+from PySide6.QtCore import QSize
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from rsegen.errors import RsegenError
@@ -59,7 +59,7 @@ class ExperimentDialog(JobDialog):
         is_complete = not self.form.busy and self.form.is_complete and all(file.exists() for file in files)
         if is_complete:
             self.report.show_files(*files)
-            self._grow()
+            self.make_room(_SIZE)
         self.report.setVisible(is_complete)
 
     def _options(self) -> QWidget:
@@ -83,13 +83,6 @@ class ExperimentDialog(JobDialog):
         at_least = f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} minutes"
         trials = f"{summary.trials} trial{'s'[: summary.trials != 1]} of {summary.seconds:g} s each"
         self._trials.setText(f"{trials}: {at_least}, and the time to load their worlds")
-
-    def _grow(self) -> None:
-        """Make room for the results, within the screen."""
-        screen, place = self.screen().availableGeometry(), self.geometry()
-        place.setSize(self.size().expandedTo(_SIZE.boundedTo(screen.size() * 0.9)))
-        place.moveBottomRight(QPoint(min(place.right(), screen.right()), min(place.bottom(), screen.bottom())))
-        self.setGeometry(place)
 
     def _continue_next_time(self) -> None:
         """Delete earlier results once only: the next run continues."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, QSize, Qt, QTimer
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QVBoxLayout, QWidget
 
 from rsegen.errors import RsegenError
@@ -46,6 +46,18 @@ class JobDialog(QDialog):
     def show_state(self) -> None:
         """Enable the options unless a job is running."""
         self._body.setEnabled(not self.form.busy)
+        QTimer.singleShot(0, self, self.make_room)
+
+    def make_room(self, least: QSize = QSize()) -> None:  # noqa: B008  # an empty one is never changed
+        """Grow to what is shown now, and at least to a size; within the screen."""
+        screen, place = self.screen().availableGeometry(), self.geometry()
+        title = place.top() - self.frameGeometry().top()
+        width = max(place.width(), least.width())
+        needed = self.heightForWidth(width) if self.hasHeightForWidth() else self.sizeHint().height()
+        size = QSize(width, max(place.height(), needed, least.height()))
+        place.setSize(size.boundedTo(QSize(screen.width(), screen.height() - title)))
+        place.moveBottomRight(QPoint(min(place.right(), screen.right()), min(place.bottom(), screen.bottom())))
+        self.setGeometry(place)
 
     def done(self, result: int) -> None:
         """Cancel the run, and close."""

@@ -22,6 +22,22 @@ def aligned(entry: Entry, end: str) -> Entry:
     return in_line if _placement(in_line) else entry
 
 
+def shifted(before: Entry, entry: Entry, end: str) -> Entry:
+    """An entry one of whose ends was set to another place; an axis-aligned one keeps its direction if it has one.
+
+    So a barrier along y whose X first is set moves along x as a whole. Of others, the other end is moved in line.
+    """
+    was, is_, other = _cell(before.get(end)), _cell(entry.get(end)), _cell(entry.get(other_end(end)))
+    if not _placement(entry) and was and is_ and other:
+        axis = int(was[0] == is_[0])
+        if was[axis] == other[axis] and was[1 - axis] != other[1 - axis]:
+            place = [is_[0], other[1]] if axis == 0 else [other[0], is_[1]]
+            moved = {**entry, other_end(end): place}
+            if _placement(moved):
+                return moved
+    return aligned(entry, other_end(end))
+
+
 def other_end(end: str) -> str:
     """The last end for the first, and the first for any other."""
     return "last" if end == "first" else "first"

@@ -41,6 +41,7 @@ __all__ = [
     "LaunchCommand",
     "PlanSummary",
     "SpawnedMap",
+    "Spawning",
     "drive_map",
     "experiment_plans",
     "how_to_install",
@@ -200,7 +201,14 @@ def launch_of(here: Installation, recipe: Recipe, folder: Path) -> tuple[LaunchC
     return launch, world
 
 
-def spawn(recipe: Recipe, folder: Path, number: int, before: SpawnedMap | None) -> SpawnedMap:
+class Spawning(NamedTuple):
+    """A map that was spawned, and the name of the one that it replaced, if any."""
+
+    spawned: SpawnedMap
+    replaced: str
+
+
+def spawn(recipe: Recipe, folder: Path, number: int, before: SpawnedMap | None) -> Spawning:
     """Spawn the one map of a recipe in the running simulation: in place of the map spawned before if that is still
     there, else at the free place nearest to the origin.
     """
@@ -212,4 +220,4 @@ def spawn(recipe: Recipe, folder: Path, number: int, before: SpawnedMap | None) 
         new = SpawnedMap(name=f"{one.name}-{number}", field=one.field, at=old.at if old else _ORIGIN)
         new = new if old else at_free_place(new, poses, [])
         spawn_map(live, one.sdf(new.name), new, old)
-    return new
+    return Spawning(new, old.name if old else "")

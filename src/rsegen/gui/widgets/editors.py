@@ -7,6 +7,8 @@ from typing import cast
 
 from PySide6.QtCore import QSignalBlocker, Signal
 from PySide6.QtWidgets import (
+    QAbstractSlider,
+    QAbstractSpinBox,
     QCheckBox,
     QComboBox,
     QDoubleSpinBox,
@@ -20,6 +22,7 @@ from PySide6.QtWidgets import (
 
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles.matrix import Rows
+from rsegen.gui.widgets.layouts import scroll_past
 from rsegen.gui.widgets.named import named
 from rsegen.params.difficulty_range import DifficultySort
 from rsegen.params.places import Size2D
@@ -49,6 +52,8 @@ class Editor(QWidget):
         for widget, part in zip(self.fields, self._parts, strict=True):
             title = f"{name.removesuffix('_cm').replace('_', ' ')}{part}"
             self._row.addWidget(named(widget, f"{name}_field", title=title, tip=tip))
+            if isinstance(widget, (QAbstractSpinBox, QAbstractSlider, QComboBox)):
+                scroll_past(widget)
         named(self, name)
         self._given, self._shown = self._read(), self._content()
 

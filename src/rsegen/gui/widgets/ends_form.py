@@ -8,10 +8,13 @@ from PySide6.QtWidgets import QAbstractSpinBox, QCheckBox, QGridLayout, QLabel, 
 from rsegen.field.obstacles import Grid
 from rsegen.gui.model.session import Entry
 from rsegen.gui.widgets.editors import shortened
+from rsegen.gui.widgets.layouts import scroll_past
 from rsegen.gui.widgets.named import named
 from rsegen.params.sorts import Json
 
 _MOST = 2**31 - 1
+_NUMBER_WIDTH = 56
+"""Room for six digits, in pixels."""
 
 
 class Coordinate(QWidget):
@@ -29,12 +32,15 @@ class Coordinate(QWidget):
         self.number = named(QSpinBox(), f"{name}_number", title=title, tip=tip)
         self.number.setButtonSymbols(QAbstractSpinBox.ButtonSymbols.NoButtons)
         self.number.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.number.setFixedWidth(_NUMBER_WIDTH)
         self.random = named(QCheckBox("random"), f"{name}_random", tip="drawn anew for every map")
         self._given = self._read()
         self._shown: Json = self._given
         self._lay_out(title)
-        self.slider.valueChanged.connect(self._change)
-        self.number.valueChanged.connect(self._typed)
+        for field in (self.slider, self.number):
+            scroll_past(field)
+        self.slider.valueChanged.connect(self._slide)
+        self.number.valueChanged.connect(self._type)
         self.random.toggled.connect(self._change)
 
     def value(self) -> Json:
@@ -63,9 +69,16 @@ class Coordinate(QWidget):
         grid.addWidget(self.number, 2, 0, 1, 2, alignment=Qt.AlignmentFlag.AlignHCenter)
 
     def _read(self) -> Json:
-        return "random" if self.random.isChecked() else self.slider.value()
+        if self.random.isChecked():
+            return "random"
+        return self.slider.value() if self.number.value() < 0 else self.number.value()
 
-    def _typed(self, number: int) -> None:
+    def _slide(self, value: int) -> None:
+        self._show_number(value)
+        self._change()
+
+    def _type(self, number: int) -> None:
+        """Take over a number that was typed, also one beyond the map, whose error says so."""
         blocker = QSignalBlocker(self.slider)
         self.slider.setValue(number)
         del blocker
@@ -80,9 +93,9 @@ class Coordinate(QWidget):
     def _show_number(self, value: Json) -> None:
         """Show a value in the field; Qt has a text for its minimum, which is one below the range for as long."""
         blocker = QSignalBlocker(self.number)
-        is_shown = isinstance(value, int) and 0 <= value <= self.slider.maximum()
+        is_shown = isinstance(value, int) and 0 <= value <= _MOST
         self.number.setSpecialValueText("" if is_shown else shortened(value))
-        self.number.setRange(0 if is_shown else -1, self.slider.maximum())
+        self.number.setRange(0 if is_shown else -1, _MOST)
         self.number.setValue(value if is_shown else -1)
         del blocker
         for each in (self.slider, self.number):

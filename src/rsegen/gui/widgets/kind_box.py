@@ -11,6 +11,7 @@ from rsegen.exporters.scene import compose
 from rsegen.field.obstacles import KINDS
 from rsegen.gui.model.typed_cells import kind_words
 from rsegen.gui.widgets.editors import shortened
+from rsegen.gui.widgets.layouts import scroll_past
 from rsegen.gui.widgets.named import named
 from rsegen.gui.widgets.plan_painting import square_icon
 from rsegen.params.registry import summary
@@ -29,6 +30,7 @@ class KindBox(QComboBox):
     def __init__(self) -> None:
         super().__init__()
         named(self, "kind", title="obstacle type", tip="what the obstacle looks like")
+        scroll_past(self)
         self.setIconSize(QSize(SIDE, SIDE))
         for kind, cls in KINDS.items():
             self.addItem(_picture(kind), kind_words(kind), kind)

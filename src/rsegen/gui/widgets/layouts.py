@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QSize, Qt
+from PySide6.QtCore import QEvent, QObject, QSize, Qt
 from PySide6.QtWidgets import QFrame, QGroupBox, QHBoxLayout, QScrollArea, QVBoxLayout, QWidget
 
 
@@ -19,6 +19,23 @@ class Scrolled(QScrollArea):
     def sizeHint(self) -> QSize:
         """The width of the content."""
         return QSize(super().sizeHint().width(), 0)
+
+
+class _ScrollPast(QObject):
+    """Leaves the wheel to the scrolled form, unless its field has the keyboard."""
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Ignore a wheel, which then goes to the parent."""
+        if event.type() == QEvent.Type.Wheel and isinstance(watched, QWidget) and not watched.hasFocus():
+            event.ignore()
+            return True
+        return False
+
+
+def scroll_past(field: QWidget) -> None:
+    """A wheel over a field that does not have the keyboard scrolls the form and does not change the value."""
+    field.installEventFilter(_ScrollPast(field))
+    field.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
 
 
 def row_of(*widgets: QWidget) -> QHBoxLayout:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from html import escape
 from typing import Literal
 
 from PySide6.QtCore import QEvent, Qt, QTimer
@@ -24,11 +23,6 @@ def ink(tone: Tone, palette: QPalette) -> QColor:
     """The text colour on the background of a palette."""
     on_light, on_dark = _INKS[tone]
     return QColor(on_dark if palette.color(QPalette.ColorRole.Base).lightness() < 128 else on_light)
-
-
-def plain_tooltip(text: str) -> str:
-    """A text as a tooltip that shows it letter by letter, also one that looks like HTML."""
-    return f"<p>{escape(text)}</p>" if "<" in text else text
 
 
 class MessageLabel(QLabel):

@@ -10,7 +10,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QFormLayout, QLabel, QVBoxLayout, QWidget
 
 from rsegen.field.obstacles import KINDS, Grid, Obstacle
-from rsegen.gui.model.ends import aligned, other_end
+from rsegen.gui.model.ends import aligned, shifted
 from rsegen.gui.model.session import Entry
 from rsegen.gui.widgets.editors import Editor, editor
 from rsegen.gui.widgets.ends_form import EndsForm
@@ -130,7 +130,7 @@ class ObstacleForm(QWidget):
             rest = {name: value for name, value in entry.items() if name not in {"first", "last"}}
             entry = dict(self.fixed(rest))
         elif end:
-            entry = dict(aligned(entry, other_end(end)))
+            entry = dict(shifted(self._given, entry, end))
         if entry != self.entry():
             self.ends.show_entry(entry, self._grid)
         self._emit()
@@ -148,8 +148,11 @@ class ObstacleForm(QWidget):
         self._about.setText(summary(self._class).replace("`", "") if self.kind.kind else "")
         self._blend.setText(BLENDS.get(str(self._editors["blend"].value()), ""))
         self.default_ends.setText(self._class.default_place)
-        top = self._editors["max_height"].value()
-        self._heights.setText(f"Heights: {_heights(top, self._unit)} cm" if isinstance(top, int) and top > 0 else "")
+        top, softness = (self._editors[name].value() for name in ("max_height", "softness"))
+        levels = (
+            f"{top} level{'s'[: top != 1]}: {_heights(top, self._unit)} cm" if isinstance(top, int) and top > 0 else ""
+        )
+        self._heights.setText(levels + ", before softness" * bool(levels and softness))
 
 
 def _words(name: str) -> QLabel:

@@ -21,8 +21,8 @@ from rsegen.field.obstacles import Grid
 from rsegen.gui.model.session import ObstacleRow
 from rsegen.gui.model.typed_cells import cell_text, with_typed, wrong_cell
 from rsegen.gui.widgets.cell_editors import PROBLEM, CellEditors
-from rsegen.gui.widgets.message_label import ink, plain_tooltip
-from rsegen.gui.widgets.named import named
+from rsegen.gui.widgets.message_label import ink
+from rsegen.gui.widgets.named import named, tooltip
 
 COLUMNS = ("ID", "Type", "Height", "Softness", "First", "Last")
 TIP = "drag a row to move it (Alt+Up, Alt+Down); Ctrl+D duplicates, Del removes; double click to edit"
@@ -191,6 +191,6 @@ class ObstacleTable(QTableWidget):
     def _show_problem(self, item: QTableWidgetItem, text: str, *, marked: bool) -> None:
         """Show a problem of a row as the tooltip of a cell; the one that is wrong is marked."""
         item.setForeground(ink("error", self.palette()) if text else QBrush())
-        item.setToolTip(plain_tooltip(text))
+        item.setToolTip(tooltip(text))
         item.setData(PROBLEM, text if marked else None)
         item.setIcon(self.style().standardIcon(QStyle.StandardPixmap.SP_MessageBoxWarning) if marked else QIcon())

@@ -58,7 +58,7 @@ class RecipeForms(QWidget):
         self.another.setVisible(document.selected >= 0)
         self._problem = problem_text(problem)
         self._show_error()
-        for button in (self.start, self.start_form.export):
+        for button in (self.start, self.start_form.export, self.start_form.spawn, self.start_form.open_in):
             button.setEnabled(problem is None)
 
     def show_failure(self, text: str) -> None:
@@ -88,7 +88,7 @@ class RecipeForms(QWidget):
         """The forms scroll; messages and Start stay in view."""
         forms = QWidget()
         self._column = column = QVBoxLayout(forms)
-        self._group = group_of("New obstacle", self.obstacle, self.another)
+        self._group = group_of("New obstacle", self.another, self.obstacle)
         self.tabs = tabs = named(QTabWidget(), "tabs", title="parameters of the map")
         tabs.addTab(self.basic, "Map")
         tabs.addTab(self.advanced, "More")

@@ -117,6 +117,12 @@ class RunForm(QWidget):
         run.start()
         self._show_state()
 
+    def forget(self) -> None:
+        """Show no outcome: what was written is not what is open now."""
+        if not self.busy:
+            self._outcome.setText("")
+            self._show_state()
+
     def open_folder(self) -> None:
         """Open the folder written last in the desktop's file manager."""
         if self.written:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
-from rsegen.gui.model.simulation import SpawnedMap, spawn
+from rsegen.gui.model.simulation import SpawnedMap, Spawning, spawn
 from rsegen.gui.workers.latest_only import LatestOnly, failure_text
 from rsegen.recipe.recipe import Recipe
 
@@ -41,8 +41,9 @@ class SpawnJob(QObject):
         self._folder.cleanup()
 
     def _spawned(self, result: object) -> None:
-        if isinstance(result, SpawnedMap):
-            self._before = result
-            self.message.emit(f"{result.name} is in the simulation")
+        if isinstance(result, Spawning):
+            self._before = result.spawned
+            instead = f", in place of {result.replaced}" if result.replaced else ""
+            self.message.emit(f"{result.spawned.name} is in the simulation{instead}")
         else:
             self.message.emit(failure_text(result))
