@@ -10,6 +10,7 @@ import pytest
 import rsegen
 from rsegen import Placement, Random, Recipe, compose
 from rsegen.field.metrics.traversability import traversability
+from rsegen.field.robot_limits import cells_to_each_side
 from rsegen.field.spots import Rectangle, Spot
 from rsegen.gui.model.map_numbers import costs
 from rsegen.gui.model.reach import corners
@@ -26,7 +27,11 @@ def test_reach_is_that_of_metrics_drive_and_spots(name: str, unit_cm: float) -> 
     recipe = replace(ROUGH, unit_cm=unit_cm)
     field, robot = compose(recipe).field, ROBOTS[name]
     found, wanted = reach(field, name, 5), traversability(field, robot.limits)
-    assert np.array_equal(found.region, wanted.region)
+    aside = cells_to_each_side(field, robot.limits.width)
+    expected = np.zeros(field.shape, dtype=bool)
+    for x, y in np.argwhere(wanted.region):
+        expected[max(x - aside, 0) : x + aside + 1, max(y - aside, 0) : y + aside + 1] = True
+    assert np.array_equal(found.region, expected)
     crosses = [wanted.west_east.crosses, wanted.south_north.crosses]
     assert [way.is_eastward for way in found.ways if not way.is_too_steep] == [
         is_eastward for is_eastward, each in zip((True, False), crosses, strict=True) if each

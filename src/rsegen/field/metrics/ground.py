@@ -39,6 +39,11 @@ def ground(field: StepField, width: float) -> Ground:
     return Ground(heights, rows=field.inside(1), columns=field.inside(0))
 
 
+def below(field: StepField, width: float, cells: Mask) -> Mask:
+    """The blocks below a robot of a width in metres whose middle is on one of some cells (n_x, n_y)."""
+    return np.asarray((_widened(cells.astype(np.int64), cells_to_each_side(field, width)) > 0) & ~field.frame)
+
+
 def lane(field: StepField, width: float, axis: int) -> Ground:
     """The ground with level ground before and behind the field along one axis, which becomes the first axis."""
     margin = cells_to_each_side(field, width) + 1

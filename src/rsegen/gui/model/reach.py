@@ -26,7 +26,8 @@ class Way(NamedTuple):
 class Reach(NamedTuple):
     """What a robot can do on a map.
 
-    text: whether it crosses; region: (n_x, n_y), the largest area in which it can drive from every block to every other
+    text: whether it crosses; region: (n_x, n_y), the blocks below it in the largest area, in which it can drive from
+    every place to every other
     spots: even places, the first for a start and the second for a goal, of a robot that covers `outline`; maybe none
     """
 

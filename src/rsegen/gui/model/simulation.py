@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rsegen.errors import ParameterError
+from rsegen.field.metrics.ground import below
 from rsegen.field.metrics.traversability import Traversability, traversability
 from rsegen.field.spots import Footprint, Spot
 from rsegen.field.stepfield import Array, StepField
@@ -96,11 +97,13 @@ def reach(field: StepField, name: str, seed: int) -> Reach:
     """What a robot can do on a field, by the step that it mostly crosses and its width; its spots are a seed's."""
     robot = ROBOTS[name]
     found, footprint = traversability(field, robot.limits), footprint_of(robot)
+    covered = below(field, robot.limits.width, found.region)
+    share = covered.sum() / (~field.frame).sum()
     crossings = {"west to east": found.west_east, "south to north": found.south_north}
     across = [way for way, crossing in crossings.items() if crossing.crosses]
     return Reach(
-        text=f"crosses {' and '.join(across)}" if across else f"does not cross; reaches {found.cover:.0%} of the map",
-        region=found.region,
+        text=f"crosses {' and '.join(across)}" if across else f"does not cross; reaches {share:.0%} of the map",
+        region=covered,
         ways=_ways(field, robot, found),
         spots=_spots(field, footprint, seed),
         outline=footprint.outline,
