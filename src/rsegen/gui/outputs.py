@@ -19,6 +19,7 @@ from rsegen.gui.dialogs.saving import SavingDialog
 from rsegen.gui.model.document import Document
 from rsegen.gui.widgets.field_view import FieldView
 from rsegen.gui.widgets.map_status import MapStatusBar
+from rsegen.gui.widgets.message_label import PassingNote
 from rsegen.gui.widgets.plan_view import PlanView
 from rsegen.gui.widgets.start_form import StartForm
 from rsegen.gui.workers.picture_saver import PictureSaver
@@ -28,10 +29,14 @@ from rsegen.gui.workers.spawn_job import SpawnJob
 class Outputs:
     """Writes the open recipe, and opens the dialogs that do, for the map and the robot of the status bar."""
 
-    def __init__(self, document: Document, start_form: StartForm, status: MapStatusBar, parent: QWidget) -> None:
-        self._document, self._form, self._status, self._parent = document, start_form, status, parent
+    def __init__(
+        self, document: Document, start_form: StartForm, status: MapStatusBar, note: PassingNote, parent: QWidget
+    ) -> None:
+        self._document, self._form, self._status, self._note, self._parent = document, start_form, status, note, parent
         self._index = status.shown_index
         self.spawn_job, self.pictures = SpawnJob(parent), PictureSaver(parent)
+        self.spawn_job.message.connect(note.show_message)
+        self.pictures.saved.connect(self._tell_saved)
 
     @property
     def is_valid(self) -> bool:
@@ -96,7 +101,15 @@ class Outputs:
 
     def save_plan(self, plan: PlanView) -> None:
         """Ask for a file, and save the plan."""
-        self._save("Save the plan", "plan.svg", "SVG (*.svg);;PDF (*.pdf);;PNG (*.png)", plan.save)
+
+        def save(path: Path) -> None:
+            plan.save(path)
+            self._tell_saved(path)
+
+        self._save("Save the plan", "plan.svg", "SVG (*.svg);;PDF (*.pdf);;PNG (*.png)", save)
+
+    def _tell_saved(self, path: Path) -> None:
+        self._note.show_message(f"Saved {path.absolute()}")
 
     def _save(self, title: str, default: str, formats: str, save: Callable[[Path], object]) -> None:
         """Ask for a file, and save something in it."""

@@ -41,7 +41,7 @@ class Window(QMainWindow):
         self.forms, self.views, self.status = RecipeForms(), MapViews(), MapStatusBar()
         self.previewer, self.simulators = Previewer(self), SimulatorActions(self)
         self.files = Files(self.document, self)
-        self.outputs = Outputs(self.document, self.forms.start_form, self.status, self)
+        self.outputs = Outputs(self.document, self.forms.start_form, self.status, self.forms.note, self)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE)
         self._lay_out()
         self._connect_forms()
@@ -136,8 +136,7 @@ class Window(QMainWindow):
         self.simulators.requested.connect(
             lambda name: self.simulators.open(name, self.session.recipe, self.status.shown_index())
         )
-        for each in (self.simulators, self.outputs.spawn_job):
-            each.message.connect(self.forms.note.show_message)
+        self.simulators.message.connect(self.forms.note.show_message)
 
     def _add_menus(self) -> None:
         self._menus, bar, views = CommandMenus(self, self.finish_typing), self.menuBar(), self.views

@@ -12,6 +12,7 @@ pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
+from PySide6.QtTest import QSignalSpy
 from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton, QWidget
 
 from rsegen.gui.dialogs.saving import SavingDialog
@@ -46,13 +47,16 @@ def window(app: QApplication) -> Iterator[QWidget]:
 @pytest.mark.parametrize("name", ["x.png", "x.jpg", "y.PNG"])
 def test_the_dialog_is_open_until_the_picture_is_written(window: QWidget, tmp_path: Path, name: str) -> None:
     saver, draw = PictureSaver(window), Drawing()
+    saved = QSignalSpy(saver.saved)
     dialog = SavingDialog(saver, draw, tmp_path / name, window)
     until(draw.begun.is_set)
     assert dialog.isVisible()
+    assert saved.count() == 0
     assert dialog.labelText() == f"Saving {name}..."
     draw.may_end.set()
     until(lambda: not window.findChildren(SavingDialog))
     assert QImage(str(tmp_path / name)).size().toTuple() == (40, 30)
+    assert saved.at(0) == [tmp_path / name]
     saver.stop()
 
 

@@ -87,6 +87,16 @@ def test_an_obstacle_that_is_drawn_is_axis_aligned_where_its_kind_must_be(docume
     assert document.session.problem is None
 
 
+def test_an_obstacle_is_moved_by_its_middle_within_the_map(document: Document) -> None:
+    document.add({**BARRIER, "first": [2, 4], "last": [7, 4]})
+    for middle, first, last in (((5, 6), [3, 6], [8, 6]), ((9, 0), [4, 0], [9, 0]), ((0, 9), [0, 9], [5, 9])):
+        document.move_end(0, "both", middle)
+        entry = document.session.draft.rows[0].entry
+        assert (entry["first"], entry["last"]) == (first, last)
+    document.session.undo()
+    assert document.session.draft.rows[0].entry["first"] == [2, 4]
+
+
 def test_cells_are_painted_into_the_selected_matrix_or_into_a_new_one(document: Document) -> None:
     document.paint([(0, 0)], UNPAINTED, 1)
     assert kinds(document) == []

@@ -88,6 +88,16 @@ def test_a_dragged_handle_tells_every_cell_it_comes_to(plan: PlanView, scene: Sc
     assert drawn.count() == 0
 
 
+def test_the_cross_of_the_selected_obstacle_moves_both_ends_and_stays_on_the_map(plan: PlanView, scene: Scene) -> None:
+    moved, drawn = QSignalSpy(plan.moved), QSignalSpy(plan.drawn)
+    drag(plan, scene, (3, 2), (4, 2), (4, 9))
+    assert said(moved) == [[1, "both", 4, 2], [1, "both", 4, 7]]
+    assert drawn.count() == 0
+    plan.show_handles(HANDLES, None)
+    drag(plan, scene, (3, 2), (4, 2))
+    assert (moved.count(), drawn.count()) == (2, 1)
+
+
 def test_a_handle_dragged_off_the_map_stays_at_its_rim(plan: PlanView) -> None:
     moved = QSignalSpy(plan.moved)
     QTest.mousePress(plan, LEFT, pos=at(plan, compose(RECIPE), (1, 1)))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from rsegen.field.stepfield import StepField
 from rsegen.gui.model.ends import aligned, other_end
-from rsegen.gui.model.handles import Handle, cells_between, handles_of
+from rsegen.gui.model.handles import Grip, Handle, cells_between, handles_of, moved
 from rsegen.gui.model.painting import UNPAINTED, can_paint, painted
 from rsegen.gui.model.picking import is_inside
 from rsegen.gui.model.session import Entry, Session
@@ -114,10 +114,15 @@ class Document:
             self.changed()
 
     def move_end(self, row: int, end: str, cell: Cell) -> None:
-        """Move the first or the last end of an obstacle to a cell, and select the obstacle."""
-        entry = {**self.session.draft.rows[row].entry, end: list(cell)}
+        """Move the first or the last end of an obstacle, or the middle of both, to a cell, and select the obstacle."""
+        entry, shape = self.session.draft.rows[row].entry, self.session.recipe.grid.shape
         self.selected = row
-        self.session.change(row, aligned(entry, other_end(end)), gesture=("drag", row, end))
+        if end == "both":
+            (handle,) = moved([each for each in self.handles(shape) if each.row == row], Grip(row, "both"), cell, shape)
+            ends = {"first": list(handle.first or ()), "last": list(handle.last or ())}
+            self.session.change(row, {**entry, **ends}, gesture=("drag", row, end))
+        else:
+            self.session.change(row, aligned({**entry, end: list(cell)}, other_end(end)), gesture=("drag", row, end))
 
     def paint(self, cells: Sequence[Cell], level: int, stroke: int) -> None:
         """Give cells a level: in the selected matrix, or else in a new one."""

@@ -14,7 +14,9 @@ from rsegen.gui.model.session import ObstacleRow
 from rsegen.params.places import Cell
 from rsegen.params.sorts import Json
 
-End = Literal["first", "last"]
+End = Literal["first", "last", "both"]
+"""What a handle moves."""
+
 ENDS: tuple[End, End] = ("first", "last")
 
 GRIP = 7.0
@@ -22,6 +24,9 @@ GRIP = 7.0
 
 _REACH = 11.0
 """A handle is hit within this many pixels, in x and in y."""
+
+_ROOM = 4.5 * GRIP
+"""Pixels between two ends that leave room for a third handle."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -33,8 +38,19 @@ class Handle:
     last: Cell | None = None
 
     def end(self, end: End) -> Cell | None:
-        """One of its ends."""
-        return self.first if end == "first" else self.last
+        """One of its ends, or the cell in the middle of both."""
+        if end != "both":
+            return self.first if end == "first" else self.last
+        if self.first is None or self.last is None:
+            return None
+        return (self.first[0] + self.last[0]) // 2, (self.first[1] + self.last[1]) // 2
+
+    def shows_middle(self, layout: PlanLayout) -> bool:
+        """Whether there is room between its ends for a handle that moves both."""
+        if self.first is None or self.last is None:
+            return False
+        (x1, y1), (x2, y2) = layout.middle(self.first), layout.middle(self.last)
+        return max(abs(x1 - x2), abs(y1 - y2)) > _ROOM
 
 
 def handles_of(rows: Sequence[ObstacleRow], shape: Cell) -> list[Handle]:
@@ -57,17 +73,21 @@ def cells_between(handle: Handle, field: StepField) -> CellWindow | None:
 
 
 class Grip(NamedTuple):
-    """One end of one obstacle."""
+    """One end of one obstacle, or both."""
 
     row: int
     end: End
 
 
 def grip_at(handles: Sequence[Handle], selected: int | None, layout: PlanLayout, point: Point) -> Grip | None:
-    """The handle under a point; of several the selected obstacle's, and the last end before the first."""
+    """The handle under a point; of several the selected obstacle's, and the last end before the first.
+
+    Only the selected obstacle has one in the middle, which moves it as a whole.
+    """
     in_order = sorted(handles, key=lambda handle: handle.row != selected)
     for handle in in_order:
-        for end in reversed(ENDS):
+        has_middle = handle.row == selected and handle.shows_middle(layout)
+        for end in (*reversed(ENDS), *(("both",) if has_middle else ())):
             cell = handle.end(end)
             if cell and all(abs(a - b) <= _REACH for a, b in zip(layout.middle(cell), point, strict=True)):
                 return Grip(handle.row, end)
@@ -79,9 +99,9 @@ def cell_of(handles: Sequence[Handle], grip: Grip) -> Cell | None:
     return next((handle.end(grip.end) for handle in handles if handle.row == grip.row), None)
 
 
-def moved(handles: Sequence[Handle], grip: Grip, cell: Cell) -> tuple[Handle, ...]:
-    """The handles with one end moved to a cell."""
-    return tuple(_with(handle, grip.end, cell) if handle.row == grip.row else handle for handle in handles)
+def moved(handles: Sequence[Handle], grip: Grip, cell: Cell, shape: Cell) -> tuple[Handle, ...]:
+    """The handles with one end, or the middle of both, moved to a cell of a map of this many cells."""
+    return tuple(_with(handle, grip.end, cell, shape) if handle.row == grip.row else handle for handle in handles)
 
 
 def _place(value: Json, shape: Cell) -> Cell | None:
@@ -90,5 +110,14 @@ def _place(value: Json, shape: Cell) -> Cell | None:
     return (x, y) if 0 <= x < shape[0] and 0 <= y < shape[1] else None
 
 
-def _with(handle: Handle, end: End, cell: Cell) -> Handle:
-    return replace(handle, first=cell) if end == "first" else replace(handle, last=cell)
+def _with(handle: Handle, end: End, cell: Cell, shape: Cell) -> Handle:
+    if end != "both":
+        return replace(handle, first=cell) if end == "first" else replace(handle, last=cell)
+    first, last, middle = handle.first, handle.last, handle.end("both")
+    if first is None or last is None or middle is None:
+        return handle
+    by = [
+        min(max(to - at, -min(ends)), cells - 1 - max(ends))
+        for to, at, ends, cells in zip(cell, middle, zip(first, last, strict=True), shape, strict=True)
+    ]
+    return replace(handle, first=(first[0] + by[0], first[1] + by[1]), last=(last[0] + by[0], last[1] + by[1]))

@@ -122,7 +122,7 @@ class EndsForm(QWidget):
         grid = QGridLayout()
         column.addLayout(grid)
         for number, coordinate in enumerate(self.coordinates):
-            grid.addWidget(coordinate, number % 2, number // 2)
+            grid.addWidget(coordinate, number // 2, number % 2)
             end = "first" if number < 2 else "last"
             coordinate.edited.connect(lambda end=end: self.edited.emit(end))
         self.default_ends.toggled.connect(self._toggled)

@@ -163,7 +163,10 @@ def _write_number(
 
 
 def paint_handles(painter: QPainter, layout: PlanLayout, handles: Sequence[Handle], selected: int | None) -> None:
-    """Paint the ends of all obstacles: a square for the first, a circle for the last; the selected one's large."""
+    """Paint the ends of all obstacles: a square for the first, a circle for the last; the selected one's large.
+
+    The selected one has a cross between them, which moves both.
+    """
     for handle in sorted(handles, key=lambda handle: handle.row == selected):
         chosen = handle.row == selected
         painter.setOpacity(1.0 if chosen else 0.8)
@@ -172,6 +175,8 @@ def paint_handles(painter: QPainter, layout: PlanLayout, handles: Sequence[Handl
         for end in ENDS:
             if cell := handle.end(end):
                 _paint_grip(painter, QPointF(*layout.middle(cell)), end, GRIP if chosen else GRIP * 0.6)
+        if chosen and handle.shows_middle(layout) and (cell := handle.end("both")):
+            _paint_cross(painter, QPointF(*layout.middle(cell)))
     painter.setOpacity(1.0)
 
 
@@ -234,6 +239,13 @@ def _paint_joint(painter: QPainter, layout: PlanLayout, first: Cell, last: Cell,
     for colour, stroke in ((_PAPER, width + 2), (_INK, width)):
         painter.setPen(QPen(colour, stroke))
         painter.drawLine(*ends)
+
+
+def _paint_cross(painter: QPainter, middle: QPointF) -> None:
+    for colour, width in ((_PAPER, 5.0), (_INK, 2.2)):
+        painter.setPen(QPen(colour, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+        for x, y in ((GRIP, 0), (0, GRIP)):
+            painter.drawLine(middle - QPointF(x, y), middle + QPointF(x, y))
 
 
 def _paint_grip(painter: QPainter, middle: QPointF, end: End, half: float) -> None:

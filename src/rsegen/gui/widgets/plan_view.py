@@ -29,9 +29,9 @@ _STEPS = {
 class PlanView(PlanCanvas):
     """A scene from above, north up, with the ends of its obstacles.
 
-    chosen: the row of the obstacle whose handle was pressed. moved: row, "first" or "last", x, y. drawn: x and y of the
-    first end, x and y of the last. painted: cells, their new level (UNPAINTED to erase), and the number of the stroke.
-    picked: the level of the cell that was pressed. All in block cells.
+    chosen: the row of the obstacle whose handle was pressed. moved: row, "first", "last" or "both", x, y. drawn: x and
+    y of the first end, x and y of the last. painted: cells, their new level (UNPAINTED to erase), and the number of the
+    stroke. picked: the level of the cell that was pressed. All in block cells.
     """
 
     chosen = Signal(int)
@@ -55,8 +55,9 @@ class PlanView(PlanCanvas):
         self.setAccessibleName("Plan of the map")
         self.setAccessibleDescription(
             "The map from above, x to the right and y up. Drag across cells to draw an obstacle, drag a handle to move "
-            "an end of one. Arrow keys move the end used last by one cell; Tab switches between first and last. "
-            "+ and - zoom; the middle button, or the left one with Space, moves the plan."
+            "an end of one, or the handle between both to move them together. Arrow keys move the end used last by one "
+            "cell; Tab switches between first and last. + and - zoom; the middle button, or the left one with Space, "
+            "moves the plan."
         )
 
     def show(self, scene: Scene | None = None, handles: Sequence[Handle] = (), selected: int | None = None) -> None:
@@ -261,10 +262,11 @@ class PlanView(PlanCanvas):
         return cell_of(self._handles, grip) if grip else None
 
     def _move(self, grip: Grip, cell: Cell) -> None:
-        if cell != cell_of(self._handles, grip):
-            self._handles = moved(self._handles, grip, cell)
+        before = cell_of(self._handles, grip)
+        self._handles = moved(self._handles, grip, cell, self.cells or (0, 0))
+        if (now := cell_of(self._handles, grip)) and now != before:
             self.update()
-            self.moved.emit(grip.row, grip.end, *cell)
+            self.moved.emit(grip.row, grip.end, *now)
 
     def _far(self, point: QPointF) -> bool:
         """Whether a press has become a drag."""

@@ -18,9 +18,10 @@ _QUALITY = {".png": 70}
 
 
 class PictureSaver(QObject):
-    """Saves one picture after the other; `ended` says what failed, or nothing."""
+    """Saves one picture after the other; `ended` says what failed, or nothing; `saved` has the path of a whole one."""
 
     ended = Signal(str)
+    saved = Signal(Path)
 
     def __init__(self, parent: QObject) -> None:
         super().__init__(parent)
@@ -47,7 +48,9 @@ class PictureSaver(QObject):
         self._worker.stop()
 
     def _end(self, result: object) -> None:
-        self.ended.emit("" if result is None else failure_text(result))
+        self.ended.emit(failure_text(result) if isinstance(result, Exception) else "")
+        if isinstance(result, Path):
+            self.saved.emit(result)
 
 
 def write_picture(image: QImage, path: Path) -> None:
@@ -55,11 +58,14 @@ def write_picture(image: QImage, path: Path) -> None:
     _write(_content(image, path), path)
 
 
-def _saved(draw: Callable[[], QImage], path: Path, cancelled: Event) -> None:
+def _saved(draw: Callable[[], QImage], path: Path, cancelled: Event) -> Path | None:
+    """The path of the picture; None if it was cancelled."""
     image = draw()
     content = b"" if cancelled.is_set() else _content(image, path)
-    if not cancelled.is_set():
-        _write(content, path)
+    if cancelled.is_set():
+        return None
+    _write(content, path)
+    return path
 
 
 def _content(image: QImage, path: Path) -> bytes:
