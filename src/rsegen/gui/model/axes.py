@@ -15,10 +15,14 @@ _MARKS, _FEWEST = 6, 3
 """Numbers along the longer side of a map, and along one that is much shorter, where more would overlap."""
 
 _BASES = (1, 2, 5)
+_BELOW = 0.9
+"""How far below the ground the texts are, in widths of the border."""
 
 
 class Marks(NamedTuple):
-    """places: (n, 3), metres, of the texts; lines: the ticks themselves."""
+    """places: (n, 3), metres, of the texts, below the ground, so that they are below it in views from the side;
+    lines: the ticks themselves.
+    """
 
     places: Array
     texts: list[str]
@@ -39,7 +43,7 @@ def tick_marks(bounds: Bounds, border: float) -> Marks:
     places = [*((x, beyond[1]) for x in along_x), *((beyond[0] + 0.8 * border, y) for y in along_y)]
     texts = [*_texts("x", along_x), *_texts("y", along_y)]
     pairs = np.arange(2 * len(starts)).reshape(2, -1).T
-    return Marks(_on_the_ground(places), texts, Lines(_on_the_ground([*starts, *ends]), pairs))
+    return Marks(_at_height(places, -_BELOW * border), texts, Lines(_at_height([*starts, *ends], 0.0), pairs))
 
 
 def round_numbers(low: float, high: float, marks: float = _MARKS) -> list[float]:
@@ -56,5 +60,5 @@ def _texts(axis: str, along: list[float]) -> list[str]:
     return [*map(decimal, along[:-1]), f"{axis} = {decimal(along[-1])} m"]
 
 
-def _on_the_ground(places: list[tuple[float, float]]) -> Array:
-    return np.array([(x, y, 0.0) for x, y in places], dtype=np.float64).reshape(-1, 3)
+def _at_height(places: list[tuple[float, float]], z: float) -> Array:
+    return np.array([(x, y, z) for x, y in places], dtype=np.float64).reshape(-1, 3)
