@@ -35,6 +35,7 @@ from rsegen.gui.dialogs.heights import HeightsDialog
 from rsegen.gui.dialogs.picture_size import PictureSizeDialog
 from rsegen.gui.model.plan_layout import fit
 from rsegen.gui.model.session import Session
+from rsegen.gui.widgets.obstacle_form import DEFAULT
 from rsegen.gui.widgets.plan_painting import plan_area
 from rsegen.gui.window import Window
 from tests.support.clicking import answer, click, find, shown, typed
@@ -433,6 +434,8 @@ def test_what_was_written_is_forgotten_when_another_recipe_is_opened(window: Win
     window.outputs.start_into(tmp_path / "worlds")
     outcome = find(window, QLabel, "outcome")
     until(lambda: outcome.text().startswith("1 map in"))
+    choose(window, "peak")
     window.document.open(Session.new())
+    assert window.forms.obstacle.entry()["kind"] == DEFAULT["kind"]
     assert outcome.text() == ""
     assert not find(window, QAbstractButton, "open_folder").isVisible()

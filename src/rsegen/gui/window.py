@@ -150,6 +150,7 @@ class Window(QMainWindow):
         """Show another session at once, the whole map in view."""
         self.forms.basic.keep.setChecked(self.session.seed_kept)
         self.forms.start_form.forget()
+        self.forms.obstacle.reset()
         self._show_document()
         self._preview()
         self.views.view.look_from(Side.PERSPECTIVE)

@@ -77,7 +77,7 @@ def _list(window: Window) -> Iterator[str]:
         yield f"row {table.selected} of the list is selected, and {window.document.selected} of the document"
     for number, row in enumerate(rows):
         texts = [item.text() if (item := table.item(number, column)) else None for column in range(len(KEYS))]
-        wanted = [cell_text(row.entry.get(key)) if key else str(number + 1) for key in KEYS]
+        wanted = [cell_text(row.entry, key) if key else str(number + 1) for key in KEYS]
         if texts != wanted:
             yield f"row {number} of the list shows {texts}, and is {wanted}"
         box = table.item(number, 0)

@@ -19,8 +19,13 @@ def kind_words(kind: str) -> str:
     return kind.replace("_", " ")
 
 
-def cell_text(value: Json) -> str:
-    """A value of an entry as the text of a cell, kinds in plain words; empty for a value that is missing."""
+_DEFAULTS = {"softness": 0}
+"""What is shown of keys that a recipe may leave out."""
+
+
+def cell_text(entry: Entry, key: str) -> str:
+    """A value of an entry as the text of a cell, kinds in plain words; empty for one that is missing, of no default."""
+    value = entry.get(key, _DEFAULTS.get(key))
     if value is None:
         return ""
     if isinstance(value, str) and value in KINDS:

@@ -32,8 +32,9 @@ class ListBar(QWidget):
             row.addWidget(button)
         row.addStretch(1)
 
-    def show_rows(self, rows: int) -> None:
-        """Enable what can be done with a list of this many rows."""
+    def show_rows(self, rows: int, *, is_selected: bool) -> None:
+        """Enable what can be done with a list of this many rows; with a selected one, Add adds a copy of it."""
+        self.add.setText("Add copy" if is_selected else "Add")
         for button in (self.remove, self.clear):
             button.setEnabled(rows > 0)
 

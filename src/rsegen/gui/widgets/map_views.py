@@ -49,7 +49,7 @@ class MapViews(QSplitter):
         if self.plan.cells:
             self.plan.show_handles(document.handles(self.plan.cells), _selected(document))
         self.welcome.setVisible(not session.draft.rows)
-        self.list_bar.show_rows(len(session.draft.rows))
+        self.list_bar.show_rows(len(session.draft.rows), is_selected=document.selected >= 0)
         self.table.show_grid(session.recipe.grid)
         self.table.show_rows(session.draft.rows, document.selected, session.problem)
         self.brushes.show_unit(session.recipe.unit_cm)

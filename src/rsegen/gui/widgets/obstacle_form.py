@@ -84,6 +84,10 @@ class ObstacleForm(QWidget):
         """Show the size and the unit of a map; ends beyond it are moved to its edge."""
         self.show_entry({**self.entry(), **self.ends.inside(grid)}, grid, unit_cm)
 
+    def reset(self) -> None:
+        """Show the obstacle of a new window."""
+        self.show_entry(DEFAULT, self._grid, self._unit)
+
     def finish_typing(self) -> None:
         """Take over a text that was typed and not yet finished with Enter."""
         for each in list(self._editors.values()):

@@ -182,7 +182,7 @@ class ObstacleTable(QTableWidget):
         if item is None:
             item = QTableWidgetItem()
             self.setItem(number, column, item)
-        item.setText(cell_text(row.entry.get(key)) if key else str(number + 1))
+        item.setText(cell_text(row.entry, key) if key else str(number + 1))
         if not key:
             item.setFlags(item.flags() & ~Qt.ItemFlag.ItemIsEditable | Qt.ItemFlag.ItemIsUserCheckable)
             item.setCheckState(Qt.CheckState.Checked if row.enabled else Qt.CheckState.Unchecked)
