@@ -312,7 +312,7 @@ def test_a_chosen_robot_gets_across_what_it_climbs(window: Window) -> None:
     robot.setCurrentText("crawler")
     until(lambda: crossing.text() == "crosses south to north")
     window.session.add({**wall, "first": [0, 5], "last": [19, 5]})
-    until(lambda: crossing.text().startswith("does not cross; reaches "))
+    until(lambda: crossing.text().startswith("does not cross; largest area "))
     window.session.clear()
     until(lambda: crossing.text() == "crosses west to east and south to north")
     robot.setCurrentText("no robot")

@@ -102,7 +102,7 @@ def reach(field: StepField, name: str, seed: int) -> Reach:
     crossings = {"west to east": found.west_east, "south to north": found.south_north}
     across = [way for way, crossing in crossings.items() if crossing.crosses]
     return Reach(
-        text=f"crosses {' and '.join(across)}" if across else f"does not cross; reaches {share:.0%} of the map",
+        text=f"crosses {' and '.join(across)}" if across else f"does not cross; largest area {share:.0%} of the map",
         region=covered,
         ways=_ways(field, robot, found),
         spots=_spots(field, footprint, seed),

@@ -98,7 +98,7 @@ class FieldView(QWidget):
             QWidget.update(self._plotter)
 
     def show_reach(self, reach: Reach | None) -> None:
-        """Show what a robot reaches on the map, its ways across, a start and a goal; None shows none."""
+        """Show the largest area of a robot on the map, its ways across, a start and a goal; None shows none."""
         if self._actors:
             self._actors.reach.show(self._preview.coarse if self._preview else None, reach)
             QWidget.update(self._plotter)

@@ -31,8 +31,8 @@ class MapStatusBar(QStatusBar):
             QComboBox(),
             "robot",
             tip="whether this robot can cross the map, by the steps that it mostly crosses and its width; on the plan "
-            "blocks that it can drive over stay in colour, lines are its ways across (dashed: too steep), S and G "
-            "are even places for a start and a goal",
+            "the largest area is in colour, in which it can drive from every place to every other, lines are its ways "
+            "across (dashed: too steep), S and G are even places for a start and a goal",
         )
         self.robot.addItems(["no robot", *robot_names()])
         self.crossing = named(QLabel(), "crossing")

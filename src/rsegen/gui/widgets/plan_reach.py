@@ -1,4 +1,4 @@
-"""What a robot can do on a map, painted on the plan: the area that it reaches, ways across, a start and a goal."""
+"""What a robot can do on a map, painted on the plan: its largest area, ways across, a start and a goal."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rsegen.gui.model.plan_layout import PlanLayout
 from rsegen.gui.model.reach import EASTWARD, NORTHWARD, Reach, Way, corners
 
 _VEIL = (245, 245, 245, 195)
-"""Blocks that the robot does not reach are nearly white: what is in colour is what it reaches."""
+"""Blocks beyond the largest area of the robot are nearly white."""
 
 _EASTWARD, _NORTHWARD = QColor(*EASTWARD), QColor(*NORTHWARD)
 _PAPER, _INK = QColor(255, 255, 255), QColor(20, 20, 20)
