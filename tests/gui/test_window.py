@@ -371,6 +371,12 @@ def test_every_button_says_what_it_does(window: Window) -> None:
     assert [name for name in silent if name and not name.startswith("qt_") and name not in SELF_EXPLAINING] == []
 
 
+def test_what_a_tooltip_says_is_spoken_without_its_markup(window: Window) -> None:
+    robot = find(window, QComboBox, "robot")
+    assert robot.toolTip() == f"<p>{robot.accessibleDescription()}</p>"
+    assert robot.accessibleDescription().startswith("whether this robot can cross the map")
+
+
 def test_a_picture_that_cannot_be_written_is_one_line(
     window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

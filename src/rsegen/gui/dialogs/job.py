@@ -19,6 +19,8 @@ class JobDialog(QDialog):
         named(self, name)
         self.setWindowTitle(title)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(lambda: self.make_room())
         self.form = RunForm(texts)
         self.form.start.setDefault(True)
         self.form.start.clicked.connect(self._write)
@@ -46,7 +48,7 @@ class JobDialog(QDialog):
     def show_state(self) -> None:
         """Enable the options unless a job is running."""
         self._body.setEnabled(not self.form.busy)
-        QTimer.singleShot(0, self, self.make_room)
+        self._soon.start()
 
     def make_room(self, least: QSize = QSize()) -> None:  # noqa: B008  # an empty one is never changed
         """Grow to what is shown now, and at least to a size; within the screen."""

@@ -14,10 +14,12 @@ _LINE = 80
 
 
 def named(widget: _Widget, name: str, *, title: str = "", tip: str = "") -> _Widget:
-    """The widget with an object name, an accessible name (by default the same) and a tooltip."""
+    """The widget with an object name, an accessible name (by default the same), and a tooltip that is also spoken."""
     widget.setObjectName(name)
     widget.setAccessibleName(title or name.replace("_", " "))
     widget.setToolTip(tooltip(tip))
+    if tip:
+        widget.setAccessibleDescription(tip)
     return widget
 
 
