@@ -13,8 +13,6 @@ from rsegen.gui.widgets.named import named
 from rsegen.params.sorts import Json
 
 _MOST = 2**31 - 1
-_NUMBER_WIDTH = 56
-"""Room for six digits, in pixels."""
 
 
 class Coordinate(QWidget):
@@ -32,7 +30,6 @@ class Coordinate(QWidget):
         self.number = named(QSpinBox(), f"{name}_number", title=title, tip=tip)
         self.number.setButtonSymbols(QAbstractSpinBox.ButtonSymbols.NoButtons)
         self.number.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self.number.setFixedWidth(_NUMBER_WIDTH)
         self.random = named(QCheckBox("random"), f"{name}_random", tip="drawn anew for every map")
         self._given = self._read()
         self._shown: Json = self._given
