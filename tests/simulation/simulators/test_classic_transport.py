@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from queue import SimpleQueue
 
 import pytest
 
@@ -13,7 +14,7 @@ from rsegen.simulation.simulators.classic_messages import CLASSIC
 from rsegen.simulation.simulators.classic_transport import TransportClient, transport_client
 
 TOPIC = "/gazebo/lab/request"
-SUBSCRIBERS = 40
+SUBSCRIBERS = 4
 
 
 def packet(kind: str, type_name: str, message: dict[str, object]) -> bytes:
@@ -47,12 +48,16 @@ def subscriber(client: TransportClient) -> socket.socket:
     return socket.create_connection(client._own.getsockname(), 5)
 
 
-def test_every_subscriber_gets_a_message_however_many_come_at_once() -> None:
+def test_every_subscriber_gets_a_message_however_many_come_before_the_first_is_read() -> None:
     with a_client() as client:
+        waiting: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        start, client._start_thread = client._start_thread, waiting.put  # type: ignore[method-assign]
         others = [subscriber(client) for _ in range(SUBSCRIBERS)]
+        for run in [waiting.get(timeout=10) for _ in others]:
+            start(run)
         for other in others:
             other.sendall(packet("sub", "Subscribe", {"topic": TOPIC, "host": "127.0.0.1", "port": 1}))
-        client._wait("subscribers are lost", lambda: len(client._subscribers[TOPIC]) == SUBSCRIBERS, 10)
+        client._wait("subscribers are lost", lambda: len(client._subscribers[TOPIC]) == SUBSCRIBERS, 5)
         client.publish("~/request", "GzString", {"data": "hello"})
         for other in others:
             with other, other.makefile("rb") as stream:
