@@ -48,10 +48,13 @@ def subscriber(client: TransportClient) -> socket.socket:
     return socket.create_connection(client._own.getsockname(), 5)
 
 
-def test_every_subscriber_gets_a_message_however_many_come_before_the_first_is_read() -> None:
+def test_every_subscriber_gets_a_message_however_many_come_before_the_first_is_read(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     with a_client() as client:
         waiting: SimpleQueue[Callable[[], None]] = SimpleQueue()
-        start, client._start_thread = client._start_thread, waiting.put  # type: ignore[method-assign]
+        start = client._start_thread
+        monkeypatch.setattr(client, "_start_thread", waiting.put)
         others = [subscriber(client) for _ in range(SUBSCRIBERS)]
         for run in [waiting.get(timeout=10) for _ in others]:
             start(run)
