@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QFileDialog, QWidget
+
+from rsegen.gui.widgets.run_form import may_replace
 
 
 def ask_where_to_save(parent: QWidget, title: str, default: str, formats: str) -> Path | None:
@@ -20,14 +22,10 @@ def ask_where_to_save(parent: QWidget, title: str, default: str, formats: str) -
     if path.suffix.lower() in _suffixes(formats):
         return path
     path = path.with_name(path.name + _suffixes(chosen or formats)[0])
-    return path if not path.exists() or _may_replace(parent, path) else None
+    if path.exists() and not may_replace(parent, f"{path.name} already exists. Replace it?"):
+        return None  # Qt has asked for the name without the suffix only
+    return path
 
 
 def _suffixes(formats: str) -> list[str]:
     return re.findall(r"\*(\.\w+)", formats)
-
-
-def _may_replace(parent: QWidget, path: Path) -> bool:
-    """Qt has asked for the name without the suffix only."""
-    yes, no = QMessageBox.StandardButton.Yes, QMessageBox.StandardButton.No
-    return QMessageBox.question(parent, "rsegen", f"{path.name} already exists. Replace it?", yes | no, no) == yes

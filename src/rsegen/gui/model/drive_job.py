@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from rsegen.gui.model.jobs import MapsJob, Step
+from rsegen.gui.model.jobs import MapsJob, Step, counted
 from rsegen.gui.model.simulation import drive_map, robot_names, route_names
 from rsegen.params.sorts import Choice, Flag, Float, Integer, validate
 
@@ -64,14 +64,6 @@ class DriveJob(MapsJob):
 
     def run(self, step: Step, *, force: bool) -> str:
         """Do what `rsegen drive` does."""
-        done = 0
-
-        def progress(seconds: float) -> None:
-            nonlocal done
-            while done < min(int(seconds), self.steps - 1):
-                done += 1
-                step()
-
         settings = self.settings
         lines = drive_map(
             self.recipe,
@@ -82,6 +74,6 @@ class DriveJob(MapsJob):
             contacts=settings.contacts,
             output=self.result_folder,
             force=force,
-            progress=progress,
+            progress=counted(step, self.steps - 1),
         )
         return "\n".join([*lines, f"in {self.result_folder.absolute()}"])

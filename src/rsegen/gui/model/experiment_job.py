@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated
 
 from rsegen.errors import FileError
-from rsegen.gui.model.jobs import Job, Step
+from rsegen.gui.model.jobs import Job, Step, counted
 from rsegen.gui.model.simulation import PlanSummary, plan_summary, run_experiment, simulator_titles
 from rsegen.params.sorts import Choice, Flag, validate
 
@@ -84,14 +84,7 @@ class ExperimentJob(Job):
 
     def run(self, step: Step, *, force: bool) -> str:
         """Do what `rsegen experiment` does."""
-        done = 0
-
-        def progress(trials: int) -> None:
-            nonlocal done
-            while done < trials:
-                done += 1
-                step()
-
+        progress = counted(step, self.steps)
         try:
             run_experiment(
                 self.plan,

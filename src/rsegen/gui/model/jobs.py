@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os.path
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -26,6 +26,19 @@ class Step(Protocol):
 
     def check(self) -> None:
         """A step still lasts."""
+
+
+def counted(step: Step, most: int) -> Callable[[float], None]:
+    """What takes how many steps are done, and calls a step for each new one, up to `most`."""
+    done = 0
+
+    def count(steps: float) -> None:
+        nonlocal done
+        while done < min(int(steps), most):
+            done += 1
+            step()
+
+    return count
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -35,6 +35,12 @@ _CHECKED = 10_000
 """At most this many files are checked, to ask before they are replaced."""
 
 
+def may_replace(parent: QWidget, question: str) -> bool:
+    """Whether the user lets something be replaced; by default not."""
+    yes, no = QMessageBox.StandardButton.Yes, QMessageBox.StandardButton.No
+    return QMessageBox.question(parent, "rsegen", question, yes | no, no) == yes
+
+
 class FormTexts(NamedTuple):
     """The texts of a form: the settings key of its folder, the default folder, what is written, and its button."""
 
@@ -93,11 +99,7 @@ class RunForm(QWidget):
             self.error_label.show_message(str(error))
             return False
         self._force = any(path.exists() for path in islice(job.paths(), _CHECKED))
-        return not self._force or self._may_replace(job)
-
-    def _may_replace(self, job: Job) -> bool:
-        yes, no = QMessageBox.StandardButton.Yes, QMessageBox.StandardButton.No
-        return QMessageBox.question(self, "rsegen", job.question, yes | no, no) == yes
+        return not self._force or may_replace(self, job.question)
 
     def write(self, job: Job) -> None:
         """Run a job in a thread, and remember its folder."""
