@@ -53,28 +53,13 @@ if TYPE_CHECKING:
     from rsegen.geometry import Mesh as Mesh
     from rsegen.io.dataset import Dataset as Dataset
     from rsegen.io.dataset import Tiles as Tiles
-    from rsegen.io.dataset import make_dataset as make_dataset
-    from rsegen.io.export import Exported as Exported
-    from rsegen.io.export import export as export
-    from rsegen.io.exported_map import ExportedMap as ExportedMap
-    from rsegen.io.exports import export_maps as export_maps
     from rsegen.io.importers import imported as imported
     from rsegen.io.recipe_file import load as load
-    from rsegen.io.recipe_file import save as save
     from rsegen.io.scans import ComparedMap as ComparedMap
     from rsegen.io.scans import ScannedMap as ScannedMap
     from rsegen.io.scans import ScanOptions as ScanOptions
     from rsegen.io.scans import compare as compare
     from rsegen.io.scans import scan as scan
-    from rsegen.io.series import Series as Series
-    from rsegen.io.series import series as series
-    from rsegen.io.verifying import Verified as Verified
-    from rsegen.io.verifying import verify as verify
-    from rsegen.io.view import View as View
-    from rsegen.io.view import view as view
-    from rsegen.io.worlds import Generated as Generated
-    from rsegen.io.worlds import GeneratedMap as GeneratedMap
-    from rsegen.io.worlds import generate as generate
     from rsegen.params.plugins import load_plugin as load_plugin
     from rsegen.recipe.batch import build_many as build_many
     from rsegen.recipe.building import build as build
@@ -82,6 +67,21 @@ if TYPE_CHECKING:
     from rsegen.recipe.recipe import Placement as Placement
     from rsegen.recipe.recipe import Recipe as Recipe
     from rsegen.recipe.terrain import Terrain as Terrain
+    from rsegen.run.dataset import make_dataset as make_dataset
+    from rsegen.run.exports import Exported as Exported
+    from rsegen.run.exports import ExportedMap as ExportedMap
+    from rsegen.run.exports import export as export
+    from rsegen.run.exports import export_maps as export_maps
+    from rsegen.run.recipes import save as save
+    from rsegen.run.series import Series as Series
+    from rsegen.run.series import series as series
+    from rsegen.run.verify import Verified as Verified
+    from rsegen.run.verify import verify as verify
+    from rsegen.run.view import View as View
+    from rsegen.run.view import view as view
+    from rsegen.run.worlds import Generated as Generated
+    from rsegen.run.worlds import GeneratedMap as GeneratedMap
+    from rsegen.run.worlds import generate as generate
     from rsegen.simulation.driving.drive import drive as drive
     from rsegen.simulation.driving.drive_result import DriveResult as DriveResult
     from rsegen.simulation.driving.spots import spots as spots
@@ -117,23 +117,23 @@ _HOMES = {
     "rsegen.field.stepfield": ("StepField",),
     "rsegen.field.spots.sampling": ("Spot",),
     "rsegen.geometry": ("Boxes", "Mesh"),
-    "rsegen.io.dataset": ("Dataset", "Tiles", "make_dataset"),
-    "rsegen.io.export": ("Exported", "export"),
-    "rsegen.io.exported_map": ("ExportedMap",),
-    "rsegen.io.exports": ("export_maps",),
+    "rsegen.io.dataset": ("Dataset", "Tiles"),
     "rsegen.io.importers": ("imported",),
-    "rsegen.io.recipe_file": ("load", "save"),
+    "rsegen.io.recipe_file": ("load",),
     "rsegen.io.scans": ("ComparedMap", "ScanOptions", "ScannedMap", "compare", "scan"),
-    "rsegen.io.series": ("Series", "series"),
-    "rsegen.io.verifying": ("Verified", "verify"),
-    "rsegen.io.view": ("View", "view"),
-    "rsegen.io.worlds": ("Generated", "GeneratedMap", "generate"),
     "rsegen.params.plugins": ("load_plugin",),
     "rsegen.recipe.batch": ("build_many",),
     "rsegen.recipe.building": ("build",),
     "rsegen.recipe.codec": ("schema",),
     "rsegen.recipe.recipe": ("Placement", "Recipe"),
     "rsegen.recipe.terrain": ("Terrain",),
+    "rsegen.run.dataset": ("make_dataset",),
+    "rsegen.run.exports": ("Exported", "ExportedMap", "export", "export_maps"),
+    "rsegen.run.recipes": ("save",),
+    "rsegen.run.series": ("Series", "series"),
+    "rsegen.run.verify": ("Verified", "verify"),
+    "rsegen.run.view": ("View", "view"),
+    "rsegen.run.worlds": ("Generated", "GeneratedMap", "generate"),
     "rsegen.simulation.driving.drive": ("drive",),
     "rsegen.simulation.driving.drive_result": ("DriveResult",),
     "rsegen.simulation.driving.spots": ("spots",),

@@ -1,12 +1,7 @@
-"""The command line as a process: from its first line on, before all other imports, a signal ends it in one line.
-
-Python's own start, and the start of this package, take some hundredths of a second before that; nothing can be done
-about a Ctrl-C then.
-"""
+"""The command line as a process: from its first line on, before all other imports, a signal ends it in one line."""
 
 from __future__ import annotations
 
-import atexit
 import os
 import signal
 import sys
@@ -14,39 +9,27 @@ import sys
 
 def main() -> int:
     """Run the command that this process was started with; gives the exit code."""
-    found = [getattr(signal, name) for name in ("SIGINT", "SIGHUP", "SIGTERM") if hasattr(signal, name)]
+    names = ("SIGINT", "SIGHUP", "SIGTERM")
+    found = [getattr(signal, name) for name in names if hasattr(signal, name)]
     heeded = [each for each in found if signal.getsignal(each) is not signal.SIG_IGN]
-    _end_when_stopped(heeded, b"rsegen: stopped\n", 1)
-    atexit.register(_ignore, heeded)  # the first is called last: Python takes its functions away from signals then
+    for each in heeded:
+        signal.signal(each, _end)
     from rsegen.cli import main as run
 
-    code = 1
     try:
-        code = run()
+        return run()
     except SystemExit as done:  # --help
-        code = int(done.code or 0)
-    except KeyboardInterrupt:  # so late that the command has said all that there is to say
-        pass
-    finally:
-        _end_when_stopped(heeded, b"", code)
-    return code
+        return int(done.code or 0)
+    finally:  # what is done is done
+        for each in heeded:
+            signal.signal(each, signal.SIG_IGN)
 
 
-def _end_when_stopped(heeded: list[signal.Signals], words: bytes, code: int) -> None:
-    """From now on each of these signals ends the process at once; a command that works heeds them itself."""
-
-    def end(*_: object) -> None:
-        if sys.stderr and words:
-            os.write(2, words)
-        os._exit(code)
-
-    for each in heeded:
-        signal.signal(each, end)
-
-
-def _ignore(heeded: list[signal.Signals]) -> None:
-    for each in heeded:
-        signal.signal(each, signal.SIG_IGN)
+def _end(number: int, frame: object) -> None:
+    """End the process at once: nothing has been begun."""
+    if sys.stderr:
+        os.write(2, b"rsegen: stopped\n")
+    os._exit(128 + number)
 
 
 if __name__ == "__main__":

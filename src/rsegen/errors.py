@@ -12,6 +12,7 @@ RsegenError
 │   ├── NoSimulator      no simulator that is installed here can do it
 │   └── NothingRuns      no simulation runs that could be changed
 ├── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
+├── Incomplete           the user's mistake showed only after something was written, which stays; exit code 1
 ├── WorkerLost           a worker was killed from outside; nothing half written is left; exit code 1
 ├── FilesDamaged         files on disk are not what rsegen wrote; exit code 1
 │   └── DatasetDamaged   those of a data set
@@ -72,6 +73,18 @@ class NothingRuns(UserError):
 
 class WriteError(RsegenError):
     """The disk failed in the middle of writing."""
+
+
+class Incomplete(RsegenError):
+    """What was asked for cannot be done to the end; the message says why, and what is complete."""
+
+
+class Stopped(KeyboardInterrupt):
+    """Somebody stopped a run; the message says what is complete. changed: whether anything was written."""
+
+    def __init__(self, message: str, *, changed: bool = True) -> None:
+        super().__init__(message)
+        self.changed = changed
 
 
 class WorkerLost(RsegenError):

@@ -17,7 +17,7 @@ import yaml
 import rsegen
 from rsegen import KINDS, Recipe
 from rsegen.cli import COMMANDS, main
-from rsegen.io.record import RECORD
+from rsegen.io.checksums import JOURNAL
 from rsegen.params.sorts import Flag, parameters
 from rsegen.recipe.codec import OTHER_NAMES, decode
 from rsegen.recipe.examples import EXAMPLES
@@ -233,7 +233,7 @@ def test_obstacles_in_json_are_the_schemas_of_the_kinds(capsys: pytest.CaptureFi
 def test_info_agrees_with_what_generate_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (one,) = read(capsys, "generate", *SMALL, "-o", tmp_path)["maps"]
     told = read(capsys, "info", tmp_path / "rse_0000")
-    files = [path for path in tmp_path.rglob("*") if path.is_file() and path.name != RECORD]
+    files = [path for path in tmp_path.rglob("*") if path.is_file() and path.name != JOURNAL]
     assert told["bytes"] == sum(path.stat().st_size for path in files)
     assert {key: told[key] for key in one.keys() & told.keys()} == {key: one[key] for key in one.keys() & told.keys()}
     assert set(told) - set(one) == {

@@ -40,7 +40,7 @@ finally:
 
 UNUSED = [
     *("multiprocessing", "matplotlib", "yaml", "rsegen.recipe.constraints", "rsegen.recipe.difficulty"),
-    *("rsegen.simulation", "rsegen.io.dataset.making", "rsegen.exporters.sheet", "rsegen.exporters.pictures"),
+    *("rsegen.simulation", "rsegen.run.dataset", "rsegen.exporters.sheet", "rsegen.exporters.pictures"),
 ]
 
 
@@ -55,7 +55,7 @@ def imported_by_generate(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
 
 @pytest.mark.parametrize("module", UNUSED)
 def test_a_small_world_takes_no_module_that_it_does_not_use(module: str, imported_by_generate: list[str]) -> None:
-    assert "rsegen.io.worlds" in imported_by_generate
+    assert "rsegen.run.worlds" in imported_by_generate
     assert module not in imported_by_generate
 
 

@@ -49,7 +49,7 @@ def experiment_killed(folder: Path, rng: random.Random) -> list[str]:
     trials = [(line["cell"], line["repeat"]) for line in map(json.loads, _lines(output)[1:])]
     if len(trials) != _TRIALS or len({json.dumps(one) for one in trials}) != _TRIALS:
         problems.append(f"{len(trials)} outcomes of {_TRIALS} trials")
-    expected = {"results.jsonl", "table.md", "trials.csv", "summary.json", "plot.png", "rsegen-files.json", "tracks"}
+    expected = {"results.jsonl", "table.md", "trials.csv", "summary.json", "plot.png", ".rsegen.jsonl", "tracks"}
     found = {path.name for path in output.iterdir()}
     return problems + [f"{name} is missing or left over" for name in sorted(found ^ expected)]
 

@@ -104,7 +104,7 @@ def _half_written(folder: Path, before: Files, whole: Files) -> Iterator[str]:
     """Every file, but those in hidden folders, is that of before or that of a whole run."""
     for name, content in snapshot(folder).items():
         hidden = name.startswith(".rsegen.") or "/.rsegen." in name
-        of_the_run = name.endswith(("rsegen-files.json", "unfinished.jsonl"))
+        of_the_run = name.endswith((".rsegen.jsonl", "unfinished.jsonl"))
         if not hidden and not of_the_run and content not in (before.get(name, b""), whole.get(name, b"")):
             yield f"{name} is half written"
 

@@ -224,7 +224,7 @@ CASES: Mapping[str, Case] = dict(
     case for cases in (_examples, _shapes, _looks, _formats, _levels, _datasets, _sheets) for case in cases()
 )
 
-LEFT_OUT = {"recipe.json", "formats.json", "manifest.json", "rsegen-files.json"}
+LEFT_OUT = {"recipe.json", "formats.json", "manifest.json", ".rsegen.jsonl"}
 """What makes a map again, which has the version of rsegen in it and may have new words, and the checksums of it."""
 
 _RECIPE_TEXT = re.compile(rb'\n  "(generator": "[^"]*"|recipe": \{.*?\n  \}),?', re.DOTALL)

@@ -1,6 +1,7 @@
 """The command line: parse, call, report. No arithmetic of the domain.
 
-Exit codes: 0 done, 2 the user's mistake (one line), 1 anything else; of `compare` also that maps differ.
+Exit codes: 0 done; 2 the user's mistake, and nothing was changed; 130 stopped by Ctrl-C (else 128 and the number of the
+signal); 1 anything else, of `compare` also that maps differ. Each but 0 comes with one line on stderr.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from collections.abc import Sequence
 from rsegen.cli.commands import COMMANDS, parser
 from rsegen.cli.edge import failed, printable_output, short_warnings
 from rsegen.cli.plugins import load_plugins
-from rsegen.cli.stop import Stop, stoppable
+from rsegen.cli.stop import Signals
 from rsegen.errors import RsegenError
 
 __all__ = ["COMMANDS", "main"]
@@ -19,21 +20,22 @@ __all__ = ["COMMANDS", "main"]
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; gives the exit code."""
-    with stoppable() as stop, short_warnings(), printable_output():
+    signals = Signals()
+    with short_warnings(), printable_output():
         try:
-            return _run(arguments, stop)
+            return _run(arguments, signals)
         except (KeyboardInterrupt, Exception) as error:
             ours = not isinstance(error, (RsegenError, KeyboardInterrupt, OSError))
             if ours and sys.flags.dev_mode:
                 raise
-            return failed(KeyboardInterrupt() if ours and stop.happened else error)
+            return failed(error, signals.number)
 
 
-def _run(arguments: Sequence[str] | None, stop: Stop) -> int:
+def _run(arguments: Sequence[str] | None, signals: Signals) -> int:
     try:
         parsed = parser().parse_args(load_plugins(sys.argv[1:] if arguments is None else arguments))
-        stop.heed()
-        return int(parsed.run(parsed) or 0)
+        with signals.stop_it():
+            return int(parsed.run(parsed) or 0)
     finally:
         if sys.stdout:
             sys.stdout.flush()

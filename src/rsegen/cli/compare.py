@@ -19,9 +19,9 @@ from rsegen.io.clouds import is_cloud
 from rsegen.io.resources import refuse_too_large
 from rsegen.io.scans import ComparedMap, ScanOptions, compare
 from rsegen.io.targets import found
-from rsegen.io.writer import write_file
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.store import write_file
 
 _KNOWN = frozenset({*parameters(Recipe), "size", "fill_holes"})
 """Options of a scan that the map decides."""

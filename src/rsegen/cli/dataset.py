@@ -19,13 +19,13 @@ from rsegen.cli.flags import (
     recipes_from,
 )
 from rsegen.cli.generate import add_workers_flag, workers_from
-from rsegen.cli.stop import how_to_go_on, told_what_is_left
+from rsegen.cli.stop import how_to_go_on
 from rsegen.errors import ParameterError
-from rsegen.io.dataset import Dataset, make_dataset
+from rsegen.io.dataset import Dataset
 from rsegen.io.dataset.layout import ShardLayout
-from rsegen.io.dataset.making import Progress, complete_maps
 from rsegen.params.sorts import Integer
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.dataset import Progress, make_dataset
 
 _REBUILT = Integer(0, 10**9)
 
@@ -54,12 +54,6 @@ def add(commands: Subparsers) -> None:
         "recipe and seed",
     )
     add_workers_flag(group)
-    group.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="make it on a Dask cluster whose workers see the same folder: tcp://HOST:PORT, or local for a cluster of "
-        "--workers processes on this machine; needs rsegen[cluster]",
-    )
     group.add_argument("--rebuild", metavar="N", help="with --verify: maps to build again and compare (default: 100)")
     group.add_argument("--json", action="store_true", help="print a summary as JSON")
     add_recipe_flags(command)
@@ -90,7 +84,8 @@ def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
 
 def _made(recipes: Sequence[Recipe], arguments: argparse.Namespace) -> Dataset:
     said = given(ShardLayout, arguments)
-    with told_what_is_left(lambda: _left(recipes, arguments)), _bar(_maps(recipes)) as progress:
+    resume, then = not arguments.force, "goes on" if arguments.force else "makes the others"
+    with how_to_go_on(*recipes, resume=resume, then=then), _bar(sum(recipe.maps for recipe in recipes)) as progress:
         return make_dataset(
             recipes,
             arguments.output,
@@ -102,18 +97,6 @@ def _made(recipes: Sequence[Recipe], arguments: argparse.Namespace) -> Dataset:
             progress=progress,
             **said,
         )
-
-
-def _maps(recipes: Sequence[Recipe]) -> int:
-    return sum(recipe.maps for recipe in recipes)
-
-
-def _left(recipes: Sequence[Recipe], arguments: argparse.Namespace) -> str:
-    """What a run that is stopped leaves, and how to make the other maps."""
-    there = complete_maps(ShardLayout(recipes=recipes, **given(ShardLayout, arguments)), arguments.output)
-    if not there:
-        return "nothing was left there"
-    return f"{there:,} of {_maps(recipes):,} maps are there, in whole shards; {how_to_go_on(*recipes)}"
 
 
 @contextmanager

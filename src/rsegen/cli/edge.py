@@ -7,7 +7,7 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager, redirect_stdout, suppress
 from typing import Any, TextIO
 
 from rsegen.errors import REFUSED, PluginWarning, RsegenError, UserError, line_of, printable
@@ -62,12 +62,15 @@ def short_warnings() -> Iterator[None]:
         warnings.showwarning = usual
 
 
-def failed(error: BaseException) -> int:
-    """Say what went wrong in one line, if there is anyone to hear it, and no more after it; gives the exit code."""
-    exec("")  # noqa: S102  # CPython ends by SIGINT if one interrupted an `exec`, as of dataclasses; the next one forgets it
-    code, message = _code_and_words(error)
+def failed(error: BaseException, signal: int) -> int:
+    """Say what went wrong in one line, if there is anyone to hear it, and no more after it; gives the exit code.
+
+    signal: the number of the one that stopped the command, if it was stopped
+    """
+    code, message = _code_and_words(error, signal)
     if sys.stderr and message:
-        print(f"rsegen: {line_of(message)}", file=sys.stderr)
+        with suppress(OSError):  # a terminal that was closed
+            print(f"rsegen: {line_of(message)}", file=sys.stderr, flush=True)
     try:
         if sys.stdout:
             sys.stdout.flush()
@@ -76,13 +79,13 @@ def failed(error: BaseException) -> int:
     return code
 
 
-def _code_and_words(error: BaseException) -> tuple[int, str]:
+def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
     """The exit code, and what to say; nothing to whoever has stopped listening."""
     match error:
         case RsegenError():
             return 2 if isinstance(error, UserError) else 1, str(error)
         case KeyboardInterrupt():
-            return 1, str(error) or "stopped"
+            return 128 + signal, f"stopped; {error}" if str(error) else "stopped"
         case OSError():
             where = error.filename or "what was to be printed"
             said = "" if isinstance(error, BrokenPipeError) else f"{where}: {error.strerror or error}"

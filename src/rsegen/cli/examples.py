@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
-from pathlib import Path
 
 from rsegen.cli.flags import Subparsers, folder
 from rsegen.io.recipe_file import load
-from rsegen.io.writer import refuse_taken_file, write_file
 from rsegen.recipe.examples import EXAMPLES
+from rsegen.run.recipes import copy_examples
 
 
 def add(commands: Subparsers) -> None:
@@ -20,26 +19,16 @@ def add(commands: Subparsers) -> None:
         epilog="The name of an example works wherever a recipe is expected: rsegen generate peak -o worlds",
     )
     command.add_argument("-o", "--output", type=folder, metavar="DIR", help="folder to copy them into")
-    command.add_argument("--force", action="store_true", help="replace existing files")
+    command.add_argument("--force", action="store_true", help="replace copies that are unchanged")
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Print them, or copy them."""
     if arguments.output:
-        copies = {path: arguments.output / path.name for path in EXAMPLES.values()}
-        _copy(copies, force=arguments.force)
-        print("\n".join(map(str, copies.values())))
+        print("\n".join(map(str, copy_examples(arguments.output, force=arguments.force))))
     else:
         print("\n".join(_report()))
-
-
-def _copy(copies: dict[Path, Path], *, force: bool) -> None:
-    """All of them, or none where one is there already."""
-    for copy in copies.values():
-        refuse_taken_file(copy, force=force)
-    for path, copy in copies.items():
-        write_file([path.read_bytes()], copy, force=force)
 
 
 def _report() -> Iterator[str]:

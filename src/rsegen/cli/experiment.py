@@ -11,6 +11,7 @@ from pathlib import Path
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.simulation_flags import flags_in_errors, simulator_names
+from rsegen.cli.stop import how_to_go_on
 from rsegen.simulation.experiment.plan import PLANS, Cell, ExperimentPlan, load_plan
 from rsegen.simulation.experiment.run import experiment, in_simulators
 from rsegen.simulation.simulators import SIMULATORS
@@ -31,7 +32,9 @@ def add(commands: Subparsers) -> None:
     both = f"or both as {','.join(SIMULATORS)}, which are compared"
     text = f"{simulator_names()}, {both} (default: the newest that is installed)"
     command.add_argument("--simulator", metavar="NAME[,NAME]", help=text)
-    command.add_argument("--force", action="store_true", help="delete results in DIR and start again")
+    command.add_argument(
+        "--force", action="store_true", help="start again; the results in DIR stay until the new ones are complete"
+    )
     command.set_defaults(run=run)
 
 
@@ -40,7 +43,7 @@ def run(arguments: argparse.Namespace) -> None:
     names = arguments.simulator.split(",") if arguments.simulator is not None else None
     with flags_in_errors("simulator"):
         plan = in_simulators(load_plan(arguments.plan), names)
-    with _bar(plan) as progress:
+    with how_to_go_on(), _bar(plan) as progress:
         result = experiment(arguments.plan, arguments.output, simulator=names, force=arguments.force, progress=progress)
     print(result.table)
 

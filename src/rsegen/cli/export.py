@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 from rsegen.cli.bar import counting
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags, folder
 from rsegen.cli.formats import add_format_flags, formats_of, listed
-from rsegen.cli.generate import add_workers_flag, workers_from
-from rsegen.cli.stop import told_what_is_left
+from rsegen.cli.generate import add_workers_flag, going_on, workers_from
 from rsegen.cli.targets import add_target_flags, map_of_flags, recipes_of
-from rsegen.exporters.formats import Format
-from rsegen.io.exported_map import ExportedMap
-from rsegen.io.exports import export_maps
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.exports import ExportedMap, export_maps
 
 _SHOWN = 10
 
@@ -55,7 +52,7 @@ def run(arguments: argparse.Namespace) -> None:
     formats = formats_of("--to", arguments.to, arguments)
     recipes = _recipes(arguments)
     maps = sum(recipe.maps for recipe in recipes)
-    with told_what_is_left(lambda: _left(recipes, formats)), counting(maps) as progress:
+    with going_on(arguments, *recipes), counting(maps) as progress:
         made = export_maps(
             recipes,
             arguments.output,
@@ -63,6 +60,7 @@ def run(arguments: argparse.Namespace) -> None:
             force=arguments.force,
             resume=arguments.resume,
             workers=workers_from(arguments),
+            scheduler=arguments.scheduler,
             sync=not arguments.no_sync,
             progress=progress,
         )
@@ -70,14 +68,6 @@ def run(arguments: argparse.Namespace) -> None:
         print(json.dumps([_summary(one) for one in made], indent=2))
     else:
         print("\n".join(_report(made, maps - len(made))))
-
-
-def _left(recipes: Sequence[Recipe], formats: Sequence[Format]) -> str:
-    """What an export that is stopped leaves, and how to make the rest."""
-    if any(each.joins for each in formats):
-        return "no map was written, as all of them appear together; the same command starts again"
-    seed = f"--seed {recipes[0].seed} " if len(recipes) == 1 else ""
-    return f"the maps that were complete are there; the same command with {seed}--resume makes the others"
 
 
 class _List(argparse.Action):

@@ -5,20 +5,20 @@ from __future__ import annotations
 import argparse
 import json
 import shlex
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 from rsegen.cli.bar import watched
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
 from rsegen.cli.formats import add_format_flags, formats_of
 from rsegen.cli.parser import Parser
-from rsegen.cli.stop import how_to_go_on, told_what_is_left
-from rsegen.io.existing import count_complete
-from rsegen.io.sidecars import Sidecars
-from rsegen.io.work import WORKERS, cores
-from rsegen.io.worlds import Generated, GeneratedMap, generate
+from rsegen.cli.stop import how_to_go_on
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.execute import WORKERS, Execution, cores
+from rsegen.run.plan import OnExisting
+from rsegen.run.sidecars import Sidecars
+from rsegen.run.worlds import Generated, GeneratedMap, make_worlds, plan_worlds
 
 _SHOWN = 10
 
@@ -71,6 +71,12 @@ def add_workers_flag(group: argparse._ArgumentGroup) -> None:
     )
     text = f"{WORKERS.help} ({WORKERS.describe()}; default: the number of cores)"
     group.add_argument("--workers", metavar="N", help=text)
+    group.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="make it on a Dask cluster whose workers see the same folder: tcp://HOST:PORT, or local for a cluster of "
+        "--workers processes on this machine; needs rsegen[cluster]",
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -78,43 +84,42 @@ def run(arguments: argparse.Namespace) -> None:
     produce(recipe_from(arguments), arguments)
 
 
-def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
-    """Write the maps of a recipe, and say what was made."""
+def produce(
+    recipe: Recipe, arguments: argparse.Namespace, beside: Mapping[str, Callable[[], bytes]] | None = None
+) -> None:
+    """Write the maps of a recipe, and say what was made.
+
+    beside: what makes the content of files next to the maps, by their names; called once nothing refuses the run
+    """
+    beside = beside or {}
     formats = formats_of("--formats", arguments.formats, arguments)
     sidecars = Sidecars(preview=arguments.preview, sheet=arguments.sheet, formats=formats)
-    with told_what_is_left(lambda: _left(recipe, arguments, sidecars)), _bar(recipe) as progress:
-        made = generate(
-            recipe,
-            arguments.output,
-            force=arguments.force,
-            resume=arguments.resume,
-            preview=arguments.preview,
-            sheet=arguments.sheet,
-            formats=formats,
-            workers=workers_from(arguments),
-            sync=not arguments.no_sync,
-            progress=progress,
-        )
+    on_existing = OnExisting.of(force=arguments.force, resume=arguments.resume)
+    plan = plan_worlds(recipe, arguments.output, sidecars, on_existing, execution_from(arguments), beside=beside)
+    files = {name: make() for name, make in beside.items()}
+    with going_on(arguments, recipe), _bar(recipe) as progress:
+        made = make_worlds(recipe, plan, progress, files)
     if arguments.json:
         print(json.dumps(_as_json(made), indent=2))
     else:
         print("\n".join(_report(made)))
 
 
+def going_on(arguments: argparse.Namespace, *recipes: Recipe) -> AbstractContextManager[None]:
+    """Add to the message of a run that is stopped how its maps are completed."""
+    then = "makes all of them again" if arguments.force else "makes the others"
+    return how_to_go_on(*recipes, resume=not arguments.force, then=then)
+
+
+def execution_from(arguments: argparse.Namespace) -> Execution:
+    """Return where the flags ask for the run to be made."""
+    return Execution(workers=workers_from(arguments), scheduler=arguments.scheduler, sync=not arguments.no_sync)
+
+
 def workers_from(arguments: argparse.Namespace) -> int:
     """How many were asked for, or the number of cores."""
     given = arguments.workers
     return cores() if given is None else WORKERS.check("--workers", WORKERS.parse(given))
-
-
-def _left(recipe: Recipe, arguments: argparse.Namespace, sidecars: Sidecars) -> str:
-    """What a run that is stopped leaves, and how to make the other maps."""
-    if arguments.force:
-        return "the maps that were complete are there, nothing else is"
-    there = count_complete(recipe, arguments.output, sidecars.complete_in)
-    if not there:
-        return "no map is complete, nothing was left there"
-    return f"{there} of {recipe.maps} maps are complete, nothing else is there; {how_to_go_on(recipe)}"
 
 
 def _as_json(made: Generated) -> dict[str, object]:

@@ -15,9 +15,9 @@ from rsegen.exporters.pictures.preview import image_format
 from rsegen.exporters.pictures.rounding import rounding_plot
 from rsegen.exporters.scene import compose
 from rsegen.io.importers import IMPORTERS, Importer, heights_in, importer_for, recipe_of
-from rsegen.io.writer import write_file
 from rsegen.params.sorts import Flag, Parameter, parameters
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.store import write_file
 
 
 def add(commands: Subparsers) -> None:

@@ -11,7 +11,7 @@ from rsegen.cli.targets import add_target_flags, is_of_flags, scene_of
 from rsegen.errors import ParameterError
 from rsegen.exporters.lengths import lengths_in
 from rsegen.exporters.map_summary import MapSummary, map_summary
-from rsegen.io.verifying import verify
+from rsegen.run.verify import verify
 
 
 def add(commands: Subparsers) -> None:

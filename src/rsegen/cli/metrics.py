@@ -25,7 +25,7 @@ from rsegen.field.metrics import Metrics, RobotLimits, metrics
 from rsegen.field.metrics.custom import custom
 from rsegen.field.metrics.tables import flattened, nested
 from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS
-from rsegen.io.writer import write_file
+from rsegen.run.store import write_file
 from rsegen.simulation.robots import ROBOTS, robot
 
 _NO_ROBOT = "give a robot, as in --robot burger or --climb-cm 10"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from rsegen.exporters.pictures.preview import image_format
-from rsegen.io.writer import refuse_taken_file
+from rsegen.run.store import refuse_taken_file
 
 
 def picture_path(name: str | None, *, force: bool) -> Path | None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags
 from rsegen.cli.targets import add_target_flags, scene_of
 from rsegen.exporters.pictures.preview import image_format, preview_image
-from rsegen.io.writer import refuse_taken_file, write_file
+from rsegen.run.store import refuse_taken_file, write_file
 
 
 def add(commands: Subparsers) -> None:

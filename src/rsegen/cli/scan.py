@@ -16,9 +16,9 @@ from rsegen.field.scanning import SURE
 from rsegen.field.stepfield import Mask
 from rsegen.io.clouds import READERS
 from rsegen.io.scans import ScannedMap, ScanOptions, scan
-from rsegen.io.writer import refuse_taken_file, write_file
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.store import write_file
 
 _SHOWN = 8
 _MOST_PALLETS = 30
@@ -51,13 +51,13 @@ def run(arguments: argparse.Namespace) -> None:
     fit = picture_path(arguments.fit, force=arguments.force)
     found = scan(arguments.clouds, options)
     recipe = with_flags(found.recipe, arguments)
-    path = fit or arguments.output / f"{recipe.name}_fit.png"
-    refuse_taken_file(path, force=arguments.force or arguments.resume)
+    name = f"{recipe.name}_fit.png"
     pallets = recipe.chunks[0] * recipe.chunks[1]
     arguments.sheet = arguments.sheet or pallets <= _MOST_PALLETS
-    produce(recipe, arguments)
-    write_file([found.picture(image_format(path))], path, force=True)
-    lines = [*_report(found), f"the fit: {path}"]
+    produce(recipe, arguments, {} if fit else {name: found.picture})
+    if fit:
+        write_file([found.picture(image_format(fit))], fit, force=arguments.force)
+    lines = [*_report(found), f"the fit: {fit or arguments.output / name}"]
     if not arguments.sheet:
         lines.append(f"no build sheet: it would have a page for each of {pallets} chunks; --sheet writes it")
     print("\n".join(lines), file=sys.stderr if arguments.json else sys.stdout)

@@ -11,13 +11,11 @@ from rsegen.cli.bar import counting
 from rsegen.cli.by_metric import add_by_flags, by_from
 from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, describe_flag, recipe_from
 from rsegen.cli.formats import formats_of
-from rsegen.cli.generate import add_output_flags, workers_from
-from rsegen.cli.stop import how_to_go_on, told_what_is_left
+from rsegen.cli.generate import add_output_flags, going_on, workers_from
 from rsegen.exporters.numbers import decimal
 from rsegen.field.metrics.by_name import RMS
-from rsegen.io.series import Series, SeriesPlan, SeriesRow, series
 from rsegen.params.sorts import parameters
-from rsegen.recipe.recipe import Recipe
+from rsegen.run.series import Series, SeriesPlan, SeriesRow, series
 
 _LINES = 12
 
@@ -47,7 +45,7 @@ def run(arguments: argparse.Namespace) -> None:
     recipe = recipe_from(arguments)
     formats = formats_of("--formats", arguments.formats, arguments)
     from_, to = (_share(name, getattr(arguments, name)) for name in ("from_", "to"))
-    with told_what_is_left(lambda: _left(recipe, arguments)), counting(recipe.maps) as progress:
+    with going_on(arguments, recipe), counting(recipe.maps) as progress:
         found = series(
             recipe,
             arguments.output,
@@ -61,18 +59,11 @@ def run(arguments: argparse.Namespace) -> None:
             sheet=arguments.sheet,
             formats=formats,
             workers=workers_from(arguments),
+            scheduler=arguments.scheduler,
             sync=not arguments.no_sync,
             progress=progress,
         )
     print(json.dumps(_summary(found), indent=2) if arguments.json else "\n".join(_report(found)))
-
-
-def _left(recipe: Recipe, arguments: argparse.Namespace) -> str:
-    """What a series that is stopped leaves, and how to make the rest; not where old maps may be among the new ones."""
-    if arguments.force:
-        return "the maps that were complete are there, nothing else is"
-    rest = how_to_go_on(recipe, what="the rest")
-    return f"the maps that were complete are there, without table and picture; {rest}"
 
 
 def _share(name: str, text: str) -> float:

@@ -16,9 +16,9 @@ from rsegen.cli.targets import add_target_flags, target_of
 from rsegen.exporters.pictures.preview import image_format
 from rsegen.exporters.pictures.spots import spots_plot
 from rsegen.field.spots import Spot
-from rsegen.io.writer import write_file
 from rsegen.params.sorts import Parameter
 from rsegen.params.streams import fresh_seed
+from rsegen.run.store import write_file
 from rsegen.simulation.driving.spots import COUNT, MAX_DIFFERENCE, SEED, SIZE, spot_footprint, spots
 from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.worlds import world_of

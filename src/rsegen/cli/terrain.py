@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from rsegen.cli.bar import counting
 from rsegen.cli.by_metric import add_by_flags, by_from
 from rsegen.cli.flags import Subparsers, describe_flag, flag
 from rsegen.cli.generate import add_output_flags, produce
-from rsegen.io.contents import refuse_loss_of_files
 from rsegen.io.recipe_file import load
-from rsegen.io.record import Record, recorded
-from rsegen.io.writer import refuse_taken_file, write_files
 from rsegen.params.sorts import Parameter, parameters
 from rsegen.recipe.examples import or_example
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.terrain import SIZE, Terrain
+from rsegen.run.terrain import tiles_json
 
 _SORTS: Mapping[str, Parameter] = {**parameters(Terrain), "seed": parameters(Recipe)["seed"]}
 
@@ -60,15 +56,11 @@ def run(arguments: argparse.Namespace) -> None:
     seed = values.pop("seed", None)
     size = None if arguments.spots is None else SIZE.check("--spots", SIZE.parse(arguments.spots))
     terrain = Terrain(recipes=[_recipe(name, seed) for name in arguments.recipes], **values, **by_from(arguments))
-    path = Path(arguments.output, f"{terrain.name}_0000.json")
-    refuse_taken_file(path, force=arguments.force or arguments.resume)
-    refuse_loss_of_files(path.parent, (path.name,))
+    path = arguments.output / f"{terrain.name}_0000.json"
     with counting(terrain.rows * terrain.columns * (1 if size is None else 2), "tile") as progress:
         terrain = replace(terrain, progress=progress)
-        content = json.dumps(_as_json(terrain, size)).encode() + b"\n"
-    produce(terrain.recipe, arguments)
-    record = recorded(path.parent) or Record(content="files", files={})
-    write_files({path.name: [content]}, path.parent, record=record, sync=not arguments.no_sync)
+        recipe = terrain.recipe
+        produce(recipe, arguments, {path.name: lambda: tiles_json(terrain, size)})
     if not arguments.json:
         print(f"its tiles: {path}")
 
@@ -76,16 +68,3 @@ def run(arguments: argparse.Namespace) -> None:
 def _recipe(name: str, seed: int | None) -> Recipe:
     recipe = load(or_example(name))
     return recipe if seed is None else replace(recipe, seed=seed)
-
-
-def _as_json(terrain: Terrain, size: tuple[float, float] | None) -> dict[str, object]:
-    """What is known of each tile; lengths in metres, angles in radians."""
-    spots = {} if size is None else {"spots": terrain.spots(size, evenest=True)[:, :, 0].tolist()}
-    return {
-        "name": terrain.name,
-        "tile_size": list(terrain.tile_size),
-        "difficulty": terrain.difficulties.tolist(),
-        "kinds": list(terrain.kinds),
-        "origins": terrain.origins.tolist(),
-        **spots,
-    }

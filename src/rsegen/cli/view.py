@@ -7,9 +7,9 @@ from pathlib import Path
 
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags
 from rsegen.cli.targets import add_target_flags, map_of_flags, recipes_of
-from rsegen.io.view import html_path, view_all
-from rsegen.io.writer import refuse_taken_file
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.store import refuse_taken_file
+from rsegen.run.view import html_path, view_all
 
 
 def add(commands: Subparsers) -> None:

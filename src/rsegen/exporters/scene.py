@@ -16,7 +16,7 @@ from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
-    from rsegen.io.export import Exported
+    from rsegen.run.exports import Exported
 
 Colour = tuple[float, float, float]
 _Value = TypeVar("_Value")
@@ -131,7 +131,7 @@ class Scene:
         **options: Any,
     ) -> Exported:
         """Write the map in another format, as `rsegen.export` does: `scene.export("map.glb")`."""
-        from rsegen.io.export import export
+        from rsegen.run.exports import export
 
         return export(self, path, format, force=force, **options)
 

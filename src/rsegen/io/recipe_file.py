@@ -1,4 +1,4 @@
-"""Reads and writes recipe files: JSON if the name ends in .json, else YAML. Nothing in them is trusted."""
+"""Reads recipe files, and makes their text: JSON if the name ends in .json, else YAML. Nothing in them is trusted."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ from pathlib import Path
 from rsegen.errors import FileError, ParameterError
 from rsegen.io.parser_errors import parser_message, refuse_duplicates
 from rsegen.io.text_files import text_of
-from rsegen.io.writer import write_file
 from rsegen.io.yaml_files import parse_yaml
 from rsegen.params.sorts import Json
-from rsegen.recipe.codec import decode, encode, to_json
+from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.recipe import Recipe
 
 MAX_MIB = {".json": 64, ".yaml": 4}
@@ -32,13 +31,6 @@ def content(path: Path) -> object:
     most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"])
     text = text_of(path, most, f"a recipe (JSON: up to {MAX_MIB['.json']} MiB)")
     return _parse_json(text, path) if path.suffix.lower() == ".json" else parse_yaml(text, path)
-
-
-def save(recipe: Recipe, path: str | Path, *, force: bool = False) -> None:
-    """Write a recipe file, whole or not at all; an OutputError if it exists already, unless `force`."""
-    path = Path(path)
-    text = to_json(recipe) if path.suffix.lower() == ".json" else to_yaml(recipe)
-    write_file([text.encode()], path, force=force)
 
 
 def to_yaml(recipe: Recipe) -> str:

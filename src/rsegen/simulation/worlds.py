@@ -18,8 +18,8 @@ from rsegen.io.input_files import regular_content
 from rsegen.io.recipe_file import load
 from rsegen.io.resources import refuse_too_large
 from rsegen.io.targets import found, map_index
-from rsegen.io.writer import write
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.store import write_folder
 
 Target: TypeAlias = "Recipe | Scene | str | os.PathLike[str]"
 """A recipe, a scene, or the path or name that the command line takes: a world file, a recipe file, an example, the
@@ -65,7 +65,7 @@ class World:
 
 def write_world(scene: Scene, folder: Path) -> Path:
     """The world file of a scene, written with all that it needs as `folder/NAME_000k`."""
-    write(export(scene), folder / scene.name, sync=False)
+    write_folder(export(scene), folder / scene.name, sync=False)
     return folder / scene.name / f"{scene.name}.world"
 
 

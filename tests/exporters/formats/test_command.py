@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from rsegen.io.existing import count_complete
 
 import rsegen
 from rsegen import Recipe, Scene
@@ -16,9 +17,8 @@ from rsegen.errors import OutputError, WriteError
 from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
-from rsegen.io.existing import count_complete
-from rsegen.io.sidecars import Sidecars
 from rsegen.params.registry import summary
+from rsegen.run.sidecars import Sidecars
 from tests.exporters.formats.maps import RECIPES
 from tests.support.complaints import exit_code
 from tests.support.runs import contents

@@ -13,8 +13,8 @@ import rsegen
 from rsegen import Recipe, Scene, compose, load
 from rsegen.errors import pip_install
 from rsegen.exporters.formats import FORMATS, Format, exported
+from rsegen.io.checksums import JOURNAL
 from rsegen.io.importers import IMPORTERS as READ
-from rsegen.io.record import RECORD
 from rsegen.params import extras
 from rsegen.params.registry import summary
 from rsegen.params.sorts import parameters
@@ -59,7 +59,7 @@ def test_the_same_bytes_come_from_another_process(tmp_path: Path) -> None:
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
     expected = {str(path): b"".join(pieces) for path, pieces in exported(compose(SMALL), _all()).items()}
     found = {name.partition("/")[2]: content for name, content in contents(tmp_path / "1").items()}
-    assert found == {**expected, RECORD: found[RECORD]}
+    assert found == {**expected, JOURNAL: found[JOURNAL]}
 
 
 @FORMAT
@@ -69,7 +69,7 @@ def test_an_exported_map_carries_its_recipe_and_its_options(cls: type[Format], t
     assert load(one.folder / "recipe.json") == SMALL
     assert json.loads((one.folder / "formats.json").read_text("utf-8")) == {cls.name: cls().options}
     assert sorted(one.names) == sorted(contents(one.folder))
-    assert {name.partition("/")[0] for name in one.names} == {"recipe.json", "formats.json", RECORD, cls.name}
+    assert {name.partition("/")[0] for name in one.names} == {"recipe.json", "formats.json", JOURNAL, cls.name}
 
 
 @FORMAT
@@ -78,7 +78,7 @@ def test_a_world_with_a_format_is_the_world_and_the_export(cls: type[Format], tm
     rsegen.export_maps([SMALL], tmp_path / "export", [cls()])
     rsegen.generate(SMALL, tmp_path / "both", formats=[cls()])
     both, parts = contents(tmp_path / "both"), contents(tmp_path / "plain") | contents(tmp_path / "export")
-    assert {name for name in both.keys() | parts.keys() if both.get(name) != parts.get(name)} == {f"rse_0000/{RECORD}"}
+    assert {name for name in both.keys() | parts.keys() if both.get(name) != parts.get(name)} == {f"rse_0000/{JOURNAL}"}
 
 
 @FORMAT

@@ -16,7 +16,7 @@ import yaml
 import rsegen
 from rsegen import Recipe, compose, load
 from rsegen.exporters.formats.ros2 import Ros2
-from rsegen.io.record import RECORD
+from rsegen.io.checksums import JOURNAL
 from tests.exporters.formats.maps import RECIPES
 from tests.exporters.formats.maps import made as made_files
 from tests.exporters.formats.test_ros2 import NAMED, written
@@ -240,7 +240,7 @@ def test_maps_that_are_joined_are_one_package_in_which_map_chooses(tmp_path: Pat
     package = tmp_path / "src" / "fields"
     names = [recipe.map_name(index) for index in recipe.indices]
     assert [one.folder for one in made] == [package] * 3
-    assert sorted(name for one in made for name in one.names) == sorted(contents(package).keys() - {RECORD})
+    assert sorted(name for one in made for name in one.names) == sorted(contents(package).keys() - {JOURNAL})
     assert [load(package / "recipes" / f"{name}.json") for name in names] == [*map(recipe.alone, recipe.indices)]
     file = package / "launch" / "gazebo_sim.launch.py"
     choice = launch(file).arguments["map"]

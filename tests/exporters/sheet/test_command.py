@@ -9,7 +9,7 @@ import pytest
 import rsegen
 from rsegen import CutSettings
 from rsegen.cli import main
-from rsegen.io.record import RECORD
+from rsegen.io.checksums import JOURNAL
 from rsegen.recipe.examples import EXAMPLES
 
 PALLET = EXAMPLES["red-diagonal-pallet"]
@@ -86,4 +86,4 @@ def test_without_it_there_is_none_and_the_maps_are_the_same(tmp_path: Path, caps
     )
     added = {path.name for path in with_.keys() - without.keys()}
     assert added == {"sheet.csv", "sheet.pdf"}
-    assert all(with_[path] == content for path, content in without.items() if path.name != RECORD)
+    assert all(with_[path] == content for path, content in without.items() if path.name != JOURNAL)

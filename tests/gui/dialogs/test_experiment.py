@@ -102,7 +102,7 @@ def test_table_and_plot_are_those_of_the_command(trials: Trials, dialog: Experim
     folder = tmp_path / "mine" / "small"
     assert said(dialog, "outcome") == f"4 trials in {folder}"
     assert dialog.form.written == folder
-    assert sorted(os.listdir(folder)) == sorted([*run.REPORT_FILES, run.RESULTS_FILE, "rsegen-files.json"])
+    assert sorted(os.listdir(folder)) == sorted([*run.REPORT_FILES, run.RESULTS_FILE, ".rsegen.jsonl"])
     assert dialog.report.isVisible()
     assert "Experiment: small" in dialog.report.table.toPlainText()
     assert "12.5" in dialog.report.table.toPlainText()

@@ -30,7 +30,7 @@ from rsegen.gui.dialogs.export import ExportDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.widgets.named import tooltip
 from rsegen.gui.window import Window
-from rsegen.io.record import RECORD
+from rsegen.io.checksums import JOURNAL
 from rsegen.params import extras
 from rsegen.params.registry import summary
 from tests.support.clicking import active, answer, click, find, said, shown, typed
@@ -153,7 +153,7 @@ def test_a_world_gets_a_format_and_stays_as_it_is(window: Window, tmp_path: Path
     answer(Said.Yes)
     exported(dialog, "urdf")
     after = files(tmp_path)
-    assert {name for name in before if before[name] != after[name]} == {f"rse_0000/{RECORD}"}
+    assert {name for name in before if before[name] != after[name]} == {f"rse_0000/{JOURNAL}"}
     assert (tmp_path / "rse_0000" / "urdf").is_dir()
 
 
@@ -211,7 +211,7 @@ def begun(window: Window, folder: Path) -> ExportDialog:
 def whole(folder: Path) -> int:
     """How many maps are there, each of them whole, and nothing else."""
     for home in folder.iterdir():
-        wanted = {"recipe.json", "formats.json", RECORD, f"heightmap/{home.name}.png", "heightmap/heightmap.json"}
+        wanted = {"recipe.json", "formats.json", JOURNAL, f"heightmap/{home.name}.png", "heightmap/heightmap.json"}
         assert set(files(home)) == wanted
     return len(list(folder.iterdir()))
 

@@ -32,7 +32,7 @@ def test_every_trial_has_a_csv_file_and_every_cell_a_picture_of_the_last(trial: 
     assert not list(tmp_path.rglob("*.png"))
     write_tracks(PLAN, tmp_path, CELL, 1, trial)
     names = {path.name for path in (tmp_path / "tracks").iterdir()}
-    assert names == {"row1-10-free-0.csv", "row1-10-free-1.csv", "row1-10-free.png", "rsegen-files.json"}
+    assert names == {"row1-10-free-0.csv", "row1-10-free-1.csv", "row1-10-free.png", ".rsegen.jsonl"}
     assert (tmp_path / "tracks" / "row1-10-free-0.csv").read_text().splitlines() == [
         "robot,t,x,y,z,roll,pitch,yaw",
         "burger_0,0,0.1,0,0,0,0,0",

@@ -192,7 +192,7 @@ def test_an_experiment_goes_on_where_it_was_stopped(
     assert 50 < outcome["memory"] < 1000
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
         "results.jsonl",
-        "rsegen-files.json",
+        ".rsegen.jsonl",
         "table.md",
         "trials.csv",
         "summary.json",

@@ -17,7 +17,7 @@ import pytest
 import rsegen
 from rsegen.exporters.gazebo import export
 from rsegen.field.stepfield import Levels
-from rsegen.io.writer import write
+from rsegen.run.store import write
 from rsegen.simulation.driving.world_with_robots import world_with_robots
 from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.simulators import Installation

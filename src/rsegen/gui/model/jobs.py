@@ -11,11 +11,11 @@ from typing import Protocol
 
 from rsegen.exporters.formats import Format, refuse_unready
 from rsegen.exporters.sheet import FORMATS, CutSettings, page_count, refuse_unbuildable
-from rsegen.io.exports import export_maps
-from rsegen.io.sheets import write_sheets
-from rsegen.io.sidecars import Sidecars
-from rsegen.io.worlds import generate
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.exports import export_maps
+from rsegen.run.sheets import write_sheets
+from rsegen.run.sidecars import Sidecars
+from rsegen.run.worlds import generate
 
 
 class Step(Protocol):

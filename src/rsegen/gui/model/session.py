@@ -14,11 +14,12 @@ from types import MappingProxyType
 
 from rsegen.errors import ParameterError
 from rsegen.io.dataset.map_reference import recipe_in
-from rsegen.io.recipe_file import load, save
+from rsegen.io.recipe_file import load
 from rsegen.params.sorts import Json
 from rsegen.params.streams import fresh_seed
 from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.recipes import save
 
 Entry = Mapping[str, Json]
 """One obstacle as a recipe file has it."""

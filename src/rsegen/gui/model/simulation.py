@@ -16,8 +16,8 @@ from rsegen.field.spots import Footprint, Spot
 from rsegen.field.stepfield import Array, StepField
 from rsegen.gui.model.reach import Reach, Way
 from rsegen.gui.model.robot_shape import RobotPart, RobotShape
-from rsegen.io.worlds import generate
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.worlds import generate
 from rsegen.simulation.driving.drive import drive
 from rsegen.simulation.driving.footprints import footprint_of
 from rsegen.simulation.driving.robot_runs import ROUTES, spot_generator

@@ -29,7 +29,7 @@ from rsegen.gui.widgets.layouts import row_of
 from rsegen.gui.widgets.message_label import MessageLabel
 from rsegen.gui.widgets.named import named
 from rsegen.gui.workers.job_thread import JobThread
-from rsegen.io.writer import refuse_not_a_folder
+from rsegen.run.store import refuse_not_a_folder
 
 _CHECKED = 10_000
 """At most this many files are checked, to ask before they are replaced."""

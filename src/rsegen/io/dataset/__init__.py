@@ -1,6 +1,6 @@
-"""Data sets: very many maps of some recipes in few files, made in shards, resumed, checked, read as one array.
+"""Data sets: very many maps of some recipes in few files, read as one array, and checked.
 
-Recipe --make_dataset--> DIR --Dataset--> levels (maps, n_x, n_y), metrics, any map by its place
+DIR --Dataset--> levels (maps, n_x, n_y), metrics, any map by its place
 """
 
 from __future__ import annotations
@@ -9,13 +9,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rsegen.io.dataset.making import make_dataset
     from rsegen.io.dataset.reading import Dataset
     from rsegen.io.dataset.tiles import Tiles
 
-__all__ = ["Dataset", "Tiles", "make_dataset"]
+__all__ = ["Dataset", "Tiles"]
 
-_HOMES = {"Dataset": "reading", "Tiles": "tiles", "make_dataset": "making"}
+_HOMES = {"Dataset": "reading", "Tiles": "tiles"}
 
 
 def __getattr__(name: str) -> Any:

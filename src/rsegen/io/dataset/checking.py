@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from rsegen.errors import DatasetDamaged
+from rsegen.io.checksums import Checksum, checksum_of
 from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.dataset.manifest import Shard
-from rsegen.io.record import WrittenFile, written_file
 
 
 def refuse_other_sizes(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
@@ -24,7 +24,7 @@ def refuse_other_sizes(folder: Path, layout: ShardLayout, shards: Iterable[Shard
 def refuse_other_checksums(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
     """Raise DatasetDamaged for the first file with a wrong checksum."""
     for path, part in _files(folder, layout, shards):
-        if written_file(path) != part:
+        if checksum_of(path) != part:
             raise DatasetDamaged(
                 f"{path}: has changed, its checksum is wrong; "
                 "the command that made the data set repairs it with --resume"
@@ -36,7 +36,7 @@ def random_places(maps: int, wanted: int) -> list[int]:
     return sorted(random.SystemRandom().sample(range(maps), min(wanted, maps)))
 
 
-def _files(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> Iterator[tuple[Path, WrittenFile]]:
+def _files(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> Iterator[tuple[Path, Checksum]]:
     for shard in shards:
         names = layout.names(shard.number)
         yield from ((folder / names[what], part) for what, part in shard.files.items())

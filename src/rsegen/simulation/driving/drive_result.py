@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path, PurePosixPath
 
 from rsegen.exporters.scene import Scene
-from rsegen.io.writer import write
 from rsegen.recipe.codec import map_json
+from rsegen.run.store import write_folder
 from rsegen.simulation.driving.contacts import ContactSamples, contacts_csv
 from rsegen.simulation.driving.drive_metrics import DriveMetrics, Trajectory
 from rsegen.simulation.driving.routes import Wandering
@@ -88,7 +88,7 @@ class DriveResult:
 
     def write(self, folder: str | Path, *, force: bool = False) -> None:
         """Write trajectories, contacts, metrics and pictures into a folder; `force` replaces an earlier drive."""
-        write(self._files(), Path(folder), "drive", force=force)
+        write_folder(self._files(), Path(folder), "drive", force=force)
 
     def _files(self) -> dict[PurePosixPath, list[bytes]]:
         trajectories = {each.name: each.trajectory for each in self.robots}

@@ -5,27 +5,28 @@ from __future__ import annotations
 import json
 import os
 import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from rsegen.errors import FileError, OutputError, ParameterError
+from rsegen.errors import FileError, OutputError, ParameterError, Stopped
 from rsegen.io import recipe_file
-from rsegen.io.contents import refuse_link, refuse_loss_of_files
-from rsegen.io.record import Record, recorded
-from rsegen.io.writer import refuse_not_a_folder, write_files
-from rsegen.params.sorts import Text
+from rsegen.params.sorts import Json, Text
+from rsegen.run.journal import is_intact, read_errors, read_journal
+from rsegen.run.store import Store, open_store, refuse_busy, replacing
 from rsegen.simulation.experiment.frames import refuse_without_frames
 from rsegen.simulation.experiment.machine import description
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, load_plan, read_plan
 from rsegen.simulation.experiment.plot import plot
 from rsegen.simulation.experiment.report import report_page, trials_csv
-from rsegen.simulation.experiment.results import Results, ResultsLog, is_results_log, read_cell, read_outcome
-from rsegen.simulation.experiment.tracks import refuse_loss_of_tracks, remove_tracks, write_tracks
-from rsegen.simulation.experiment.trial import refuse_crowded, run_trial
+from rsegen.simulation.experiment.results import Results, entry, read_cell, read_entries, read_outcome, results_of
+from rsegen.simulation.experiment.tracks import track_files, track_names
+from rsegen.simulation.experiment.trial import Outcome, refuse_crowded, run_trial
+from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.launching import choose_installation
 
-RESULTS_FILE = "results.jsonl"
+HOLDS = "experiment"
 _LINE = Text(r".{0,4096}", "a line of at most 4096 letters")
 
 REPORT_FILES = ("table.md", "trials.csv", "summary.json", "plot.png")
@@ -62,11 +63,11 @@ def experiment(
     """Measure what maps cost a simulator while robots drive on them, and write tables and a plot into a folder.
 
     plan: the name of an included plan, a YAML file like these, or a Plan; output: the folder; if it has outcomes of
-    this plan, only the missing trials are run; `force` deletes them first, and nothing else. simulator: `sim`,
-    `classic`, or both, which are compared; by default the newest that is installed. `progress` is called with the
-    number of trials that are done and the next cell, `watch` several times per second during a trial; what they raise
-    stops the experiment, and the same call continues it. UserError, before the first trial, if the plan is wrong, a
-    simulator is not installed, or the folder has other files of these names.
+    this plan, only the missing trials are run; `force` begins anew, and what is there stays until the new is complete.
+    simulator: `sim`, `classic`, or both, which are compared; by default the newest that is installed. `progress` is
+    called with the number of trials that are done and the next cell, `watch` several times per second during a trial;
+    what they raise stops the experiment, and the same call continues it. UserError, before the first trial, if the plan
+    is wrong, a simulator is not installed, or the folder has other files of these names.
     """
     command, folder = _command(plan, output, simulator), Path(output)
     plan = plan if isinstance(plan, ExperimentPlan) else load_plan(os.fspath(plan))
@@ -75,23 +76,61 @@ def experiment(
     installed = {name: choose_installation("both", name) for name in names}
     refuse_without_frames(plan, installed)
     refuse_crowded(plan)
-    _refuse_loss(plan, folder)
-    if force:
-        _remove(folder)
-    log = ResultsLog(path=folder / RESULTS_FILE)
-    log.begin(asdict(plan))
-    done = {(cell, repeat) for cell, repeat, _ in log.entries()}
     machine = {"simulator": ", ".join(map(str, installed.values())), **description()}
-    for number, (cell, repeat) in enumerate(plan.order()):
-        progress(number, cell)
-        if (cell, repeat) not in done:
-            trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)], watch)
-            write_tracks(plan, folder, cell, repeat, trial)
-            log.add(cell, repeat, trial.outcome)
-    found = ExperimentResult(plan=plan, results=log.results(), machine=machine, folder=folder, command=command)
-    files = {name: [content] for name, content in _files(found).items()}
-    write_files(files, folder, record=recorded(folder) or Record(content="files", files={}))
+    with _opened(plan, folder, force=force) as store:
+        entries = read_entries(store.journal.content, folder, len(plan.rows))
+        done = {(cell, repeat): outcome for cell, repeat, outcome in entries}
+        for number, (cell, repeat) in enumerate(plan.order()):
+            progress(number, cell)
+            if (cell, repeat) not in done:
+                try:
+                    done[cell, repeat] = _tried(plan, cell, repeat, installed, watch, store)
+                except KeyboardInterrupt:
+                    there = f"{len(done)} of {len(plan.cells) * plan.repeats} trials are complete in {folder}"
+                    raise Stopped(there, changed=bool(done)) from None
+        results = results_of((*key, outcome) for key, outcome in done.items())
+        found = ExperimentResult(plan=plan, results=results, machine=machine, folder=folder, command=command)
+        store.put({name: [content] for name, content in _files(found).items()}, force=True, holds=HOLDS)
     return found
+
+
+def _tried(
+    plan: ExperimentPlan,
+    cell: Cell,
+    repeat: int,
+    installed: Mapping[str, Installation],
+    watch: Callable[[], None],
+    store: Store,
+) -> Outcome:
+    """Run a trial, and write its tracks and then its outcome."""
+    trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)], watch)
+    if files := track_files(plan, cell, repeat, trial):
+        store.put(files, force=True, holds=HOLDS)
+    store.note(entry(cell, repeat, trial.outcome))
+    return trial.outcome
+
+
+@contextmanager
+def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Store]:
+    """Open the folder of the results, or that of those which replace them; an OutputError if that may not be."""
+    refuse_busy(folder)
+    of: Json = json.loads(json.dumps(asdict(plan)))
+    journal = read_journal(folder)
+    if force and journal:
+        with replacing(folder, HOLDS, of) as store:
+            yield store
+        return
+    if journal and (journal.holds, journal.of) != (HOLDS, of):
+        what = "the outcomes of another plan" if journal.holds == HOLDS else "other files of rsegen"
+        raise OutputError(
+            f"{folder}: has {what}; give another folder" + (", or --force" if journal.holds == HOLDS else "")
+        )
+    with read_errors(folder):
+        for name in (*REPORT_FILES, *track_names(plan)):
+            is_intact(folder, name, journal)
+    with open_store(folder) as store:
+        store.journal.begin(HOLDS, of)
+        yield store
 
 
 def in_simulators(plan: ExperimentPlan, simulator: str | Sequence[str] | None) -> ExperimentPlan:
@@ -133,23 +172,6 @@ def _command(plan: str | os.PathLike[str] | ExperimentPlan, output: str | Path, 
         return "rsegen.experiment(plan, output" + (f", simulator={names!r})" if names else ")")
     flags = ["--simulator", str(names)] if names else []
     return shlex.join(["rsegen", "experiment", os.fspath(plan), *flags, "-o", os.fspath(output)])
-
-
-def _refuse_loss(plan: ExperimentPlan, folder: Path) -> None:
-    """Raise an OutputError, before any trial, if a file of an experiment would replace one that is not rsegen's."""
-    refuse_not_a_folder(folder)
-    refuse_loss_of_files(folder, REPORT_FILES)
-    refuse_loss_of_tracks(plan, folder)
-    refuse_link(folder / RESULTS_FILE)
-    if os.path.lexists(folder / RESULTS_FILE) and not is_results_log(folder / RESULTS_FILE):
-        raise OutputError(f"{folder / RESULTS_FILE}: not the results log of an experiment; give another folder")
-
-
-def _remove(folder: Path) -> None:
-    """Remove the files of an experiment, which are rsegen's own; an OutputError if somebody has changed a track."""
-    remove_tracks(folder)
-    for name in (*REPORT_FILES, RESULTS_FILE):
-        (folder / name).unlink(missing_ok=True)
 
 
 def _files(found: ExperimentResult) -> dict[str, bytes]:

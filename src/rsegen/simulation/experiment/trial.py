@@ -13,7 +13,7 @@ from statistics import fmean
 from rsegen.errors import inside
 from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import Scene, compose
-from rsegen.io.worlds import generate
+from rsegen.run.worlds import generate
 from rsegen.simulation.driving.camera import camera_model
 from rsegen.simulation.driving.drive_metrics import Trajectory
 from rsegen.simulation.driving.recording import RobotRun

@@ -1,0 +1,396 @@
+"""Writes maps in the formats of other programs, without worlds, or adds formats to maps that exist.
+
+Recipe or Scene --export--> one file, or one folder
+recipes --plan_exports--> RunPlan --run: compose, exported, write or add, for each map--> ExportedMap of each
+recipes, a format that joins maps (a ROS 2 package) --write_joined--> one folder, with all maps or none
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import fsum, prod
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from rsegen.errors import OutputError, ParameterError, UnknownName, UserError
+from rsegen.exporters.formats import FORMATS, Format, exported, format_named, options, refuse_unready
+from rsegen.exporters.gazebo import Bundle
+from rsegen.exporters.scene import Scene, compose
+from rsegen.io.checksums import JOURNAL, Checksum
+from rsegen.io.recipe_file import load
+from rsegen.io.resources import Needs, check_needs, refuse_too_large
+from rsegen.params.sorts import parameters
+from rsegen.recipe.codec import map_json
+from rsegen.recipe.recipe import Recipe
+from rsegen.run.execute import Execution
+from rsegen.run.existing import has_content
+from rsegen.run.journal import Journal, compare, read_errors, read_journal, refuse_link, refuse_loss
+from rsegen.run.plan import OnExisting, RunPlan, run
+from rsegen.run.product import Output
+from rsegen.run.sidecars import FORMATS_FILE, Sidecars, listed_formats
+from rsegen.run.store import (
+    new_root,
+    open_store,
+    refuse_busy,
+    refuse_loss_below,
+    refuse_taken,
+    sorted_names,
+    stage_all,
+    write_file,
+    write_folder,
+)
+
+_RECIPE = "recipe.json"
+_RECIPES = "recipes"
+"""The folder in a package with the recipe of each map."""
+
+
+# One map.
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Exported:
+    """A map that was written in another format: the file or folder, the format's name, and every file."""
+
+    path: Path
+    format: str
+    files: tuple[Path, ...]
+
+
+def export(
+    map: Recipe | Scene,  # noqa: A002  # the field's word
+    path: str | Path,
+    format: str | None = None,  # noqa: A002  # the command line's word
+    *,
+    index: int = 0,
+    force: bool = False,
+    **options: Any,
+) -> Exported:
+    """Write one map in another format: `rsegen.export(recipe, "map.glb")`.
+
+    map: a scene, or a recipe, of which map `index` is written. path: a file if it has a suffix, else a folder, in which
+    the files are as in one of `export_maps`. format: a name in `rsegen.FORMATS`; by default the suffix of `path` names
+    it. options: those of the format, as in `rsegen.export(recipe, "folder", "mjcf", shape="hfield")`. `force` replaces
+    what rsegen made before. A UserError says what is wrong before anything is written.
+    """
+    path = Path(path)
+    chosen = _format(path, format, options)
+    refuse_unready([chosen])
+    recipe = map.recipe if isinstance(map, Scene) else map
+    refuse_too_large(recipe, chosen.bytes_a_cell)
+    scene = map if isinstance(map, Scene) else compose(map, index)
+    if not path.suffix:
+        names = write_folder(exported(scene, [chosen]), path, force=force)
+        return Exported(path=path, format=chosen.name, files=tuple(path / name for name in names))
+    write_file(_only_file(chosen, scene, path), path, force=force)
+    return Exported(path=path, format=chosen.name, files=(path,))
+
+
+def _format(path: Path, name: str | None, options: Mapping[str, Any]) -> Format:
+    """Return the format of a name, or of the suffix of a path, with its options."""
+    if name is None and not path.suffix:
+        raise ParameterError("format", f"{path} has no suffix; give a format (known: {', '.join(FORMATS)})")
+    cls = format_named(path.suffix.lower().removeprefix(".") if name is None else name, "format")
+    for option in options:
+        if option not in parameters(cls):
+            raise UnknownName.among("format", f"option of {cls.name}", option, parameters(cls))
+    return cls(**options)
+
+
+def _only_file(chosen: Format, scene: Scene, path: Path) -> Iterable[bytes]:
+    """Return the content of the one file of a format; a ParameterError for a format of several."""
+    files = chosen.files(scene)
+    if len(files) != 1:
+        problem = f"{path} is one file, but {chosen.name} writes {len(files)} of them"
+        raise ParameterError("path", f"{problem}; give a folder, without a suffix")
+    (content,) = files.values()
+    return content
+
+
+# Many maps.
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ExportedMap:
+    """One map in other formats on disk: its folder, and the names of the files that were written into it."""
+
+    folder: Path
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class MapExport:
+    """A map to export in some formats; `adds`: into its folder, which exists and keeps everything else."""
+
+    recipe: Recipe
+    index: int
+    formats: tuple[Format, ...]
+    adds: bool = False
+
+
+ExportsPlan = RunPlan[MapExport, ExportedMap]
+
+Progress = Callable[[ExportedMap], None]
+
+
+def export_maps(  # noqa: PLR0913  # each is a flag of the command
+    recipes: Sequence[Recipe],
+    folder: str | Path,
+    formats: Sequence[Format],
+    *,
+    force: bool = False,
+    resume: bool = False,
+    workers: int = 1,
+    scheduler: str | None = None,
+    sync: bool = True,
+    progress: Progress | None = None,
+) -> tuple[ExportedMap, ...]:
+    """Write every map of some recipes in other formats as `folder/NAME_000k`, without its world.
+
+    If the map exists already, as a world or exported before, the formats are added and all else stays; `force`
+    replaces formats that it has, `resume` keeps those that are complete and have the same options. `workers`,
+    `scheduler`, `sync` and `progress` are as in `generate`; gives the maps that were written. Raises an OutputError
+    before anything is written if a folder of that name holds something else, a format exists already, or two maps have
+    one name; TooLarge if memory or disk space are too small. A format that joins the maps, such as `ros2` with a
+    `package`, is alone, and writes them into one folder of that name: all of them or none.
+    """
+    on_existing, folder = OnExisting.of(force=force, resume=resume), Path(folder)
+    together = joining(formats)
+    execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
+    if together:
+        return _export_joined(recipes, folder, together, on_existing, progress, sync=sync)
+    return run(plan_exports(recipes, folder, formats, on_existing, execution), progress)
+
+
+def plan_exports(
+    recipes: Sequence[Recipe],
+    folder: Path,
+    formats: Sequence[Format],
+    on_existing: OnExisting,
+    execution: Execution | None = None,
+) -> ExportsPlan:
+    """Check that all maps can be exported into a folder, and plan it; nothing is written. Raises as `export_maps`."""
+    execution, sidecars = execution or Execution(), Sidecars(formats=tuple(formats))
+    for recipe in recipes:
+        sidecars.refuse(recipe)
+    maps, needs = _checked_maps(recipes, folder, sidecars.bytes_per_cell)
+    planned = [planned_export(recipe, index, folder, sidecars.formats, on_existing) for recipe, index in maps]
+    return RunPlan(
+        folder=folder,
+        product=_Exports(folder=folder, seconds=_mean_seconds(recipes, sidecars)),
+        to_make=[one for one in planned if one.formats],
+        existing=[one for one in planned if not one.formats],
+        replaces=on_existing is OnExisting.REPLACE,
+        execution=replace(execution, workers=min(execution.workers, needs.maps_at_once)),
+    )
+
+
+def _checked_maps(
+    recipes: Sequence[Recipe], folder: Path, bytes_per_cell: int
+) -> tuple[Sequence[tuple[Recipe, int]], Needs]:
+    """Return every map of some recipes, and what they need; raises as `export_maps` does."""
+    refuse_busy(folder)
+    needs = check_needs(recipes, sum(recipe.maps for recipe in recipes), folder, bytes_per_cell)
+    maps = [(recipe, index) for recipe in recipes for index in recipe.indices]
+    seen = set()
+    for name in (recipe.map_name(index) for recipe, index in maps):
+        if name in seen:
+            raise OutputError(f"{folder / name}: two of the maps have this name; export them into folders of their own")
+        seen.add(name)
+    return maps, needs
+
+
+def planned_export(
+    recipe: Recipe, index: int, folder: Path, formats: Sequence[Format], on_existing: OnExisting
+) -> MapExport:
+    """Return how a map is exported, in no format if it has them all; an OutputError if it cannot be."""
+    home = folder / recipe.map_name(index)
+    if not os.path.lexists(home):
+        return MapExport(recipe=recipe, index=index, formats=tuple(formats))
+    refuse_link(home)
+    with read_errors(home):
+        journal = read_journal(home)
+        if not _holds(home, recipe, index):
+            _refuse_other_map(home, formats, on_existing)
+            return MapExport(recipe=recipe, index=index, formats=tuple(formats))
+        missing = _missing_formats(home, journal, formats, on_existing)
+    return MapExport(recipe=recipe, index=index, formats=missing, adds=True)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Exports:
+    """Exports maps."""
+
+    folder: Path
+    seconds: float
+
+    def __call__(self, one: MapExport, /) -> Output[ExportedMap]:
+        name = one.recipe.map_name(one.index)
+        home, bundle = self.folder / name, exported(compose(one.recipe, one.index), one.formats)
+        if one.adds:
+            bundle = _added(bundle, home, one.formats)
+        names = frozenset(each.name for each in one.formats)
+        return Output(
+            made=ExportedMap(folder=home, names=sorted_names(bundle)),
+            files=bundle,
+            folder=name,
+            adds=one.adds,
+            force=names | {FORMATS_FILE},  # the plan has refused those that must stay
+            whole=names,
+        )
+
+
+def _added(bundle: Bundle, home: Path, formats: Sequence[Format]) -> Bundle:
+    """Return what is added to a map that exists: its recipe.json stays, and formats.json lists the new formats too."""
+    listed = {**(listed_formats(str(home)) or {}), **options(formats)}
+    text = json.dumps(listed, indent=2) + "\n"
+    added = {path: content for path, content in bundle.items() if path != PurePosixPath(_RECIPE)}
+    return {**added, PurePosixPath(FORMATS_FILE): [text.encode()]}
+
+
+def _mean_seconds(recipes: Sequence[Recipe], sidecars: Sidecars) -> float:
+    """Return about how long a map takes, in the mean."""
+    maps = sum(recipe.maps for recipe in recipes)
+    return fsum(recipe.maps / maps * sidecars.seconds(prod(recipe.grid.shape)) for recipe in recipes)
+
+
+# Formats that a map has already.
+
+
+def _holds(home: Path, recipe: Recipe, index: int) -> bool:
+    """Return whether a folder holds this map, whatever version of rsegen wrote its recipe.json."""
+    if has_content(str(home / _RECIPE), map_json(recipe, index)):
+        return True
+    try:
+        return load(home / _RECIPE) == recipe.alone(index)
+    except UserError:
+        return False
+
+
+def _missing_formats(
+    home: Path, journal: Journal | None, formats: Sequence[Format], on_existing: OnExisting
+) -> tuple[Format, ...]:
+    """Return the formats to write for a map that exists; an OutputError if it has one that may not be replaced."""
+    listed = listed_formats(str(home))
+    if listed is None:
+        raise OutputError(f"{home / FORMATS_FILE}: is damaged, so no format is added; give another folder")
+    refuse_link(home / FORMATS_FILE)
+    missing = []
+    for one in formats:
+        place = home / one.name
+        if not os.path.lexists(place):
+            missing.append(one)
+            continue
+        refuse_link(place)
+        if not place.is_dir():
+            raise OutputError(f"{place}: was not written by rsegen, so it is not replaced; give another folder")
+        refuse_loss_below(home, one.name, journal)
+        if on_existing is OnExisting.REFUSE:
+            raise OutputError(f"{place}: exists already; give --force to replace it, or another folder")
+        same = listed.get(one.name) == options([one])[one.name]
+        is_complete = journal is not None and compare(home, journal, one.name).is_intact
+        if not (on_existing is OnExisting.KEEP and same and is_complete):
+            missing.append(one)
+    return tuple(missing)
+
+
+def _refuse_other_map(home: Path, formats: Sequence[Format], on_existing: OnExisting) -> None:
+    """Raise an OutputError unless another map in the folder may be replaced, and nothing is lost but these formats."""
+    refuse_loss(home, "map")
+    names = {_RECIPE, FORMATS_FILE, JOURNAL, *(each.name for each in formats)}
+    others = sorted({path.name for path in home.iterdir()} - names)
+    if f"{home.name}.world" in others:
+        raise OutputError(f"{home}: has the world of another map in it, so it is not replaced; give another folder")
+    if on_existing is not OnExisting.REPLACE:
+        raise OutputError(
+            f"{home}: exists already and is another map, of another seed or parameter; "
+            "give --force to replace it, or another folder or --name"
+        )
+    if others:
+        raise OutputError(
+            f"{home}: has {others[0]} of another map in it, which would be lost; "
+            "name all of its formats to replace them, or give another folder"
+        )
+
+
+# Formats that join maps in one folder.
+
+
+def joining(formats: Sequence[Format]) -> Format | None:
+    """Return the format that joins maps in one folder, if any; a ParameterError if others are given with it."""
+    joined = [each for each in formats if each.joins]
+    if joined and len(formats) > 1:
+        others = ", ".join(each.name for each in formats if each is not joined[0])
+        problem = f"{joined[0].name} puts all maps into one folder, {joined[0].joins}, and {others} each into its own"
+        raise ParameterError("formats", f"{problem}; export them one after the other")
+    return joined[0] if joined else None
+
+
+def _export_joined(
+    recipes: Sequence[Recipe],
+    folder: Path,
+    chosen: Format,
+    on_existing: OnExisting,
+    progress: Progress | None,
+    *,
+    sync: bool,
+) -> tuple[ExportedMap, ...]:
+    """Write maps into one folder, which appears at the end; each names the files that those before it don't."""
+    refuse_unready([chosen])
+    maps, _ = _checked_maps(recipes, folder, chosen.bytes_a_cell)
+    home = folder / chosen.joins
+    if on_existing is OnExisting.KEEP and os.path.lexists(home):
+        _refuse_incomplete(home, chosen, maps)
+        return ()
+    refuse_taken([home], force=on_existing is OnExisting.REPLACE, holds="package")
+    made: list[ExportedMap] = []
+    with open_store(home.parent, sync=sync, output=home) as store:
+        root, files = new_root(store.staging), dict[str, Checksum]()
+        for recipe, index in maps:
+            bundle = _in_package(chosen, recipe, index)
+            new = {path: content for path, content in bundle.items() if str(path) not in files}
+            files |= stage_all(root, new)
+            made.append(ExportedMap(folder=home, names=sorted_names(new)))
+            if progress:
+                progress(made[-1])
+        store.put_complete(root, files, home.name, "package", force=on_existing is OnExisting.REPLACE)
+    return tuple(made)
+
+
+def _in_package(chosen: Format, recipe: Recipe, index: int) -> Bundle:
+    """Return the files of one map by their paths in the folder that joins all."""
+    files = chosen.files(compose(recipe, index))
+    return {
+        **{PurePosixPath(path).relative_to(chosen.joins): content for path, content in files.items()},
+        PurePosixPath(_recipe_file(recipe, index)): [map_json(recipe, index)],
+        PurePosixPath(FORMATS_FILE): [_formats_file(chosen)],
+    }
+
+
+def _refuse_incomplete(home: Path, chosen: Format, maps: Sequence[tuple[Recipe, int]]) -> None:
+    """Raise an OutputError unless a folder holds these maps in this format, and no others."""
+    refuse_link(home)
+    with read_errors(home):
+        journal = read_journal(home)
+        expected = {_recipe_file(recipe, index): map_json(recipe, index) for recipe, index in maps}
+        expected[FORMATS_FILE] = _formats_file(chosen)
+        held = journal.files if journal else {}
+        same = all(Checksum.of(content) in held.get(name, ()) for name, content in expected.items())
+        others = {name for name in held if name.startswith(f"{_RECIPES}/")} - expected.keys()
+        if journal is None or not same or others:
+            problem = "exists already and does not hold these maps and no others"
+            raise OutputError(f"{home}: {problem}; give --force to replace it, or another package or folder")
+        found = compare(home, journal)
+    for name in (*found.changed, *found.missing):
+        raise OutputError(f"{home / name}: was changed or lost after rsegen wrote it; give --force, or another folder")
+
+
+def _recipe_file(recipe: Recipe, index: int) -> str:
+    return f"{_RECIPES}/{recipe.map_name(index)}.json"
+
+
+def _formats_file(chosen: Format) -> bytes:
+    return (json.dumps(options([chosen]), indent=2) + "\n").encode()

@@ -1,0 +1,374 @@
+"""The journal of a folder, `.rsegen.jsonl`: what rsegen wrote there. Nothing else is ever replaced.
+
+    {"rsegen_journal": 1, "holds": "data set", "of": {...}}          what the folder holds, and of what it was made
+    {"file": "levels-00000.npy", "bytes": 8128, "sha256": "..."}     appended before the file gets its name
+    {"result": {...}}                                                what was measured, as of a trial
+    {"gone": "stl/map.stl"}                                          removed by rsegen
+
+Lines are only appended, and are on the disk before the file that they speak of is at its place. So whenever a run
+ends, every file of rsegen has its checksum in the journal; a last line that was cut off does not count. A file may
+have several checksums, of what it was and of what it becomes: while it has any of them, rsegen wrote it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from rsegen.errors import FileError, OutputError
+from rsegen.io.checksums import JOURNAL, Checksum, checksum_of
+from rsegen.io.input_files import open_regular
+from rsegen.params.sorts import Json
+from rsegen.run.swap import put, sync_folder
+
+HIDDEN = ".rsegen"
+"""How the names of rsegen's own folders begin, which no journal lists: staging, and a folder that is being replaced."""
+
+_FORMAT = 1
+_LARGEST = 256 * 2**20
+
+_KINDS = {
+    "map": "a map",
+    "package": "a package of maps",
+    "drive": "a drive",
+    "data set": "a data set",
+    "experiment": "an experiment",
+}
+_LOST = "and would be lost; move it away, or give another folder"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Journal:
+    """What a folder holds, of what it was made, and rsegen's files in it by their paths, `/` between folders.
+
+    holds: map, drive, data set, experiment, or files: files of rsegen among others
+    files: every checksum that a file may have, the last one what it should be   size: bytes of the complete lines
+    """
+
+    holds: str
+    of: Json = None
+    files: dict[str, tuple[Checksum, ...]] = field(default_factory=dict)
+    results: tuple[Mapping[str, Any], ...] = ()
+    size: int = 0
+
+
+def first_line(holds: str, of: Json = None) -> bytes:
+    """Return the first line of a journal."""
+    return _line({"rsegen_journal": _FORMAT, "holds": holds} | ({} if of is None else {"of": of}))
+
+
+def file_lines(files: Mapping[str, Checksum | tuple[Checksum, ...]]) -> bytes:
+    """Return a line for each of these files, or for each checksum that it may have."""
+    return b"".join(
+        _line({"file": name, "bytes": one.bytes, "sha256": one.sha256})
+        for name, checksums in sorted(files.items())
+        for one in ((checksums,) if isinstance(checksums, Checksum) else checksums)
+    )
+
+
+def gone_lines(names: Iterable[str]) -> bytes:
+    """Return a line for each file that is no longer rsegen's, as it was removed."""
+    return b"".join(_line({"gone": name}) for name in sorted(names))
+
+
+def result_line(result: Mapping[str, Json]) -> bytes:
+    """Return the line of something that was measured."""
+    return _line({"result": result})
+
+
+def _line(entry: Mapping[str, object]) -> bytes:
+    return json.dumps(entry).encode() + b"\n"
+
+
+def read_journal(folder: Path) -> Journal | None:
+    """Return the journal of a folder, None if there is none; FileError if it is damaged or not rsegen's."""
+    path = folder / JOURNAL
+    try:
+        with open_regular(path) as file:
+            text = file.read(_LARGEST + 1)
+        return _decoded(text)
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from None
+    except (ValueError, TypeError, KeyError, RecursionError, AttributeError):
+        raise FileError(
+            f"{path}: is not a journal of rsegen, or is damaged, so nothing in this folder is replaced; move it away, "
+            "or give another folder"
+        ) from None
+
+
+def _decoded(text: bytes) -> Journal:
+    """Return the journal of these lines; ValueError, TypeError, KeyError or AttributeError if they are none."""
+    whole = text[: text.rfind(b"\n") + 1]
+    first, *entries = map(json.loads, whole.splitlines())
+    if first["rsegen_journal"] != _FORMAT or len(text) > _LARGEST:
+        raise ValueError(first)
+    files: dict[str, tuple[Checksum, ...]] = {}
+    results = []
+    for entry in entries:
+        if "file" in entry:
+            name = _inside(entry["file"])
+            checksum = Checksum(bytes=_whole(entry["bytes"]), sha256=str(entry["sha256"]))
+            files[name] = (*(one for one in files.get(name, ()) if one != checksum), checksum)
+        elif "gone" in entry:
+            files.pop(entry["gone"], None)
+        else:
+            results.append(dict(entry["result"]))
+    return Journal(holds=str(first["holds"]), of=first.get("of"), files=files, results=tuple(results), size=len(whole))
+
+
+def _whole(number: object) -> int:
+    if not isinstance(number, int):
+        raise TypeError(number)
+    return number
+
+
+def _inside(name: str) -> str:
+    """Return the path of a file in the folder; ValueError if it leads out of it."""
+    path = PurePosixPath(name)
+    if path.is_absolute() or ".." in path.parts or not path.parts or str(path) != name:
+        raise ValueError(name)
+    return name
+
+
+class OpenJournal:
+    """The journal of a folder that this run alone appends to; `content` is as it is on disk, None if there is none."""
+
+    def __init__(self, folder: Path, staging: Path, *, sync: bool) -> None:
+        self.content: Journal | None = read_journal(folder)
+        self._path = folder / JOURNAL
+        self._staged = staging / JOURNAL
+        self._sync = sync
+        self._size = self.content.size if self.content else 0
+        self._has_begun = False
+
+    def begin(self, holds: str, of: Json = None) -> None:
+        """Write the first line if there is no journal."""
+        if self.content is None:
+            self.append(first_line(holds, of))
+            self.content = Journal(holds=holds, of=of)
+            self._has_begun = True
+
+    def forget(self) -> None:
+        """Remove a journal that has begun, of a folder into which nothing was written."""
+        if self._has_begun:
+            self._cut(0)
+
+    @contextmanager
+    def announced(self, files: Mapping[str, Checksum], holds: str = "files") -> Iterator[None]:
+        """Append a line for each of these files first; if what is done inside fails, they are cut off again."""
+        size = self._size
+        content = self.content or Journal(holds=holds)
+        self.append((b"" if self.content else first_line(holds)) + file_lines(files))
+        try:
+            yield
+        except BaseException:
+            self._cut(size)
+            raise
+        content.files.update((name, (checksum,)) for name, checksum in files.items())
+        self.content = content
+
+    def tidy(self) -> None:
+        """Write the journal anew with one line per file, sorted: a run that was stopped and went on leaves the same."""
+        if self.content is None:
+            return
+        results = b"".join(map(result_line, self.content.results))
+        text = first_line(self.content.holds, self.content.of) + file_lines(self.content.files) + results
+        if len(text) != self._size or self._path.read_bytes() != text:
+            self._write(self._staged, text, 0)
+            os.replace(self._staged, self._path)
+            self._size = len(text)
+
+    def note(self, result: Mapping[str, Json]) -> None:
+        """Append a result to a journal that has begun."""
+        self.append(result_line(result))
+        if self.content:
+            self.content = replace(self.content, results=(*self.content.results, result))
+
+    def drop(self, names: Collection[str]) -> None:
+        """List files as gone, which rsegen has removed."""
+        self.append(gone_lines(names))
+        if self.content:
+            for name in names:
+                self.content.files.pop(name, None)
+
+    def append(self, lines: bytes) -> None:
+        """Append lines, and wait until the disk has them; half a line, of a run that was killed, is cut off before.
+
+        A new journal appears with its lines, so that none has half a first line.
+        """
+        size = self._size
+        if not size:
+            self._write(self._staged, lines, 0)
+            put(self._staged, self._path)
+            if self._sync:
+                sync_folder(self._path.parent)
+        else:
+            try:
+                self._write(self._path, lines, size)
+            except BaseException:
+                self._cut(size)
+                raise
+        self._size += len(lines)
+
+    def _write(self, path: Path, lines: bytes, size: int) -> None:
+        """Write lines behind the first `size` bytes of a file; never into what a link leads to."""
+        flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_NOFOLLOW", 0)
+        with open(path, "ab", opener=lambda name, _: os.open(name, flags, 0o666)) as file:
+            if file.tell() != size:
+                file.truncate(size)
+            file.write(lines)
+            file.flush()
+            if self._sync:
+                os.fsync(file.fileno())
+
+    def _cut(self, size: int) -> None:
+        """Undo what was appended beyond a size; a journal that had nothing before is removed."""
+        with suppress(OSError):
+            if size:
+                os.truncate(self._path, size)
+            else:
+                self._path.unlink()
+        self._size = size
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Comparison:
+    """Paths in a folder, sorted: files that rsegen did not write, that were changed since, that are missing or empty.
+
+    A link, and anything else that is no regular file, is foreign or changed. An empty file has nothing to lose: it is
+    what a power failure may leave of a run with --no-sync.
+    """
+
+    foreign: tuple[str, ...]
+    changed: tuple[str, ...]
+    missing: tuple[str, ...]
+
+    @property
+    def is_intact(self) -> bool:
+        """Whether every file of the journal is as it was written; there may be others."""
+        return not self.changed and not self.missing
+
+
+def compare(folder: Path, journal: Journal, below: str = "") -> Comparison:
+    """Compare a folder, or only what is `below` a folder of it, with its journal; OSError if it is unreadable."""
+    start = f"{below}/" if below else ""
+    present = dict(_files(folder / below, start))
+    states = {
+        name: _state(folder / name, present.get(name), checksums)
+        for name, checksums in journal.files.items()
+        if name.startswith(start)
+    }
+    return Comparison(
+        foreign=tuple(sorted(present.keys() - journal.files.keys() - {JOURNAL})),
+        changed=tuple(sorted(name for name, state in states.items() if state == "changed")),
+        missing=tuple(sorted(name for name, state in states.items() if state == "missing")),
+    )
+
+
+def is_intact(folder: Path, name: str, journal: Journal | None) -> bool:
+    """Whether a file exists as rsegen wrote it; OutputError if it was changed since, or written by somebody else."""
+    path = folder / name
+    with read_errors(folder):
+        status = os.lstat(path) if os.path.lexists(path) else None
+        if status is None:
+            return False
+        checksums = journal.files.get(name) if journal else None
+        if checksums is None:
+            refuse_link(path)
+            raise OutputError(
+                f"{path}: was not written by rsegen, so it is not replaced; move it, or give another name"
+            )
+        state = _state(path, status, checksums)
+    if state == "changed":
+        raise OutputError(
+            f"{path}: was changed after rsegen wrote it, so it is not replaced; move or delete it, or give another name"
+        )
+    return state == "intact"
+
+
+def refuse_loss(folder: Path, holds: str, at: Path | None = None) -> None:
+    """Raise an OutputError unless everything in a folder was written by rsegen as `holds`, and is unchanged.
+
+    Such a folder may be replaced as a whole. at: its path in messages, if it was moved.
+    """
+    shown = at or folder
+    refuse_link(folder)
+    if not folder.is_dir():
+        raise OutputError(f"{shown}: is a file; give another folder or --name")
+    with read_errors(folder):
+        journal = read_journal(folder)
+        if journal is None:
+            for name, _ in _files(folder):
+                raise OutputError(f"{shown / name}: was not written by rsegen, {_LOST}")
+            return
+        if journal.holds != holds:
+            kind, wanted = _KINDS.get(journal.holds, "files of rsegen"), _KINDS.get(holds, holds)
+            raise OutputError(f"{shown}: holds {kind}, not {wanted}; give another folder")
+        found = compare(folder, journal)
+    for name in found.foreign:
+        raise OutputError(f"{shown / name}: was not written by rsegen, {_LOST}")
+    for name in found.changed:
+        raise OutputError(f"{shown / name}: was changed after rsegen wrote it, {_LOST}")
+
+
+def refuse_link(path: Path) -> None:
+    """Raise an OutputError if a path is a link: neither it nor what it leads to is replaced."""
+    if path.is_symlink():
+        raise OutputError(f"{path}: is a link, so it is not replaced; give another folder or name")
+
+
+def is_empty(folder: Path) -> bool:
+    """Whether a folder does not exist, or has nothing in it but what a killed run of rsegen leaves."""
+    return not folder.is_dir() or next(_files(folder), None) is None
+
+
+def _is_hidden(name: str) -> bool:
+    return name == HIDDEN or name.startswith(f"{HIDDEN}.")
+
+
+def _state(path: Path, status: os.stat_result | None, checksums: Collection[Checksum]) -> str:
+    """Return intact, changed, or missing: that is gone, or empty where it should not be."""
+    sizes = {one.bytes for one in checksums}
+    if status is None:
+        return "missing"
+    if not stat.S_ISREG(status.st_mode):
+        return "changed"
+    if status.st_size == 0 and 0 not in sizes:
+        return "missing"
+    if status.st_size not in sizes or checksum_of(path) not in checksums:
+        return "changed"
+    return "intact"
+
+
+def _files(folder: Path, above: str = "") -> Iterator[tuple[str, os.stat_result]]:
+    """Yield every file, link and the like below a folder by its path in it, and empty folders; follow no link."""
+    waiting = [(str(folder), above)] if folder.is_dir() and not folder.is_symlink() else []
+    while waiting:
+        path, start = waiting.pop()
+        with os.scandir(path) as scanned:
+            entries = list(scanned)
+        if start and not entries:
+            yield start.removesuffix("/"), os.lstat(path)
+        for entry in entries:
+            if not entry.is_dir(follow_symlinks=False):
+                yield f"{start}{entry.name}", entry.stat(follow_symlinks=False)
+            elif start or not _is_hidden(entry.name):
+                waiting.append((entry.path, f"{start}{entry.name}/"))
+
+
+@contextmanager
+def read_errors(folder: Path) -> Iterator[None]:
+    """Turn errors of the system while a folder is read into an OutputError of one line."""
+    try:
+        yield
+    except OSError as error:
+        where = error.filename or folder
+        raise OutputError(f"{where}: cannot be read: {error.strerror or error}") from None

@@ -1,0 +1,43 @@
+"""Whether a signal has asked this process to stop, for runs that must not miss it.
+
+Python drops the KeyboardInterrupt of a signal that comes while a compiled module is imported; one that comes while a
+worker is started would leave it half made. So the command line's handler notes it here too, and a run looks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+
+@dataclass(slots=True)
+class _State:
+    asked: bool = False
+    held: bool = False
+
+
+STATE = _State()
+
+
+def ask() -> None:
+    """Ask to stop: raises KeyboardInterrupt at once, or at the end of what is `held`."""
+    STATE.asked = True
+    check()
+
+
+def check() -> None:
+    """Raise the KeyboardInterrupt of a signal that has come, unless it is to wait."""
+    if STATE.asked and not STATE.held:
+        raise KeyboardInterrupt
+
+
+@contextmanager
+def held() -> Iterator[None]:
+    """Let signals that stop the run wait until the end of what is done inside."""
+    STATE.held = True
+    try:
+        yield
+    finally:
+        STATE.held = False
+    check()

@@ -1,0 +1,477 @@
+"""A folder that one run alone writes into: staged in a hidden folder, put in place in one swap, listed in a journal.
+
+    DIR/.rsegen/lease-1      this run has the folder
+    DIR/.rsegen/new/0a1b...  what is being written
+    DIR/.rsegen/old/         what was replaced, where the disk cannot exchange two names at once
+    DIR/.rsegen.next/        a data set or experiment that will replace DIR as a whole, once it is complete
+
+What exists is replaced only if rsegen wrote it and it has not changed since; it is looked at before the swap, and once
+more after it, when nobody else has it. If anything fails, what was swapped is swapped back.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import secrets
+import shutil
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from functools import cached_property, partial
+from pathlib import Path, PurePosixPath
+
+from rsegen.errors import REFUSED, OutputError, RsegenError, Stopped, WriteError, shown
+from rsegen.exporters.gazebo import Bundle
+from rsegen.io.checksums import JOURNAL, Checksum, checksum_of
+from rsegen.params.sorts import Json
+from rsegen.run.journal import (
+    HIDDEN,
+    Journal,
+    OpenJournal,
+    compare,
+    file_lines,
+    first_line,
+    is_intact,
+    read_journal,
+    refuse_link,
+    refuse_loss,
+)
+from rsegen.run.lease import acquire, refuse_leased
+from rsegen.run.swap import exchange, put, sync_folder, sync_tree
+
+PATIENCE = 5.0
+"""Seconds that the writer of a single file waits for another run in the same folder."""
+
+NEXT = f"{HIDDEN}.next"
+
+
+def stage(root: Path, name: str | PurePosixPath, content: Iterable[bytes]) -> Checksum:
+    """Write one file below a staged folder, and the folders above it; an OutputError if its path leads out of it."""
+    relative = PurePosixPath(name)
+    if relative.is_absolute() or ".." in relative.parts or not relative.parts:
+        raise OutputError(f"{name}: leaves the output folder")
+    path = root / relative
+    os.makedirs(path.parent, exist_ok=True)
+    checksum, size = hashlib.sha256(), 0
+    with open(path, "wb") as file:
+        for piece in content:
+            checksum.update(piece)
+            size += file.write(piece)
+    return Checksum(bytes=size, sha256=checksum.hexdigest())
+
+
+def stage_all(root: Path, bundle: Mapping[PurePosixPath, Iterable[bytes]]) -> dict[str, Checksum]:
+    """Write the files of a bundle below a staged folder."""
+    return {str(path): stage(root, path, content) for path, content in bundle.items()}
+
+
+def new_root(staging: Path) -> Path:
+    """Return a new folder below the folder of staged files, which no other process has."""
+    root = staging / secrets.token_hex(4)
+    root.mkdir()
+    return root
+
+
+class Store:
+    """A folder that this run alone writes into, until it is closed.
+
+    Its journal lists the files that are put into the folder itself. A folder of maps has none: each map has its own.
+    """
+
+    def __init__(self, folder: Path, *, sync: bool) -> None:
+        self.folder: Path = folder
+        self.home: Path = folder / HIDDEN
+        self.staging: Path = self.home / "new"
+        self.sync: bool = sync
+        self.changed: bool = False
+
+    @cached_property
+    def journal(self) -> OpenJournal:
+        """The journal of the folder."""
+        return OpenJournal(self.folder, self.staging, sync=self.sync)
+
+    def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
+        """Give a staged folder its name; an OutputError if that is taken and may not be replaced."""
+        place = self.folder / name
+        self._lease.check()
+        if not os.path.lexists(place):
+            put(root, place)
+        elif not force:
+            raise taken(place)
+        else:
+            refuse_link(place)
+            self._replace(root, place, holds)
+        self.changed = True
+
+    def put_complete(self, root: Path, files: Mapping[str, Checksum], name: str, holds: str, *, force: bool) -> None:
+        """Give a staged folder a journal of its files, and its name, as `put_folder` does; the disk has all of it."""
+        stage(root, JOURNAL, [first_line(holds) + file_lines(files)])
+        if self.sync:
+            sync_tree(root)
+        self.put_folder(root, name, holds, force=force)
+        self.sync_names()
+
+    def _replace(self, root: Path, place: Path, holds: str) -> None:
+        """Exchange a folder for a staged one; it is exchanged back if it holds anything that would be lost."""
+        refuse_leased(place / HIDDEN)
+        old = exchange(root, place, partial(self._aside, place))
+        try:
+            refuse_loss(old, holds, place)
+        except BaseException:
+            exchange(old, place, lambda: root)
+            raise
+        _remove(old)
+
+    def put(
+        self,
+        bundle: Mapping[str, Iterable[bytes]],
+        *,
+        force: Collection[str] | bool = False,
+        whole: Collection[str] = (),
+        holds: str = "files",
+    ) -> None:
+        """Write files of the folder, with a journal: all of them, or none if that fails.
+
+        force: the names of those that may be replaced, or all of them; whole: folders that are replaced as one, whose
+        files are all in the bundle.
+        """
+        root = new_root(self.staging)
+        files = stage_all(root, {PurePosixPath(path): content for path, content in bundle.items()})
+        if self.sync:
+            sync_tree(root)
+        self.put_staged(root, files, force=force, whole=whole, holds=holds)
+
+    def put_staged(
+        self,
+        root: Path,
+        files: Mapping[str, Checksum],
+        *,
+        force: Collection[str] | bool = False,
+        whole: Collection[str] = (),
+        holds: str = "files",
+    ) -> None:
+        """Give staged files their names, as `put` does."""
+        units = dict.fromkeys(next((top for top in whole if name.startswith(f"{top}/")), name) for name in files)
+        for name in units:
+            if os.path.lexists(self.folder / name):
+                _refuse_unit(self.folder, name, self.journal.content, force=force, is_folder=name in whole)
+        before = self.journal.content.files if self.journal.content else {}
+        gone = {name for name in before if name.partition("/")[0] in whole} - files.keys()
+        self._lease.check()
+        with self.journal.announced(files, holds), ExitStack() as undo:
+            for name in units:
+                self._put_unit(root / name, self.folder / name, undo)
+            undo.pop_all()
+        self.changed = True
+        if gone:
+            self.journal.drop(gone)
+        self._sync_folders((self.folder / name).parent for name in units)
+
+    def _put_unit(self, new: Path, place: Path, undo: ExitStack) -> None:
+        """Give a file or folder its name, or exchange it for what has it, and let `undo` take that back."""
+        _make_folder(place.parent, undo)
+        if os.path.lexists(place):
+            old = exchange(new, place, partial(self._aside, place))
+            undo.callback(exchange, old, place, lambda: new)
+        else:
+            put(new, place)
+            undo.callback(os.rename, place, new)
+
+    def note(self, result: Mapping[str, Json]) -> None:
+        """Append a result to the journal, which has begun."""
+        self._lease.check()
+        self.journal.note(result)
+        self.changed = True
+
+    def adopt(self, names: Iterable[str]) -> None:
+        """List files that exist as if rsegen had written them: a person was asked whether they may be replaced."""
+        found = {name: checksum_of(self.folder / name) for name in names}
+        files = {name: checksum for name, checksum in found.items() if checksum}
+        if files:
+            with self.journal.announced(files):
+                pass
+
+    def sync_names(self) -> None:
+        """Wait until the disk has the names of what was put in place, unless nobody asked for it."""
+        self._sync_folders([self.folder])
+
+    def _sync_folders(self, folders: Iterable[Path]) -> None:
+        if self.sync:
+            for folder in set(folders):
+                sync_folder(folder)
+
+    def _aside(self, place: Path) -> Path:
+        """Return where something that is replaced lies meanwhile, on a disk that cannot exchange two names."""
+        aside = self.home / "old" / secrets.token_hex(4) / place.relative_to(self.folder)
+        aside.parent.mkdir(parents=True)
+        return aside
+
+    # Opened and closed.
+
+    def _open(self, wait: float) -> None:
+        refuse_link(self.home)
+        while True:
+            self.home.mkdir(exist_ok=True)
+            try:
+                self._lease = acquire(self.home, wait)
+                break
+            except FileNotFoundError:  # the run that had it has just removed the hidden folder
+                continue
+        self._recover()
+        self.staging.mkdir()
+
+    def _close(self) -> None:
+        """Remove the hidden folder; a kill in the middle of that leaves nothing of weight."""
+        try:
+            if "journal" in vars(self):
+                (self.journal.tidy if self.changed else self.journal.forget)()
+            for path in (self.staging, self.home / "old"):
+                _remove(path)
+        finally:
+            self._lease.release()
+            with suppress(OSError):  # another run has it by now
+                self.home.rmdir()
+
+    def _recover(self) -> None:
+        """Put back what a killed run had moved aside and not yet replaced, and remove what it had staged."""
+        for aside in (self.home / "old").glob("*"):
+            _put_back(aside, self.folder)
+        for path in (self.staging, self.home / "old"):
+            _remove(path)
+        if any((self.home / name).exists() for name in ("new", "old")):
+            raise WriteError(f"{self.home}: what a killed run left there cannot be removed")
+
+
+def _put_back(aside: Path, place: Path) -> None:
+    """Move everything below a folder to the same path below another, unless it is there."""
+    for path in aside.iterdir():
+        if not os.path.lexists(place / path.name):
+            os.rename(path, place / path.name)
+        elif path.is_dir() and not path.is_symlink() and (place / path.name).is_dir():
+            _put_back(path, place / path.name)
+
+
+def _refuse_unit(
+    folder: Path, name: str, journal: Journal | None, *, force: Collection[str] | bool, is_folder: bool
+) -> None:
+    """Raise an OutputError if a file or folder that exists must not be replaced."""
+    place = folder / name
+    if force is False or (force is not True and name not in force):
+        raise taken(place)
+    refuse_link(place)
+    if is_folder and place.is_dir():
+        refuse_loss_below(folder, name, journal)
+    elif is_folder or not place.is_file():
+        raise OutputError(
+            f"{place}: exists already and is not a {'folder' if is_folder else 'file'}; give another name"
+        )
+    else:
+        is_intact(folder, name, journal)
+
+
+def refuse_loss_below(folder: Path, name: str, journal: Journal | None) -> None:
+    """Raise an OutputError unless everything in a folder of a folder is as its journal lists it."""
+    found = compare(folder, journal or Journal(holds="files"), name)
+    for path in (*found.foreign, *found.changed):
+        raise OutputError(
+            f"{folder / path}: was not written by rsegen, or changed since, so it is not replaced; move it"
+        )
+
+
+def taken(place: Path) -> OutputError:
+    """Return the error of a name that exists already."""
+    what = "another folder or --name" if place.is_dir() else "another name"
+    return OutputError(f"{place}: exists already; give --force to replace it, or {what}")
+
+
+def _make_folder(folder: Path, undo: ExitStack) -> None:
+    if not folder.is_dir():
+        _make_folder(folder.parent, undo)
+        folder.mkdir()
+        undo.callback(folder.rmdir)
+
+
+def _remove(path: Path) -> None:
+    """Remove a file or folder of the hidden folder; twice, if that is interrupted by an error."""
+    for _ in range(2):
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            with suppress(OSError):
+                path.unlink()
+
+
+@contextmanager
+def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Path | None = None) -> Iterator[Store]:
+    """Open a folder to write into it, which is made if it does not exist.
+
+    sync: wait until the disk has the files, before they get their names and after it; wait: seconds to wait for another
+    run; output: the path in messages, by default the folder. Raises an OutputError if another run is writing there,
+    or if nothing may be written there; a WriteError if the disk failed after something was written.
+    """
+    refuse_not_a_folder(folder)
+    store = Store(folder, sync=sync)
+    with _as_our_errors(store, output or folder), ExitStack() as undo:
+        _make_folder(folder, undo)
+        try:
+            store._open(wait)
+        except BaseException:
+            with suppress(OSError):
+                store.home.rmdir()
+            raise
+        try:
+            yield store
+        finally:
+            store._close()
+            if store.changed or (folder.is_dir() and any(folder.iterdir())):
+                undo.pop_all()
+
+
+@contextmanager
+def _as_our_errors(store: Store, output: Path) -> Iterator[None]:
+    """Turn errors of the system into an OutputError, or into a WriteError if anything was written before."""
+    try:
+        yield
+    except (RsegenError, Stopped):
+        raise
+    except KeyboardInterrupt:
+        left = f"what is complete in {output} stays" if store.changed else f"nothing was changed in {output}"
+        raise Stopped(left, changed=store.changed) from None
+    except OSError as error:
+        refused = error.errno in REFUSED and not store.changed
+        kind, left = (OutputError if refused else WriteError), "" if store.changed else "; nothing was changed"
+        raise kind(f"{output}: cannot be written: {error.strerror or error}{left}") from error
+
+
+@contextmanager
+def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Iterator[Store]:
+    """Open a store in `folder/.rsegen.next` that replaces the whole folder at the end, in one swap.
+
+    If the run is stopped, the folder is as it was, and the same call goes on with what is there. An OutputError if the
+    folder holds anything that rsegen did not write, or that was changed.
+    """
+    refuse_irreplaceable(folder, holds)
+    real = folder.resolve()
+    with open_store(folder, sync=sync):
+        begun = folder / NEXT
+        if begun.exists() and not _is_begun(begun, holds, of):
+            _remove(begun)
+        with open_store(begun, sync=sync) as store:
+            store.journal.begin(holds, of)
+            yield store
+    with open_store(real.parent, sync=sync, wait=PATIENCE, output=folder) as above:
+        root = above.staging / real.name
+        os.rename(begun, root)
+        try:
+            above.put_folder(root, real.name, holds, force=True)
+        except BaseException:
+            if not begun.exists() and root.exists():
+                os.rename(root, begun)
+            raise
+        above.sync_names()
+
+
+def refuse_irreplaceable(folder: Path, holds: str) -> None:
+    """Raise an OutputError if a folder may not be replaced as a whole, or cannot be."""
+    refuse_leased(folder / HIDDEN)
+    refuse_loss(folder.resolve(), holds, folder)
+    real = folder.resolve()
+    if real.is_mount() or not os.access(real.parent, os.W_OK):
+        raise OutputError(
+            f"{folder}: cannot be replaced in one step, as it is a disk or its folder is read-only; delete it"
+        )
+
+
+def _is_begun(begun: Path, holds: str, of: Json) -> bool:
+    with suppress(RsegenError, OSError):
+        journal = read_journal(begun)
+        return journal is not None and (journal.holds, journal.of) == (holds, of) and compare(begun, journal).is_intact
+    return False
+
+
+# What is checked before a run, and single files.
+
+
+def refuse_not_a_folder(folder: Path) -> None:
+    """Raise an OutputError if the path is something else than a folder, or if no folder can have that name."""
+    try:
+        is_taken = folder.exists() and not folder.is_dir()
+    except (OSError, ValueError) as error:
+        name = str(folder) if isinstance(error, OSError) else shown(str(folder))
+        raise OutputError(f"{name}: {getattr(error, 'strerror', error)}") from None
+    if is_taken:
+        raise OutputError(f"{folder}: is a file; give a folder")
+
+
+def refuse_busy(folder: Path) -> None:
+    """Raise an OutputError if the path is no folder, or another run is writing into it."""
+    refuse_not_a_folder(folder)
+    refuse_leased(folder / HIDDEN)
+
+
+def refuse_taken(folders: Iterable[str | Path], *, force: bool, holds: str = "map") -> None:
+    """Raise an OutputError for the first folder that exists, or that even `force` does not replace."""
+    for folder in map(Path, filter(os.path.lexists, folders)):
+        if not force:
+            raise taken(folder)
+        refuse_loss(folder, holds)
+
+
+def refuse_taken_file(path: Path, *, force: bool) -> None:
+    """Raise an OutputError if a path exists, unless it is a file that rsegen wrote and `force` is given."""
+    if not os.path.lexists(path):
+        return
+    refuse_link(path)
+    if not path.is_file():
+        raise OutputError(f"{path}: exists already and is not a file; give another name")
+    if not force:
+        raise taken(path)
+    is_intact(path.parent, path.name, read_journal(path.parent))
+
+
+def write_folder(
+    bundle: Bundle, folder: Path, holds: str = "map", *, force: bool = False, sync: bool = True
+) -> tuple[str, ...]:
+    """Write every file of a bundle into a new folder, in one swap; return their names in it, sorted as paths are."""
+    with open_store(folder.parent, sync=sync, wait=PATIENCE, output=folder) as store:
+        root = new_root(store.staging)
+        store.put_complete(root, stage_all(root, bundle), folder.name, holds, force=force)
+    return sorted_names(bundle)
+
+
+def write_file(content: Iterable[bytes], path: Path, *, force: bool = False, confirmed: bool = False) -> None:
+    """Write one file, whole or not at all; an OutputError if it exists already.
+
+    force: replace it if rsegen wrote it and it is unchanged; confirmed: whoever wrote it, as a person has just been
+    asked about this very file.
+    """
+    write_files({path.name: content}, path.parent, force=force, confirmed=confirmed, output=path)
+
+
+def write_files(
+    contents: Mapping[str, Iterable[bytes]],
+    folder: Path,
+    *,
+    force: bool = False,
+    confirmed: bool = False,
+    output: Path | None = None,
+) -> None:
+    """Write files of a folder, all or none of them, as `write_file` does."""
+    with open_store(folder, wait=PATIENCE, output=output) as store:
+        if confirmed:
+            store.adopt(contents)
+        store.put(contents, force=force or confirmed)
+
+
+def write_paths(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
+    """Write files anywhere: those of one folder all together or none of them."""
+    for path in contents:
+        refuse_taken_file(path, force=force)
+    for folder in dict.fromkeys(path.parent for path in contents):
+        files = {path.name: [content] for path, content in contents.items() if path.parent == folder}
+        write_files(files, folder, force=force)
+
+
+def sorted_names(paths: Iterable[PurePosixPath]) -> tuple[str, ...]:
+    """Return paths as texts, sorted as paths are."""
+    return tuple(map(str, sorted(paths)))

@@ -1,0 +1,198 @@
+"""Writes the worlds of a recipe: `generate` is what the command line, the window and scripts call.
+
+Recipe --plan_worlds--> RunPlan --make_worlds: compose, export, write, for each map--> Generated
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rsegen.exporters.formats import Format
+from rsegen.exporters.gazebo import export
+from rsegen.exporters.map_summary import warnings
+from rsegen.exporters.scene import Scene, compose
+from rsegen.io.resources import check_needs
+from rsegen.recipe.recipe import Recipe
+from rsegen.run.execute import Execution
+from rsegen.run.existing import existing_maps
+from rsegen.run.plan import OnExisting, RunPlan, run_in
+from rsegen.run.product import Output
+from rsegen.run.sidecars import Sidecars
+from rsegen.run.store import open_store, refuse_busy, refuse_taken, refuse_taken_file, sorted_names
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class GeneratedMap:
+    """One map on disk: its files, size (cells with frames, metres), number of blocks of each level, and warnings.
+
+    `home` is the folder that all maps are in, `names` are those of the files in this map's own.
+    """
+
+    name: str
+    index: int
+    home: Path
+    names: tuple[str, ...]
+    cells: tuple[int, int]
+    extent: tuple[float, float]
+    level_counts: dict[int, int]
+    warnings: tuple[str, ...]
+
+    @property
+    def folder(self) -> Path:
+        """The map's own folder."""
+        return self.home / self.name
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that were written."""
+        return tuple(self.folder / name for name in self.names)
+
+    @property
+    def world(self) -> Path:
+        """The file that a simulator opens."""
+        return self.folder / f"{self.name}.world"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Generated:
+    """The maps of a recipe on disk: those that were made, and the indices of those that existed already."""
+
+    recipe: Recipe
+    folder: Path
+    maps: tuple[GeneratedMap, ...]
+    already: tuple[int, ...] = ()
+
+
+def generate(  # noqa: PLR0913  # each is a flag of the command
+    recipe: Recipe,
+    folder: str | Path,
+    *,
+    force: bool = False,
+    resume: bool = False,
+    preview: bool = False,
+    sheet: bool = False,
+    formats: Sequence[Format] = (),
+    workers: int = 1,
+    scheduler: str | None = None,
+    sync: bool = True,
+    progress: Callable[[GeneratedMap], None] | None = None,
+) -> Generated:
+    """Write every map of a recipe as `folder/NAME_000k`; `progress` is called with each that is done, in their order.
+
+    `force` replaces maps that exist already; `resume` keeps them, if each is the one that would be made, and makes
+    the others; `preview` adds a picture to each, `sheet` a build sheet, `formats` files for other programs. With
+    `workers` beyond 1, other processes take a part if that is quicker; a script then needs
+    `if __name__ == "__main__":`. `scheduler` is the address of a Dask cluster whose workers see the same folder, or
+    `local` for one of `workers` processes. `sync` waits until the disk has the files: without it many small maps are
+    made a little quicker, and a power failure may leave some of them empty, which `resume` makes again. Raises, before
+    anything is written, an OutputError if a map's folder is taken or has files that rsegen did not write, TooLarge if
+    memory or disk space are too small, a ParameterError if maps are too large for build sheets.
+    """
+    sidecars = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
+    on_existing = OnExisting.of(force=force, resume=resume)
+    execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
+    plan = plan_worlds(recipe, Path(folder), sidecars, on_existing, execution)
+    return make_worlds(recipe, plan, progress)
+
+
+WorldsPlan = RunPlan[int, GeneratedMap]
+"""The plan of a run that makes worlds; its items are the indices of maps."""
+
+
+def plan_worlds(
+    recipe: Recipe,
+    folder: Path,
+    sidecars: Sidecars,
+    on_existing: OnExisting,
+    execution: Execution | None = None,
+    *,
+    beside: Iterable[str] = (),
+) -> WorldsPlan:
+    """Check that the worlds of a recipe can be made, and plan it; nothing is written. Raises as `generate` does.
+
+    beside: the names of files that `make_worlds` puts into the folder, next to the maps
+    """
+    execution, keep = execution or Execution(), on_existing is OnExisting.KEEP
+    refuse_busy(folder)
+    existing = existing_maps(recipe, folder, sidecars.complete_in) if keep else []
+    sidecars.refuse(recipe)
+    needs = check_needs([recipe], recipe.maps - len(existing), folder, sidecars.bytes_per_cell)
+    if not keep:
+        homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
+        refuse_taken(homes, force=on_existing is OnExisting.REPLACE)
+    for name in beside:
+        refuse_taken_file(folder / name, force=on_existing is not OnExisting.REFUSE)
+    return RunPlan(
+        folder=folder,
+        product=_Worlds(recipe=recipe, folder=folder, sidecars=sidecars),
+        to_make=_without(recipe.indices, existing),
+        existing=existing,
+        replaces=on_existing is not OnExisting.REFUSE,
+        execution=replace(execution, workers=min(execution.workers, needs.maps_at_once)),
+    )
+
+
+def make_worlds(
+    recipe: Recipe,
+    plan: WorldsPlan,
+    progress: Callable[[GeneratedMap], None] | None = None,
+    beside: Mapping[str, bytes] | None = None,
+) -> Generated:
+    """Make the worlds of a plan; `progress` is called with each map that is done, in their order.
+
+    beside: files that are put next to the maps when all of them are there, by name
+    """
+    with open_store(plan.folder, sync=plan.execution.sync) as store:
+        maps = run_in(store, plan, progress)
+        if beside:
+            store.put({name: [content] for name, content in beside.items()}, force=plan.replaces)
+    return Generated(recipe=recipe, folder=plan.folder, maps=maps, already=tuple(plan.existing))
+
+
+def world_output(scene: Scene, folder: Path, sidecars: Sidecars) -> Output[GeneratedMap]:
+    """Return the files of the world of one map, and of its sidecars, and what is known of it in `folder`."""
+    bundle = {**export(scene), **sidecars.files(scene)}
+    made = GeneratedMap(
+        name=scene.name,
+        index=scene.index,
+        home=folder,
+        names=tuple(map(sys.intern, sorted_names(bundle))),
+        cells=scene.field.shape,
+        extent=scene.field.extent,
+        level_counts=scene.field.level_counts(),
+        warnings=warnings(scene),
+    )
+    return Output(made=made, files=bundle, folder=scene.name)
+
+
+def seconds_per_world(recipe: Recipe, sidecars: Sidecars) -> float:
+    """Return about how long a map takes; decides how the maps are divided among workers, never the result."""
+    n_x, n_y = recipe.grid.shape
+    return 2e-3 + n_x * n_y * 4e-6 + sidecars.seconds(n_x * n_y)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Worlds:
+    """Makes worlds of a recipe by their indices."""
+
+    recipe: Recipe
+    folder: Path
+    sidecars: Sidecars
+
+    @property
+    def seconds(self) -> float:
+        return seconds_per_world(self.recipe, self.sidecars)
+
+    def __call__(self, index: int, /) -> Output[GeneratedMap]:
+        return world_output(compose(self.recipe, index), self.folder, self.sidecars)
+
+
+def _without(indices: Sequence[int], existing: Sequence[int]) -> Sequence[int]:
+    if not existing:
+        return indices
+    known = frozenset(existing)
+    return [index for index in indices if index not in known]
