@@ -17,8 +17,6 @@ A name is imported when it is first used (PEP 562), so `import rsegen` takes no 
 
 from importlib import import_module
 
-from rsegen.params.moved import find_old_names
-
 TYPE_CHECKING = False
 """As in `typing`, which takes longer to import than all of this."""
 
@@ -159,6 +157,3 @@ if not TYPE_CHECKING:  # type checkers take what the block above imports, and kn
 
     def __dir__() -> list[str]:
         return sorted({*globals(), *_HOME_OF})
-
-
-find_old_names()
