@@ -23,7 +23,7 @@ _MOST_MIB = 256
 _CELL: Mapping[str, Parameter] = {"row": Integer(0), "size": Integer(0), "pace": Choice(PACES)}
 _OUTCOME: Mapping[str, Parameter] = {field.name: Float() for field in fields(Outcome)}
 _OPTIONAL = frozenset(_OUTCOME) - {"load", "memory", "speed"}
-"""Figures that not every pace has, or that logs of rsegen 0.1 lack."""
+"""Figures that not every trial has: some paces, and robots that are not in the record, lack some of them."""
 
 Results = Mapping[Cell, list[Outcome]]
 """The outcomes of every cell, in the order of its repeats."""
@@ -42,7 +42,7 @@ class ResultsLog:
             self._add({"plan": plan})
             sync_folder(self.path.parent)
             return
-        if _in_simulators(self._first()) != json.loads(json.dumps({"plan": plan})):
+        if self._first() != json.loads(json.dumps({"plan": plan})):
             raise FileError(f"{self.path}: has the outcomes of another plan; give another folder, or --force")
         for _ in self.entries():
             pass  # each is checked before anything is changed
@@ -134,16 +134,6 @@ def _checked(
         }
     except ParameterError as error:
         raise (error.inside(where) if where else error) from None
-
-
-def _in_simulators(first: Json) -> Json:
-    """The first line of a log, with the simulator of each row; up to rsegen 0.1 there was one."""
-    plan = first.get("plan") if isinstance(first, Mapping) else None
-    rows = plan.get("rows") if isinstance(plan, Mapping) else None
-    for row in rows if isinstance(rows, list) else ():
-        if isinstance(row, dict):
-            row.setdefault("simulator", "classic")
-    return first
 
 
 def _rows(first: Json) -> int:
