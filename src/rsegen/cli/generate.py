@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 def produce(recipe: Recipe, arguments: argparse.Namespace) -> None:
     """Write the maps of a recipe, and say what was made."""
-    formats = formats_of("--formats", arguments.formats, arguments)
+    formats = formats_of("--formats", arguments.formats)
     sidecars = Sidecars(preview=arguments.preview, sheet=arguments.sheet, formats=formats)
     with told_what_is_left(lambda: _left(recipe, arguments, sidecars)), _bar(recipe) as progress:
         made = generate(
