@@ -117,16 +117,6 @@ def test_published_schema_is_current() -> None:
     assert json.loads((ROOT / "docs" / "recipe.schema.json").read_text("utf-8")) == schema()
 
 
-def test_a_recipe_of_format_1_gives_the_same_map(tmp_path: Path) -> None:
-    """Format 1 wrote every parameter out, also those that have their defaults."""
-    for old in sorted((ROOT / "tests" / "golden" / "version_1").iterdir()):
-        recipe = rsegen.load(old)
-        assert recipe == rsegen.load(ROOT / "tests" / "golden" / f"{old.stem}_0000" / "recipe.json")
-        made = rsegen.generate(recipe, tmp_path).maps[0]
-        expected = ROOT / "tests" / "golden" / made.name
-        assert all(file.read_bytes() == (expected / file.relative_to(made.folder)).read_bytes() for file in made.files)
-
-
 GOLDEN = sorted((ROOT / "tests" / "golden").glob("*.yaml"))
 
 

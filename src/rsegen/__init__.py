@@ -17,8 +17,6 @@ A name is imported when it is first used (PEP 562), so `import rsegen` takes no 
 
 from importlib import import_module
 
-from rsegen.params.moved import find_old_names
-
 TYPE_CHECKING = False
 """As in `typing`, which takes longer to import than all of this."""
 
@@ -29,9 +27,7 @@ if TYPE_CHECKING:
     from rsegen.exporters.scene import Scene as Scene
     from rsegen.exporters.scene import compose as compose
     from rsegen.exporters.sheet import CutSettings as CutSettings
-    from rsegen.exporters.sheet import Saw as Saw
     from rsegen.exporters.sheet import sheet as sheet
-    from rsegen.field.metrics import Climber as Climber
     from rsegen.field.metrics import Metrics as Metrics
     from rsegen.field.metrics import RobotLimits as RobotLimits
     from rsegen.field.metrics import metrics as metrics
@@ -102,8 +98,8 @@ _HOMES = {
     "rsegen.errors": ("RsegenError", "UserError"),
     "rsegen.exporters.formats": ("FORMATS",),
     "rsegen.exporters.scene": ("Scene", "compose"),
-    "rsegen.exporters.sheet": ("CutSettings", "Saw", "sheet"),
-    "rsegen.field.metrics": ("Climber", "Metrics", "RobotLimits", "metrics"),
+    "rsegen.exporters.sheet": ("CutSettings", "sheet"),
+    "rsegen.field.metrics": ("Metrics", "RobotLimits", "metrics"),
     "rsegen.field.metrics.custom": ("Metric", "metric"),
     "rsegen.field.obstacles": ("KINDS", "Obstacle"),
     "rsegen.field.obstacles.diagonal": ("DiagonalBarrier",),
@@ -159,6 +155,3 @@ if not TYPE_CHECKING:  # type checkers take what the block above imports, and kn
 
     def __dir__() -> list[str]:
         return sorted({*globals(), *_HOME_OF})
-
-
-find_old_names()

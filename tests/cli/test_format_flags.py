@@ -1,4 +1,4 @@
-"""Formats with their options after their names, as in --to stl,'mjcf shape=hfield'; the flags of 0.1 still work."""
+"""Formats with their options after their names, as in --to stl,'mjcf shape=hfield'."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from rsegen.cli import main
-from rsegen.cli.formats import OLD_FLAGS, OLD_SWITCHES
 from rsegen.errors import pip_install
 from rsegen.params import extras
 from tests.support.complaints import exit_code, the_line
@@ -34,16 +33,10 @@ HFIELD = {"shape": "hfield", "pixels": 4}
         ["--to", "heightmap", "--to", "mjcf shape=hfield pixels=4"],
         ["--to", "mjcf pixels=4 shape=hfield, heightmap"],
         ["--to", "mjcf pixels='4' shape=\"hfield\",heightmap pixels=1"],
-        ["--to", "mjcf shape=hfield pixels=4,heightmap pixels=1", "--pixels", "9"],
     ],
 )
 def test_options_stand_after_the_name_of_their_format(flags: list[str], tmp_path: Path) -> None:
     assert options(tmp_path, *flags) == {"mjcf": HFIELD, "heightmap": {"pixels": 1}}
-
-
-def test_a_flag_of_an_earlier_release_is_an_option_of_each_format_that_has_it(tmp_path: Path) -> None:
-    found = options(tmp_path, "--to", "heightmap,mjcf", "--pixels", "4", "--shape", "hfield")
-    assert found == {"heightmap": {"pixels": 4}, "mjcf": HFIELD}
 
 
 def test_generate_takes_options_after_names_too(tmp_path: Path) -> None:
@@ -75,20 +68,9 @@ def test_a_mistake_is_one_line(
     assert not (tmp_path / "out").exists()
 
 
-def test_an_option_of_a_format_that_is_not_named_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert exit_code("export", "peak", "--to", "heightmap", "--shape", "mesh", "-o", tmp_path / "out") == 2
-    assert "--shape: is an option of mjcf, which --to does not name" in the_line(capsys.readouterr().err)
-
-
-def test_old_flags_are_in_no_help_and_in_no_list(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_help_names_the_options_of_every_format(capsys: pytest.CaptureFixture[str]) -> None:
     assert exit_code("export", "--help") == 0
-    text = capsys.readouterr().out
-    assert exit_code("export", "peak", "--to", "stl", "-o", "out", "--pixel", "3") == 2
-    line = the_line(capsys.readouterr().err)
-    for name in (*OLD_FLAGS, *OLD_SWITCHES):
-        assert f"--{name.replace('_', '-')}" not in text
-        assert f"--{name.replace('_', '-')}," not in line
-    assert "pixels=1..100" in text
+    assert "pixels=1..100" in capsys.readouterr().out
 
 
 def test_everything_that_is_missing_is_named_at_once_with_this_pythons_command(

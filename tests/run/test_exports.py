@@ -83,16 +83,7 @@ def test_a_format_that_a_map_has_is_replaced_by_force_alone(tmp_path: Path, caps
     (tmp_path / "rse_0000" / "notes.txt").write_text("mine")
     rsegen.save(RECIPE, tmp_path / "recipe.yaml")
     before = contents(tmp_path)
-    command: list[str | Path] = [
-        "export",
-        tmp_path / "recipe.yaml",
-        "--to",
-        "heightmap",
-        "--pixels",
-        "2",
-        "-o",
-        tmp_path,
-    ]
+    command: list[str | Path] = ["export", tmp_path / "recipe.yaml", "--to", "heightmap pixels=2", "-o", tmp_path]
     assert exit_code(*command) == 2
     assert "rse_0000/heightmap: exists already; give --force to replace it" in the_line(capsys.readouterr().err)
     assert contents(tmp_path) == before

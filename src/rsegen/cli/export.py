@@ -49,7 +49,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Export, and say what was written."""
-    formats = formats_of("--to", arguments.to, arguments)
+    formats = formats_of("--to", arguments.to)
     recipes = _recipes(arguments)
     maps = sum(recipe.maps for recipe in recipes)
     with going_on(arguments, *recipes), counting(maps) as progress:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
-from rsegen.cli.flags import flag
 from rsegen.cli.key_values import key_values
 from rsegen.cli.parser import HelpRow, Parser
 from rsegen.errors import ParameterError, refuse_unknown, shown
@@ -15,10 +14,6 @@ from rsegen.exporters.formats import FORMATS, Format, format_named
 from rsegen.params.extras import MAT
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Parameter, parameters
-
-OLD_FLAGS = ("pixels", "shape", "climb_cm", "per_block", "clearance_cm")
-OLD_SWITCHES = ("binary",)
-"""The options of formats of rsegen 0.1, where each was a flag; they still are, and the help does not show them."""
 
 
 def add_format_flags(command: Parser, group: argparse._ArgumentGroup, name: str, text: str) -> None:
@@ -28,22 +23,12 @@ def add_format_flags(command: Parser, group: argparse._ArgumentGroup, name: str,
     metavar = "'FORMAT KEY=VALUE ...'"
     group.add_argument(name, action="append", default=None, required=required, metavar=metavar, help=text)
     command.add_rows(f"formats for {name}, and their options (rsegen export --list explains them)", _rows)
-    for option in OLD_FLAGS:
-        command.add_old_flag(flag(option), dest=option)
-    for option in OLD_SWITCHES:
-        command.add_old_flag(flag(option), dest=option, action="store_const", const="yes")
 
 
-def formats_of(where: str, texts: Sequence[str] | None, arguments: argparse.Namespace) -> tuple[Format, ...]:
-    """The formats that a flag names, with their options; an option that none of them has is an error."""
+def formats_of(where: str, texts: Sequence[str] | None) -> tuple[Format, ...]:
+    """The formats that a flag names, with their options."""
     chosen = [one for text in texts or () for one in _named(where, text)]
-    old = {name: getattr(arguments, name) for name in (*OLD_FLAGS, *OLD_SWITCHES)}
-    old = {name: text for name, text in old.items() if text is not None}
-    for name in old:
-        if not any(name in parameters(cls) for cls, _ in chosen):
-            owners = [kind for kind, cls in FORMATS.items() if name in parameters(cls)]
-            raise ParameterError(flag(name), f"is an option of {', '.join(owners)}, which {where} does not name")
-    formats = tuple(_with_options(where, cls, words, old) for cls, words in chosen)
+    formats = tuple(_with_options(where, cls, words) for cls, words in chosen)
     for each in formats:
         if each.left_out:
             print(f"rsegen: {each.left_out}", file=sys.stderr)
@@ -87,13 +72,13 @@ def _parts(where: str, text: str) -> list[list[str]]:
     return parts
 
 
-def _with_options(where: str, cls: type[Format], words: Sequence[str], old: Mapping[str, str]) -> Format:
-    """A format with the options that are given after its name, over those of the old flags that it has."""
+def _with_options(where: str, cls: type[Format], words: Sequence[str]) -> Format:
+    """A format with the options that are given after its name."""
     known = parameters(cls)
     try:
         own = key_values(words, known)
         refuse_unknown(f"option of {cls.name}", own, known)
-        return cls(**{name: known[name].parse(text) for name, text in old.items() if name in known} | own)
+        return cls(**own)
     except ParameterError as error:
         raise error.of(f"{where} {shown(' '.join([cls.name, *words]))}") from None
 

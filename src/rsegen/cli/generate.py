@@ -92,7 +92,7 @@ def produce(
     beside: what makes the content of files next to the maps, by their names; called once nothing refuses the run
     """
     beside = beside or {}
-    formats = formats_of("--formats", arguments.formats, arguments)
+    formats = formats_of("--formats", arguments.formats)
     sidecars = Sidecars(preview=arguments.preview, sheet=arguments.sheet, formats=formats)
     on_existing = OnExisting.of(force=arguments.force, resume=arguments.resume)
     plan = plan_worlds(recipe, arguments.output, sidecars, on_existing, execution_from(arguments), beside=beside)

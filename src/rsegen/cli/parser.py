@@ -23,17 +23,11 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:
         super().__init__(allow_abbrev=False, formatter_class=_Help, **options)
         self._rows: list[tuple[str, Callable[[], Iterable[HelpRow]]]] = []
-        self._old: list[str] = []
         add_plugin_flag(self)
 
     def add_rows(self, title: str, rows: Callable[[], Iterable[HelpRow]]) -> None:
         """A group of names in the help; `rows` is called when the help is shown."""
         self._rows.append((title, rows))
-
-    def add_old_flag(self, flag: str, **options: Any) -> None:
-        """A flag of an earlier release, which still works but is not in the help."""
-        self._old.append(flag)
-        self.add_argument(flag, help=argparse.SUPPRESS, **options)
 
     def format_help(self) -> str:
         """The help: how to call it, the groups of flags, the names, and -h at the end."""
@@ -68,7 +62,7 @@ class Parser(argparse.ArgumentParser):
         parsed, unknown = super().parse_known_args(args, namespace)
         for text in unknown[:1]:
             if text.startswith("-"):
-                flags = [flag for action in self._actions for flag in action.option_strings if flag not in self._old]
+                flags = [flag for action in self._actions for flag in action.option_strings]
                 self.error(str(UnknownName.among("", "flag", text, flags)))
             self.error(f"unexpected argument {shown(text)}")
         return parsed, unknown

@@ -43,7 +43,7 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Make the series, and say how it rises."""
     recipe = recipe_from(arguments)
-    formats = formats_of("--formats", arguments.formats, arguments)
+    formats = formats_of("--formats", arguments.formats)
     from_, to = (_share(name, getattr(arguments, name)) for name in ("from_", "to"))
     with going_on(arguments, recipe), counting(recipe.maps) as progress:
         found = series(

@@ -100,7 +100,7 @@ class Integer:
         if number is None:
             raise ParameterError(where, f"{shown(value)} is not a whole number; give {self.describe()}")
         if number < self.low or (self.high is not None and number > self.high):
-            amiss = "is not" if self.high is None else "is outside"
+            amiss = "is not" if self.high in (None, self.low) else "is outside"
             raise ParameterError(where, f"{shown(number)} {amiss} {self.describe()}")
         return number
 
@@ -289,7 +289,7 @@ def _interval(low: float, high: float, unit: str) -> str:
     tail = f" {unit}" if unit else ""
     if math.isinf(high):
         return f"{_bound(low)} or more{tail}"
-    return f"{_bound(low)}..{_bound(high)}{tail}"
+    return f"{_bound(low)}{tail}" if low == high else f"{_bound(low)}..{_bound(high)}{tail}"
 
 
 def _bound(number: float) -> str:

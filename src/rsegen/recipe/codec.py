@@ -2,7 +2,7 @@
 
 A file has the words of `Recipe`, and `version` (of this format), `generator` (what wrote it), `plugins` (kinds of
 obstacles from other packages), `$schema` (for editors). It says what differs from the defaults of its format version
-(docs/decisions/0013): format 1 wrote every parameter out, format 2 does not; both are read, and mean the same.
+(docs/decisions/0013).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from rsegen.recipe.recipe import Placement, Recipe
 FORMAT = 2
 SCHEMA_ID = f"urn:rsegen:recipe:{FORMAT}"
 _ENVELOPE: dict[str, Parameter] = {
-    "version": Integer(1, FORMAT, help="version of the recipe format"),
+    "version": Integer(FORMAT, FORMAT, help="version of the recipe format"),
     "generator": Text(r"[^\x00-\x1f]{0,100}", "a short text", help="what wrote the file"),
     "plugins": PluginRecord(),
     "$schema": Text(r"[^\x00-\x1f]{0,500}", "the address of a schema", help="for editors"),

@@ -61,7 +61,7 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
     """
     limit = math.inf if seconds is None else SECONDS.check("seconds", seconds)
     world = world_of(target, map)
-    here = choose_installation(world.made_for, simulator, alone=world.alone)
+    here = choose_installation(world.made_for, simulator)
     if not (headless or has_screen()):
         where = "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)"
         raise ParameterError("headless", f"{where}, so only a server without a window can be opened; set it")
@@ -82,7 +82,7 @@ def launch_command(
 ) -> LaunchCommand:
     """The command that `open` runs for a world that is on disk already."""
     world = world_of(target, map)
-    here = choose_installation(world.made_for, simulator, alone=world.alone)
+    here = choose_installation(world.made_for, simulator)
     if not world.file:
         raise ParameterError("print", f"{shown(str(target))} has no world yet; make one with rsegen generate")
     return _launch(here, OpenRequest(world=world.file, shared=shared), headless=headless)

@@ -14,7 +14,6 @@ from typing import TypeAlias
 from rsegen.errors import FileError
 from rsegen.exporters.gazebo import export
 from rsegen.exporters.scene import Scene, compose
-from rsegen.io.input_files import regular_content
 from rsegen.io.recipe_file import load
 from rsegen.io.resources import refuse_too_large
 from rsegen.io.targets import found, map_index
@@ -25,23 +24,18 @@ Target: TypeAlias = "Recipe | Scene | str | os.PathLike[str]"
 """A recipe, a scene, or the path or name that the command line takes: a world file, a recipe file, an example, the
 folder of a map or of maps, or DIR#17 of a data set."""
 
-_BEGINNING = 8192
-"""Bytes of a file in which the first link of the map begins."""
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class World:
     """A world, on disk already or to be made.
 
     file: the world file, None if it is made of the recipe or scene; recipe: of its one map, None if unknown;
-    made_for: the `simulator` of the recipe; alone: whether only that one can open it; made_of: the scene that a caller
-    gave.
+    made_for: the `simulator` of the recipe; made_of: the scene that a caller gave.
     """
 
     file: Path | None = None
     recipe: Recipe | None = None
     made_for: str
-    alone: bool = False
     made_of: Scene | None = None
 
     def scene(self) -> Scene:
@@ -81,7 +75,7 @@ def world_of(target: Target, which: int | str | None = None) -> World:
     file, recipe, index = found(path, _text(which), "map")
     if os.path.isdir(path):
         world = _existing(file.with_name(f"{recipe.map_name(index)}.world"))
-        return World(file=world, recipe=recipe, made_for=recipe.simulator, alone=is_unheld(world))
+        return World(file=world, recipe=recipe, made_for=recipe.simulator)
     return World(recipe=recipe.alone(index), made_for=recipe.simulator)
 
 
@@ -89,14 +83,7 @@ def _world_in(file: Path) -> World:
     """A world file, with the recipe next to it if there is one."""
     recipe_file = file.with_name("recipe.json")
     recipe = load(recipe_file) if recipe_file.is_file() else None
-    made_for = recipe.simulator if recipe else "both"
-    return World(file=_existing(file), recipe=recipe, made_for=made_for, alone=is_unheld(file))
-
-
-def is_unheld(file: Path) -> bool:
-    """Whether the map in a world or model file is a body that Gazebo Classic alone holds, as rsegen 0.1 made them."""
-    beginning = regular_content(file, _BEGINNING) or b""
-    return b"<kinematic>true</kinematic>" in beginning and b'<joint name="to_world"' not in beginning
+    return World(file=_existing(file), recipe=recipe, made_for=recipe.simulator if recipe else "both")
 
 
 def _existing(file: Path) -> Path:

@@ -102,16 +102,16 @@ def test_resume_keeps_maps_that_have_the_formats_and_makes_the_others_anew(
     folder = tmp_path / "worlds"
     assert generated(folder, "--formats", "heightmap,occupancy") == 0
     before = contents(folder)
-    for fewer in ([], ["--formats", "heightmap"], ["--formats", "occupancy,heightmap", "--pixels", "1"]):
+    for fewer in ([], ["--formats", "heightmap"], ["--formats", "occupancy,heightmap pixels=1"]):
         capsys.readouterr()
         assert generated(folder, "--resume", *fewer) == 0
         assert capsys.readouterr().out == "3 maps there already, seed 4\n"
     assert contents(folder) == before
-    assert generated(folder, "--resume", "--formats", "heightmap", "--pixels", "2") == 0
+    assert generated(folder, "--resume", "--formats", "heightmap pixels=2") == 0
     assert "3 maps of" in capsys.readouterr().out
     again = contents(folder)
     assert again["rse_0000/heightmap/rse_0000.png"] != before["rse_0000/heightmap/rse_0000.png"]
-    assert generated(tmp_path / "plain", "--formats", "heightmap", "--pixels", "2") == 0
+    assert generated(tmp_path / "plain", "--formats", "heightmap pixels=2") == 0
     assert contents(tmp_path / "plain") == again
 
 

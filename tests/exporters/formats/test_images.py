@@ -128,12 +128,11 @@ def test_a_margin_that_makes_a_huge_image_is_refused() -> None:
         made(Occupancy(margin_cm=100_000), of_levels([[2, 0, 2], [0, 2, 2]]))
 
 
-def test_options_are_flags_of_both_commands(tmp_path: Path) -> None:
+def test_both_commands_take_options(tmp_path: Path) -> None:
     (tmp_path / "recipe.yaml").write_text("seed: 1\nchunk_size: 2\n")
-    flags = ["--pixels", "4", "--climb-cm", "20", "-o"]
-    recipe = str(tmp_path / "recipe.yaml")
-    assert main(["export", recipe, "--to", "heightmap,occupancy", *flags, str(tmp_path / "a")]) == 0
-    assert main(["generate", recipe, "--formats", "heightmap, occupancy", *flags, str(tmp_path / "b")]) == 0
+    recipe, formats = str(tmp_path / "recipe.yaml"), "heightmap pixels=4, occupancy pixels=4 climb_cm=20"
+    assert main(["export", recipe, "--to", formats, "-o", str(tmp_path / "a")]) == 0
+    assert main(["generate", recipe, "--formats", formats, "-o", str(tmp_path / "b")]) == 0
     for folder in (tmp_path / "a", tmp_path / "b"):
         said = json.loads((folder / "rse_0000" / "formats.json").read_text("utf-8"))
         assert said == {"heightmap": {"pixels": 4}, "occupancy": {"climb_cm": 20, "margin_cm": 0, "pixels": 4}}

@@ -21,6 +21,7 @@ from rsegen.simulation.experiment.trial import Outcome
 PLAN = ExperimentPlan(
     name="known", rows=(TableRow(sizes=(0, 10, 80)), TableRow(robot="jackal", sizes=(0, 20), recipe={"mesh": "blocks"}))
 )
+COMMAND = "rsegen experiment my/known.yaml --simulator classic -o costs"
 MACHINE = {"processor": "a quick one", "cores": "2"}
 BURGERS = FIGURES[PublishedRow("burger", 3, 1, 5)]
 
@@ -49,7 +50,7 @@ def rows(text: str) -> dict[str, list[str]]:
 
 
 def test_the_page_has_the_cost_and_what_the_robots_did_and_the_paper_s_figures(results: Results) -> None:
-    text = report_page(PLAN, results, MACHINE)
+    text = report_page(PLAN, results, MACHINE, COMMAND)
     found = rows(text)
     assert found["processor"] == ["a quick one"]
     assert found["80 x 80"] == [
@@ -71,28 +72,26 @@ def test_rtf_is_the_least_and_the_most_that_any_trial_registered() -> None:
 
 def test_a_row_whose_robots_rested_is_marked_and_explained(results: Results) -> None:
     resting = [outcome(9, stuck=share) for share in (0.9, 0.2, 0.6)]
-    text = report_page(PLAN, {**results, Cell(row=0, size=10, pace="free"): resting}, MACHINE)
+    text = report_page(PLAN, {**results, Cell(row=0, size=10, pace="free"): resting}, MACHINE, COMMAND)
     assert rows(text)[f"10 x 10 {MARK}"][8] == "10 % / 57 %"
     assert sum(line.startswith(f"{MARK} The robots were stuck") for line in text.splitlines()) == 1
     moving = [outcome(9, stuck=share) for share in (0.9, 0.2, 0.3)]
-    assert MARK not in report_page(PLAN, {**results, Cell(row=0, size=10, pace="free"): moving}, MACHINE)
+    assert MARK not in report_page(PLAN, {**results, Cell(row=0, size=10, pace="free"): moving}, MACHINE, COMMAND)
 
 
 def test_no_speed_is_compared_with_the_empty_world_s_where_nobody_knows_what_the_robots_did(results: Results) -> None:
     def unknown(one: Outcome) -> Outcome:
         return replace(one, simulated=None, driven=None, stuck=None, tipped=None, covered=None)
 
-    old = {cell: list(map(unknown, outcomes)) for cell, outcomes in results.items()}
-    text = report_page(PLAN, old, MACHINE)
+    found = {cell: list(map(unknown, outcomes)) for cell, outcomes in results.items()}
+    text = report_page(PLAN, found, MACHINE, COMMAND)
     assert rows(text)["80 x 80"][5:11] == ["4.0", "-", "", "", "", ""]
     assert "It was not recorded what the robots did" in text
-    assert "was not recorded" not in report_page(PLAN, results, MACHINE)
+    assert "was not recorded" not in report_page(PLAN, results, MACHINE, COMMAND)
 
 
 def test_the_command_that_made_the_page_is_in_it(results: Results) -> None:
-    assert "Made by `rsegen experiment known`" in report_page(PLAN, results, MACHINE)
-    command = "rsegen experiment my/known.yaml --simulator classic -o costs"
-    assert f"Made by `{command}`" in report_page(PLAN, results, MACHINE, command)
+    assert f"Made by `{COMMAND}`" in report_page(PLAN, results, MACHINE, COMMAND)
 
 
 @pytest.mark.parametrize(
@@ -119,14 +118,14 @@ def test_a_row_without_an_empty_world_is_held_against_that_of_the_same_robots(re
     for number, (robots, found) in enumerate([(3, "0.80"), (2, "-")], 2):
         plan = replace(PLAN, rows=(*PLAN.rows, *[replace(jackal, robots=robots)] * (number - 1)), paces=("free",))
         outcomes = {**results, Cell(row=number, size=20, pace="free"): [outcome(4.0)]}
-        assert rows(report_page(plan, outcomes, MACHINE))["20 x 20"][6] == found
-        assert "of wall time, at full speed." in report_page(plan, outcomes, MACHINE)
+        assert rows(report_page(plan, outcomes, MACHINE, COMMAND))["20 x 20"][6] == found
+        assert "of wall time, at full speed." in report_page(plan, outcomes, MACHINE, COMMAND)
 
 
 def test_rows_in_two_simulators_are_one_table(results: Results) -> None:
     both = PLAN.in_simulators(["sim", "classic"])
     outcomes = {cell: [outcome(1.0 + cell.row, 0.9)] for cell in both.cells}
-    text = report_page(both, outcomes, MACHINE)
+    text = report_page(both, outcomes, MACHINE, COMMAND)
     assert text.count("## ") == 2
     table = [line for line in text.splitlines() if line.startswith("| Gazebo ") and "80 x 80" in line]
     assert [[cell.strip() for cell in line.split("|")[1:10]] for line in table] == [
@@ -140,7 +139,7 @@ def test_rows_in_two_simulators_are_one_table(results: Results) -> None:
 def test_a_world_in_turns_with_an_empty_one_is_told_with_its_error(results: Results) -> None:
     def beside(*contact_shares: float) -> str:
         outcomes = [replace(outcome(4.0), share=share) for share in contact_shares]
-        text = report_page(PLAN, {**results, Cell(row=0, size=80, pace="beside"): outcomes}, MACHINE)
+        text = report_page(PLAN, {**results, Cell(row=0, size=80, pace="beside"): outcomes}, MACHINE, COMMAND)
         return rows(text)["80 x 80"][6]
 
     assert beside(0.9) == "0.90"
@@ -148,7 +147,7 @@ def test_a_world_in_turns_with_an_empty_one_is_told_with_its_error(results: Resu
 
 
 def test_a_page_of_nothing_yet_has_no_rows_of_figures() -> None:
-    assert "10 x 10" not in report_page(PLAN, {}, MACHINE)
+    assert "10 x 10" not in report_page(PLAN, {}, MACHINE, COMMAND)
 
 
 def test_the_csv_has_every_trial(results: Results) -> None:

@@ -20,8 +20,6 @@ from tests.simulation.simulated import simulated
 def test_a_cube_that_is_pushed_slides_where_it_is_slippery_alone(
     recipe: rsegen.Recipe, gazebo: Installation, tmp_path: Path
 ) -> None:
-    if not gazebo.simulator.can_open(recipe.simulator):
-        pytest.skip(f"{gazebo} does not open maps for Gazebo Classic alone")
     made = generated(recipe, tmp_path)
     beside = ("ground", (-made.scene.field.extent[0], 0.0, 0.0), False)
     meshes_slide = gazebo.backend == "classic" or has_boxes(recipe)

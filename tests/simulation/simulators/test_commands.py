@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -112,23 +111,6 @@ def test_where_nothing_is_installed_it_says_how_to_get_each(programs: Path, worl
     assert opened(world) == 2
     line = the_line(capsys.readouterr().err)
     assert all(simulator.how_to_install[0] in line for simulator in SIMULATORS.values())
-
-
-def test_a_body_that_nothing_holds_is_opened_in_classic_alone(
-    programs: Path, classic_world: Path, capsys: Capture
-) -> None:
-    text = classic_world.read_text()
-    without = re.sub(r" *<joint.*</joint>\n", "", text)  # as rsegen 0.1 made it
-    assert len(without) < len(text)
-    classic_world.write_text(without)
-    put(programs, PROGRAMS["sim"])
-    capsys.readouterr()
-    for target in (classic_world, classic_world.parent, classic_world.parent.parent):
-        assert opened(target, "--simulator", "sim") == 2
-        said = "this map opens in Gazebo Classic only: an earlier rsegen made it so; make it again of its recipe.json"
-        assert said in the_line(capsys.readouterr().err)
-    assert opened(classic_world) == 2
-    assert "Gazebo Classic is not installed; to install it: " in the_line(capsys.readouterr().err)
 
 
 def test_a_map_for_classic_opens_in_each(programs: Path, classic_world: Path, capsys: Capture) -> None:

@@ -133,9 +133,3 @@ def test_a_world_that_is_not_there_is_known_by_the_log(simulator: Simulator) -> 
     assert simulator.load_failures
     assert all(simulator.load_failed(f"[Err] [a.cc:1] {words} that") for words in simulator.load_failures)
     assert not simulator.load_failed("")
-
-
-@EACH
-def test_it_opens_maps_for_both(simulator: Simulator) -> None:
-    assert simulator.can_open("both")
-    assert [other for other in SIMULATORS if simulator.can_open(other)] == [simulator.name]

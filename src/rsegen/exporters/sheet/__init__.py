@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
 FORMATS = ("pdf", "csv")
 MOST_PALLETS = 400
-Saw = CutSettings
-"""The name of CutSettings in rsegen 0.1."""
-
 LARGEST_PALLET = 60
 """Blocks per side: more of them are not legible on A4."""
 MOST_BLOCKS = 40_000
@@ -108,4 +105,4 @@ def _with_progress(figures: Iterator[Figure], progress: Callable[[Figure], None]
             progress(figure)
 
 
-__all__ = ["FORMATS", "CutSettings", "Saw", "page_count", "pages", "refuse_unbuildable", "sheet", "sheet_format"]
+__all__ = ["FORMATS", "CutSettings", "page_count", "pages", "refuse_unbuildable", "sheet", "sheet_format"]

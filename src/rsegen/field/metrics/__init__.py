@@ -30,10 +30,6 @@ class Metrics:
     reach: Traversability | None = None
 
 
-Climber = RobotLimits
-"""The name of RobotLimits in rsegen 0.1."""
-
-
 def metrics(field: StepField, climber: RobotLimits | None = None) -> Metrics:
     """The metrics of a field: of its blocks without frames; and of the paths across it, frames counted."""
     if field.frame.all():
@@ -49,7 +45,6 @@ def metrics(field: StepField, climber: RobotLimits | None = None) -> Metrics:
 
 
 __all__ = [
-    "Climber",
     "Crossing",
     "Metrics",
     "Percolation",

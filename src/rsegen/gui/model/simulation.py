@@ -216,8 +216,8 @@ def spawn(recipe: Recipe, folder: Path, number: int, before: SpawnedMap | None) 
     there, else at the free place nearest to the origin.
     """
     one = map_model(recipe, recipe.first_map, folder)
-    with connected(None) as (simulator, live):
-        one.check_fits(simulator)
+    with connected(None) as (_, live):
+        one.check_spawnable()
         poses = live.poses()
         old = replace(before, at=poses[before.name]) if before and before.name in poses else None
         new = SpawnedMap(name=f"{one.name}-{number}", field=one.field, at=old.at if old else _ORIGIN)

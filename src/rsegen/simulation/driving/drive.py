@@ -70,7 +70,7 @@ def drive(  # noqa: PLR0913  # each is a flag of the command
     route = ROUTE.check("route", route)
     _check_output(output, picture=picture, force=force)
     world = world_of(target, map)
-    here, scene = choose_installation(world.made_for, simulator, alone=world.alone), world.scene()
+    here, scene = choose_installation(world.made_for, simulator), world.scene()
     runs = robot_runs(scene.field, model, route, count=count, seed=seed)
     with world.on_disk() as file:
         extent = scene.field.extent if picture and "pictures" not in here.simulator.drives_without else None

@@ -45,12 +45,12 @@ _RESTED = f"{MARK} The robots were stuck for more than half of the time, so thes
 _UNKNOWN = "It was not recorded what the robots did in these trials, so speeds are not compared with the empty world."
 
 
-def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], command: str = "") -> str:
+def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], command: str) -> str:
     """The Markdown page: the machine, and a table per row of the plan with the paper's figures.
 
-    command: the command line that made the results; by default that of the included plan of this name.
+    command: the command line that made the results.
     """
-    head = _head(plan, results, machine, command or f"rsegen experiment {plan.name}")
+    head = _head(plan, results, machine, command)
     tables = (line for numbers in plan.tables for line in _table(plan, numbers, results))
     return "\n".join([*head, *tables]) + "\n"
 

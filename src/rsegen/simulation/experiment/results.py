@@ -17,7 +17,7 @@ from rsegen.simulation.experiment.trial import Outcome
 _CELL: Mapping[str, Parameter] = {"row": Integer(0), "size": Integer(0), "pace": Choice(PACES)}
 _OUTCOME: Mapping[str, Parameter] = {field.name: Float() for field in fields(Outcome)}
 _OPTIONAL = frozenset(_OUTCOME) - {"load", "memory", "speed"}
-"""Figures that not every pace has, or that logs of rsegen 0.1 lack."""
+"""Figures that not every trial has: some paces, and robots that are not in the record, lack some of them."""
 
 Results = Mapping[Cell, list[Outcome]]
 """The outcomes of every cell, in the order of its repeats."""

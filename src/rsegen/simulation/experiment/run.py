@@ -145,7 +145,7 @@ def in_simulators(plan: ExperimentPlan, simulator: str | Sequence[str] | None) -
 def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str], str]:
     """The plan, the outcomes, the machine and the command of a summary.json that `experiment` wrote.
 
-    FileError if it is damaged. The command is empty in a file of rsegen 0.1.
+    FileError if it is damaged.
     """
     found = recipe_file.content(file)
     try:
@@ -157,7 +157,7 @@ def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str], s
             for cell in found["cells"]  # type: ignore[index]
         }
         machine = {str(name): str(value) for name, value in found["machine"].items()}  # type: ignore[index]
-        command = _LINE.check("command", found.get("command", ""))  # type: ignore[attr-defined]
+        command = _LINE.check("command", found["command"])  # type: ignore[index]
     except ParameterError as error:
         raise error.of(str(file)) from None
     except (AttributeError, KeyError, TypeError) as error:

@@ -45,7 +45,7 @@ class Outcome:
     real time, else None
     fps: frames per second that the camera or the window drew, at the paces `camera` and `window`, else None
     share: speed divided by that of the empty world at the pace `beside`, else None
-    simulated: seconds; driven, stuck, tipped, covered: as in DrivingFigures; None in what rsegen 0.1 measured
+    simulated: seconds; driven, stuck, tipped, covered: as in DrivingFigures
     """
 
     load: float

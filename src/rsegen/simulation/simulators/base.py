@@ -158,10 +158,6 @@ class Simulator(ABC):
         """The record of a server with this home, after its end; None if it cannot."""
         return None
 
-    def can_open(self, made_for: str) -> bool:
-        """Whether it can open what is made for the simulator of this name, or for both."""
-        return made_for in ("both", self.name)
-
     def error_lines(self, log: str) -> list[str]:
         """The error lines of a log, without harmless ones."""
         found = (line.strip() for line in plain_text(log).splitlines() if any(mark in line for mark in _MARKS))

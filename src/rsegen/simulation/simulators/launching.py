@@ -14,19 +14,11 @@ from rsegen.simulation.simulators.base import SIMULATORS, Installation, LaunchCo
 from rsegen.simulation.simulators.output_files import OutputFiles
 
 
-def choose_installation(made_for: str, name: str | None, *, alone: bool = False) -> Installation:
-    """The installation of that name, else of what a map is made for, else the newest.
-
-    alone: only what it is made for can open it.
-    """
-    wanted = None if name is None else SIMULATORS.named(name, "simulator")
-    able = [each for each in SIMULATORS.values() if not alone or each.can_open(made_for)]
-    if wanted is None:
-        here = next((here for here in installations(first=made_for) if here.simulator in able), None)
-        return here or _missing(*able)
-    if wanted not in able:
-        made = "an earlier rsegen made it so; make it again of its recipe.json"
-        raise NoSimulator(f"this map opens in {_titles(able)} only: {made}")
+def choose_installation(made_for: str, name: str | None) -> Installation:
+    """The installation of that name, else of what a map is made for, else the newest."""
+    if name is None:
+        return next(installations(first=made_for), None) or _missing(*SIMULATORS.values())
+    wanted = SIMULATORS.named(name, "simulator")
     return wanted.installation() or _missing(wanted)
 
 
@@ -55,9 +47,6 @@ def run_until_end(
 
 
 def _missing(*able: Simulator) -> Installation:
+    titles = " or ".join(each.title for each in able)
     hints = "; ".join(f"{each.title}: {each.how_to_install[0]}" for each in able)
-    raise NoSimulator(f"{_titles(able)} is not installed; to install it: {hints} (see rsegen sim)")
-
-
-def _titles(able: list[Simulator] | tuple[Simulator, ...]) -> str:
-    return " or ".join(each.title for each in able)
+    raise NoSimulator(f"{titles} is not installed; to install it: {hints} (see rsegen sim)")

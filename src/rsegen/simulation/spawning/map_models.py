@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from rsegen.errors import NoSimulator, OutputError, ParameterError, RsegenError
+from rsegen.errors import OutputError, ParameterError, RsegenError
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
 from rsegen.io.dataset.map_reference import recipe_in
@@ -18,10 +18,9 @@ from rsegen.io.resources import refuse_too_large
 from rsegen.io.targets import found, map_index, recipe_files
 from rsegen.io.text_files import text_of
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.simulators import Simulator
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.spawning.spawned_map import SpawnedMap
-from rsegen.simulation.worlds import Target, is_unheld, write_world
+from rsegen.simulation.worlds import Target, write_world
 
 _MOST_MIB = 512
 
@@ -54,12 +53,8 @@ class MapModel:
         refuse_too_large(self.recipe)
         return compose(self.recipe, self.recipe.first_map)
 
-    def check_fits(self, simulator: Simulator) -> None:
-        """Raise an error if this cannot be spawned as one model of that simulator."""
-        file = self.folder / _MODEL_FILE
-        if is_unheld(file) and not simulator.can_open(self.recipe.simulator):
-            made = "an earlier rsegen made it for Gazebo Classic alone; make it again of its recipe.json"
-            raise NoSimulator(f"{simulator.title} runs, and {file}: {made}")
+    def check_spawnable(self) -> None:
+        """Raise a ParameterError if this cannot be spawned as one model."""
         if self.recipe.mesh_type != "single":
             problem = f"{self.recipe.mesh_type} makes a map of many models; only single can be spawned"
             raise ParameterError("mesh_type", problem)

@@ -54,7 +54,7 @@ def respawn(
         known = known_recipes(live, poses, [Path(output), *_homes(target)])
         current = _current_map(poses, {recipe.name for recipe in recipes}, known, name)
         new = _given_or_next(target, map, Path(output), current)
-        new.check_fits(running)
+        new.check_spawnable()
         if new.name in poses:
             what = f"{shown(new.name)} exists already; give another"
             if map is None and new.name == current:

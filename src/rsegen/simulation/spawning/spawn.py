@@ -80,7 +80,7 @@ def spawn(  # each is a flag of the command
             pose = _spawn_robot(live, what, name, occupied(poses, maps), maps, place)
             notes = tuple(_notes(poses, maps)) if len(place) <= 2 else ()
             return SpawnResult(name=name, simulator=running.name, at=pose, notes=notes)
-        what.check_fits(running)
+        what.check_spawnable()
         new = SpawnedMap(name=name, field=what.field, at=_pose(place or [0, 0]))
         new = new if place else at_free_place(new, poses, maps)
         moved = spawn_map(live, what.sdf(name), new)
