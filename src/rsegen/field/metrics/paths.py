@@ -28,11 +28,12 @@ class CheapestPaths(NamedTuple):
         return np.stack(np.unravel_index(cells[::-1], self.predecessors.shape), axis=1)
 
 
-def cheapest_paths(ground: Ground, tread: int, limits: tuple[int, int]) -> CheapestPaths:
+def cheapest_paths(ground: Ground, tread: int, limits: tuple[int, int], *, shortest: bool) -> CheapestPaths:
     """The cheapest paths from the first row to each cell; a move costs tread + |dh| and stays within (climb, drop).
 
-    Of equally cheap paths, those with the fewest moves. All lengths are in one unit. No move costs less than a tread,
-    so all cells that cost less than the cheapest one of the front plus a tread are settled, and are expanded together.
+    shortest: of equally cheap paths, those with the fewest moves; else any, the same in every run. All lengths are in
+    one unit. No move costs less than a tread, so all cells that cost less than the cheapest one of the front plus a
+    tread are settled, and are expanded together.
     """
     flat, row = np.pad(ground.heights, 1, constant_values=_WALL).ravel(), ground.heights.shape[1] + 2
     rows, columns = (np.pad(open_, 1) for open_ in (ground.rows, ground.columns))
@@ -46,8 +47,9 @@ def cheapest_paths(ground: Ground, tread: int, limits: tuple[int, int]) -> Cheap
         for side in (-row, -1, 1, row):
             rise = flat[nodes + side] - flat[nodes]
             cost = costs[nodes] + tread + np.abs(rise)
-            fewer = (cost == costs[nodes + side]) & (moves[nodes] + 1 < moves[nodes + side])
-            better = (cost < costs[nodes + side]) | fewer
+            better = cost < costs[nodes + side]
+            if shortest:
+                better |= (cost == costs[nodes + side]) & (moves[nodes] + 1 < moves[nodes + side])
             better &= may_go[abs(side)] & (rise <= limits[0]) & (-rise <= limits[1])
             reached = nodes[better] + side
             costs[reached], moves[reached], predecessors[reached] = (

@@ -95,14 +95,14 @@ def _largest_region(field: StepField, climber: RobotLimits) -> Mask:
     return np.asarray(blocks & (group == (carried * (group.size + 1) + size).argmax()))
 
 
-def crossing(field: StepField, climber: RobotLimits, axis: int) -> Crossing:
+def crossing(field: StepField, climber: RobotLimits, axis: int, *, shortest: bool = True) -> Crossing:
     """The cheapest crossing of a field, along x for axis 0, along y for axis 1; the shortest of equally cheap ones."""
     carrying = lane(field, climber.width, axis)
-    found = cheapest_paths(carrying, round(field.block_width * NANOMETRES), climber.limits)
+    found = cheapest_paths(carrying, round(field.block_width * NANOMETRES), climber.limits, shortest=shortest)
     margin = (len(found.costs) - field.shape[axis]) // 2
     costs = np.where(found.costs == UNREACHABLE, np.inf, found.costs / NANOMETRES)[margin:-margin]
     costs = costs if axis == 0 else costs.T
-    end = int(np.lexsort((found.moves[-1], found.costs[-1]))[0])
+    end = int(np.lexsort((found.moves[-1] * shortest, found.costs[-1]))[0])
     if (cost := int(found.costs[-1, end])) == UNREACHABLE:
         return _no_crossing(costs)
     path = found.path_to(found.costs.size - found.costs.shape[1] + end) - (margin, 0)
