@@ -26,7 +26,7 @@ from typing import Any, NoReturn
 from tests.crash.injection import Control, Injection, mapped_control
 
 CONTROL = "RSEGEN_CRASH_CONTROL"
-_LONGEST = 120
+_LONGEST = 600
 _PR_SET_CHILD_SUBREAPER = 36
 _LEFT_OUT = re.compile(r"rsegen\.(__main__|gui|learning|simulation)\b").match
 _HEAVY = (

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import queue
+import shutil
 import tempfile
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -15,6 +17,8 @@ from tests.crash.commands import RUNS, TURNS, Run, made_inputs
 from tests.crash.injection import compiled
 from tests.crash.server import Server
 from tests.crash.trials import Trial, Undisturbed, problems, undisturbed
+
+_SPACE = 2**29
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -66,10 +70,17 @@ class Trials:
             return self._alone[key]
 
 
+def _memory() -> str | None:
+    """A disk in memory, which does not wait for what others write; None if there is none with some space."""
+    folder = "/dev/shm"  # noqa: S108  # a folder with a random name is made in it
+    enough = os.access(folder, os.W_OK) and shutil.disk_usage(folder).free > _SPACE
+    return folder if enough else None
+
+
 @contextmanager
 def trials(seed: int, processes: int) -> Iterator[Trials]:
     """Trials of a seed, with so many drivers that run them."""
-    with tempfile.TemporaryDirectory(prefix="rsegen-crash-") as name, ExitStack() as stack:
+    with tempfile.TemporaryDirectory(prefix="rsegen-crash-", dir=_memory()) as name, ExitStack() as stack:
         folder = Path(name).resolve()
         library, inputs = compiled(folder), made_inputs(folder / "inputs")
         servers: queue.Queue[Server] = queue.Queue()
