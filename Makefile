@@ -3,7 +3,7 @@
 # make test-fast   the tests without a simulator, a window and all that is slow: within a minute on two cores
 # make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
 # make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
-# make crash    kills runs and fills disks at random moments; CRASH="--kills 200 --disks 20 --seed 7"
+# make crash    kills commands, and lets their calls fail, at random calls; CRASH="--trials 2000 --seed 7 --experiments 4"
 # make check    lint, types, import contracts
 # make package  builds wheel and sdist into dist/ and tries the wheel
 # make docs     makes the generated parts of the manual and its pictures anew
@@ -21,12 +21,12 @@ MUTANTS ?=
 FUZZ ?=
 CRASH ?=
 
-.PHONY: browser learners worlds test test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: browser compiler learners worlds test test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in src/rsegen/recipe/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
 
-test: $(VENV)/developer gazebo screen browser learners
+test: $(VENV)/developer gazebo screen browser compiler learners
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest $(ARGS)
 
 test-fast: $(VENV)/developer
@@ -38,7 +38,7 @@ mutants: $(VENV)/developer
 fuzz: $(VENV)/developer
 	$(BIN)/python -m tests.fuzz $(FUZZ)
 
-crash: $(VENV)/developer
+crash: $(VENV)/developer compiler
 	$(BIN)/python -m tests.crash $(CRASH)
 
 check: $(VENV)/developer
@@ -98,6 +98,10 @@ learners: $(VENV)/developer
 # A screen for the tests of the window.
 screen:
 	scripts/screen || test $$? = 3
+
+# A C compiler for the trials of tests/crash, which make calls of the C library fail.
+compiler:
+	scripts/packages compiler gcc libc6-dev || test $$? = 3
 
 # A browser for the tests of pages.
 browser:

@@ -16,7 +16,7 @@ FUZZ, CRASH = RESULTS / "fuzz.json", RESULTS / "crash.json"
 def table() -> Iterator[str]:
     """The last results as lines of Markdown."""
     crash = _loaded(CRASH)
-    tried = f"{crash['kills']} kills, {crash['disks']} full disks, {crash['experiments']} kills of an experiment"
+    tried = f"{crash['trials']:,} trials of {crash['commands']} commands, {crash['experiments']} kills of an experiment"
     yield "| trial | seed | tried | failed |"
     yield "|---|---|---|---|"
     for fuzz in _loaded(FUZZ):

@@ -1,1 +1,1 @@
-"""Runs are killed and disks are full, at random moments: nothing may be lost, and going on must give the same bytes."""
+"""Commands are killed, and their calls fail, at random calls: each unit is old or new, and nothing foreign changes."""

@@ -1,73 +1,88 @@
-"""python -m tests.crash: kills runs and fills disks at random moments, and says what was lost."""
+"""python -m tests.crash: disturbs every command that writes at random calls, and says what was lost."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import platform
 import random
 import sys
 import tempfile
-import time
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 from tests.crash.commands import RUNS
 from tests.crash.experiment import experiment_killed, has_simulator
-from tests.crash.trials import Files, can_mount, killed, on_a_full_disk
+from tests.crash.injection import missing
+from tests.crash.running import Problem, numbers, run
 
 
 def main() -> int:
-    """Run it; 1 if anything was lost."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--kills", type=int, default=200)
-    parser.add_argument("--disks", type=int, default=20)
-    parser.add_argument("--experiments", type=int, default=4, help="kills of an experiment in a real Gazebo")
-    parser.add_argument("--seed", type=int, default=random.SystemRandom().randrange(10**6))
-    parser.add_argument("--record", type=Path, metavar="FILE", help="write the result into this JSON file")
-    arguments = parser.parse_args()
+    """Run trials; 1 if anything was lost."""
+    arguments = _parser().parse_args()
     print(f"seed {arguments.seed}", flush=True)
-    rng, counts = random.Random(arguments.seed), Counter[str]()  # noqa: S311  # moments, not secrets
-    with tempfile.TemporaryDirectory(prefix="rsegen-crash-") as folder:
-        lost = [*_trials(Path(folder), arguments, rng, counts)]
-    print(f"{dict(counts)}: {len(lost)} problems")
-    if arguments.record:
-        found = {"python": platform.python_version(), "seed": arguments.seed, **counts, "problems": len(lost)}
-        arguments.record.write_text(json.dumps(found, indent=2) + "\n", "utf-8")
-    return bool(lost)
-
-
-def _trials(folder: Path, arguments: argparse.Namespace, rng: random.Random, counts: Counter[str]) -> list[str]:
-    """What is wrong, a line each."""
-    problems: list[str] = []
-    wholes: dict[str, Files] = {}
-    seconds: dict[str, float] = {}
-    for run in RUNS:
-        run.whole(folder / "whole")  # so that the next one is timed with all in memory
-        start = time.monotonic()
-        wholes[run.name] = run.whole(folder / "whole")
-        seconds[run.name] = time.monotonic() - start
-    disks = arguments.disks if can_mount(folder / "disk") else 0
-    if not disks and arguments.disks:
-        print("no full disks: this user may not mount a disk in memory")
+    if why := missing():
+        print(f"no trials: {why}")
+        return 2
+    those = [arguments.number] if arguments.number is not None else numbers(arguments.trials, arguments.only)
+    found = run(
+        arguments.seed, those, arguments.processes, lambda done, new: _say(done, new, arguments.seed, len(those))
+    )
+    print(file=sys.stderr)
     experiments = arguments.experiments if has_simulator() else 0
     if not experiments and arguments.experiments:
         print("no experiment is killed: there is no Gazebo Classic")
-    for kind, number in (("kills", arguments.kills), ("disks", disks), ("experiments", experiments)):
-        for trial in range(number):
-            run, counts[kind] = RUNS[trial % len(RUNS)], counts[kind] + 1
-            if kind == "kills":
-                found = killed(run, folder / "out", wholes[run.name], seconds[run.name], rng)
-            elif kind == "disks":
-                found = on_a_full_disk(run, folder / "disk", wholes[run.name], rng)
-            else:
-                found = experiment_killed(folder / "experiment", rng)
-            name = "experiment" if kind == "experiments" else run.name
-            problems += [f"{kind} {trial} ({name}): {line}" for line in found[:3]]
-            print("".join(f"\r{line}\n" for line in problems[-len(found[:3]) :] if found), end="", flush=True)
-            print(f"\r{kind} {trial + 1} of {number}, {len(problems)} problems", end="", file=sys.stderr)
-    print(file=sys.stderr)
-    return problems
+    lost = _experiments(experiments, arguments.seed)
+    for (command, kind), count in sorted(Counter((one.run, one.kind) for one in found).items()):
+        print(f"{count} problems: {command}, {kind}")
+    problems = len(found) + len(lost)
+    print(f"{len(those)} trials, {experiments} kills of an experiment: {problems} problems")
+    if arguments.record:
+        record = {
+            "python": platform.python_version(),
+            "seed": arguments.seed,
+            "trials": len(those),
+            "commands": len({run.name.split()[0].strip(",") for run in RUNS}),
+        }
+        record |= {"experiments": experiments, "problems": problems}
+        arguments.record.write_text(json.dumps(record, indent=2) + "\n", "utf-8")
+    return bool(problems)
 
 
-sys.exit(main())
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m tests.crash", description=__doc__)
+    parser.add_argument("--trials", type=int, default=500, help="how many (default: 500)")
+    seed = random.SystemRandom().randrange(10**6)
+    parser.add_argument("--seed", type=int, default=seed, help="of the trials (default: drawn and printed)")
+    parser.add_argument("--number", type=int, help="only this trial of the seed")
+    parser.add_argument("--only", default="", metavar="TEXT", help="only commands with this text in their names")
+    parser.add_argument("--processes", type=int, default=min(2, os.cpu_count() or 1), help="at the same time")
+    parser.add_argument("--experiments", type=int, default=0, help="kills of an experiment in a real Gazebo")
+    parser.add_argument("--record", type=Path, metavar="FILE", help="write the result into this JSON file")
+    return parser
+
+
+def _say(done: int, new: Sequence[Problem], seed: int, trials: int) -> None:
+    """Print the problems of one trial, and how to repeat it."""
+    for problem in new[:3]:
+        print(f"\r{problem}")
+    if new:
+        print(f"  again: python -m tests.crash --seed {seed} --number {new[0].number}", flush=True)
+    print(f"\r{done} of {trials}", end="", file=sys.stderr)
+
+
+def _experiments(kills: int, seed: int) -> list[str]:
+    """What is wrong after an experiment in a real Gazebo was killed."""
+    rng, lost = random.Random(seed), []  # noqa: S311  # moments, not secrets
+    with tempfile.TemporaryDirectory(prefix="rsegen-crash-") as folder:
+        for trial in range(kills):
+            lost += [f"experiment {trial}: {line}" for line in experiment_killed(Path(folder) / "experiment", rng)]
+    for line in lost:
+        print(line)
+    return lost
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rsegen.errors import UserError
 from rsegen.simulation.simulators.launching import choose_installation
-from tests.crash.trials import ended, kill_after, started
+from tests.crash.killing import ended, kill_after, started
 
 _PLAN = """
 name: crash

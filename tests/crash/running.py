@@ -1,0 +1,102 @@
+"""Runs trials in a few threads, each with a driver of its own, and collects what is wrong."""
+
+from __future__ import annotations
+
+import os
+import queue
+import shutil
+import tempfile
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from tests.crash.commands import RUNS, TURNS, Run, made_inputs
+from tests.crash.injection import compiled
+from tests.crash.server import Server
+from tests.crash.trials import Trial, Undisturbed, problems, undisturbed
+
+_SPACE = 2**29
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Problem:
+    """One thing that is wrong after a trial."""
+
+    number: int
+    run: str
+    kind: str
+    done: str
+    line: str
+
+    def __str__(self) -> str:
+        return f"{self.number} ({self.run}; {self.done}): {self.line}"
+
+
+def numbers(trials: int, only: str = "") -> list[int]:
+    """The numbers of the first trials of commands whose names contain a text."""
+    matching = [number for number, run in enumerate(TURNS) if only in run.name]
+    if not matching:
+        raise SystemExit(f"no command has {only!r} in its name: {', '.join(run.name for run in RUNS)}")
+    return [len(TURNS) * (i // len(matching)) + matching[i % len(matching)] for i in range(trials)]
+
+
+class Trials:
+    """Trials of a seed, in a folder of their own."""
+
+    def __init__(self, seed: int, folder: Path, servers: queue.Queue[Server]) -> None:
+        self._seed, self._folder, self._servers = seed, folder, servers
+        self._alone: dict[tuple[str, bool], Undisturbed] = {}
+        self._locks = {(run.name, shared): threading.Lock() for run in RUNS for shared in (False, True)}
+
+    def found(self, number: int) -> list[Problem]:
+        """What is wrong after one trial."""
+        trial = Trial.drawn(self._seed, number)
+        server = self._servers.get()
+        try:
+            done, lines = problems(trial, self._undisturbed(trial.run, server, shared=trial.shared), server)
+        finally:
+            self._servers.put(server)
+        return [Problem(number=number, run=trial.run.name, kind=trial.kind, done=done, line=line) for line in lines]
+
+    def _undisturbed(self, run: Run, server: Server, *, shared: bool) -> Undisturbed:
+        key = run.name, shared
+        with self._locks[key]:
+            if key not in self._alone:
+                folder = self._folder / f"{len(self._alone)}-{RUNS.index(run)}-{shared}"
+                self._alone[key] = undisturbed(run, server, folder, shared=shared)
+            return self._alone[key]
+
+
+def _memory() -> str | None:
+    """A disk in memory, which does not wait for what others write; None if there is none with some space."""
+    folder = "/dev/shm"  # noqa: S108  # a folder with a random name is made in it
+    enough = os.access(folder, os.W_OK) and shutil.disk_usage(folder).free > _SPACE
+    return folder if enough else None
+
+
+@contextmanager
+def trials(seed: int, processes: int) -> Iterator[Trials]:
+    """Trials of a seed, with so many drivers that run them."""
+    with tempfile.TemporaryDirectory(prefix="rsegen-crash-", dir=_memory()) as name, ExitStack() as stack:
+        folder = Path(name).resolve()
+        library, inputs = compiled(folder), made_inputs(folder / "inputs")
+        servers: queue.Queue[Server] = queue.Queue()
+        for i in range(processes):
+            servers.put(stack.enter_context(Server(folder / f"server-{i}", library, inputs)))
+        (folder / "alone").mkdir()
+        yield Trials(seed, folder / "alone", servers)
+
+
+def run(
+    seed: int, those: Sequence[int], processes: int, heard: Callable[[int, list[Problem]], object]
+) -> list[Problem]:
+    """What is wrong after some trials; `heard` is called after each with the number of those that are done."""
+    found: list[Problem] = []
+    with trials(seed, processes) as made, ThreadPoolExecutor(processes) as pool:
+        for done, new in enumerate(pool.map(made.found, those), 1):
+            found += new
+            heard(done, new)
+    return found
