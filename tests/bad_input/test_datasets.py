@@ -15,15 +15,14 @@ import pytest
 from rsegen import Dataset
 from rsegen.errors import FileError
 from rsegen.io.dataset.layout import ROW
-from rsegen.io.dataset.manifest import read_record, record_header
 from rsegen.io.dataset.tables import read_parquet
 from tests.support.complaints import MANY_DIGITS, OBSTACLE, Refused, exit_code, the_line
 
 MADE = ["dataset", *OBSTACLE, "--maps", "10", "--shard-maps", "4"]
 
 MANIFESTS: Mapping[str, tuple[dict[str, Any], str]] = {
-    "another format": ({"dataset": 3}, "is not a manifest of a data set in format 1 or 2"),
-    "a format in a list": ({"dataset": [1]}, "is not a manifest of a data set in format 1 or 2"),
+    "another format": ({"dataset": 2}, "is not a manifest of a data set in format 3"),
+    "a format in a list": ({"dataset": [1]}, "is not a manifest of a data set in format 3"),
     "the format of several recipes": ({"dataset": 2}, "recipes: is missing"),
     "no list of recipes": ({"dataset": 2, "recipes": "all"}, "recipes: 'all' is not a list of 2 recipes or more"),
     "a list of one recipe": ({"dataset": 2, "recipes": [1]}, "recipes: [1] is not a list of 2 recipes or more"),
@@ -109,9 +108,10 @@ def test_several_recipes(refused: Refused) -> None:
 def test_a_data_set_that_is_there_or_unfinished(refused: Refused) -> None:
     assert exit_code(*MADE, "-o", "set") == 0
     assert "set: a data set exists there already; give --resume" in refused(*MADE, "-o", "set")
-    Path("set/manifest.json").rename("set/unfinished.jsonl")
+    Path("set/manifest.json").unlink()
     assert "set: is not finished" in refused("info", "set#0")
-    assert "set/unfinished.jsonl: was not written by rsegen" in refused(*MADE, "--resume", "-o", "set")
+    Path("set/.rsegen.jsonl").unlink()
+    assert "set: is not empty, and not a data set" in refused(*MADE, "--resume", "-o", "set")
 
 
 @pytest.mark.parametrize(
@@ -148,19 +148,6 @@ def test_maps_larger_than_memory(refused: Refused) -> None:
     assert "chunks: a map of" in refused("dataset", *OBSTACLE, "--chunks", "1000000", "-o", "set")
 
 
-@pytest.mark.parametrize("first", [True, False])
-def test_a_record_of_deep_nesting(tmp_path: Path, first: bool) -> None:
-    assert exit_code(*MADE, "-o", tmp_path / "set") == 0
-    layout = Dataset(tmp_path / "set").layout
-    deep = "[" * 100_000 + "\n"
-    (tmp_path / "unfinished.jsonl").write_text(deep if first else record_header(layout) + deep)
-    if first:
-        assert read_record(tmp_path, layout) is None
-        return
-    with pytest.raises(FileError, match=r"unfinished\.jsonl: was changed by something else"):
-        read_record(tmp_path, layout)
-
-
 def test_a_table_of_metrics_with_other_types(tmp_path: Path) -> None:
     pyarrow = pytest.importorskip("pyarrow", reason="pyarrow is not installed")
     from pyarrow import parquet
@@ -171,7 +158,7 @@ def test_a_table_of_metrics_with_other_types(tmp_path: Path) -> None:
         read_parquet(tmp_path / "a.parquet", 1)
 
 
-@pytest.mark.parametrize("name", ["manifest.json", "unfinished.jsonl", "levels-00000.npy", "metrics-00000.npy"])
+@pytest.mark.parametrize("name", ["manifest.json", ".rsegen.jsonl", "levels-00000.npy", "metrics-00000.npy"])
 def test_a_pipe_in_a_data_set_is_no_file_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
     folder = tmp_path / "set"
     assert exit_code(*MADE, "-o", folder) == 0
@@ -179,5 +166,5 @@ def test_a_pipe_in_a_data_set_is_no_file_of_it(tmp_path: Path, capsys: pytest.Ca
     os.mkfifo(folder / name)
     capsys.readouterr()
     code = exit_code("dataset", "--verify", folder)
-    assert code == {"manifest.json": 2, "unfinished.jsonl": 0}.get(name, 1)
+    assert code == {"manifest.json": 2, ".rsegen.jsonl": 0}.get(name, 1)
     assert code == 0 or str(folder) in the_line(capsys.readouterr().err)

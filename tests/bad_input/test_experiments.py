@@ -14,8 +14,10 @@ import pytest
 import yaml
 
 from rsegen.errors import FileError, UserError
+from rsegen.io.checksums import JOURNAL
+from rsegen.run.journal import read_journal
 from rsegen.simulation.experiment.plan import load_plan
-from rsegen.simulation.experiment.results import ResultsLog
+from rsegen.simulation.experiment.results import Entry, read_entries
 from rsegen.simulation.experiment.run import load_summary
 from tests.support.complaints import Refused
 
@@ -98,55 +100,55 @@ def test_a_plan(refused: Refused, plan: str, words: str) -> None:
     assert words in line
 
 
-def log_of(path: Path) -> ResultsLog:
-    log = ResultsLog(path=path)
-    log.begin({"rows": [1]})
-    log.results()
-    return log
+def entries_in(path: Path) -> list[Entry]:
+    """Return the outcomes in the journal of a folder, of a plan with one row."""
+    return read_entries(read_journal(path.parent), path.parent, 1)
 
 
 def lines(*entries: object) -> str:
-    return "".join(f"{json.dumps(entry)}\n" for entry in ({"plan": {"rows": [1]}}, *entries))
+    first = {"rsegen_journal": 1, "holds": "experiment", "of": {"rows": [1]}}
+    return "".join(f"{json.dumps(entry)}\n" for entry in (first, *({"result": entry} for entry in entries)))
 
 
-def test_a_results_log_with_any_odd_value_is_read_or_refused(tmp_path: Path) -> None:
-    path = tmp_path / "results.jsonl"
-    said = [refused_or_read(path, lines(entry), lambda: log_of(path)) for entry in changed(ENTRY)]
+def test_outcomes_with_any_odd_value_are_read_or_refused(tmp_path: Path) -> None:
+    path = tmp_path / JOURNAL
+    said = [refused_or_read(path, lines(entry), lambda: entries_in(path)) for entry in changed(ENTRY)]
     assert sum(map(bool, said)) > len(said) * 0.8
-    assert refused_or_read(path, lines(ENTRY), lambda: log_of(path)) == ""
+    assert refused_or_read(path, lines(ENTRY), lambda: entries_in(path)) == ""
 
 
+DAMAGED = "is not a journal of rsegen, or is damaged"
 LOGS: Mapping[str, tuple[str, str]] = {
-    "no entry": (lines(1), "line 2: cell: nothing is not a mapping with row, size, pace; delete the line, or give"),
-    "a row beyond": (lines({**ENTRY, "cell": {**CELL, "row": 1}}), "line 2: cell.row: 1 is not 0"),
-    "a row in a list": (lines({**ENTRY, "cell": {**CELL, "row": []}}), "line 2: cell.row: [] is not a whole number"),
+    "no entry": (lines({}), "result 1: cell: nothing is not a mapping with row, size, pace; delete its line, or give"),
+    "a row beyond": (lines({**ENTRY, "cell": {**CELL, "row": 1}}), "result 1: cell.row: 1 is not 0"),
+    "a row in a list": (lines({**ENTRY, "cell": {**CELL, "row": []}}), "result 1: cell.row: [] is not a whole number"),
     "a cell more": (
         lines({**ENTRY, "cell": {**CELL, "n": 1}}),
-        "line 2: cell: unknown key 'n' (known: pace, row, size)",
+        "result 1: cell: unknown key 'n' (known: pace, row, size)",
     ),
-    "a figure in words": (lines(ENTRY, {**ENTRY, "outcome": {**OUTCOME, "load": "x"}}), "line 3: outcome.load: 'x' is"),
-    "no repeat": (lines({"cell": CELL, "outcome": OUTCOME}), "line 2: repeat: nothing is not a whole number"),
-    "deep nesting": (f"{lines()}{'[' * 100_000}\n", "not the results log of an experiment"),
-    "no JSON": (f"{lines()}x\n", "not the results log of an experiment"),
-    "another plan": ('{"plan": 1}\n', "has the outcomes of another plan"),
-    "any bytes": ("\udcff\n", "not a text in UTF-8"),
+    "figure in words": (lines(ENTRY, {**ENTRY, "outcome": {**OUTCOME, "load": "x"}}), "result 2: outcome.load: 'x' is"),
+    "no repeat": (lines({"cell": CELL, "outcome": OUTCOME}), "result 1: repeat: nothing is not a whole number"),
+    "no result": (lines(1), DAMAGED),
+    "deep nesting": (f"{lines()}{'[' * 100_000}\n", DAMAGED),
+    "no JSON": (f"{lines()}x\n", DAMAGED),
+    "any bytes": ("\udcff\n", DAMAGED),
 }
 
 
 @pytest.mark.parametrize(("text", "words"), LOGS.values(), ids=LOGS)
-def test_a_results_log(tmp_path: Path, text: str, words: str) -> None:
-    path = tmp_path / "results.jsonl"
+def test_outcomes(tmp_path: Path, text: str, words: str) -> None:
+    path = tmp_path / JOURNAL
     path.write_bytes(text.encode("utf-8", "surrogateescape"))
     with pytest.raises(FileError) as refusal:
-        log_of(path)
+        entries_in(path)
     assert f"{path}: {words}" in str(refusal.value)
     assert path.read_bytes() == text.encode("utf-8", "surrogateescape")
 
 
-def test_a_results_log_that_is_a_pipe_is_refused(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "results.jsonl")
-    with pytest.raises(FileError, match=r"results\.jsonl: not a regular file"):
-        log_of(tmp_path / "results.jsonl")
+def test_a_journal_that_is_a_pipe_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / JOURNAL)
+    with pytest.raises(FileError, match="not a regular file"):
+        entries_in(tmp_path / JOURNAL)
 
 
 def test_a_summary_with_any_odd_value_is_read_or_refused(tmp_path: Path) -> None:
@@ -162,19 +164,3 @@ def test_a_summary_with_any_odd_value_is_read_or_refused(tmp_path: Path) -> None
     said = [refused_or_read(path, json.dumps(one), lambda: load_summary(path)) for one in changed(summary)]
     assert sum(map(bool, said)) > len(said) / 2
     assert refused_or_read(path, json.dumps(summary), lambda: load_summary(path)) == ""
-
-
-@pytest.mark.parametrize("left", ['{"plan": {"name": "y"}}\n{"cell', "x", '{"plan": {"name": "x"}}\n{}\n{"cell'])
-def test_a_log_that_is_refused_is_not_changed(tmp_path: Path, left: str) -> None:
-    (tmp_path / "results.jsonl").write_text(left)
-    with pytest.raises(FileError):
-        ResultsLog(path=tmp_path / "results.jsonl").begin({"name": "x"})
-    assert (tmp_path / "results.jsonl").read_text() == left
-
-
-@pytest.mark.parametrize("written", range(0, 25, 8))
-def test_a_log_of_a_run_that_was_killed_in_its_first_line_begins_anew(tmp_path: Path, written: int) -> None:
-    line = json.dumps({"plan": {"name": "some name"}})
-    (tmp_path / "results.jsonl").write_text(line[:written])
-    ResultsLog(path=tmp_path / "results.jsonl").begin({"name": "some name"})
-    assert (tmp_path / "results.jsonl").read_text() == f"{line}\n"

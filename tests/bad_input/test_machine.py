@@ -1,4 +1,4 @@
-"""The machine fails, or is told to stop: exit code 1, one line, whole maps or nothing."""
+"""The machine fails, or is told to stop: one line, and an exit code that says so, whole maps or nothing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from rsegen.io import staging
+from rsegen.run import product
 from tests.support.complaints import (
     OBSTACLE,
     Refused,
@@ -31,7 +31,7 @@ def test_a_mistake_of_ours_is_one_line_that_asks_for_a_report(
     def broken(*_: object) -> None:
         raise ZeroDivisionError("of ours")
 
-    monkeypatch.setattr(staging.Staging, "write", broken)
+    monkeypatch.setattr(product, "stage_all", broken)
     assert exit_code("generate", *OBSTACLE, "-o", tmp_path / "out") == 1
     err = capsys.readouterr().err
     assert err.count("\n") == 1
@@ -45,7 +45,7 @@ def test_memory_that_runs_out_after_all_is_said_in_one_line(
     def full(*_: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(staging.Staging, "write", full)
+    monkeypatch.setattr(product, "stage_all", full)
     assert exit_code("generate", *OBSTACLE, "-o", tmp_path / "out") == 1
     assert "out of memory; give fewer chunks" in the_line(capsys.readouterr().err)
     assert list(tmp_path.iterdir()) == []
@@ -66,12 +66,12 @@ def test_an_impatient_second_ctrl_c_does_not_disturb_the_clearing_up(
         signal.raise_signal(signal.SIGINT)
         remove(*arguments, **options)
 
-    monkeypatch.setattr(staging.Staging, "write", stopped)
+    monkeypatch.setattr(product, "stage_all", stopped)
     monkeypatch.setattr(shutil, "rmtree", stopped_again)
     capsys.readouterr()
     flags = ["--force"] if force else ["--first-map", "1"]
-    assert exit_code("generate", *OBSTACLE, *flags, "-o", tmp_path) == 1
-    assert "stopped; " in the_line(capsys.readouterr().err)
+    assert exit_code("generate", *OBSTACLE, *flags, "-o", tmp_path) == 130
+    assert f"stopped; nothing was changed in {tmp_path}" in the_line(capsys.readouterr().err)
     assert snapshot(tmp_path) == before
 
 
@@ -84,25 +84,26 @@ def test_a_run_that_is_stopped_leaves_whole_maps_only(tmp_path: Path, name: str)
     code, err = ended(process)
     made = len(list((tmp_path / "out").iterdir()))
     words = (
-        f"stopped; {made} of 100000 maps are complete, nothing else is there; the same command with --seed 7 --resume"
+        f"stopped; {made} of 100000 maps are complete in {tmp_path / 'out'}; the same command with --seed 7 --resume"
     )
-    assert (code, the_line(err)) == (1, f"rsegen: {words} makes the others")
+    number = 128 + getattr(signal, name)
+    assert (code, the_line(err)) == (number, f"rsegen: {words} --resume makes the others")
     assert whole_maps_only(tmp_path / "out")
 
 
 def test_a_run_that_is_stopped_in_its_only_map_leaves_nothing(tmp_path: Path) -> None:
     process = started("generate", *OBSTACLE, "--chunks", "200", "--mesh-type", "multi", "-o", tmp_path / "a" / "b")
-    until_it_has(process, lambda: list(tmp_path.glob("a/b/.rsegen.*")))
+    until_it_has(process, lambda: list(tmp_path.glob("a/b/.rsegen/new/*")))
     process.send_signal(signal.SIGINT)
     code, err = ended(process)
-    assert (code, the_line(err)) == (1, "rsegen: stopped; no map is complete, nothing was left there")
+    assert (code, the_line(err)) == (130, f"rsegen: stopped; nothing was changed in {tmp_path / 'a' / 'b'}")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_file_that_grows_too_large_for_the_system_leaves_nothing(tmp_path: Path) -> None:
     code, err = ended(started_with_small_files("generate", *OBSTACLE, "--chunks", "5", "-o", tmp_path / "a" / "b"))
     assert code == 1
-    assert "rse_0000: cannot be written: File too large; nothing was left there" in the_line(err)
+    assert "b: cannot be written: File too large; nothing was changed" in the_line(err)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -125,8 +126,11 @@ def disk(tmp_path: Path) -> Iterator[Path]:
 
 def test_a_full_disk_leaves_whole_maps_only(disk: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert exit_code("generate", *OBSTACLE, "--maps", "14", "-o", disk / "out") == 1
-    assert "cannot be written: No space left on device; nothing was left there" in the_line(capsys.readouterr().err)
-    assert whole_maps_only(disk / "out")
+    line = the_line(capsys.readouterr().err)
+    assert "cannot be written: No space left on device; " in line
+    made = len(list((disk / "out").iterdir())) if (disk / "out").exists() else 0
+    assert f"; {made} of 14 maps are complete in" in line if made else "; nothing was changed" in line
+    assert not made or whole_maps_only(disk / "out")
 
 
 @pytest.mark.parametrize(

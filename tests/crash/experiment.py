@@ -46,16 +46,17 @@ def experiment_killed(folder: Path, rng: random.Random) -> list[str]:
     if code:
         return [f"cannot be continued: {err.strip()[:300]}"]
     problems = [] if _lines(output)[: len(measured)] == measured else ["outcomes of before the kill are lost"]
-    trials = [(line["cell"], line["repeat"]) for line in map(json.loads, _lines(output)[1:])]
+    trials = [(line["cell"], line["repeat"]) for line in map(json.loads, _lines(output))]
     if len(trials) != _TRIALS or len({json.dumps(one) for one in trials}) != _TRIALS:
         problems.append(f"{len(trials)} outcomes of {_TRIALS} trials")
-    expected = {"results.jsonl", "table.md", "trials.csv", "summary.json", "plot.png", ".rsegen.jsonl", "tracks"}
+    expected = {"table.md", "trials.csv", "summary.json", "plot.png", ".rsegen.jsonl", "tracks"}
     found = {path.name for path in output.iterdir()}
     return problems + [f"{name} is missing or left over" for name in sorted(found ^ expected)]
 
 
 def _lines(output: Path) -> list[str]:
-    """The complete lines of the results log."""
-    path = output / "results.jsonl"
+    """The outcomes in the journal, a text each."""
+    path = output / ".rsegen.jsonl"
     text = path.read_text("utf-8") if path.is_file() else ""
-    return text[: text.rfind("\n") + 1].splitlines()
+    lines = map(json.loads, text[: text.rfind("\n") + 1].splitlines())
+    return [json.dumps(line["result"]) for line in lines if "result" in line]

@@ -20,7 +20,7 @@ def called(argv: tuple[str, ...]) -> object:
         return end.code
     except Exception as error:  # as the edge of the command line does
         if argv and argv[0] in READERS:
-            return cli.failed(error)
+            return cli.failed(error, 2)
         raise
 
 
@@ -39,13 +39,13 @@ def _read_plan(name: str) -> None:
     _ = [row.label for row in plan.rows], plan.cells, next(plan.order(), None)
 
 
-def _read_log(name: str) -> None:
-    from rsegen.simulation.experiment.results import ResultsLog
+def _read_journal(name: str) -> None:
+    from rsegen.run.journal import read_journal
+    from rsegen.simulation.experiment.results import read_entries
     from tests.fuzz.seeds import PLAN
 
-    log = ResultsLog(path=Path(name))
-    log.begin(PLAN)
-    log.results()
+    folder = Path(name).parent
+    read_entries(read_journal(folder), folder, len(PLAN["rows"]))
 
 
 def _read_summary(name: str) -> None:
@@ -65,7 +65,7 @@ def _read_data_set(name: str) -> None:
 READERS: Mapping[str, Callable[[str], None]] = {
     "@robot": _read_robot,
     "@plan": _read_plan,
-    "@log": _read_log,
+    "@journal": _read_journal,
     "@summary": _read_summary,
     "@dataset": _read_data_set,
 }

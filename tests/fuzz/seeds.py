@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import os
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -93,13 +92,12 @@ def data_set_of_several(metrics: str) -> Mapping[str, bytes]:
 
 @cache
 def unfinished(metrics: str) -> Mapping[str, bytes]:
-    """The same after its run was stopped: a record in place of the manifest, and one shard less."""
-    whole = dict(data_set(metrics))
-    manifest = json.loads(whole.pop("set/manifest.json"))
-    shards = manifest.pop("shards")
-    lines = [manifest, {"shard": 0, **shards[0]}]
-    whole["set/unfinished.jsonl"] = "".join(f"{json.dumps(line)}\n" for line in lines).encode()
-    return {name: content for name, content in whole.items() if "00001" not in name}
+    """The same after its run was stopped: no manifest, and one shard less."""
+    gone = ("00001", "manifest.json")
+    whole = {name: content for name, content in data_set(metrics).items() if not any(one in name for one in gone)}
+    lines = whole["set/.rsegen.jsonl"].splitlines(keepends=True)
+    whole["set/.rsegen.jsonl"] = b"".join(line for line in lines if not any(one.encode() in line for one in gone))
+    return whole
 
 
 @cache

@@ -40,8 +40,13 @@ class Lease:
         self._next = home / f"lease-{number + 1}"
         self._entry: dict[str, Any] = {**_place(), "pid": os.getpid(), "started": _started(os.getpid()), "beat": 0}
         descriptor = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
-        os.write(descriptor, json.dumps(self._entry).encode())
-        os.close(descriptor)
+        try:
+            os.write(descriptor, json.dumps(self._entry).encode())
+        except BaseException:
+            self._path.unlink()
+            raise
+        finally:
+            os.close(descriptor)
         self._ended = threading.Event()
         self._heart = threading.Thread(target=self._beat, daemon=True, name="rsegen lease")
         self._heart.start()

@@ -124,6 +124,6 @@ def _put(store: Store, staged: Staged[Made], *, force: bool) -> None:
     elif not output.folder:
         store.put_staged(staged.root, staged.files, force=output.force, whole=output.whole, holds=output.holds)
     else:
-        with open_store(store.folder / output.folder, sync=store.sync) as folder:
+        with open_store(store.folder / output.folder, sync=store.sync, inside=True) as folder:
             folder.put_staged(staged.root, staged.files, force=output.force, whole=output.whole, holds=output.holds)
         store.changed = True

@@ -35,9 +35,9 @@ def check() -> None:
 @contextmanager
 def held() -> Iterator[None]:
     """Let signals that stop the run wait until the end of what is done inside."""
-    STATE.held = True
+    before, STATE.held = STATE.held, True
     try:
         yield
     finally:
-        STATE.held = False
+        STATE.held = before
     check()

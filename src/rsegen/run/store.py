@@ -16,7 +16,7 @@ import os
 import secrets
 import shutil
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from functools import cached_property, partial
 from pathlib import Path, PurePosixPath
 
@@ -36,7 +36,8 @@ from rsegen.run.journal import (
     refuse_link,
     refuse_loss,
 )
-from rsegen.run.lease import acquire, refuse_leased
+from rsegen.run.lease import Lease, acquire, refuse_leased
+from rsegen.run.stop import held
 from rsegen.run.swap import exchange, put, sync_folder, sync_tree
 
 PATIENCE = 5.0
@@ -84,6 +85,7 @@ class Store:
         self.staging: Path = self.home / "new"
         self.sync: bool = sync
         self.changed: bool = False
+        self._lease: Lease | None = None
 
     @cached_property
     def journal(self) -> OpenJournal:
@@ -93,15 +95,17 @@ class Store:
     def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
         """Give a staged folder its name; an OutputError if that is taken and may not be replaced."""
         place = self.folder / name
-        self._lease.check()
-        if not os.path.lexists(place):
-            put(root, place)
-        elif not force:
-            raise taken(place)
-        else:
-            refuse_link(place)
-            self._replace(root, place, holds)
-        self.changed = True
+        self._check_lease()
+        with held():
+            if not os.path.lexists(place):
+                put(root, place)
+            elif not force:
+                raise taken(place)
+            else:
+                refuse_link(place)
+                self._replace(root, place, holds)
+            self.changed = True
+        _remove(root)  # where the old one is now
 
     def put_complete(self, root: Path, files: Mapping[str, Checksum], name: str, holds: str, *, force: bool) -> None:
         """Give a staged folder a journal of its files, and its name, as `put_folder` does; the disk has all of it."""
@@ -120,7 +124,6 @@ class Store:
         except BaseException:
             exchange(old, place, lambda: root)
             raise
-        _remove(old)
 
     def put(
         self,
@@ -157,15 +160,21 @@ class Store:
                 _refuse_unit(self.folder, name, self.journal.content, force=force, is_folder=name in whole)
         before = self.journal.content.files if self.journal.content else {}
         gone = {name for name in before if name.partition("/")[0] in whole} - files.keys()
-        self._lease.check()
-        with self.journal.announced(files, holds), ExitStack() as undo:
-            for name in units:
-                self._put_unit(root / name, self.folder / name, undo)
-            undo.pop_all()
-        self.changed = True
+        self._check_lease()
+        with held():
+            with self.journal.announced(files, holds), ExitStack() as undo:
+                for name in units:
+                    self._put_unit(root / name, self.folder / name, undo)
+                undo.pop_all()
+            self.changed = True
         if gone:
             self.journal.drop(gone)
+        _remove(root)
         self._sync_folders((self.folder / name).parent for name in units)
+
+    def _check_lease(self) -> None:
+        if self._lease:
+            self._lease.check()
 
     def _put_unit(self, new: Path, place: Path, undo: ExitStack) -> None:
         """Give a file or folder its name, or exchange it for what has it, and let `undo` take that back."""
@@ -179,7 +188,7 @@ class Store:
 
     def note(self, result: Mapping[str, Json]) -> None:
         """Append a result to the journal, which has begun."""
-        self._lease.check()
+        self._check_lease()
         self.journal.note(result)
         self.changed = True
 
@@ -224,13 +233,14 @@ class Store:
         """Remove the hidden folder; a kill in the middle of that leaves nothing of weight."""
         try:
             if "journal" in vars(self):
-                (self.journal.tidy if self.changed else self.journal.forget)()
-            for path in (self.staging, self.home / "old"):
+                with suppress(OSError):  # it says the same as it is
+                    (self.journal.tidy if self.changed else self.journal.forget)()
+            for path in (self.staging, self.home / "old") if self._lease else ():
                 _remove(path)
         finally:
-            self._lease.release()
-            with suppress(OSError):  # another run has it by now
-                self.home.rmdir()
+            if self._lease:
+                self._lease.release()
+            _remove_empty(self.home)
 
     def _recover(self) -> None:
         """Put back what a killed run had moved aside and not yet replaced, and remove what it had staged."""
@@ -288,7 +298,12 @@ def _make_folder(folder: Path, undo: ExitStack) -> None:
     if not folder.is_dir():
         _make_folder(folder.parent, undo)
         folder.mkdir()
-        undo.callback(folder.rmdir)
+        undo.callback(_remove_empty, folder)
+
+
+def _remove_empty(folder: Path) -> None:
+    with suppress(OSError):  # somebody has put something into it
+        folder.rmdir()
 
 
 def _remove(path: Path) -> None:
@@ -302,24 +317,22 @@ def _remove(path: Path) -> None:
 
 
 @contextmanager
-def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Path | None = None) -> Iterator[Store]:
+def open_store(
+    folder: Path, *, sync: bool = True, wait: float = 0.0, output: Path | None = None, inside: bool = False
+) -> Iterator[Store]:
     """Open a folder to write into it, which is made if it does not exist.
 
     sync: wait until the disk has the files, before they get their names and after it; wait: seconds to wait for another
-    run; output: the path in messages, by default the folder. Raises an OutputError if another run is writing there,
-    or if nothing may be written there; a WriteError if the disk failed after something was written.
+    run; output: the path in messages, by default the folder; inside: whether it is in a folder that is open too, which
+    then tells the errors of the system. Raises an OutputError if another run is writing there, or if nothing may be
+    written there; a WriteError if the disk failed after something was written.
     """
     refuse_not_a_folder(folder)
     store = Store(folder, sync=sync)
-    with _as_our_errors(store, output or folder), ExitStack() as undo:
+    with nullcontext() if inside else _as_our_errors(store, output or folder), ExitStack() as undo:
         _make_folder(folder, undo)
         try:
             store._open(wait)
-        except BaseException:
-            with suppress(OSError):
-                store.home.rmdir()
-            raise
-        try:
             yield store
         finally:
             store._close()

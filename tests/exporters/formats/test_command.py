@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from rsegen.io.existing import count_complete
 
 import rsegen
 from rsegen import Recipe, Scene
@@ -18,6 +17,7 @@ from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.params.registry import summary
+from rsegen.run.existing import existing_maps
 from rsegen.run.sidecars import Sidecars
 from tests.exporters.formats.maps import RECIPES
 from tests.support.complaints import exit_code
@@ -117,7 +117,7 @@ def test_resume_keeps_maps_that_have_the_formats_and_makes_the_others_anew(
 
 def test_resume_makes_worlds_of_maps_that_were_exported_alone(tmp_path: Path) -> None:
     rsegen.export_maps([SMALL], tmp_path / "worlds", [Heightmap()])
-    assert count_complete(SMALL, tmp_path / "worlds", Sidecars().complete_in) == 0
+    assert existing_maps(SMALL, tmp_path / "worlds", Sidecars().complete_in) == []
     assert generated(tmp_path / "worlds", "--resume") == 0
     assert generated(tmp_path / "plain") == 0
     assert contents(tmp_path / "worlds") == contents(tmp_path / "plain")
@@ -128,10 +128,11 @@ def test_a_list_of_formats_that_is_none_has_none(content: bytes, tmp_path: Path)
     formats = [Heightmap()]
     rsegen.generate(SMALL, tmp_path, formats=formats)
     wanted = Sidecars(formats=formats).complete_in
-    assert count_complete(SMALL, tmp_path, wanted) == 3
+    homes = [str(tmp_path / f"rse_000{index}") for index in range(3)]
+    assert list(map(wanted, homes)) == [True, True, True]
     (tmp_path / "rse_0001" / "formats.json").write_bytes(content)
-    assert count_complete(SMALL, tmp_path, wanted) == 2
-    assert count_complete(SMALL, tmp_path, Sidecars().complete_in) == 3
+    assert list(map(wanted, homes)) == [True, False, True]
+    assert all(map(Sidecars().complete_in, homes))
 
 
 @pytest.mark.slow

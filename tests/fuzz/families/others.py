@@ -84,15 +84,14 @@ def results(rng: random.Random) -> Case:
             argv=("@summary", "s.json"),
             files={"s.json": special_or(rng, written(rng, tree, yaml_=False))},
         )
-    lines: list[Tree] = [plan_, *_LINES]
+    first: Tree = {"rsegen_journal": 1, "holds": "experiment", "of": seeds.PLAN}
+    lines: list[Tree] = [first, *({"result": line} for line in _LINES)]
     number = rng.randrange(len(lines))
     texts = [
         written(rng, line, yaml_=False) if at == number else json.dumps(line).encode() for at, line in enumerate(lines)
     ]
     content = b"\n".join(texts) + b"\n" * (rng.random() < 0.7)
-    return Case(
-        family="results", argv=("@log", "out/results.jsonl"), files={"out/results.jsonl": content}, outputs=("out",)
-    )
+    return Case(family="results", argv=("@journal", "out/.rsegen.jsonl"), files={"out/.rsegen.jsonl": content})
 
 
 def plugin(rng: random.Random) -> Case:

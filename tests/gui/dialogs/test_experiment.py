@@ -22,6 +22,7 @@ from rsegen.gui.dialogs.experiment import ExperimentDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.model.simulation import experiment_plans
 from rsegen.gui.window import Window
+from rsegen.io.checksums import JOURNAL
 from rsegen.simulation.experiment import run
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan
 from rsegen.simulation.experiment.trial import Outcome, Trial
@@ -102,7 +103,7 @@ def test_table_and_plot_are_those_of_the_command(trials: Trials, dialog: Experim
     folder = tmp_path / "mine" / "small"
     assert said(dialog, "outcome") == f"4 trials in {folder}"
     assert dialog.form.written == folder
-    assert sorted(os.listdir(folder)) == sorted([*run.REPORT_FILES, run.RESULTS_FILE, ".rsegen.jsonl"])
+    assert sorted(os.listdir(folder)) == sorted([*run.REPORT_FILES, JOURNAL])
     assert dialog.report.isVisible()
     assert "Experiment: small" in dialog.report.table.toPlainText()
     assert "12.5" in dialog.report.table.toPlainText()
@@ -126,7 +127,7 @@ def test_a_cancelled_experiment_is_continued(trials: Trials, dialog: ExperimentD
     ended(dialog)
     assert said(dialog, "outcome") == f"4 trials in {folder}"
     assert len(trials.measured) == len(set(trials.measured)) == TRIALS
-    assert len((folder / run.RESULTS_FILE).read_text("utf-8").splitlines()) == 1 + TRIALS
+    assert (folder / JOURNAL).read_text("utf-8").count('{"result": ') == TRIALS
 
 
 def test_closing_cancels_a_trial_that_lasts(trials: Trials, dialog: ExperimentDialog) -> None:
@@ -145,7 +146,9 @@ def test_results_are_deleted_only_after_a_question(trials: Trials, dialog: Exper
     click(dialog, "start_again_field")
     asked = answer(QMessageBox.StandardButton.No)
     click(dialog, "start")
-    assert asked == [f"{tmp_path / 'mine' / 'small'} already exists. Delete the results in it and start again?"]
+    assert asked == [
+        f"{tmp_path / 'mine' / 'small'} already exists. Replace the results in it once the new ones are complete?"
+    ]
     assert len(trials.measured) == TRIALS
     trials.last = 2 * TRIALS
     answer(QMessageBox.StandardButton.Yes)
@@ -163,10 +166,10 @@ def test_results_of_another_plan_stay(trials: Trials, dialog: ExperimentDialog, 
     (tmp_path / "plan.yaml").write_text(PLAN.replace("seconds: 1", "seconds: 2"), "utf-8")
     click(dialog, "start")
     ended(dialog)
-    log = tmp_path / "mine" / "small" / run.RESULTS_FILE
-    words = f"{log}: has the outcomes of another plan; give another folder, or tick Start again"
+    folder = tmp_path / "mine" / "small"
+    words = f"{folder}: has the outcomes of another plan; give another folder, or tick Start again"
     assert said(dialog, "folder_error") == words
-    assert json.loads(log.read_text("utf-8").splitlines()[0])["plan"]["seconds"] == 1
+    assert json.loads((folder / JOURNAL).read_text("utf-8").splitlines()[0])["of"]["seconds"] == 1
 
 
 def test_both_simulators_have_twice_the_trials_and_a_folder_of_their_own(

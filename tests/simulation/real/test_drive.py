@@ -181,17 +181,18 @@ def test_an_experiment_goes_on_where_it_was_stopped(
         "10 x 10",
     ]
     assert errors.splitlines()[-1].startswith("4 of 4: row 1")
-    log = tmp_path / "out" / "results.jsonl"
+    log = tmp_path / "out" / ".rsegen.jsonl"
     lines = log.read_text().splitlines(keepends=True)
     log.write_text("".join(lines[:-1]) + lines[-1][:20])
     assert main(words) == 0
     again = log.read_text().splitlines(keepends=True)
-    assert again[:-1] == lines[:-1]
-    outcome = json.loads(again[-1])["outcome"]
+    results = [[line for line in one if '"result"' in line] for one in (lines, again)]
+    assert len(results[1]) == len(results[0]) == 4
+    assert results[1][:-1] == results[0][:-1]
+    outcome = json.loads(again[-1])["result"]["outcome"]
     assert outcome["speed"] > 0
     assert 50 < outcome["memory"] < 1000
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        "results.jsonl",
         ".rsegen.jsonl",
         "table.md",
         "trials.csv",

@@ -17,7 +17,7 @@ import pytest
 import rsegen
 from rsegen.exporters.gazebo import export
 from rsegen.field.stepfield import Levels
-from rsegen.run.store import write
+from rsegen.run.store import write_folder
 from rsegen.simulation.driving.world_with_robots import world_with_robots
 from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.simulators import Installation
@@ -161,5 +161,5 @@ def written(levels: Levels, folder: Path, shape: Shape) -> Path:
     colours = rsegen.Placement(obstacle=rsegen.Random(max_height=LEVELS))
     recipe = replace(rsegen.Recipe(name="lanes", seed=0, obstacles=(colours,)), **shape)
     scene = rsegen.Scene(recipe=recipe, index=0, field=field)
-    write(export(scene), folder / "lanes")
+    write_folder(export(scene), folder / "lanes")
     return folder / "lanes" / f"{scene.name}.world"

@@ -65,7 +65,7 @@ def test_its_table_and_plot_are_shown(gazebo: Installation, tmp_path: Path) -> N
 def test_cancel_ends_a_trial_and_its_server(gazebo: Installation, tmp_path: Path) -> None:
     with opened(tmp_path, seconds=3000) as dialog:
         click(dialog, "start")
-        until((tmp_path / "mine" / "tiny" / "results.jsonl").exists)
+        until((tmp_path / "mine" / "tiny" / ".rsegen.jsonl").exists)
         click(dialog, "cancel")
         until(lambda: said(dialog, "outcome").startswith("Cancelled: 0 of 2 trials are in "))
         assert not dialog.form.busy

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from rsegen.errors import FileError
+from rsegen.errors import OutputError
 from rsegen.gui.model.jobs import Job, Step, counted
 from rsegen.gui.model.simulation import PlanSummary, plan_summary, run_experiment, simulator_titles
 from rsegen.params.sorts import Choice, Flag, validate
@@ -60,8 +60,8 @@ class ExperimentJob(Job):
 
     @property
     def question(self) -> str:
-        """The question to ask before earlier results are deleted."""
-        return f"{self.result_folder} already exists. Delete the results in it and start again?"
+        """The question to ask before earlier results are replaced."""
+        return f"{self.result_folder} already exists. Replace the results in it once the new ones are complete?"
 
     @property
     def result_folder(self) -> Path:
@@ -70,7 +70,7 @@ class ExperimentJob(Job):
         return self.folder / (self.summary.name if chosen == _NEWEST else f"{self.summary.name}-{chosen}")
 
     def paths(self) -> Iterator[Path]:
-        """The folder of the results, if those of earlier trials are deleted."""
+        """The folder of the results, if those of earlier trials are replaced."""
         if self.settings.start_again:
             yield self.result_folder
 
@@ -94,7 +94,7 @@ class ExperimentJob(Job):
                 progress=progress,
                 watch=step.check,
             )
-        except FileError as error:
-            raise FileError(str(error).replace("--force", "tick Start again")) from None
+        except OutputError as error:
+            raise OutputError(str(error).replace("--force", "tick Start again")) from None
         progress(self.steps)
         return f"{self.steps} trials in {self.result_folder.absolute()}"

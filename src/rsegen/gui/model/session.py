@@ -185,7 +185,7 @@ class Session:
 
     def save(self, path: Path) -> None:
         """Write the recipe to a file; rows that are switched off are left out."""
-        save(self.draft.recipe(), path, force=True)
+        save(self.draft.recipe(), path, confirmed=True)
         self.path, self._saved = path, self.draft
         self.changed()
 

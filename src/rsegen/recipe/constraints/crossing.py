@@ -31,7 +31,9 @@ def _crosses(field: StepField, climber: RobotLimits, axis: int, step: float) -> 
 
 def _along(field: StepField, climber: RobotLimits, axis: int, step: float) -> Ints:
     """The highest levels along the cheapest of the paths whose highest step is `step`, the least that there is."""
-    path = crossing(field, RobotLimits.of(step, climber.width), axis, shortest=False).path  # as in 0.1: same maps
+    path = crossing(
+        field, RobotLimits.of(step, climber.width), axis, shortest=False
+    ).path  # any of the cheapest: another would be another map
     aside = cells_to_each_side(field, climber.width)
     found = np.full(field.shape, _ANYTHING)
     for (i, j), top in zip(path, _tops(field, climber, axis, path), strict=True):
