@@ -83,9 +83,7 @@ def test_a_run_that_is_stopped_leaves_whole_maps_only(tmp_path: Path, name: str)
     process.send_signal(getattr(signal, name))
     code, err = ended(process)
     made = len(list((tmp_path / "out").iterdir()))
-    words = (
-        f"stopped; {made} of 100000 maps are complete in {tmp_path / 'out'}; the same command with --seed 7 --resume"
-    )
+    words = f"stopped; {made} of 100000 maps are complete in {tmp_path / 'out'}; the same command with --seed 7"
     number = 128 + getattr(signal, name)
     assert (code, the_line(err)) == (number, f"rsegen: {words} --resume makes the others")
     assert whole_maps_only(tmp_path / "out")

@@ -79,7 +79,7 @@ def test_the_readme_is_short_and_makes_what_it_says(tmp_path: Path) -> None:
 def test_the_python_of_the_page_of_browsers_works(tmp_path: Path) -> None:
     (script,) = blocks(ROOT / "docs" / "view.md", "python")
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
-    assert {path.name for path in tmp_path.iterdir()} == {"map.html", "field.html"}
+    assert {path.name for path in tmp_path.iterdir()} == {"map.html", "field.html", ".rsegen.jsonl"}
 
 
 def test_the_python_of_the_page_of_metrics_works() -> None:

@@ -132,7 +132,7 @@ def test_a_metric_is_in_every_output(packages: Path, worlds: Path) -> None:
 def test_a_data_set_of_it_is_made_by_workers_and_read(packages: Path, tmp_path: Path) -> None:
     flags = ["--seed", "1", "--maps", "8", "--shard-maps", "2", "--obstacle", "ramp max_height=5", "--workers", "2"]
     done("dataset", *flags, "-o", tmp_path / "set", packages=packages, code=EAGER)
-    assert json.loads((tmp_path / "set" / "manifest.json").read_text("utf-8"))["recipe"]["plugins"] == {
+    assert json.loads((tmp_path / "set" / "manifest.json").read_text("utf-8"))["recipes"][0]["plugins"] == {
         "ramp": "rsegen-demo 1.2"
     }
     script = (

@@ -5,7 +5,7 @@ RunPlan --run--> the result of each item, in order
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from enum import Enum
@@ -14,7 +14,8 @@ from typing import Generic, TypeVar
 
 from rsegen.errors import Incomplete, ParameterError, Stopped, UserError, WriteError
 from rsegen.run.execute import Execution, execute
-from rsegen.run.product import Batch, Product, Staged, Staging
+from rsegen.run.product import Product, Staged, Staging
+from rsegen.run.stop import held
 from rsegen.run.store import Store, open_store
 
 Item = TypeVar("Item")
@@ -74,24 +75,20 @@ def run_in(
     try:
         with closing(batches):
             for batch in batches:
-                for result in _put_all(store, batch, force=plan.replaces):
-                    made.append(result)
-                    if progress:
-                        progress(result)
+                before = len(made)
+                for staged in batch.staged:
+                    with held():
+                        _put(store, staged, force=plan.replaces)
+                        made.append(staged.output.made)
+                if batch.staged:
+                    store.sync_names()
+                for result in made[before:] if progress else ():
+                    progress(result)
+                if batch.error:
+                    raise batch.error
     except (KeyboardInterrupt, UserError, OSError) as error:
         raise _ended(error, store, _left(store, plan, len(made))) from error
     return tuple(made)
-
-
-def _put_all(store: Store, batch: Batch[Made], *, force: bool) -> Iterator[Made]:
-    """Put the items of a batch in their places, and yield their results; then raise its error, if it has one."""
-    for staged in batch.staged:
-        _put(store, staged, force=force)
-    if batch.staged:
-        store.sync_names()
-    yield from (staged.output.made for staged in batch.staged)
-    if batch.error:
-        raise batch.error
 
 
 def _ended(error: BaseException, store: Store, left: str) -> BaseException:

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 
 
-@dataclass(slots=True)
 class _State:
-    asked: bool = False
-    held: bool = False
+    def __init__(self) -> None:
+        self.asked: bool = False
+        self.held: bool = False
 
 
 STATE = _State()

@@ -11,6 +11,7 @@ more after it, when nobody else has it. If anything fails, what was swapped is s
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import secrets
@@ -296,6 +297,8 @@ def taken(place: Path) -> OutputError:
 
 def _make_folder(folder: Path, undo: ExitStack) -> None:
     if not folder.is_dir():
+        if os.path.lexists(folder):
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder))
         _make_folder(folder.parent, undo)
         folder.mkdir()
         undo.callback(_remove_empty, folder)
@@ -327,7 +330,6 @@ def open_store(
     then tells the errors of the system. Raises an OutputError if another run is writing there, or if nothing may be
     written there; a WriteError if the disk failed after something was written.
     """
-    refuse_not_a_folder(folder)
     store = Store(folder, sync=sync)
     with nullcontext() if inside else _as_our_errors(store, output or folder), ExitStack() as undo:
         _make_folder(folder, undo)
@@ -481,8 +483,9 @@ def write_paths(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
     for path in contents:
         refuse_taken_file(path, force=force)
     for folder in dict.fromkeys(path.parent for path in contents):
-        files = {path.name: [content] for path, content in contents.items() if path.parent == folder}
-        write_files(files, folder, force=force)
+        files = {path: [content] for path, content in contents.items() if path.parent == folder}
+        named = {path.name: content for path, content in files.items()}
+        write_files(named, folder, force=force, output=next(iter(files)))
 
 
 def sorted_names(paths: Iterable[PurePosixPath]) -> tuple[str, ...]:
