@@ -7,10 +7,11 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager, nullcontext, redirect_stdout
 from typing import Any, TextIO
 
 from rsegen.errors import REFUSED, PluginWarning, RsegenError, UserError, line_of, printable
+from rsegen.io.libraries import silent_logs
 
 
 class _Printable:
@@ -44,20 +45,22 @@ def printable_output() -> Iterator[None]:
 def short_warnings() -> Iterator[None]:
     """What is wrong with plug-ins that are not needed is one line each on stderr.
 
-    Warnings of libraries are for developers: they are shown where Python was told which ones to show.
+    Warnings and logs of libraries are for developers: they are shown where Python was told which ones to show.
     """
     usual = warnings.showwarning
+    for_developers = bool(sys.warnoptions or sys.flags.dev_mode)
 
     def show(message: Warning | str, category: type[Warning], *where: Any, **others: Any) -> None:
         if issubclass(category, PluginWarning):
             if sys.stderr:
                 print(f"rsegen: warning: {line_of(str(message))}", file=sys.stderr)
-        elif sys.warnoptions or sys.flags.dev_mode:
+        elif for_developers:
             usual(message, category, *where, **others)
 
     warnings.showwarning = show
     try:
-        yield
+        with nullcontext() if for_developers else silent_logs():
+            yield
     finally:
         warnings.showwarning = usual
 

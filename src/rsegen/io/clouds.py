@@ -12,10 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError, RsegenError, UserError, pip_install, said_by
+from rsegen.errors import FileError, ParameterError, UserError, pip_install, said_by
 from rsegen.field.stepfield import Array
 from rsegen.io.image_files import opened_image
 from rsegen.io.input_files import open_regular
+from rsegen.io.libraries import read_by_library
 from rsegen.io.npy_files import mapped
 from rsegen.io.text_files import text_of
 from rsegen.params.extras import SCAN
@@ -153,15 +154,9 @@ def _pcd(path: Path) -> tuple[Array, str]:
 
 def _by_library(path: Path, read: Callable[[], Array]) -> Array:
     try:
-        found = read()
+        found = read_by_library(path, read)
     except ImportError as error:
         raise UserError(f"{path}: needs {error.name}, which is not installed; {pip_install([SCAN.name])}") from None
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
-    except RsegenError:
-        raise
-    except Exception as error:  # libraries fail in many ways at files that are none of theirs
-        raise FileError(f"{path}: not a {path.suffix[1:].upper()} file that can be read ({said_by(error)})") from None
     if found.ndim != 2 or found.shape[1] != 3 or not len(found):
         raise FileError(f"{path}: has no points")
     _refuse_many(path, len(found))
