@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import io
+import logging
 import os
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext, redirect_stdout
+from contextlib import contextmanager, redirect_stdout
 from typing import Any, TextIO
 
 from rsegen.errors import REFUSED, PluginWarning, RsegenError, UserError, line_of, printable
-from rsegen.io.libraries import silent_logs
 
 
 class _Printable:
@@ -58,11 +58,14 @@ def short_warnings() -> Iterator[None]:
             usual(message, category, *where, **others)
 
     warnings.showwarning = show
+    nowhere = logging.NullHandler()  # Python prints records to stderr only if nobody has set up logging
+    if not for_developers:
+        logging.root.addHandler(nowhere)
     try:
-        with nullcontext() if for_developers else silent_logs():
-            yield
+        yield
     finally:
         warnings.showwarning = usual
+        logging.root.removeHandler(nowhere)
 
 
 def failed(error: BaseException) -> int:

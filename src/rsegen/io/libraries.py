@@ -43,24 +43,15 @@ def silent_libraries() -> Iterator[None]:
         stack.enter_context(warnings.catch_warnings())
         warnings.simplefilter("ignore")
         warnings.filterwarnings("error", _CUT_SHORT, DeprecationWarning)
-        stack.enter_context(silent_logs())
+        nowhere = logging.NullHandler()  # Python prints records to stderr only if nobody has set up logging
+        logging.root.addHandler(nowhere)
+        stack.callback(logging.root.removeHandler, nowhere)
         with suppress(OSError):  # nobody hears them if there is no stderr
-            before, nowhere = os.dup(_STDERR), os.open(os.devnull, os.O_WRONLY)
+            before, null = os.dup(_STDERR), os.open(os.devnull, os.O_WRONLY)
             stack.callback(_restore, before)
-            os.dup2(nowhere, _STDERR)
-            os.close(nowhere)
+            os.dup2(null, _STDERR)
+            os.close(null)
         yield
-
-
-@contextmanager
-def silent_logs() -> Iterator[None]:
-    """Log records inside are not printed to stderr, as Python does if nobody has set up logging."""
-    nowhere = logging.NullHandler()
-    logging.root.addHandler(nowhere)
-    try:
-        yield
-    finally:
-        logging.root.removeHandler(nowhere)
 
 
 def _restore(before: int) -> None:
