@@ -130,6 +130,8 @@ class ExperimentPlan:
 
     def __post_init__(self) -> None:
         validate(self)
+        if not self.rows:
+            raise ParameterError("rows", "is empty; give a row, such as {robot: burger, sizes: [0, 80]}")
 
     @property
     def cells(self) -> tuple[Cell, ...]:
@@ -191,8 +193,6 @@ def read_plan(name: str, said: Mapping[str, Json]) -> ExperimentPlan:
     """The plan that a file's content stands for, called `name` if it says none; ParameterError for a wrong value."""
     if not isinstance(said, Mapping) or not isinstance(said.get("rows"), list):
         raise ParameterError("plan", f"{shown(said)} is not a plan, which has name: and a list of rows:")
-    if not said["rows"]:
-        raise ParameterError("rows", "is empty; give a row, such as {robot: burger, sizes: [0, 80]}")
     known = [*parameters(ExperimentPlan), "rows"]
     refuse_unknown("key", said, known)
     rows = tuple(_row(number, row) for number, row in enumerate(said["rows"]))
