@@ -36,3 +36,15 @@ def test_one_line(what: str, tmp_path: Path, refused: Refused) -> None:
     rsegen.save(Recipe(seed=1, chunk_size=12), tmp_path / "b.yaml")
     arguments, said = COMMANDS[what]
     assert said in refused(*arguments)
+
+
+FACET = "facet normal {}\n outer loop\n  vertex 0 0 0\n  vertex {} 0 0\n  vertex 0 1 0\n endloop\nendfacet\n"
+
+
+@pytest.mark.parametrize("normal", ["0 0 1e", "0 0 1"])
+@pytest.mark.parametrize("vertex", ["1e", "1x", "9" * 5000, "1"])
+def test_a_damaged_stl_is_one_line_whatever_trimesh_logs(
+    normal: str, vertex: str, tmp_path: Path, refused: Refused
+) -> None:
+    (tmp_path / "x.stl").write_text(f"solid a\n{FACET.format(normal, vertex)}endsolid a\n", "utf-8")
+    refused("scan", "x.stl", "-o", "out")

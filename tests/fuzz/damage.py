@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import re
 import struct
@@ -60,12 +61,31 @@ def _once(rng: random.Random, content: bytes) -> bytes:  # noqa: PLR0911  # one 
         case 4:
             return content[:at] + content[max(0, at - rng.randrange(1, 50)) :]
         case 5:
-            number = struct.pack(rng.choice("<>") + rng.choice("HI"), rng.choice(EXTREMES) & 0xFFFF)
+            number = _binary_number(rng)
             at = rng.choice((at, near))
+            at -= rng.choice((0, at % 4))
             return content[:at] + number + content[at + len(number) :]
         case 6:
             return content[at:]
     return rng.choice((b"", b"\x00" * 100, content * 2, content[::-1], rng.randbytes(100)))
+
+
+def _binary_number(rng: random.Random) -> bytes:
+    order = rng.choice("<>")
+    if rng.random() < 0.5:
+        form = rng.choice("HI")
+        return struct.pack(order + form, rng.choice(EXTREMES) & (0xFFFF if form == "H" else 0xFFFFFFFF))
+    form = rng.choice("fd")
+    numbers = [0.0, -0.0, 1e-40, 1e30, 1e37, -1e37, math.nan, math.inf, -math.inf, 1000.0]
+    return struct.pack(order + form, rng.choice(numbers + [1e200, 5e-324] * (form == "d")))
+
+
+def damaged_headed(rng: random.Random, content: bytes, header: bytes) -> bytes:
+    """A file of which the text up to the end of `header` is damaged, or the bytes after it."""
+    start, end, body = content.partition(header)
+    if rng.random() < 0.5:
+        return damaged_text(rng, start + end) + body
+    return start + end + damaged_bytes(rng, body)
 
 
 def damaged_text(rng: random.Random, content: bytes) -> bytes:  # noqa: PLR0911  # one for each way
@@ -92,12 +112,39 @@ def damaged_text(rng: random.Random, content: bytes) -> bytes:  # noqa: PLR0911 
     return damaged_bytes(rng, content)
 
 
+_NUMBER = re.compile(rb"[-+]?[0-9][0-9.]*(?:[eE][-+]?[0-9]+)?")
+
+
+def _thousandfold(number: re.Match[bytes]) -> bytes:
+    """The number of millimetres for one of metres."""
+    try:
+        return b"%g" % (1000 * float(number[0]))
+    except ValueError:  # 1.2.3
+        return number[0]
+
+
 def _other_number(rng: random.Random, content: bytes) -> bytes:
-    found = list(re.finditer(rb"[0-9][0-9.]*", content))
+    found = list(_NUMBER.finditer(content))
     if not found:
         return content + b"1"
+    if rng.random() < 0.1:
+        return _NUMBER.sub(_thousandfold, content)
     one = rng.choice(found)
+    if rng.random() < 0.1:
+        return content[: one.start()] + _thousandfold(one) + content[one.end() :]
     numbers = (
+        b"1e",
+        b"1e37",
+        b"-1e37",
+        b"1e-320",
+        b"-0",
+        b"0x1p3",
+        b"0x10",
+        b"inf",
+        b"1.2.3",
+        b"1_0",
+        b"1,5",
+        "٣".encode(),
         b"0",
         b"-1",
         b"1e400",

@@ -25,6 +25,8 @@ from tests.fuzz.sandbox import Exceeded, Sandbox
 FREE_MEMORY = 64_000_000
 FREE_DISK = 400_000
 """Bytes that rsegen finds free: it refuses what is valid and large, so that a case takes milliseconds."""
+SAMPLED = 4000
+"""Points that are taken from the surface of a mesh, for the same reason."""
 LONGEST_LINE = 1200
 SILENCE = 120
 """Seconds after which a case hangs in a library, where no signal ends it."""
@@ -76,6 +78,10 @@ class Judge:
             "numpy.random",
             "pyarrow.parquet",
             "xml.etree.ElementTree",
+            "trimesh",
+            "trimesh.exchange.load",
+            "trimesh.sample",
+            "pypcd4.pypcd4",
         ):
             importlib.import_module(name)
         importlib.import_module("PIL.Image").init()
@@ -260,6 +266,8 @@ def _small_machine(root: Path) -> None:
     resources: Any = importlib.import_module("rsegen.io.resources")
     resources._free_memory = lambda: FREE_MEMORY
     resources._free_disk = lambda _: FREE_DISK
+    clouds: Any = importlib.import_module("rsegen.io.clouds")
+    clouds._SAMPLED = SAMPLED
 
 
 def _quiet_libraries() -> None:

@@ -160,6 +160,68 @@ def cloud(rng: np.random.Generator) -> Any:
     return points
 
 
+@cache
+def clouds() -> Mapping[str, bytes]:
+    """A cloud of blocks in every format that is read, as the libraries write it; depth images of a camera above."""
+    import trimesh
+    from PIL import Image
+    from pypcd4.pypcd4 import Encoding, PointCloud
+
+    points = cloud(np.random.default_rng(5))
+    found: dict[str, bytes] = {"points.npy": array(points), "single.npy": array(points.astype("f4"))}
+    for name, options in (("points.xyz", {}), ("points.csv", {"delimiter": ";", "header": "x;y;z", "comments": ""})):
+        text = io.StringIO()
+        np.savetxt(text, points, fmt="%.4f", **options)
+        found[name] = text.getvalue().encode()
+    for encoding in ("ascii", "binary"):
+        found[f"{encoding}.ply"] = trimesh.PointCloud(points).export(file_type="ply", encoding=encoding)
+    with _elsewhere():
+        for kind in (Encoding.ASCII, Encoding.BINARY, Encoding.BINARY_COMPRESSED):
+            PointCloud.from_xyz_points(points.astype("f4")).save(Path("c.pcd"), encoding=kind)
+            found[f"{kind.name.lower()}.pcd"] = Path("c.pcd").read_bytes()
+    heights = np.floor(np.random.default_rng(6).random((4, 4)) * 4) * 0.1 + 0.05
+    boxes = [trimesh.creation.box((2, 2, 0.1))]
+    for (i, j), height in np.ndenumerate(heights):
+        boxes.append(trimesh.creation.box((0.1, 0.1, height)).apply_translation((i / 10, j / 10, height / 2)))
+    mesh = trimesh.util.concatenate(boxes)
+    for name, form in (("mesh.stl", "stl"), ("ascii.stl", "stl_ascii"), ("mesh.obj", "obj"), ("mesh.glb", "glb")):
+        content = mesh.export(None, file_type=form)
+        found[name] = content.encode() if isinstance(content, str) else content
+    found["mesh.ply"] = mesh.export(None, file_type="ply")
+    depth = np.full((48, 64), 1500.0)
+    depth[16:32, 16:32] -= np.kron(np.rint(heights * 1000), np.ones((4, 4)))
+    for name, image in (("depth.png", depth.astype("u2")), ("depth.tif", (depth / 1000).astype("f4"))):
+        stream = io.BytesIO()
+        Image.fromarray(image).save(stream, "PNG" if name.endswith("png") else "TIFF")
+        found[name] = stream.getvalue()
+    found["depth.pgm"] = b"P5 64 48 65535\n" + depth.astype(">u2").tobytes()
+    found["depth.npy"] = array(depth.astype("u2"))
+    return found
+
+
+@cache
+def robots() -> tuple[bytes, ...]:
+    """Robots as SDF: a small one, one with a mesh, and those that come along, for every simulator."""
+    from rsegen.simulation.robots import BACKENDS, ROBOTS
+
+    box = b"<box><size>0.4 0.3 0.1</size></box>"
+    meshed = ROBOT.replace(box, b"<mesh><uri>part.stl</uri><scale>0.2 0.2 0.2</scale></mesh>")
+    return (
+        ROBOT,
+        meshed,
+        meshed,
+        *(robot.file("cart", each).encode() for robot in ROBOTS.values() for each in BACKENDS),
+    )
+
+
+@cache
+def plans() -> tuple[dict[str, Any], ...]:
+    """Plans of experiments: a small one, and those that come along."""
+    from rsegen.simulation.experiment.plan import PLANS
+
+    return (PLAN, *(yaml.safe_load(Path(str(path)).read_text("utf-8")) for path in PLANS.values()))
+
+
 ROS_MAP = {"image": "grey.pgm", "resolution": 0.05, "origin": [0.0, 0.0, 0.0], "negate": 0, "occupied_thresh": 0.65}
 ROS_MAP |= {"free_thresh": 0.196, "mode": "trinary"}
 TABLES = (
@@ -220,6 +282,6 @@ class Dune(Region):
 
 def prepare() -> None:
     """Make all that is made once, while nothing is watched."""
-    recipes(), map_folder(), build_sheet(), images()
+    recipes(), map_folder(), build_sheet(), images(), clouds(), robots(), plans()
     for metrics in ("npy", "none", "parquet"):
         data_set(metrics), unfinished(metrics)

@@ -99,6 +99,7 @@ def damaged(content: bytes) -> Callable[[Path], Any]:
     return lambda path: path.write_bytes(content)
 
 
+PCD = b"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n"
 NO_CLOUDS: Mapping[str, tuple[Callable[[Path], Any], str]] = {
     "a.las": (damaged(b"LASF"), "clouds are read from files named"),
     "b.xyz": (damaged(b"no numbers\nat all"), "no line has three numbers"),
@@ -109,6 +110,8 @@ NO_CLOUDS: Mapping[str, tuple[Callable[[Path], Any], str]] = {
     "g.ply": (damaged(b"no ply"), "not a PLY file"),
     "h.pcd": (damaged(b"VERSION .7\nFIELDS x y\n"), "not a PCD file"),
     "i.pcd": (damaged(bytes(200)), "not a PCD file"),
+    "p.pcd": (damaged(PCD.replace(b"COUNT 1 1 1", b"COUNT 1 4294967296 1")), "4,294,967,298 values per point"),
+    "q.pcd": (damaged(PCD.replace(b"POINTS 1", b"POINTS 99999999999")), "99,999,999,999 points"),
     "j.npy": (lambda path: np.save(path, np.ones((2, 3, 4))), "give points (n, 3)"),
     "k.npy": (lambda path: np.save(path, np.array(["a", "b"])), "k.npy: "),
     "l.png": (damaged(b"no image"), "not an image"),

@@ -14,10 +14,11 @@ from rsegen.cli.flags import Subparsers, add_target_recipe_flags
 from rsegen.cli.simulation_flags import flags_in_errors, simulator_names
 from rsegen.cli.targets import target_of
 from rsegen.params.sorts import Parameter
-from rsegen.simulation.driving.drive import DURATION, OF_A_FILE, ROBOTS, ROUTE, SEED, drive
+from rsegen.simulation.driving.drive import DURATION, ROBOTS, ROUTE, SEED, drive
 from rsegen.simulation.robots import ROBOTS as KINDS
+from rsegen.simulation.robots.limits import LIMITS
 
-_NUMBERS: Mapping[str, Parameter] = {"robots": ROBOTS, "duration": DURATION, "seed": SEED, **OF_A_FILE}
+_NUMBERS: Mapping[str, Parameter] = {"robots": ROBOTS, "duration": DURATION, "seed": SEED, **LIMITS}
 
 _OWN = ("simulator",)
 """Flags that say something else here than in a recipe."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import os
 import sys
 import warnings
@@ -44,22 +45,27 @@ def printable_output() -> Iterator[None]:
 def short_warnings() -> Iterator[None]:
     """What is wrong with plug-ins that are not needed is one line each on stderr.
 
-    Warnings of libraries are for developers: they are shown where Python was told which ones to show.
+    Warnings and logs of libraries are for developers: they are shown where Python was told which ones to show.
     """
     usual = warnings.showwarning
+    for_developers = bool(sys.warnoptions or sys.flags.dev_mode)
 
     def show(message: Warning | str, category: type[Warning], *where: Any, **others: Any) -> None:
         if issubclass(category, PluginWarning):
             if sys.stderr:
                 print(f"rsegen: warning: {line_of(str(message))}", file=sys.stderr)
-        elif sys.warnoptions or sys.flags.dev_mode:
+        elif for_developers:
             usual(message, category, *where, **others)
 
     warnings.showwarning = show
+    nowhere = logging.NullHandler()  # Python prints records to stderr only if nobody has set up logging
+    if not for_developers:
+        logging.root.addHandler(nowhere)
     try:
         yield
     finally:
         warnings.showwarning = usual
+        logging.root.removeHandler(nowhere)
 
 
 def failed(error: BaseException, signal: int) -> int:

@@ -35,18 +35,23 @@ class Signals:
 
     @contextmanager
     def stop_it(self) -> Iterator[None]:
-        """Let a signal raise a KeyboardInterrupt inside; one that was ignored before stays so."""
+        """Let a signal raise a KeyboardInterrupt inside; one that was ignored before stays so.
+
+        Python drops one that comes in some callbacks, and would print where: a run looks for it by itself.
+        """
         names = ("SIGINT", "SIGTERM", "SIGHUP")
         known = [getattr(signal, name) for name in names if hasattr(signal, name)]
         if threading.current_thread() is not threading.main_thread():
             known = []
         before = {each: signal.getsignal(each) for each in known if signal.getsignal(each) is not signal.SIG_IGN}
-        stop.STATE.asked = False
+        stop.STATE.asked, unraisable = False, sys.unraisablehook
         for each in before:
             signal.signal(each, self._stop)
+        sys.unraisablehook = lambda lost: None if lost.exc_type is KeyboardInterrupt else unraisable(lost)
         try:
             yield
         finally:
+            sys.unraisablehook = unraisable
             for each, handler in before.items():
                 signal.signal(each, handler)
 

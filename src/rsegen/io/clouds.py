@@ -7,15 +7,17 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError, RsegenError, UserError, pip_install, said_by
+from rsegen.errors import FileError, ParameterError, UserError, pip_install, said_by
 from rsegen.field.stepfield import Array
 from rsegen.io.image_files import opened_image
 from rsegen.io.input_files import open_regular
+from rsegen.io.libraries import read_by_library
 from rsegen.io.npy_files import mapped
 from rsegen.io.text_files import text_of
 from rsegen.params.extras import SCAN
@@ -25,6 +27,9 @@ MOST_POINTS = 20_000_000
 """Of a file: some 2 GB of memory while it is read."""
 
 _MOST_MIB = 1024
+_MOST_VALUES = 1000
+"""Of a point in a PCD file, for each of which pypcd4 makes a name before it reads them."""
+
 _SAMPLED = 400_000
 """Points on the surface of a mesh, spread evenly."""
 
@@ -143,25 +148,33 @@ def _pcd(path: Path) -> tuple[Array, str]:
     """The points of a file of the Point Cloud Library, which pypcd4 reads."""
 
     def read() -> Array:
-        from pypcd4.pypcd4 import PointCloud
+        from pypcd4.pypcd4 import MetaData, PointCloud
 
         with open_regular(path) as file:
+            header = MetaData.parse_header(list(_header_lines(file)))
+            _refuse_many(path, header.points)
+            if sum(header.count) > _MOST_VALUES:
+                raise FileError(f"{path}: {sum(header.count):,} values per point; give up to {_MOST_VALUES:,}")
+            file.seek(0)
             return np.asarray(PointCloud.from_fileobj(file).numpy(("x", "y", "z")), dtype=np.float64)
 
     return _by_library(path, read), "m"
 
 
+def _header_lines(file: Iterable[bytes]) -> Iterator[str]:
+    """The lines of a header as pypcd4 takes them: without comments, up to DATA or ten."""
+    lines = (line.decode().strip() for line in file)
+    for line in islice((line for line in lines if line and not line.startswith("#")), 10):
+        yield line
+        if line.startswith("DATA"):
+            return
+
+
 def _by_library(path: Path, read: Callable[[], Array]) -> Array:
     try:
-        found = read()
+        found = read_by_library(path, read)
     except ImportError as error:
         raise UserError(f"{path}: needs {error.name}, which is not installed; {pip_install([SCAN.name])}") from None
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
-    except RsegenError:
-        raise
-    except Exception as error:  # libraries fail in many ways at files that are none of theirs
-        raise FileError(f"{path}: not a {path.suffix[1:].upper()} file that can be read ({said_by(error)})") from None
     if found.ndim != 2 or found.shape[1] != 3 or not len(found):
         raise FileError(f"{path}: has no points")
     _refuse_many(path, len(found))

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import logging
-import os
-import warnings
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rsegen.errors import FileError, RsegenError, said_by
 from rsegen.io.input_files import open_regular
+from rsegen.io.libraries import silent_libraries
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
 FORMATS = ("PNG", "JPEG", "PPM", "TIFF", "BMP")
 """Those of the names that an image may have, in Pillow's words; it knows fifty more, by their first bytes."""
-
-_STDERR = 2
 
 
 @contextmanager
@@ -28,12 +24,8 @@ def opened_image(path: Path) -> Iterator[Image]:
     from PIL import Image, UnidentifiedImageError
 
     try:
-        with ExitStack() as stack:
-            file = stack.enter_context(open_regular(path))
-            stack.enter_context(warnings.catch_warnings())
-            warnings.simplefilter("ignore")  # its size is checked by whoever opens it
-            stack.enter_context(_silent_libraries())
-            yield stack.enter_context(Image.open(file, formats=FORMATS))
+        with open_regular(path) as file, silent_libraries(), Image.open(file, formats=FORMATS) as image:
+            yield image  # whoever opens it checks its size
     except RsegenError:
         raise
     except UnidentifiedImageError:
@@ -43,23 +35,3 @@ def opened_image(path: Path) -> Iterator[Image]:
     except Exception as error:  # Pillow fails in many ways at values that cannot be
         said = getattr(error, "strerror", None) or f"not a whole image: {said_by(error)}"
         raise FileError(f"{path}: {said}") from None
-
-
-@contextmanager
-def _silent_libraries() -> Iterator[None]:
-    """No message of Pillow or libtiff, which writes straight to file descriptor 2."""
-    logger = logging.getLogger("PIL")
-    if not logger.handlers:
-        logger.addHandler(logging.NullHandler())
-    with ExitStack() as stack:
-        with suppress(OSError):  # nobody hears them if there is no stderr
-            before, nowhere = os.dup(_STDERR), os.open(os.devnull, os.O_WRONLY)
-            stack.callback(_restore, before)
-            os.dup2(nowhere, _STDERR)
-            os.close(nowhere)
-        yield
-
-
-def _restore(before: int) -> None:
-    os.dup2(before, _STDERR)
-    os.close(before)

@@ -134,8 +134,9 @@ def _processes(workers: int) -> Iterator[Executor]:
     from concurrent.futures.process import BrokenProcessPool
 
     context = multiprocessing.get_context("spawn")
-    receiver, sender = context.Pipe(duplex=False)
-    pool = ProcessPoolExecutor(workers, context, _start_worker, (receiver,))
+    with stop.held(), _no_signals_for_new_processes():  # one process watches over shared memory
+        receiver, sender = context.Pipe(duplex=False)
+        pool = ProcessPoolExecutor(workers, context, _start_worker, (receiver,))
     try:
         yield pool
     except BaseException as error:

@@ -82,8 +82,9 @@ def run_in(
                         made.append(staged.output.made)
                 if batch.staged:
                     store.sync_names()
-                for result in made[before:] if progress else ():
-                    progress(result)
+                for result in made[before:]:
+                    if progress:
+                        progress(result)
                 if batch.error:
                     raise batch.error
     except (KeyboardInterrupt, UserError, OSError) as error:

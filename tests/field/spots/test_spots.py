@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -137,3 +139,20 @@ def test_a_robot_fits_only_where_all_of_it_is_on_the_map() -> None:
 def test_large_maps_are_searched_in_parts() -> None:
     (spot,) = even_spots(rough(1, blocks=600, levels=5), ROVER, 1, np.random.default_rng(1))
     assert spot.unevenness == 0
+
+
+@pytest.mark.parametrize(("length", "width"), [(100, 100), (100, 0.3), (2.9, 0.1), (1.5, 2.7)])
+def test_a_robot_that_is_larger_than_the_map_is_refused_before_memory_is_taken(length: float, width: float) -> None:
+    footprint = Footprint.of_size(length, width)
+    tracemalloc.start()
+    assert not fits(flat(), footprint)
+    with pytest.raises(ParameterError, match="too large for 20 x 20 cells"):
+        even_spots(flat(), footprint, 1, np.random.default_rng(1))
+    taken = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert taken < 60_000_000
+
+
+def test_a_robot_of_hundreds_of_blocks_is_refused() -> None:
+    with pytest.raises(ParameterError, match="too large for blocks of 1 cm"):
+        fits(replace(flat(800), block_width=0.01), Footprint.of_size(4, 4))

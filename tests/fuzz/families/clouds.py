@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import random
+import struct
 from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from tests.fuzz import seeds
 from tests.fuzz.case import Case
-from tests.fuzz.damage import damaged_bytes, damaged_npy, damaged_text
+from tests.fuzz.damage import damaged_bytes, damaged_headed, damaged_npy, damaged_png, damaged_text, damaged_tiff
 from tests.fuzz.families.recipes import special_or
+from tests.fuzz.hostile import as_text, damaged_tree
 
 _OPTIONS: tuple[list[str], ...] = (
     [],
@@ -52,16 +55,49 @@ def case(rng: random.Random) -> Case:
     numbers = np.random.default_rng(rng.randrange(2**32))
     shape = _SHAPES[rng.choice(sorted(_SHAPES))]
     points = shape(numbers, seeds.cloud(numbers))
-    name, content = rng.choice((_text, _array))(rng, points)
+    name, content = rng.choice((_text, _array, _real, _real))(rng, points)
     if rng.random() < 0.1:
         name = f"c.{rng.choice(('ply', 'pcd', 'stl', 'glb', 'obj', 'png'))}"
-    flags = rng.choice(_OPTIONS)
+    flags = ["--intrinsics", "60,60,32,24"] if name.startswith("depth") and rng.random() < 0.8 else rng.choice(_OPTIONS)
     files = {name: special_or(rng, content)}
     if rng.random() < 0.5 or flags[:1] == ["--fill-holes"]:
         argv: tuple[str, ...] = ("scan", name, *flags, "-o", "out", "--workers", "1")
     else:
         argv = ("compare", name, "peak", *flags, "-o", "out.png")
     return Case(family="cloud", argv=argv, files=files, outputs=("out", "out.png"))
+
+
+def _real(rng: random.Random, _: np.ndarray) -> tuple[str, bytes]:
+    """A file as a library wrote it, whole or damaged."""
+    name = rng.choice(sorted(seeds.clouds()))
+    content = seeds.clouds()[name]
+    return name, content if rng.random() < 0.05 else damaged(rng, name, content)
+
+
+def damaged(rng: random.Random, name: str, content: bytes) -> bytes:
+    """A file of a cloud that is damaged where its format has numbers and sizes, or anywhere."""
+    kind = name.rpartition(".")[2]
+    if kind in ("xyz", "csv", "obj") or name.startswith("ascii"):
+        return damaged_text(rng, content)
+    if kind in _HEADERS:
+        return damaged_headed(rng, content, _HEADERS[kind])
+    if kind == "glb" and rng.random() < 0.7:
+        return _damaged_glb(rng, content)
+    own = {"png": damaged_png, "tif": damaged_tiff, "npy": damaged_npy}
+    return own[kind](rng, content) if kind in own and rng.random() < 0.7 else damaged_bytes(rng, content)
+
+
+_HEADERS = {"ply": b"end_header\n", "pcd": b"\nDATA ", "pgm": b"65535\n"}
+"""What ends the text at the beginning of a file."""
+
+
+def _damaged_glb(rng: random.Random, content: bytes) -> bytes:
+    """A glTF in bytes whose JSON is wrong in a place or a few, and whose lengths are right."""
+    (length,) = struct.unpack("<I", content[12:16])
+    text = as_text(damaged_tree(rng, json.loads(content[20 : 20 + length]), yaml=False)).encode("utf-8", "replace")
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<I", len(text)) + content[16:20] + text + content[20 + length :]
+    return content[:8] + struct.pack("<I", 12 + len(chunks)) + chunks
 
 
 def _text(rng: random.Random, points: np.ndarray) -> tuple[str, bytes]:

@@ -6,8 +6,9 @@ import json
 import random
 
 from tests.fuzz import seeds
-from tests.fuzz.case import Case
+from tests.fuzz.case import Case, Content
 from tests.fuzz.damage import damaged_text
+from tests.fuzz.families.clouds import damaged as damaged_mesh
 from tests.fuzz.families.recipes import special_or, written
 from tests.fuzz.hostile import Tree
 
@@ -58,17 +59,25 @@ def inventory(rng: random.Random) -> Case:
 
 def robot(rng: random.Random) -> Case:
     """A model of a robot in SDF."""
-    content = seeds.ROBOT
+    content = rng.choice(seeds.robots())
+    files: dict[str, Content] = {"part.stl": seeds.clouds()[rng.choice(("mesh.stl", "ascii.stl"))]}
+    if b"part.stl" in content and rng.random() < 0.7:
+        files["part.stl"] = damaged_mesh(rng, "part.stl", seeds.clouds()["ascii.stl"])
+        return Case(family="robot", argv=_with_robot(rng), files={"cart.sdf": content, **files})
     at = rng.randrange(len(content))
     tagged = content[:at] + rng.choice(_TAGS) + content[at:]
     content = tagged if rng.random() < 0.4 else damaged_text(rng, content)
-    argv = ("@robot", "cart.sdf") if rng.random() < 0.7 else ("drive", "peak", "--robot", "cart.sdf")
-    return Case(family="robot", argv=argv, files={"cart.sdf": special_or(rng, content)})
+    return Case(family="robot", argv=_with_robot(rng), files={"cart.sdf": special_or(rng, content), **files})
+
+
+def _with_robot(rng: random.Random) -> tuple[str, ...]:
+    drive, spots = ("drive", "peak", "--robot", "cart.sdf"), ("spots", "peak", "--robot", "cart.sdf", "--seed", "1")
+    return rng.choices((("@robot", "cart.sdf"), drive, spots), (6, 2, 2))[0]
 
 
 def plan(rng: random.Random) -> Case:
     """A plan of an experiment; without a simulator it goes no further than its checks."""
-    content = written(rng, seeds.PLAN, yaml_=True)
+    content = written(rng, rng.choice(seeds.plans()), yaml_=True)
     argv = ("@plan", "plan.yaml") if rng.random() < 0.5 else ("experiment", "plan.yaml", "-o", "out")
     return Case(family="plan", argv=argv, files={"plan.yaml": special_or(rng, content)})
 

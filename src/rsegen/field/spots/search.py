@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, hypot
 
 import numpy as np
 
+from rsegen.errors import ParameterError
 from rsegen.field.spots.footprint import TOUCHING, Footprint
 from rsegen.field.spots.overlap import reach
 from rsegen.field.spots.stencils import Stencil, stencils
@@ -45,6 +46,10 @@ _OUTSIDE = 1e9
 
 _EXACT = 1e-9
 
+_MOST_CELLS = 400
+"""From the origin of a robot to the end of the ground that it drives away on, a robot being 250 blocks long: the
+stencils of all headings need half a gigabyte, which grows with the square, and a minute, which grows faster."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Candidates:
@@ -75,6 +80,8 @@ def candidates(field: StepField, footprint: Footprint, rng: np.random.Generator)
 
     The whole robot is on the map, and no support on a frame. Of many places a part is taken at random.
     """
+    if _is_larger(footprint, field):
+        return
     ground, corners = _Ground.of(field, footprint), _corners(field)
     for number in np.argsort(rng.random(len(corners)), kind="stable"):
         if found := list(ground.tile(corners[number], rng)):
@@ -83,8 +90,17 @@ def candidates(field: StepField, footprint: Footprint, rng: np.random.Generator)
 
 def fits(field: StepField, footprint: Footprint) -> bool:
     """Whether a robot fits on the blocks of a field at any heading, however uneven they are."""
+    if _is_larger(footprint, field):
+        return False
     ground, rng = _Ground.of(field, footprint), generator(0, 0, "fits")
     return any(True for corner in _corners(field) for _ in ground.tile(corner, rng))
+
+
+def _is_larger(footprint: Footprint, field: StepField) -> bool:
+    """Whether a robot does not fit on a field at any heading, as sides and area tell; it would need much memory."""
+    shorter, longer = sorted((footprint.outline.length, footprint.outline.width))
+    x, y = field.extent
+    return shorter > min(x, y) + _EXACT or longer > hypot(x, y) + _EXACT or shorter * longer > x * y + _EXACT
 
 
 def _corners(field: StepField) -> Sequence[tuple[int, int]]:
@@ -111,6 +127,9 @@ class _Ground:
         """That of a field and a footprint."""
         outline, width = footprint.outline, field.block_width
         cells = max(reach(outline.ahead(sign * outline.length), width) for sign in (1, -1))
+        if cells > _MOST_CELLS:
+            problem = f"too large for blocks of {100 * width:g} cm; give a smaller robot or wider blocks"
+            raise ParameterError("robot", problem)
         heights = np.pad(field.heights, cells, constant_values=_OUTSIDE)
         blocks = np.where(np.pad(field.frame, cells, constant_values=True), _OUTSIDE, heights)
         found = stencils(footprint, cells, width)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rsegen.errors import ParameterError, shown
 from rsegen.exporters.scene import Scene
-from rsegen.params.sorts import Choice, Float, Integer, ListOf, Parameter
+from rsegen.params.sorts import Choice, Float, Integer
 from rsegen.params.streams import SEEDS, fresh_seed
 from rsegen.run.store import refuse_busy, refuse_taken
 from rsegen.simulation.driving.contacts import contact_shares
@@ -20,6 +20,7 @@ from rsegen.simulation.driving.routes import Wandering
 from rsegen.simulation.robots import from_file, is_robot_file, robot_of
 from rsegen.simulation.robots.base import DrivableRobot, Robot
 from rsegen.simulation.robots.drives import Tracks
+from rsegen.simulation.robots.limits import LIMITS
 from rsegen.simulation.robots.sdf_file import SdfRobot
 from rsegen.simulation.robots.solids import Vector
 from rsegen.simulation.simulators import Installation
@@ -27,12 +28,6 @@ from rsegen.simulation.simulators.launching import choose_installation, has_scre
 from rsegen.simulation.worlds import Target, world_of
 
 ROBOTS, DURATION, SEED, ROUTE = Integer(1, 100), Float(0.1, 1e5, unit="s"), Integer(0, SEEDS - 1), Choice(ROUTES)
-OF_A_FILE: Mapping[str, Parameter] = {
-    "size": ListOf(Float(0.01, 100, unit="m"), 3),
-    "speed": Float(0.001, 100, unit="m/s"),
-    "turn": Float(0.001, 100, unit="rad/s"),
-}
-"""What only the user knows of a robot in an SDF file."""
 
 
 def drive(  # noqa: PLR0913  # each is a flag of the command
@@ -98,7 +93,7 @@ def _robot(
     """A robot of a kind or of an SDF file; only for a file may the user give wheels, size, speed and turn rate."""
     given = {name: value for name, value in given.items() if value is not None}
     if isinstance(robot, str | os.PathLike) and is_robot_file(robot):
-        values = {name: OF_A_FILE[name].check(name, value) for name, value in given.items()}
+        values = {name: LIMITS[name].check(name, value) for name, value in given.items()}
         model = from_file(robot, wheels).given(values)
         _ = model.drive  # an error before anything is driven
         return model

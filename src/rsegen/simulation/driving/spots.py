@@ -14,10 +14,11 @@ from rsegen.simulation.driving.robot_runs import spot_generator
 from rsegen.simulation.driving.start_poses import spots_on_map
 from rsegen.simulation.robots import robot_of
 from rsegen.simulation.robots.base import DrivableRobot
+from rsegen.simulation.robots.limits import SIDE
 from rsegen.simulation.worlds import Target, world_of
 
 COUNT, SEED = Integer(1, 1000), Integer(0, SEEDS - 1)
-SIZE = ListOf(Float(0.01, 100, unit="m"), 2)
+SIZE = ListOf(SIDE, 2)
 MAX_DIFFERENCE = Float(0, 100_000, unit="cm")
 
 

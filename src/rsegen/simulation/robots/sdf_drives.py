@@ -10,15 +10,14 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
+from rsegen.params.sorts import Float
 from rsegen.simulation.robots.drives import Drive, Tracks, Wheels
+from rsegen.simulation.robots.limits import SPEED, TURN, refuse_outside
 from rsegen.simulation.robots.sdf_frames import Frames, floats
 from rsegen.simulation.robots.sdf_shapes import Extents
 
-SPEED, TURN = 0.2, 0.5
+DEFAULT_SPEED, DEFAULT_TURN = 0.2, 0.5
 """m/s and rad/s of a robot whose model gives no limits."""
-
-_FASTEST = 100.0
-"""m/s and rad/s, above which a limit in a model is none."""
 
 KNOWN = {
     "gazebo_ros_diff_drive": "wheels",
@@ -127,8 +126,8 @@ def _made(left: Sequence[str], right: Sequence[str], separation: float, radius: 
         right=tuple(right),
         separation=separation,
         radius=radius,
-        speed=SPEED,
-        turn=TURN,
+        speed=DEFAULT_SPEED,
+        turn=DEFAULT_TURN,
         spread=spread,
     )
 
@@ -162,8 +161,8 @@ def _tracked(  # a plug-in, its links, and where they are
         right=tuple(right),
         separation=_number(plugin, frames, "tracks_separation") or abs(float(middles[0][1] - middles[1][1])),
         radius=height / 2,
-        speed=SPEED,
-        turn=TURN,
+        speed=DEFAULT_SPEED,
+        turn=DEFAULT_TURN,
         mu=_number(plugin, frames, "track_mu") or 2,
         mu2=_number(plugin, frames, "track_mu2") or 0.5,
         efficiency=_number(plugin, frames, "steering_efficiency") or 0.5,
@@ -210,11 +209,16 @@ def _limits(plugin: Element, frames: Frames, drive: Drive, joints: Iterable[str]
     turn = _number(plugin, frames, "max_angular_velocity", "max_angular_speed", "angular_velocity/max_velocity")
     rates = [_number(frames.joints[joint], frames, "axis/limit/velocity") for joint in joints]
     least = min((rate for rate in rates if rate), default=0) * drive.radius
-    return _real(speed) or _real(least), _real(turn)
+    speed = _limit(SPEED, speed, frames) or _limit(SPEED, least, frames)
+    return speed, _limit(TURN, turn, frames)
 
 
-def _real(limit: float | None) -> float | None:
-    return limit if limit and 0 < limit < _FASTEST else None
+def _limit(sort: Float, value: float | None, frames: Frames) -> float | None:
+    """A limit of a model; None for none, as numbers are that no robot reaches: SDF's own is 1e16."""
+    if not value or value > sort.high:
+        return None
+    refuse_outside(sort, value, f"{frames.where}: the limit of a velocity")
+    return value
 
 
 def _number(element: Element, frames: Frames, *paths: str) -> float | None:

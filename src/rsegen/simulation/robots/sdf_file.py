@@ -10,14 +10,25 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
+
 from rsegen.errors import FileError, ParameterError
 from rsegen.exporters.gazebo.sdf import numbers
 from rsegen.io.text_files import elements, text_of
 from rsegen.simulation.robots.commands import Command
 from rsegen.simulation.robots.drives import Drive, Wheels
+from rsegen.simulation.robots.limits import SIDE, WHEEL, refuse_outside
 from rsegen.simulation.robots.links import ORIGIN, PoseTuple
 from rsegen.simulation.robots.plugins import pose_publisher
-from rsegen.simulation.robots.sdf_drives import KNOWN, SPEED, TURN, Found, found_drive, named_wheels, plugin_key
+from rsegen.simulation.robots.sdf_drives import (
+    DEFAULT_SPEED,
+    DEFAULT_TURN,
+    KNOWN,
+    Found,
+    found_drive,
+    named_wheels,
+    plugin_key,
+)
 from rsegen.simulation.robots.sdf_frames import Frames
 from rsegen.simulation.robots.sdf_plugins import LeftOut, make_drivable
 from rsegen.simulation.robots.sdf_shapes import Extents, extents
@@ -32,9 +43,6 @@ _SUFFIXES = (".sdf", ".urdf", ".xacro")
 
 _CLASSIC = "1.7"
 """The latest version of SDF that Gazebo Classic reads."""
-
-_LEAST = 0.01
-"""Metres: the least length, width or height of a robot."""
 
 _MOST_NAMES = 12
 """Names of joints in a message."""
@@ -60,8 +68,8 @@ class SdfRobot:
     found: Found | None = None
     joints: tuple[str, ...] = ()
     size: Vector = (0.5, 0.5, 0.5)
-    speed: float = SPEED
-    turn: float = TURN
+    speed: float = DEFAULT_SPEED
+    turn: float = DEFAULT_TURN
     lift: float = 0
     derived: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
@@ -160,7 +168,10 @@ def parsed(text: str, where: str, wheels: str | None = None) -> SdfRobot:
     frames = Frames(model, where)
     shapes = extents(frames)
     found = named_wheels(wheels, frames, shapes) if wheels else found_drive(model, frames, shapes)
-    size, (speed, turn) = _size(shapes), found.limits if found else (None, None)
+    if found:
+        refuse_outside(WHEEL, found.drive.separation, f"{where}: the separation of its wheels or tracks")
+        refuse_outside(WHEEL, found.drive.radius, f"{where}: the radius of its wheels or tracks")
+    size, (speed, turn) = _size(shapes, where), found.limits if found else (None, None)
     values = {"size": size, "speed": speed, "turn": turn}
     return SdfRobot(
         kind=re.sub(r"\W|^(?=\d)", "_", model.get("name", ""), flags=re.ASCII),
@@ -170,8 +181,8 @@ def parsed(text: str, where: str, wheels: str | None = None) -> SdfRobot:
         found=found,
         joints=tuple(name for name, each in frames.joints.items() if each.get("type") in ("revolute", "continuous")),
         size=size or (0.5, 0.5, 0.5),
-        speed=speed or SPEED,
-        turn=turn or TURN,
+        speed=speed or DEFAULT_SPEED,
+        turn=turn or DEFAULT_TURN,
         lift=-float(shapes.low[2]) if shapes.known else 0.0,
         derived=tuple(name for name, value in values.items() if value is not None),
         assumed=tuple(name for name, value in values.items() if value is None),
@@ -209,12 +220,16 @@ def _modernize(model: ElementTree.Element, version: str) -> None:
                 ElementTree.SubElement(axis, "use_parent_model_frame").text = "true"
 
 
-def _size(shapes: Extents) -> Vector | None:
+def _size(shapes: Extents, where: str) -> Vector | None:
     """The size of a box around the origin that holds all collision shapes; None if it is not known of all."""
-    if not shapes.known or shapes.unknown:
+    if not shapes.known:
         return None
-    x, y = (2 * max(abs(float(shapes.low[k])), abs(float(shapes.high[k]))) for k in (0, 1))
-    return max(x, _LEAST), max(y, _LEAST), max(float(shapes.high[2] - shapes.low[2]), _LEAST)
+    low, high = shapes.low, shapes.high
+    sides = (*(2 * np.maximum(np.abs(low), np.abs(high))[:2]), high[2] - low[2])
+    x, y, z = (float(np.maximum(side, SIDE.low)) for side in sides)
+    for side in (x, y, z):
+        refuse_outside(SIDE, side, f"{where}: the box around its collision shapes, {x:.4g} x {y:.4g} x {z:.4g} m")
+    return None if shapes.unknown else (x, y, z)
 
 
 def _backend(model: ElementTree.Element, found: Found | None) -> str | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
@@ -10,6 +11,8 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
+from rsegen.io.input_files import open_regular
+from rsegen.io.libraries import read_by_library
 from rsegen.simulation.robots.sdf_frames import Frames, floats
 
 
@@ -104,13 +107,21 @@ def _mesh(mesh: Element, where: str) -> _Solid | None:
     scale = np.array(floats(mesh.findtext("scale") or "1 1 1", 3, where))
     if not uri.lower().endswith((".stl", ".obj", ".ply", ".glb", ".gltf")):
         return None
-    try:
+    path = Path(uri.removeprefix("file://"))
+
+    def bounds() -> Array:
         import trimesh
 
-        low, high = np.asarray(trimesh.load(uri.removeprefix("file://"), force="mesh").bounds) * scale
+        with open_regular(path) as file:
+            form, resolver = path.suffix[1:].lower(), trimesh.resolvers.FilePathResolver(str(path))
+            found = trimesh.load(file, file_type=form, resolver=resolver, force="mesh").bounds
+        if found is None:
+            raise FileError(f"{path}: has no points")
+        return np.asarray(found)
+
+    try:
+        low, high = read_by_library(path, bounds) * scale
     except ImportError:
         return None
-    except Exception as error:  # trimesh raises anything for a damaged file
-        raise FileError(f"{uri}: no mesh that can be read ({type(error).__name__})") from None
     half, centre = np.abs(high - low) / 2, (low + high) / 2
     return _Solid(tuple(half.tolist()), centre=tuple(centre.tolist()))
