@@ -106,7 +106,7 @@ def test_a_plan_of_worlds_says_what_is_made_what_exists_and_what_it_needs(tmp_pa
     plan = plan_worlds(RECIPE, tmp_path, Sidecars(), OnExisting.KEEP, workers=3)
     assert (list(plan.to_make), list(plan.existing), plan.workers) == ([0, 1, 3], [2], 3)
     assert plan.needs.disk == 3 * resources.DISK_BYTES_PER_MAP
-    assert plan.needs.map_memory > 4 * 4 * resources.BYTES_PER_CELL
+    assert plan.needs.map_memory > 4 * 4 * resources.BYTES_PER_CELL["build"]
     assert snapshot(tmp_path) == before
 
 

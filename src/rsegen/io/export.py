@@ -45,7 +45,7 @@ def export(
     chosen = _format(path, format, options)
     refuse_unready([chosen])
     recipe = map.recipe if isinstance(map, Scene) else map
-    refuse_too_large(recipe, chosen.bytes_a_cell)
+    refuse_too_large(recipe, formats=[chosen])
     scene = map if isinstance(map, Scene) else compose(map, index)
     if not path.suffix:
         names = write(exported(scene, [chosen]), path, force=force)

@@ -69,7 +69,7 @@ def export_maps(  # noqa: PLR0913  # each is a flag of the command
     if together:
         WORKERS.check("workers", workers)
         refuse_unready(formats)
-        maps, _ = _checked_maps(recipes, folder, together.bytes_a_cell)
+        maps, _ = _checked_maps(recipes, folder, [together])
         return write_joined(plan_joined_export(maps, folder, together, on_existing), progress, sync=sync)
     return run(plan_exports(recipes, folder, formats, on_existing, workers, sync=sync), progress)
 
@@ -87,7 +87,7 @@ def plan_exports(
     workers, sidecars = WORKERS.check("workers", workers), Sidecars(formats=tuple(formats))
     for recipe in recipes:
         sidecars.refuse(recipe)
-    maps, needs = _checked_maps(recipes, folder, sidecars.bytes_per_cell)
+    maps, needs = _checked_maps(recipes, folder, formats)
     planned = [planned_export(recipe, index, folder, sidecars.formats, on_existing) for recipe, index in maps]
     replaces = on_existing is OnExisting.REPLACE
     return RunPlan(
@@ -102,11 +102,11 @@ def plan_exports(
 
 
 def _checked_maps(
-    recipes: Sequence[Recipe], folder: Path, bytes_per_cell: int
+    recipes: Sequence[Recipe], folder: Path, formats: Sequence[Format]
 ) -> tuple[Sequence[tuple[Recipe, int]], Needs]:
     """Every map of some recipes, and what they need; raises as `export_maps` does."""
     refuse_not_a_folder(folder)
-    needs = check_needs(recipes, sum(recipe.maps for recipe in recipes), folder, bytes_per_cell)
+    needs = check_needs(recipes, sum(recipe.maps for recipe in recipes), folder, formats=formats)
     maps = [(recipe, index) for recipe in recipes for index in recipe.indices]
     _refuse_same_names(maps, folder)
     return maps, needs

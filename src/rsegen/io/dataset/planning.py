@@ -18,7 +18,7 @@ from rsegen.io.dataset.tables import arrow
 from rsegen.io.dataset.taken import refuse_taken
 from rsegen.io.existing import OnExisting
 from rsegen.io.record import written_file
-from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS, maps_in_memory, refuse_full, refuse_too_large
+from rsegen.io.resources import maps_in_memory, refuse_full, refuse_too_large
 from rsegen.io.work import WORKERS, run_each
 from rsegen.io.writer import refuse_not_a_folder
 
@@ -65,7 +65,7 @@ def plan_dataset(  # each is a flag of the command
     workers = WORKERS.check("workers", workers)
     _refuse_missing(layout, scheduler)
     for recipe in layout.recipes:
-        refuse_too_large(recipe, 0 if layout.metrics == "none" else BYTES_PER_CELL_OF_METRICS)
+        refuse_too_large(recipe, "build" if layout.metrics == "none" else "measure")
     refuse_not_a_folder(folder)
     refuse_taken(folder, on_existing)
     task = ShardTask(layout=layout, folder=folder.absolute(), sync=sync)

@@ -19,7 +19,7 @@ from rsegen.field.robot_limits import RobotLimits
 from rsegen.io.contents import refuse_loss_of_files
 from rsegen.io.existing import OnExisting, is_kept
 from rsegen.io.record import Record, recorded
-from rsegen.io.resources import BYTES_PER_CELL_OF_DIFFICULTY, BYTES_PER_CELL_OF_METRICS, check_needs
+from rsegen.io.resources import check_needs
 from rsegen.io.series.plan import SeriesPlan
 from rsegen.io.series.table import SeriesRow, rows_as_csv, series_row
 from rsegen.io.series.target import map_target, mean, span
@@ -39,7 +39,6 @@ from rsegen.recipe.difficulty_by import Span
 from rsegen.recipe.recipe import Recipe
 
 TABLE, PICTURE = "series.csv", "series.png"
-_BYTES_PER_CELL = BYTES_PER_CELL_OF_METRICS + BYTES_PER_CELL_OF_DIFFICULTY
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -119,7 +118,7 @@ def plan_series(
     workers, numbers = WORKERS.check("workers", workers), range(plan.recipe.maps)
     sidecars.refuse(plan.recipe)
     refuse_not_a_folder(folder)
-    needs = check_needs([plan.recipe], len(numbers), folder, _BYTES_PER_CELL + sidecars.bytes_per_cell)
+    needs = check_needs([plan.recipe], len(numbers), folder, "measure", sidecars.formats)
     workers = 1 if callable(plan.by) else min(workers, needs.maps_at_once)
     replaces, keeps = on_existing is not OnExisting.REFUSE, on_existing is OnExisting.KEEP
     for name in (TABLE, PICTURE):
