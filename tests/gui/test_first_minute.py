@@ -144,6 +144,43 @@ def test_closing_offers_to_save(window: Window, tmp_path: Path) -> None:
     assert window.files.may_leave()
 
 
+def test_saving_asks_before_it_drops_obstacles_that_are_switched_off(window: Window, tmp_path: Path) -> None:
+    path = window.session.path = tmp_path / "mine.yaml"
+    click(window, "add")
+    click(window, "add")
+    window.session.enable(0, enabled=False)
+    draft = window.session.draft
+    asked = answer(BUTTON.Cancel)
+    window.files.save()
+    assert asked == ["1 obstacle is switched off and a recipe file can't hold it: save without it?"]
+    assert not path.exists()
+    assert window.session.unsaved
+    assert window.session.draft == draft
+    answer(BUTTON.Save)
+    window.files.save()
+    assert len(load(path).obstacles) == 1
+    assert not window.session.unsaved
+
+
+def test_closing_and_saving_asks_before_it_drops_obstacles_that_are_switched_off(
+    window: Window, tmp_path: Path
+) -> None:
+    path = window.session.path = tmp_path / "mine.yaml"
+    click(window, "add")
+    click(window, "add")
+    for row in range(2):
+        window.session.enable(row, enabled=False)
+    first, second = answer(BUTTON.Save), answer(BUTTON.Cancel)
+    assert not window.close()
+    assert first == ["Save the changes of mine.yaml?"]
+    assert second == ["2 obstacles are switched off and a recipe file can't hold them: save without them?"]
+    assert not path.exists()
+    answer(BUTTON.Save)
+    answer(BUTTON.Save)
+    assert window.files.may_leave()
+    assert load(path).obstacles == ()
+
+
 def test_a_message_passes_and_leaves_the_numbers_in_sight(window: Window, monkeypatch: pytest.MonkeyPatch) -> None:
     window.forms.note._pause.setInterval(50)
     window.outputs.spawn_job.message.emit("rse_0000 is in the simulation")

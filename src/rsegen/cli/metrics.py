@@ -24,7 +24,6 @@ from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Metrics, RobotLimits, metrics
 from rsegen.field.metrics.custom import custom
 from rsegen.field.metrics.tables import flattened, nested
-from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS
 from rsegen.run.store import write_file
 from rsegen.simulation.robots import ROBOTS, robot
 
@@ -61,7 +60,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Measure, draw and print."""
     climber = _climber(arguments)
     path = _picture(arguments, climber)
-    scenes = scenes_of(arguments, BYTES_PER_CELL_OF_METRICS)
+    scenes = scenes_of(arguments, "measure")
     first = next(scenes)
     found = metrics(first.field, climber)
     if path and found.reach:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rsegen.cli.flags import has_recipe_flags, with_flags
 from rsegen.errors import ParameterError
+from rsegen.exporters.formats import Step
 from rsegen.exporters.scene import Scene, compose
 from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.io.resources import refuse_too_large
@@ -69,13 +70,13 @@ def scene_of(arguments: argparse.Namespace) -> Scene:
     return compose(recipe, index)
 
 
-def scenes_of(arguments: argparse.Namespace, more: int = 0) -> Iterator[Scene]:
-    """The scenes of all of them one by one, or of the one that --map names; each may need more bytes for each cell."""
+def scenes_of(arguments: argparse.Namespace, step: Step = "build") -> Iterator[Scene]:
+    """The scenes of all of them one by one, or of the one that --map names; `step` needs the most memory."""
     if arguments.map is not None:
         _, recipe, index = map_of_flags(arguments)
-        refuse_too_large(recipe, more)
+        refuse_too_large(recipe, step)
         yield compose(recipe, index)
         return
     for _, recipe in recipes_of(arguments):
-        refuse_too_large(recipe, more)
+        refuse_too_large(recipe, step)
         yield from (compose(recipe, index) for index in recipe.indices)

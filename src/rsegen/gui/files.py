@@ -127,11 +127,25 @@ class Files:
 
     def _save(self, path: Path) -> None:
         """Save the recipe to a file, which is from then on its file; show why if it cannot be."""
+        session = self._document.session
+        if session.problem is None and session.switched_off and not self._may_drop(session.switched_off):
+            return
         try:
-            self._document.session.save(path)
+            session.save(path)
             self.recent.remember(path)
         except RsegenError as error:
             self._show_error(error)
+
+    def _may_drop(self, number: int) -> bool:
+        """Ask whether to save without the obstacles that are switched off."""
+        standard = QMessageBox.StandardButton
+        are, them = ("obstacle is", "it") if number == 1 else ("obstacles are", "them")
+        question = f"{number} {are} switched off and a recipe file can't hold {them}: save without {them}?"
+        buttons = standard.Save | standard.Cancel
+        box = QMessageBox(QMessageBox.Icon.Question, "rsegen", question, buttons, self._parent)
+        box.setDefaultButton(standard.Cancel)
+        box.button(standard.Save).setText(f"Save without {them}")
+        return box.exec() == standard.Save
 
     def _replace(self, make: Callable[[], Session]) -> bool:
         """Open another session if the present one may be left; gives whether it was opened."""

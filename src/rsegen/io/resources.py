@@ -1,34 +1,45 @@
-"""The memory and disk space that a run needs, and how much of both is free: checked before anything is written."""
+"""The memory and disk space that a run needs, and how much of both is free: checked before anything is written.
+
+One rule for memory: a map needs its cells times the bytes of the step that needs the most, whatever is made of it, and
+those of the piece of its mesh that is made at a time. For disk there is a lower bound, which is what a flat map needs.
+"""
 
 from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
 
 from rsegen.errors import TooLarge, shown
+from rsegen.exporters.formats import Format, Step
 from rsegen.geometry import PIECE
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import tile_shape
 
-BYTES_PER_CELL = 16
-"""Of memory for every cell of a map: measured between 1000 x 1000 and 4000 x 4000 blocks, rounded up."""
+BYTES_PER_CELL: Mapping[Step, int] = {"build": 50, "measure": 300, "surface": 2000, "mesh": 4000}
+"""Of memory for every cell, by the step.
 
-BYTES_PER_CELL_OF_DIFFICULTY = 150
-"""While a map is scaled to its difficulty: measured on random maps and peaks of 1000 x 1000 blocks, rounded up."""
+Measured as the peak of a process less that for a map of 20 x 20, on random maps of 5 levels and, after the slash, of
+100, which is the most: bytes per cell of 1000 x 1000 and, in brackets, of 2000 x 2000 or (*) 500 x 500 cells.
 
-BYTES_PER_CELL_OF_A_PIECE = {"merged": 1000, "blocks": 1000, "watertight": 3500}
-"""While it is made into a mesh: measured on random pieces of 5 and of 100 levels, rounded up."""
+build    field 7 (5), preview 51 (35), heights of a file 65 (65), heightmap 28 (28), occupancy 19 (18), arrays 49 (45)
+measure  metrics 182/182 (188; 290 with wide robots), series 183, page 195, scaled to its difficulty 76/76 (76; peaks
+         100), world with collision blocks 401/479
+surface  pieces of a world 114/235 (36/72), of blocks 181/223, with collision boxes 332/2173 (300; */2232),
+         mjcf 400/669 (395/677), urdf 422/2201 (378), ros2 (387; */2258)
+mesh     world watertight 2706 (*/3819), stl 2687 (*/3860), glb 2681 (*/3824), ply (*/3825), usd 2739 (*/3818),
+         posture 2410/2712 (at 5 values per side of a block)
+"""
 
-BYTES_PER_CELL_OF_METRICS = 300
-"""Of memory while a map is measured: between 180 and 290 on random maps of 1000 x 1000 blocks, by the robot."""
+_COLLISION: Mapping[str, Step] = {"mesh": "build", "blocks": "measure", "boxes": "surface"}
+"""The step that needs about as much memory as the collision shapes of a world, which are a list of the whole map."""
 
-BYTES_PER_CELL_OF_HEIGHTS = 60
-"""Of memory while heights of a file are made into a matrix: measured on arrays of 1000 and 2000 cells per side."""
+_ARRAY_COPIES = 4
+"""Of an array with several values per cell: between 1.1 (heightmap) and 5 (posture), measured at 10 and 20 per side."""
 
 BYTES_PER_MAP = 1500
 """Of memory for the result of each map until the run ends: measured on thousands of maps, rounded down."""
@@ -58,13 +69,15 @@ class Needs:
     maps_at_once: int
 
 
-def check_needs(recipes: Sequence[Recipe], maps: int, folder: Path, bytes_per_cell: int = 0) -> Needs:
+def check_needs(
+    recipes: Sequence[Recipe], maps: int, folder: Path, step: Step = "build", formats: Collection[Format] = ()
+) -> Needs:
     """What a run needs that makes this number of maps of some recipes in a folder; TooLarge if less is free.
 
-    bytes_per_cell: of memory for every cell of a map, beyond what its world needs
+    step: the one of all that are made of a map which needs the most memory, besides its formats
     """
     free = _free_memory()
-    each = max((_checked_memory(recipe, bytes_per_cell, free) for recipe in recipes), default=0)
+    each = max((_checked_memory(recipe, step, formats, free) for recipe in recipes), default=0)
     needs = Needs(
         map_memory=each,
         results_memory=maps * BYTES_PER_MAP,
@@ -80,23 +93,23 @@ def check_needs(recipes: Sequence[Recipe], maps: int, folder: Path, bytes_per_ce
     return needs
 
 
-def refuse_too_large(recipe: Recipe, bytes_per_cell: int = 0) -> None:
-    """Raise TooLarge if one map needs more memory than is free, with `bytes_per_cell` more bytes for every cell."""
-    _checked_memory(recipe, bytes_per_cell, _free_memory())
+def refuse_too_large(recipe: Recipe, step: Step = "build", formats: Collection[Format] = ()) -> None:
+    """Raise TooLarge if one map, up to this step and in these formats, needs more memory than is free."""
+    _checked_memory(recipe, step, formats, _free_memory())
 
 
 def refuse_many_heights(where: str, n_x: int, n_y: int) -> None:
-    """Raise TooLarge if the heights of a file need more memory than is free."""
-    needed, free = n_x * n_y * BYTES_PER_CELL_OF_HEIGHTS, _free_memory()
+    """Raise TooLarge if the heights of a file, as a map, need more memory than is free."""
+    needed, free = _bytes(n_x * n_y, BYTES_PER_CELL["build"]), _free_memory()
     if needed > free:
         raise TooLarge(
             f"{where}: {n_x} x {n_y} cells need about {format_bytes(needed)} of memory, {format_bytes(free)} are free"
         )
 
 
-def maps_in_memory(recipe: Recipe, bytes_per_cell: int = 0) -> int:
-    """How many of its maps fit into memory at the same time, with `bytes_per_cell` more bytes for every cell."""
-    return max(1, _free_memory() // (_memory(recipe, bytes_per_cell) + BYTES_PER_WORKER))
+def maps_in_memory(recipe: Recipe) -> int:
+    """How many of its maps fit into memory at the same time."""
+    return max(1, _free_memory() // (_memory(recipe, "build", ()) + BYTES_PER_WORKER))
 
 
 def refuse_full(size: int, folder: Path) -> None:
@@ -116,9 +129,9 @@ def format_bytes(size: float) -> str:
     return f"{size / 1000**power:,.{int(power > 0)}f} {_UNITS[power]}"
 
 
-def _checked_memory(recipe: Recipe, bytes_per_cell: int, free: int) -> int:
+def _checked_memory(recipe: Recipe, step: Step, formats: Collection[Format], free: int) -> int:
     """The bytes of memory that one map needs; TooLarge if fewer are free, or if it would take hours."""
-    needed = _memory(recipe, bytes_per_cell)
+    needed = _memory(recipe, step, formats)
     if needed > free:
         n_x, n_y = tile_shape(recipe)
         raise TooLarge(
@@ -134,13 +147,24 @@ def _checked_memory(recipe: Recipe, bytes_per_cell: int, free: int) -> int:
     return needed
 
 
-def _memory(recipe: Recipe, bytes_per_cell: int) -> int:
+def _memory(recipe: Recipe, step: Step, formats: Collection[Format]) -> int:
     """The bytes of memory that one map needs at its peak. A watertight mesh is made of a whole model at once."""
     cells = prod(tile_shape(recipe))
+    most = max(
+        BYTES_PER_CELL[step],
+        BYTES_PER_CELL["measure"] * (recipe.difficulty != 1),
+        BYTES_PER_CELL[_COLLISION[recipe.collision]],
+        *(BYTES_PER_CELL[each.step] + _ARRAY_COPIES * each.array_bytes for each in formats),
+    )
+    if recipe.mesh != "watertight":
+        return _bytes(cells, most)
     model = (recipe.chunk_size + 2) ** 2 if recipe.mesh_type == "pallet" else cells
-    piece = min(cells, model if recipe.mesh == "watertight" else PIECE**2)
-    scaling = BYTES_PER_CELL_OF_DIFFICULTY * (recipe.difficulty != 1)
-    return cells * (BYTES_PER_CELL + scaling + bytes_per_cell) + piece * BYTES_PER_CELL_OF_A_PIECE[recipe.mesh]
+    return cells * most + min(cells, model) * BYTES_PER_CELL["mesh"]
+
+
+def _bytes(cells: int, per_cell: int) -> int:
+    """The bytes of a map of some cells, and of the surface of a piece of it."""
+    return cells * per_cell + min(cells, PIECE**2) * BYTES_PER_CELL["surface"]
 
 
 def _free_memory() -> int:

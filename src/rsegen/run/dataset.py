@@ -21,7 +21,7 @@ from rsegen.io.dataset.layout import ShardLayout
 from rsegen.io.dataset.manifest import MANIFEST, Shard, header, manifest
 from rsegen.io.dataset.reading import Dataset
 from rsegen.io.dataset.tables import arrow, npy, table
-from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS, maps_in_memory, refuse_full, refuse_too_large
+from rsegen.io.resources import maps_in_memory, refuse_full, refuse_too_large
 from rsegen.recipe.batch import build_many
 from rsegen.recipe.kinds import recipes_of
 from rsegen.recipe.recipe import Recipe
@@ -94,7 +94,7 @@ def plan_dataset(
     if layout.metrics == "parquet":
         arrow()
     for recipe in layout.recipes:
-        refuse_too_large(recipe, 0 if layout.metrics == "none" else BYTES_PER_CELL_OF_METRICS)
+        refuse_too_large(recipe, "build" if layout.metrics == "none" else "measure")
     refuse_busy(folder)
     with read_errors(folder):
         is_new = is_empty(folder) and read_journal(folder) is None

@@ -80,7 +80,7 @@ def export(
     chosen = _format(path, format, options)
     refuse_unready([chosen])
     recipe = map.recipe if isinstance(map, Scene) else map
-    refuse_too_large(recipe, chosen.bytes_a_cell)
+    refuse_too_large(recipe, formats=[chosen])
     scene = map if isinstance(map, Scene) else compose(map, index)
     if not path.suffix:
         names = write_folder(exported(scene, [chosen]), path, force=force)
@@ -176,7 +176,7 @@ def plan_exports(
     execution, sidecars = execution or Execution(), Sidecars(formats=tuple(formats))
     for recipe in recipes:
         sidecars.refuse(recipe)
-    maps, needs = _checked_maps(recipes, folder, sidecars.bytes_per_cell)
+    maps, needs = _checked_maps(recipes, folder, formats)
     planned = [planned_export(recipe, index, folder, sidecars.formats, on_existing) for recipe, index in maps]
     return RunPlan(
         folder=folder,
@@ -189,11 +189,11 @@ def plan_exports(
 
 
 def _checked_maps(
-    recipes: Sequence[Recipe], folder: Path, bytes_per_cell: int
+    recipes: Sequence[Recipe], folder: Path, formats: Sequence[Format]
 ) -> tuple[Sequence[tuple[Recipe, int]], Needs]:
     """Return every map of some recipes, and what they need; raises as `export_maps` does."""
     refuse_busy(folder)
-    needs = check_needs(recipes, sum(recipe.maps for recipe in recipes), folder, bytes_per_cell)
+    needs = check_needs(recipes, sum(recipe.maps for recipe in recipes), folder, formats=formats)
     maps = [(recipe, index) for recipe in recipes for index in recipe.indices]
     seen = set()
     for name in (recipe.map_name(index) for recipe, index in maps):
@@ -340,7 +340,7 @@ def _export_joined(
 ) -> tuple[ExportedMap, ...]:
     """Write maps into one folder, which appears at the end; each names the files that those before it don't."""
     refuse_unready([chosen])
-    maps, _ = _checked_maps(recipes, folder, chosen.bytes_a_cell)
+    maps, _ = _checked_maps(recipes, folder, [chosen])
     home = folder / chosen.joins
     if on_existing is OnExisting.KEEP and os.path.lexists(home):
         _refuse_incomplete(home, chosen, maps)

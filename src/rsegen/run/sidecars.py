@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import PurePosixPath
 
 from rsegen.errors import ParameterError
-from rsegen.exporters.formats import Format, added, bytes_a_cell, options, refuse_unready
+from rsegen.exporters.formats import Format, added, options, refuse_unready
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene
 from rsegen.io.input_files import open_regular
@@ -59,11 +59,6 @@ class Sidecars:
     def seconds(self, cells: int) -> float:
         """About how long they take for a map with this many cells."""
         return 0.5 * len(self._makers) + (5e-3 + cells * 3e-5) * len(self.formats)
-
-    @property
-    def bytes_per_cell(self) -> int:
-        """Of memory for every cell of a map, while they are made."""
-        return bytes_a_cell(self.formats)
 
     @property
     def _makers(self) -> Mapping[str, Callable[[Scene], bytes]]:

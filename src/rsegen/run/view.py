@@ -16,7 +16,7 @@ from rsegen.exporters.browser import ShownMap, page
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
 from rsegen.io.recipe_file import to_yaml
-from rsegen.io.resources import BYTES_PER_CELL_OF_METRICS, refuse_too_large
+from rsegen.io.resources import refuse_too_large
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import tile_shape
@@ -77,7 +77,7 @@ def view_all(recipes: Sequence[Recipe]) -> View:
     cells = 0
     for recipe in recipes:
         _refuse_unshowable(tile_shape(recipe))
-        refuse_too_large(recipe, BYTES_PER_CELL_OF_METRICS)
+        refuse_too_large(recipe, "measure")
         cells += recipe.maps * prod(tile_shape(recipe))
     if cells > MOST_CELLS_TOGETHER:
         most = f"the {MOST_CELLS_TOGETHER:,} of a page"

@@ -120,7 +120,7 @@ def plan_worlds(
     refuse_busy(folder)
     existing = existing_maps(recipe, folder, sidecars.complete_in) if keep else []
     sidecars.refuse(recipe)
-    needs = check_needs([recipe], recipe.maps - len(existing), folder, sidecars.bytes_per_cell)
+    needs = check_needs([recipe], recipe.maps - len(existing), folder, formats=sidecars.formats)
     if not keep:
         homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
         refuse_taken(homes, force=on_existing is OnExisting.REPLACE)

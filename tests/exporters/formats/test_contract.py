@@ -6,13 +6,14 @@ import json
 import subprocess
 import sys
 from pathlib import Path, PurePosixPath
+from typing import get_args
 
 import pytest
 
 import rsegen
 from rsegen import Recipe, Scene, compose, load
 from rsegen.errors import pip_install
-from rsegen.exporters.formats import FORMATS, Format, exported
+from rsegen.exporters.formats import FORMATS, Format, Step, exported
 from rsegen.io.checksums import JOURNAL
 from rsegen.io.importers import IMPORTERS as READ
 from rsegen.params import extras
@@ -34,7 +35,8 @@ def test_a_format_explains_itself_and_its_options(cls: type[Format]) -> None:
     assert cls.name.islower()
     assert summary(cls).endswith(".")
     assert all(option.help and option.describe() for option in parameters(cls).values())
-    assert cls().bytes_a_cell > 0
+    assert cls().step in get_args(Step)
+    assert cls().array_bytes >= 0
 
 
 @FORMAT

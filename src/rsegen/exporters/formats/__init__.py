@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePosixPath
 
 from rsegen.errors import ParameterError
-from rsegen.exporters.formats.base import FORMATS, Format, refuse_missing
+from rsegen.exporters.formats.base import FORMATS, Format, Step, refuse_missing
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene
 from rsegen.params.extras import Extra
@@ -48,11 +48,6 @@ def exported(scene: Scene, formats: Sequence[Format]) -> Bundle:
     return {PurePosixPath("recipe.json"): [map_json(scene.recipe, scene.index)], **added(scene, formats)}
 
 
-def bytes_a_cell(formats: Iterable[Format]) -> int:
-    """Of memory for every cell of a map: they are made one after the other."""
-    return max((each.bytes_a_cell for each in formats), default=0)
-
-
 def _origin(name: str) -> dict[str, Json]:
     source = FORMATS.source(name)
     return {"plugin": str(source)} if source else {}
@@ -70,8 +65,8 @@ __all__ = [
     "FORMATS",
     "Extra",
     "Format",
+    "Step",
     "added",
-    "bytes_a_cell",
     "exported",
     "format_named",
     "options",

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from rsegen.exporters.formats.base import Format, register
+from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.encoded import as_json, mat, metadata, npy, recipe_json
 from rsegen.exporters.levels import csv
 from rsegen.exporters.scene import Scene
@@ -29,6 +29,7 @@ class Arrays(Format):
 
     name: ClassVar[str] = "arrays"
     mat_file: ClassVar[str] = "levels.mat"
+    step: ClassVar[Step] = "build"
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The arrays, of shape (n_x, n_y) with frames, the table and the metadata."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar, TypeVar
+from typing import ClassVar, Literal, TypeVar
 
 from rsegen.errors import UserError, pip_install
 from rsegen.exporters.scene import Scene
@@ -18,6 +18,9 @@ from rsegen.params.extras import MAT, Extra
 from rsegen.params.registry import Registry
 from rsegen.params.sorts import Json, parameters, validate
 from rsegen.recipe.recipe import Recipe
+
+Step = Literal["build", "measure", "surface", "mesh"]
+"""A step of making a map, by its memory: a field; its metrics; its surface or boxes; a watertight mesh of all of it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -28,6 +31,9 @@ class Format(ABC):
     extra: ClassVar[Extra | None] = None
     """What none of its files can be written without."""
 
+    step: ClassVar[Step] = "measure"
+    """The step of making a map that needs about as much memory as making its files."""
+
     mat_file: ClassVar[str] = ""
     """The one file that needs scipy, and is left out if that is not installed."""
 
@@ -35,9 +41,9 @@ class Format(ABC):
         validate(self)
 
     @property
-    def bytes_a_cell(self) -> int:
-        """Of memory for every cell of a map, at the most, while its files are made."""
-        return 300
+    def array_bytes(self) -> int:
+        """Bytes per cell of the largest array that has several values per cell; 0 if none has."""
+        return 0
 
     @property
     def options(self) -> dict[str, Json]:

@@ -13,8 +13,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from rsegen.exporters.formats.base import Format, register
-from rsegen.exporters.formats.solid import BYTES_A_CELL, Solid, solid
+from rsegen.exporters.formats.base import Format, Step, register
+from rsegen.exporters.formats.solid import Solid, solid
 from rsegen.exporters.formats.srgb import srgb_to_linear
 from rsegen.exporters.formats.textured import textured_parts
 from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name, textured_name
@@ -30,11 +30,7 @@ class Glb(Format):
 
     name: ClassVar[str] = "glb"
     extra: ClassVar[Extra | None] = MESH
-
-    @property
-    def bytes_a_cell(self) -> int:
-        """The memory of a watertight mesh."""
-        return BYTES_A_CELL
+    step: ClassVar[Step] = "mesh"
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """One GLB file."""

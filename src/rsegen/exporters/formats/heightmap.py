@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.exporters.formats.base import Format, register
+from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.encoded import as_json, metadata, recipe_json
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
@@ -29,13 +29,14 @@ class Heightmap(Format):
     """A greyscale image of the heights (PNG, 16 bits), exact to the level, north up, with its metadata as JSON."""
 
     name: ClassVar[str] = "heightmap"
+    step: ClassVar[Step] = "build"
 
     pixels: Annotated[int, Integer(1, 100, help="pixels along each side of a cell")] = 1
 
     @property
-    def bytes_a_cell(self) -> int:
-        """The memory of the pixels and of the image library's copies."""
-        return 100 + 16 * self.pixels**2
+    def array_bytes(self) -> int:
+        """Bytes of the 16-bit pixels, for every cell."""
+        return 2 * self.pixels**2
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The image and its metadata."""

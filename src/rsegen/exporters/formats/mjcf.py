@@ -15,7 +15,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.exporters.formats.base import Format, register
+from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.coloured import coloured_objs, textured_objs
 from rsegen.exporters.formats.columns import Column, columns
 from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name, textured_name
@@ -32,6 +32,7 @@ class Mjcf(Format):
     """A static body for MuJoCo (MJCF), of boxes, a height field, or a mesh with boxes, and a scene that includes it."""
 
     name: ClassVar[str] = "mjcf"
+    step: ClassVar[Step] = "surface"
 
     shape: Annotated[
         str,
@@ -47,9 +48,9 @@ class Mjcf(Format):
     ] = 4
 
     @property
-    def bytes_a_cell(self) -> int:
-        """The memory of a few boxes or faces, or of the samples."""
-        return 24 * self.pixels**2 + 300 if self.shape == "hfield" else 600
+    def array_bytes(self) -> int:
+        """Bytes of the samples of a height field, for every cell."""
+        return 8 * self.pixels**2 if self.shape == "hfield" else 0
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The map under its own name, the scene, and the mesh or height field files of the map."""

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.exporters.formats.base import Format, register
+from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
@@ -29,6 +29,7 @@ class Occupancy(Format):
     """An occupancy grid for ROS map_server and Nav2 (map.yaml, map.pgm): cells too high to climb are occupied."""
 
     name: ClassVar[str] = "occupancy"
+    step: ClassVar[Step] = "build"
 
     climb_cm: Annotated[
         float | None,
@@ -40,9 +41,9 @@ class Occupancy(Format):
     pixels: Annotated[int, Integer(1, 100, help="pixels along each side of a cell")] = 1
 
     @property
-    def bytes_a_cell(self) -> int:
-        """The memory of the pixels, twice."""
-        return 100 + 2 * self.pixels**2
+    def array_bytes(self) -> int:
+        """Bytes of the pixels, for every cell."""
+        return self.pixels**2
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The image, north up, and its YAML metadata; the centre of the map is the origin of the world."""

@@ -13,7 +13,7 @@ from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 
-from rsegen.exporters.formats.base import Format, register
+from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.edges import COLUMNS, edges
 from rsegen.exporters.formats.encoded import as_json, mat, metadata, north_up, npy, recipe_json
 from rsegen.exporters.formats.tags import ObstacleCells, obstacle_cells, peaks_and_pits
@@ -45,6 +45,7 @@ class Posture(Format):
 
     name: ClassVar[str] = "posture"
     mat_file: ClassVar[str] = "posture.mat"
+    step: ClassVar[Step] = "mesh"
 
     per_block: Annotated[int, Integer(1, 100, help="raster cells along each side of a block")] = 5
     climb_cm: Annotated[
@@ -56,9 +57,9 @@ class Posture(Format):
     ] = 100.0
 
     @property
-    def bytes_a_cell(self) -> int:
-        """The memory of the raster in several copies, of the edges, and of the search for plateaus."""
-        return 3000 + 40 * self.per_block**2
+    def array_bytes(self) -> int:
+        """Bytes of the raster, for every cell."""
+        return 8 * self.per_block**2
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """Arrays with axis 0 along x, tables of heights north up, and metadata; lengths in metres."""

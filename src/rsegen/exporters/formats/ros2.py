@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from rsegen.exporters.formats.base import Format, register
+from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.encoded import as_json
 from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.exporters.formats.urdf import urdf_files
@@ -30,6 +30,7 @@ class Ros2(Format):
     """A ROS 2 package (ament_cmake): model, world, occupancy grid and URDF, launch files for Gazebo, Nav2 and RViz."""
 
     name: ClassVar[str] = "ros2"
+    step: ClassVar[Step] = "surface"
 
     package: Annotated[
         str | None,
@@ -50,11 +51,6 @@ class Ros2(Format):
     clearance_cm: Annotated[
         float, Float(0, 100_000, unit="cm", help="distance of the start pose from the map's border, on flat ground")
     ] = 100.0
-
-    @property
-    def bytes_a_cell(self) -> int:
-        """The memory of a world."""
-        return 600
 
     @property
     def joins(self) -> str:

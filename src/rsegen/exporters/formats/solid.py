@@ -11,9 +11,6 @@ from numpy.typing import NDArray
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.geometry import TILES, texture_coordinates, watertight
 
-BYTES_A_CELL = 6000
-"""The memory per cell for a watertight mesh and trimesh's copies of it."""
-
 
 class Solid(NamedTuple):
     """A mesh: vertices (n, 3) in metres, z up; triangles (m, 3), counterclockwise from outside; materials (m,).

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rsegen.exporters.formats.base import Format, register
-from rsegen.exporters.formats.solid import BYTES_A_CELL, solid
+from rsegen.exporters.formats.base import Format, Step, register
+from rsegen.exporters.formats.solid import solid
 from rsegen.exporters.scene import Scene
 from rsegen.params.extras import MESH, Extra
 
@@ -19,11 +19,7 @@ class Stl(Format):
 
     name: ClassVar[str] = "stl"
     extra: ClassVar[Extra | None] = MESH
-
-    @property
-    def bytes_a_cell(self) -> int:
-        """The memory of a watertight mesh."""
-        return BYTES_A_CELL
+    step: ClassVar[Step] = "mesh"
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """One STL file."""

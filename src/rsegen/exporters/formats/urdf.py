@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Annotated, ClassVar
 
-from rsegen.exporters.formats.base import Format, register
+from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.coloured import coloured_objs
 from rsegen.exporters.gazebo.obj import material_name, plain_mtl
 from rsegen.exporters.gazebo.sdf import numbers, utf8
@@ -28,15 +28,11 @@ class Urdf(Format):
     """A static link (URDF) for PyBullet, Isaac Lab and RViz, with a visual mesh per colour and collision boxes."""
 
     name: ClassVar[str] = "urdf"
+    step: ClassVar[Step] = "surface"
 
     world: Annotated[
         bool, Flag(help="hold the map by a fixed joint to a link `world`, for engines that let it fall (Drake, DART)")
     ] = False
-
-    @property
-    def bytes_a_cell(self) -> int:
-        """The memory of a few boxes and faces."""
-        return 600
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The URDF file, and the visual meshes in the folder meshes."""

@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from rsegen.exporters.formats.base import Format, register
+from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.solid import Solid, solid
 from rsegen.exporters.formats.srgb import srgb_to_linear
 from rsegen.exporters.formats.usd_textures import bind_textures
@@ -33,16 +33,12 @@ class Usd(Format):
 
     name: ClassVar[str] = "usd"
     extra: ClassVar[Extra | None] = USD
+    step: ClassVar[Step] = "mesh"
 
     binary: Annotated[
         bool,
         Flag(help="binary file (.usdc), which opens faster than text (.usda) and depends on the version of usd-core"),
     ] = True
-
-    @property
-    def bytes_a_cell(self) -> int:
-        """The memory of a watertight mesh and of its text."""
-        return 4000
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """One USD file, and the images of its textures if the recipe's look has any."""

@@ -14,7 +14,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QPushButton,
-    QSpinBox,
     QVBoxLayout,
     QWidget,
 )
@@ -22,6 +21,7 @@ from PySide6.QtWidgets import (
 from rsegen.exporters.scene import compose
 from rsegen.gui.dialogs.gallery import GalleryDialog
 from rsegen.gui.widgets.named import named
+from rsegen.gui.widgets.number_boxes import IntegerBox
 from rsegen.gui.widgets.plan_painting import square_image
 from rsegen.gui.workers.latest_only import LatestOnly, failure_text
 from rsegen.io.dataset.manifest import read_manifest
@@ -45,7 +45,7 @@ class DatasetDialog(QDialog):
         self.setWindowTitle("Open a map of a data set")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._folder, self._layout = folder, layout
-        self._number = named(QSpinBox(), "place", title="map", tip="maps are counted from 0, as in DIR#17")
+        self._number = named(IntegerBox(), "place", title="map", tip="maps are counted from 0, as in DIR#17")
         self._number.setRange(0, min(layout.maps - 1, _MOST))
         self._picture = named(QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True), "picture")
         self._picture.setFixedSize(SIDE, SIDE)

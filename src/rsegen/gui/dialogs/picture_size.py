@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSize
-from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QSpinBox, QWidget
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QWidget
 
 from rsegen.gui.widgets.named import named
+from rsegen.gui.widgets.number_boxes import IntegerBox
 
 _MOST = 8192
 """Pixels a side that OpenGL draws at once."""
@@ -20,9 +21,11 @@ class PictureSizeDialog(QDialog):
         self.setWindowTitle("Save the picture")
         tip = "of the picture; texts and lines grow with its height"
         self._width, self._height = (
-            named(QSpinBox(suffix=" pixels", minimum=16, maximum=_MOST, value=min(2 * side, _MOST)), name, tip=tip)
-            for name, side in (("picture_width", view.width()), ("picture_height", view.height()))
+            named(IntegerBox(suffix=" pixels"), name, tip=tip) for name in ("picture_width", "picture_height")
         )
+        for box, side in ((self._width, view.width()), (self._height, view.height())):
+            box.setRange(16, _MOST)
+            box.setValue(2 * side)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Save | QDialogButtonBox.StandardButton.Cancel)
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)

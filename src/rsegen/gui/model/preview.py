@@ -23,10 +23,6 @@ QUICK_CELLS = 10_000
 """Maps of up to this many cells are previewed at once; larger ones in a thread."""
 
 
-BYTES_PER_CELL = 24
-"""Of memory for every cell beyond what its world needs: measured between 1000 x 1000 and 3000 x 3000, rounded up."""
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Preview:
     """A scene and what is shown of it: a surface, each column `factor` x `factor` cells, a legend, numbers.
@@ -56,7 +52,7 @@ def preview(recipe: Recipe, index: int, proposed: Entry | None = None, shown: Pr
 
     shown: an earlier preview; if it is of the same map, only the ghost of the obstacle is made anew.
     """
-    refuse_too_large(recipe, BYTES_PER_CELL)
+    refuse_too_large(recipe)
     is_shown = shown is not None and (shown.scene.recipe, shown.scene.index) == (recipe, index)
     try:
         return _with_ghost(shown if shown and is_shown else preview_of(compose(recipe, index)), proposed)

@@ -183,8 +183,13 @@ class Session:
         """Whether the draft differs from its file."""
         return self.draft != self._saved
 
+    @property
+    def switched_off(self) -> int:
+        """The number of rows that are switched off, which a recipe file cannot hold."""
+        return sum(not row.enabled for row in self.draft.rows)
+
     def save(self, path: Path) -> None:
-        """Write the recipe to a file; rows that are switched off are left out."""
+        """Write the recipe to a file; rows that are switched off are left out, so ask first."""
         save(self.draft.recipe(), path, confirmed=True)
         self.path, self._saved = path, self.draft
         self.changed()

@@ -6,7 +6,7 @@ from rsegen.errors import ParameterError
 from rsegen.field.obstacles import KINDS, Obstacle
 from rsegen.gui.model.session import Entry
 from rsegen.params.places import CellRef
-from rsegen.params.sorts import Json, parameters
+from rsegen.params.sorts import Float, Json, Parameter, parameters
 from rsegen.recipe.codec import OTHER_NAMES
 from rsegen.recipe.recipe import Placement
 
@@ -77,8 +77,14 @@ def _with_kind(entry: Entry, kind: str) -> Entry:
     return {"kind": kind} | {name: value for name, value in entry.items() if name != "kind" and name in known}
 
 
+def typed_value(parameter: Parameter, text: str) -> object:
+    """The value of a text as on the command line, unchecked; a comma in a number that is no list is a decimal mark."""
+    number = parameter.parse(text.replace(",", ".")) if isinstance(parameter, Float) else text
+    return number if isinstance(number, float) else parameter.parse(text)
+
+
 def _parsed(kind: str, key: str, text: str) -> Json:
     """The value of a text; a place may be in brackets, as messages write it. The kind may be unknown."""
     sort = {**parameters(KINDS.get(kind, Obstacle)), **parameters(Placement)}[key]
-    found = sort.parse(text.replace(" ", "").strip("[]") if isinstance(sort, CellRef) else text)
+    found = typed_value(sort, text.replace(" ", "").strip("[]") if isinstance(sort, CellRef) else text)
     return list(found) if isinstance(found, tuple) else found

@@ -9,7 +9,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QPushButton,
-    QSpinBox,
     QToolButton,
     QVBoxLayout,
     QWidget,
@@ -20,6 +19,7 @@ from rsegen.gui.model.colours import GROUND, centimetres, rgb
 from rsegen.gui.model.strokes import Brush, Tool
 from rsegen.gui.widgets.layouts import row_of
 from rsegen.gui.widgets.named import named
+from rsegen.gui.widgets.number_boxes import IntegerBox
 
 _HIGHEST = 32766
 _SWATCHES = 8
@@ -50,7 +50,9 @@ class BrushBar(QWidget):
         super().__init__()
         self.paint = named(QPushButton("Paint cells"), "paint", tip=_TIP)
         self.paint.setCheckable(True)
-        self.level = named(QSpinBox(prefix="level ", maximum=_HIGHEST, value=1), "paint_level", title="level to paint")
+        self.level = named(IntegerBox(prefix="level "), "paint_level", title="level to paint")
+        self.level.setMaximum(_HIGHEST)
+        self.level.setValue(1)
         self.level.setToolTip("the level to paint; its height stands on the right")
         self._height = named(QLabel(), "paint_height")
         self._tools, self._swatches = QButtonGroup(self), QButtonGroup(self)

@@ -7,8 +7,6 @@ from PySide6.QtGui import QBrush, QColor, QPalette
 from PySide6.QtWidgets import (
     QAbstractSpinBox,
     QComboBox,
-    QDoubleSpinBox,
-    QSpinBox,
     QStyle,
     QStyledItemDelegate,
     QStyleOptionViewItem,
@@ -20,6 +18,7 @@ from rsegen.field.obstacles.base import MOST_LEVELS
 from rsegen.gui.model.typed_cells import kind_words
 from rsegen.gui.widgets.message_label import ink
 from rsegen.gui.widgets.named import named
+from rsegen.gui.widgets.number_boxes import DecimalBox, IntegerBox
 
 PROBLEM = Qt.ItemDataRole.UserRole
 """The role of a cell's data that says what is wrong with it."""
@@ -44,7 +43,7 @@ class KindCell(QComboBox):
         return self.currentText()
 
 
-class HeightCell(QSpinBox):
+class HeightCell(IntegerBox):
     """A number of levels."""
 
     def __init__(self, parent: QWidget) -> None:
@@ -58,16 +57,12 @@ class HeightCell(QSpinBox):
         return self.text() == text
 
 
-class SoftnessCell(QDoubleSpinBox):
+class SoftnessCell(DecimalBox):
     """A percentage."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.setRange(0, 100)
-
-    def textFromValue(self, value: float) -> str:
-        """The number without trailing zeros."""
-        return f"{value:g}"
 
     def show_text(self, text: str) -> bool:
         """Show the text of a cell, none as 0; whether it can be shown."""

@@ -11,19 +11,19 @@ from PySide6.QtWidgets import (
     QAbstractSpinBox,
     QCheckBox,
     QComboBox,
-    QDoubleSpinBox,
     QHBoxLayout,
     QInputDialog,
     QLineEdit,
     QPushButton,
-    QSpinBox,
     QWidget,
 )
 
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles.matrix import Rows
+from rsegen.gui.model.typed_cells import typed_value
 from rsegen.gui.widgets.layouts import scroll_past
 from rsegen.gui.widgets.named import named
+from rsegen.gui.widgets.number_boxes import DecimalBox, IntegerBox
 from rsegen.params.difficulty_range import DifficultySort
 from rsegen.params.places import Size2D
 from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, parameters
@@ -120,27 +120,20 @@ class ChoiceEditor(Editor):
         self._box.setCurrentIndex(-1)
 
 
-class _PlainSpinBox(QDoubleSpinBox):
-    """A spin box for floats without trailing zeros."""
-
-    def textFromValue(self, value: float) -> str:
-        return f"{value:.3f}".rstrip("0").rstrip(".")
-
-
 class NumberEditor(Editor):
     """A spin box for an integer or a float; a value that is none, or out of range, is shown as its text."""
 
     def _widgets(self) -> tuple[QWidget, ...]:
         sort = cast("Integer | Float", self.parameter)
         self._low, self._high = sort.low, _MOST if sort.high is None else min(sort.high, _MOST)
-        self._box: QSpinBox | QDoubleSpinBox
+        suffix = f" {sort.unit}" if sort.unit else ""
+        self._box: IntegerBox | DecimalBox
         if isinstance(sort, Integer):
-            self._box = QSpinBox()
+            self._box = IntegerBox(suffix=suffix)
         else:
-            self._box = _PlainSpinBox(decimals=3)
-            self._box.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
-        self._box.setRange(self._low, self._high)  # type: ignore[arg-type]  # integers in a QSpinBox
-        self._box.setSuffix(f" {sort.unit}" if sort.unit else "")
+            self._box = DecimalBox(suffix=suffix)
+            self._box.setStepType(DecimalBox.StepType.AdaptiveDecimalStepType)
+        self._box.setRange(self._low, self._high)  # type: ignore[arg-type]  # integers in an IntegerBox
         self._box.valueChanged.connect(self._emit)
         return (self._box,)
 
@@ -154,11 +147,11 @@ class NumberEditor(Editor):
     def _put_invalid(self, value: Json) -> None:
         """Show a text: Qt has one for the minimum, so that is one below the range for as long."""
         self._show_special(shortened(value), self._low - 1)
-        self._box.setValue(self._low - 1)  # type: ignore[arg-type]  # an integer in a QSpinBox
+        self._box.setValue(self._low - 1)  # type: ignore[arg-type]  # an integer in an IntegerBox
 
     def _show_special(self, text: str, minimum: float) -> None:
         self._box.setSpecialValueText(text)
-        self._box.setMinimum(minimum)  # type: ignore[arg-type]  # an integer in a QSpinBox
+        self._box.setMinimum(minimum)  # type: ignore[arg-type]  # an integer in an IntegerBox
 
     def _can_show(self, value: Json) -> bool:
         return super()._can_show(value) and value <= self._high
@@ -170,7 +163,7 @@ class PairEditor(Editor):
     _parts = (" along x", " along y")
 
     def _widgets(self) -> tuple[QWidget, ...]:
-        self._boxes = (QSpinBox(prefix="x "), QSpinBox(prefix="y "))
+        self._boxes = (IntegerBox(prefix="x "), IntegerBox(prefix="y "))
         for box in self._boxes:
             box.setRange(1, Size2D.high)
             box.valueChanged.connect(self._emit)
@@ -203,7 +196,7 @@ class TextEditor(Editor):
 
     def _read(self) -> Json:
         text = self._line.text()
-        return self.parameter.parse(text) if text else None
+        return typed_value(self.parameter, text) if text else None
 
     def _put(self, value: Json) -> None:
         self._line.setText("" if value is None else self.parameter.format(value))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtWidgets import QAbstractSpinBox, QCheckBox, QGridLayout, QLabel, QSlider, QSpinBox, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QAbstractSpinBox, QCheckBox, QGridLayout, QLabel, QSlider, QVBoxLayout, QWidget
 
 from rsegen.field.obstacles import Grid
 from rsegen.gui.model.session import Entry
 from rsegen.gui.widgets.editors import shortened
 from rsegen.gui.widgets.layouts import scroll_past
 from rsegen.gui.widgets.named import named
+from rsegen.gui.widgets.number_boxes import IntegerBox
 from rsegen.params.sorts import Json
 
 _MOST = 2**31 - 1
@@ -27,7 +28,7 @@ class Coordinate(QWidget):
         super().__init__()
         name, tip = title.lower().replace(" ", "_"), f"{title}, in blocks of the map, counted from 0"
         self.slider = named(QSlider(Qt.Orientation.Horizontal), name, title=f"{title} slider", tip=tip)
-        self.number = named(QSpinBox(), f"{name}_number", title=title, tip=tip)
+        self.number = named(IntegerBox(), f"{name}_number", title=title, tip=tip)
         self.number.setButtonSymbols(QAbstractSpinBox.ButtonSymbols.NoButtons)
         self.number.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.random = named(QCheckBox("random"), f"{name}_random", tip="drawn anew for every map")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QComboBox, QLabel, QSpinBox, QStatusBar
+from PySide6.QtWidgets import QComboBox, QLabel, QStatusBar
 
 from rsegen.gui.model.map_numbers import Costs
 from rsegen.gui.model.preview import Preview
 from rsegen.gui.model.simulation import robot_names
 from rsegen.gui.widgets.level_bar import LevelBar
 from rsegen.gui.widgets.named import named
+from rsegen.gui.widgets.number_boxes import IntegerBox
 from rsegen.recipe.recipe import Recipe
 
 _MOST = 2**31 - 1
@@ -23,7 +24,7 @@ class MapStatusBar(QStatusBar):
 
     def __init__(self) -> None:
         super().__init__()
-        self.index = named(QSpinBox(prefix="map "), "index", tip="which of the maps is shown")
+        self.index = named(IntegerBox(prefix="map "), "index", tip="which of the maps is shown")
         self._first = 0
         self.levels, self.numbers = LevelBar(), named(QLabel(), "numbers")
         self.costs, self.cell = named(QLabel(indent=12), "costs"), named(QLabel(), "cell")

@@ -15,7 +15,7 @@ from rsegen.exporters.formats import Format
 from rsegen.exporters.scene import compose
 from rsegen.field.metrics.by_name import RMS, By
 from rsegen.field.robot_limits import RobotLimits
-from rsegen.io.resources import BYTES_PER_CELL_OF_DIFFICULTY, BYTES_PER_CELL_OF_METRICS, check_needs
+from rsegen.io.resources import check_needs
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.difficulty_by import Span
 from rsegen.recipe.recipe import Recipe
@@ -31,7 +31,6 @@ from rsegen.run.store import open_store, refuse_busy, refuse_taken, refuse_taken
 from rsegen.run.worlds import GeneratedMap, seconds_per_world, world_output
 
 TABLE, PICTURE = "series.csv", "series.png"
-_BYTES_PER_CELL = BYTES_PER_CELL_OF_METRICS + BYTES_PER_CELL_OF_DIFFICULTY
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -112,7 +111,7 @@ def plan_series(
     execution, numbers = execution or Execution(), range(plan.recipe.maps)
     sidecars.refuse(plan.recipe)
     refuse_busy(folder)
-    needs = check_needs([plan.recipe], len(numbers), folder, _BYTES_PER_CELL + sidecars.bytes_per_cell)
+    needs = check_needs([plan.recipe], len(numbers), folder, "measure", sidecars.formats)
     execution = replace(execution, workers=min(execution.workers, needs.maps_at_once))
     if callable(plan.by):  # a function of the caller, which another process may not have
         execution = Execution(sync=execution.sync)
