@@ -7,6 +7,9 @@ import random
 import shutil
 from pathlib import Path
 
+NAMES = ("rse_0000.old", "notes.txt", "mine", "file.txt", "folder")
+"""What `add_foreign` puts into the output folder."""
+
 
 def add_foreign(trial: Path, *, shared: bool) -> None:
     """Things of others: outside of the folder, next to the output folder, and in it if it may be shared."""

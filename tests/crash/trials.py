@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tests.crash.commands import RUNS, TURNS, Run
-from tests.crash.foreign import add_foreign, put_foreign
+from tests.crash.foreign import NAMES, add_foreign, put_foreign
 from tests.crash.injection import ERRORS, Injection
 from tests.crash.judging import (
     End,
@@ -219,7 +219,12 @@ def _reserved(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, li
     end = server.run(trial.run.command)
     now = tree(server.trial)
     wrong = [*wrong_end(end, before, now, alone.whole, interrupted=False)]
-    mine = {place: file for place, file in before.items() if is_hidden(place) or not place.startswith("root/out")}
+    ours = f"root/out/{name}"
+    mine = {
+        place: file
+        for place, file in before.items()
+        if place == ours or place.startswith(f"{ours}/") or not place.startswith("root/out")
+    }
     wrong += differences({place: file for place, file in now.items() if place in mine}, mine)
     return f"{what} named out/{name}", wrong
 
@@ -229,7 +234,8 @@ def _replaced(alone: Undisturbed, depth: int) -> list[str]:
     old, new = (_of_root(visible(files)) for files in (alone.before, alone.whole))
     changed = {path for path in old.keys() & new.keys() if old[path] != new[path]}
     found = sorted({"/".join(path.split("/")[:depth]) for path in changed})
-    return found or sorted(path for path in new if path.startswith("out/") and old.get(path, ("",))[0] == "file")
+    same = (path for path in new if path.startswith("out/") and old.get(path, ("",))[0] == "file")
+    return found or sorted(path for path in same if path.split("/")[1] not in NAMES)
 
 
 def _injection(kind: str, rng: random.Random, calls: int) -> Injection:

@@ -194,9 +194,9 @@ def test_a_run_that_is_stopped_between_two_swaps_leaves_all_as_it_was(
 
 def test_a_format_that_was_being_replaced_when_all_was_killed_comes_back(tmp_path: Path) -> None:
     export_maps([RECIPE], tmp_path / "a", [Heightmap(), Occupancy()])
-    home = tmp_path / "a" / "rse_0000"
-    (home / ".rsegen" / "old" / "0123abcd").mkdir(parents=True)
-    (home / "heightmap").rename(home / ".rsegen" / "old" / "0123abcd" / "heightmap")
+    aside = tmp_path / "a" / ".rsegen" / "old" / "0123abcd" / "rse_0000"
+    aside.mkdir(parents=True)
+    (tmp_path / "a" / "rse_0000" / "heightmap").rename(aside / "heightmap")
     export_maps([RECIPE], tmp_path / "a", [Heightmap()], force=True)
     export_maps([RECIPE], tmp_path / "b", [Heightmap(), Occupancy()])
     assert contents(tmp_path / "a") == contents(tmp_path / "b")

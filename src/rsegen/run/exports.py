@@ -344,8 +344,9 @@ def _export_joined(
     home = folder / chosen.joins
     if on_existing is OnExisting.KEEP and os.path.lexists(home):
         _refuse_incomplete(home, chosen, maps)
-        return ()
-    refuse_taken([home], force=on_existing is OnExisting.REPLACE, holds="package")
+        maps = ()
+    else:
+        refuse_taken([home], force=on_existing is OnExisting.REPLACE, holds="package")
     made: list[ExportedMap] = []
     with open_store(home.parent, sync=sync, output=home) as store:
         root, files = new_root(store.staging), dict[str, Checksum]()
@@ -356,7 +357,8 @@ def _export_joined(
             made.append(ExportedMap(folder=home, names=sorted_names(new)))
             if progress:
                 progress(made[-1])
-        store.put_complete(root, files, home.name, "package", force=on_existing is OnExisting.REPLACE)
+        if maps:
+            store.put_complete(root, files, home.name, "package", force=on_existing is OnExisting.REPLACE)
     return tuple(made)
 
 

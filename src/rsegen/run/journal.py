@@ -89,6 +89,8 @@ def _line(entry: Mapping[str, object]) -> bytes:
 def read_journal(folder: Path) -> Journal | None:
     """Return the journal of a folder, None if there is none; FileError if it is damaged or not rsegen's."""
     path = folder / JOURNAL
+    if path.is_symlink():
+        raise FileError(f"{path}: is a link, so nothing in this folder is replaced; give another folder")
     try:
         with open_regular(path) as file:
             text = file.read(_LARGEST + 1)
@@ -176,15 +178,19 @@ class OpenJournal:
         self.content = content
 
     def tidy(self) -> None:
-        """Write the journal anew with one line per file, sorted: a run that was stopped and went on leaves the same."""
+        """Write the journal anew with one line per file, sorted: a run that was stopped and went on leaves the same.
+
+        If that fails, it says the same as it is.
+        """
         if self.content is None:
             return
         results = b"".join(map(result_line, self.content.results))
         text = first_line(self.content.holds, self.content.of) + file_lines(self.content.files) + results
-        if len(text) != self._size or self._path.read_bytes() != text:
-            self._write(self._staged, text, 0)
-            os.replace(self._staged, self._path)
-            self._size = len(text)
+        with suppress(OSError):
+            if len(text) != self._size or self._path.read_bytes() != text:
+                self._write(self._staged, text, 0)
+                os.replace(self._staged, self._path)
+                self._size = len(text)
 
     def note(self, result: Mapping[str, Json]) -> None:
         """Append a result to a journal that has begun."""
@@ -208,8 +214,12 @@ class OpenJournal:
         if not size:
             self._write(self._staged, lines, 0)
             put(self._staged, self._path)
-            if self._sync:
-                sync_folder(self._path.parent)
+            try:
+                if self._sync:
+                    sync_folder(self._path.parent)
+            except BaseException:
+                self._cut(0)
+                raise
         else:
             try:
                 self._write(self._path, lines, size)

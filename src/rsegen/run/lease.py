@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from rsegen.errors import OutputError, shown
+from rsegen.io.checksums import JOURNAL
 
 BEAT = 2.0
 """Seconds between two heartbeats."""
@@ -77,12 +78,14 @@ def acquire(home: Path, wait: float = 0.0) -> Lease:
     """
     end = time.monotonic() + wait
     while True:
+        try:
+            refuse_leased(home)
+        except OutputError:
+            if time.monotonic() >= end:
+                raise
+            time.sleep(_POLL)
+            continue
         held = _held(home)
-        if held and is_alive(held):
-            if time.monotonic() < end:
-                time.sleep(_POLL)
-                continue
-            raise _busy(home, held)
         try:
             lease = Lease(home, _number(held) + 1 if held else 1)
         except FileExistsError:  # another run was quicker
@@ -93,10 +96,21 @@ def acquire(home: Path, wait: float = 0.0) -> Lease:
 
 
 def refuse_leased(home: Path) -> None:
-    """Raise an OutputError if a run that is alive has the hidden folder of a folder."""
-    held = _held(home)
-    if held and is_alive(held):
-        raise _busy(home, held)
+    """Raise an OutputError if a run that is alive has a folder, given by its hidden folder.
+
+    A folder with a journal, such as that of a map, may also be written to or replaced by a run in the folder above.
+    """
+    folder = home.parent.absolute()
+    for each in (folder, *([folder.parent] if (folder / JOURNAL).exists() else [])):
+        held = _held(each / home.name)
+        if held and (each == folder or not _is_own(held)) and is_alive(held):
+            raise _busy(each / home.name, held)
+
+
+def _is_own(held: Path) -> bool:
+    """Whether a lease is of this process, which may write below the folder too."""
+    entry = _read(held) or {}
+    return entry.get("pid") == os.getpid() and {key: entry.get(key) for key in _place()} == _place()
 
 
 def is_alive(path: Path) -> bool:

@@ -119,9 +119,7 @@ def _put(store: Store, staged: Staged[Made], *, force: bool) -> None:
         return
     if not output.adds:
         store.put_folder(staged.root, output.folder, output.holds, force=force)
-    elif not output.folder:
-        store.put_staged(staged.root, staged.files, force=output.force, whole=output.whole, holds=output.holds)
-    else:
-        with open_store(store.folder / output.folder, sync=store.sync, inside=True) as folder:
-            folder.put_staged(staged.root, staged.files, force=output.force, whole=output.whole, holds=output.holds)
-        store.changed = True
+        return
+    store.put_staged(
+        staged.root, staged.files, below=output.folder, force=output.force, whole=output.whole, holds=output.holds
+    )

@@ -17,7 +17,7 @@ import os
 import secrets
 import shutil
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager, nullcontext, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cached_property, partial
 from pathlib import Path, PurePosixPath
 
@@ -150,28 +150,35 @@ class Store:
         root: Path,
         files: Mapping[str, Checksum],
         *,
+        below: str = "",
         force: Collection[str] | bool = False,
         whole: Collection[str] = (),
         holds: str = "files",
     ) -> None:
-        """Give staged files their names, as `put` does."""
+        """Give staged files their names, as `put` does; below: a folder that has them, and a journal of its own."""
+        folder = self.folder / below
+        journal = OpenJournal(folder, self.staging, sync=self.sync) if below else self.journal
         units = dict.fromkeys(next((top for top in whole if name.startswith(f"{top}/")), name) for name in files)
         for name in units:
-            if os.path.lexists(self.folder / name):
-                _refuse_unit(self.folder, name, self.journal.content, force=force, is_folder=name in whole)
-        before = self.journal.content.files if self.journal.content else {}
+            if os.path.lexists(folder / name):
+                _refuse_unit(folder, name, journal.content, force=force, is_folder=name in whole)
+        before = journal.content.files if journal.content else {}
         gone = {name for name in before if name.partition("/")[0] in whole} - files.keys()
         self._check_lease()
+        if below:
+            refuse_leased(folder / HIDDEN)
         with held():
-            with self.journal.announced(files, holds), ExitStack() as undo:
+            with journal.announced(files, holds), ExitStack() as undo:
                 for name in units:
-                    self._put_unit(root / name, self.folder / name, undo)
+                    self._put_unit(root / name, folder / name, undo)
                 undo.pop_all()
             self.changed = True
         if gone:
-            self.journal.drop(gone)
+            journal.drop(gone)
+        if below:
+            journal.tidy()
         _remove(root)
-        self._sync_folders((self.folder / name).parent for name in units)
+        self._sync_folders((folder / name).parent for name in units)
 
     def _check_lease(self) -> None:
         if self._lease:
@@ -234,8 +241,7 @@ class Store:
         """Remove the hidden folder; a kill in the middle of that leaves nothing of weight."""
         try:
             if "journal" in vars(self):
-                with suppress(OSError):  # it says the same as it is
-                    (self.journal.tidy if self.changed else self.journal.forget)()
+                (self.journal.tidy if self.changed else self.journal.forget)()
             for path in (self.staging, self.home / "old") if self._lease else ():
                 _remove(path)
         finally:
@@ -320,18 +326,15 @@ def _remove(path: Path) -> None:
 
 
 @contextmanager
-def open_store(
-    folder: Path, *, sync: bool = True, wait: float = 0.0, output: Path | None = None, inside: bool = False
-) -> Iterator[Store]:
+def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Path | None = None) -> Iterator[Store]:
     """Open a folder to write into it, which is made if it does not exist.
 
     sync: wait until the disk has the files, before they get their names and after it; wait: seconds to wait for another
-    run; output: the path in messages, by default the folder; inside: whether it is in a folder that is open too, which
-    then tells the errors of the system. Raises an OutputError if another run is writing there, or if nothing may be
-    written there; a WriteError if the disk failed after something was written.
+    run; output: the path in messages, by default the folder. Raises an OutputError if another run is writing there, or
+    if nothing may be written there; a WriteError if the disk failed after something was written.
     """
     store = Store(folder, sync=sync)
-    with nullcontext() if inside else _as_our_errors(store, output or folder), ExitStack() as undo:
+    with _as_our_errors(store, output or folder), ExitStack() as undo:
         _make_folder(folder, undo)
         try:
             store._open(wait)
@@ -366,7 +369,6 @@ def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Itera
     folder holds anything that rsegen did not write, or that was changed.
     """
     refuse_irreplaceable(folder, holds)
-    real = folder.resolve()
     with open_store(folder, sync=sync):
         begun = folder / NEXT
         if begun.exists() and not _is_begun(begun, holds, of):
@@ -374,6 +376,18 @@ def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Itera
         with open_store(begun, sync=sync) as store:
             store.journal.begin(holds, of)
             yield store
+    try:
+        _replace_whole(folder, holds, sync=sync)
+    except (OutputError, WriteError, OSError) as error:
+        raise WriteError(
+            f"{folder}: not replaced yet: {error}; the new one is complete, run the command again"
+        ) from error
+
+
+def _replace_whole(folder: Path, holds: str, *, sync: bool) -> None:
+    """Exchange a folder for the complete one in its `.rsegen.next`."""
+    real = folder.resolve()
+    begun = real / NEXT
     with open_store(real.parent, sync=sync, wait=PATIENCE, output=folder) as above:
         root = above.staging / real.name
         os.rename(begun, root)

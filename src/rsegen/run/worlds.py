@@ -19,6 +19,7 @@ from rsegen.io.resources import check_needs
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.execute import Execution
 from rsegen.run.existing import existing_maps
+from rsegen.run.journal import read_journal
 from rsegen.run.plan import OnExisting, RunPlan, run_in
 from rsegen.run.product import Output
 from rsegen.run.sidecars import Sidecars
@@ -125,6 +126,7 @@ def plan_worlds(
         homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
         refuse_taken(homes, force=on_existing is OnExisting.REPLACE)
     for name in beside:
+        read_journal(folder)  # which will list it
         refuse_taken_file(folder / name, force=on_existing is not OnExisting.REFUSE)
     return RunPlan(
         folder=folder,

@@ -21,6 +21,7 @@ from rsegen.gui.dialogs.build_sheet import SheetDialog
 from rsegen.gui.model.as_code import command_line, python_code
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
+from rsegen.run.store import write_file
 from tests.support.clicking import active, answer, click, said, shown, typed
 from tests.support.waiting import exposed, until
 
@@ -54,7 +55,7 @@ def test_the_sheet_of_the_map_that_is_shown_is_imported_again(window: Window, tm
     window.status.index.setValue(2)
     dialog = opened(window, tmp_path / "mine")
     written(dialog)
-    assert sorted(os.listdir(tmp_path / "mine")) == ["rse_0002.csv", "rse_0002.pdf"]
+    assert sorted(os.listdir(tmp_path / "mine")) == [".rsegen.jsonl", "rse_0002.csv", "rse_0002.pdf"]
     assert said(dialog, "outcome") == f"rse_0002.pdf and rse_0002.csv in {tmp_path / 'mine'}"
     assert main(["import", str(tmp_path / "mine" / "rse_0002.csv"), "-o", str(tmp_path / "again")]) == 0
     (again,) = (tmp_path / "again").iterdir()
@@ -90,13 +91,12 @@ def test_stock_that_is_too_short_is_one_line_and_nothing_is_written(window: Wind
 
 
 def test_a_sheet_that_is_there_is_replaced_only_by_leave(window: Window, tmp_path: Path) -> None:
-    (tmp_path / "rse_0000.csv").write_text("mine")
+    write_file([b"of another map"], tmp_path / "rse_0000.csv")
     dialog = opened(window, tmp_path)
     asked = answer(Said.No)
     click(dialog, "start")
     assert asked == [f"{tmp_path} already contains a build sheet of rse_0000. Replace it?"]
-    assert (tmp_path / "rse_0000.csv").read_text() == "mine"
-    assert os.listdir(tmp_path) == ["rse_0000.csv"]
+    assert (tmp_path / "rse_0000.csv").read_text() == "of another map"
     answer(Said.Yes)
     written(dialog)
     assert (tmp_path / "rse_0000.csv").read_bytes() == sheet(compose(window.session.recipe), None, "csv")

@@ -144,7 +144,7 @@ def damaged(folder: Path) -> str:
     path = folder / "manifest.json"
     found = json.loads(path.read_text("utf-8"))
     path.write_text(json.dumps({**found, "maps": 41}), "utf-8")
-    return f"{path}: maps: 41 does not match the recipe, which gives 40"
+    return f"{path}: maps: 41 does not match the recipes, which give 40"
 
 
 def test_a_number_beyond_them_and_a_data_set_that_is_damaged_are_one_line_each(window: Window, rubble: Path) -> None:

@@ -21,6 +21,7 @@ from rsegen.recipe.difficulty_by import Span
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.execute import Execution, execute
 from rsegen.run.existing import is_kept
+from rsegen.run.journal import read_journal
 from rsegen.run.plan import OnExisting, RunPlan, run_in
 from rsegen.run.product import Output
 from rsegen.run.series.plan import SeriesPlan
@@ -116,6 +117,7 @@ def plan_series(
     if callable(plan.by):  # a function of the caller, which another process may not have
         execution = Execution(sync=execution.sync)
     replaces, keeps = on_existing is not OnExisting.REFUSE, on_existing is OnExisting.KEEP
+    read_journal(folder)  # which will list both
     for name in (TABLE, PICTURE):
         refuse_taken_file(folder / name, force=replaces)
     if not keeps:
