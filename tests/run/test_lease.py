@@ -111,17 +111,8 @@ def test_a_lease_that_is_half_written_is_dead_if_nobody_goes_on(
 def test_a_command_in_the_folder_of_another_one_changes_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    many: list[str | Path] = [
-        "generate",
-        "--obstacle",
-        "random levels=5",
-        "--seed",
-        "7",
-        "--maps",
-        "5000",
-        "-o",
-        tmp_path / "out",
-    ]
+    flags = ["--obstacle", "random levels=5", "--seed", "7", "--maps", "5000", "--workers", "1"]
+    many: list[str | Path] = ["generate", *flags, "-o", tmp_path / "out"]
     process = started(*many)
     until_there(process, tmp_path / "out", 5)
     process.send_signal(signal.SIGSTOP)

@@ -118,7 +118,7 @@ def is_alive(path: Path) -> bool:
     entry = _read(path)
     if entry is not None and {key: entry.get(key) for key in _place()} == _place():
         return entry.get("started") == _started(entry.get("pid"))
-    end = time.monotonic() + SILENCE
+    end = time.monotonic() + (SILENCE if entry else BEAT)  # a lease that is being written is so for a moment only
     while time.monotonic() < end:
         time.sleep(_POLL)
         if not path.exists():

@@ -32,6 +32,7 @@ from rsegen.run.journal import (
     compare,
     file_lines,
     first_line,
+    is_empty,
     is_intact,
     read_journal,
     refuse_link,
@@ -279,9 +280,8 @@ def _refuse_unit(
     if is_folder and place.is_dir():
         refuse_loss_below(folder, name, journal)
     elif is_folder or not place.is_file():
-        raise OutputError(
-            f"{place}: exists already and is not a {'folder' if is_folder else 'file'}; give another name"
-        )
+        kind = "folder" if is_folder else "file"
+        raise OutputError(f"{place}: exists already and is not a {kind}; give another name")
     else:
         is_intact(folder, name, journal)
 
@@ -290,9 +290,8 @@ def refuse_loss_below(folder: Path, name: str, journal: Journal | None) -> None:
     """Raise an OutputError unless everything in a folder of a folder is as its journal lists it."""
     found = compare(folder, journal or Journal(holds="files"), name)
     for path in (*found.foreign, *found.changed):
-        raise OutputError(
-            f"{folder / path}: was not written by rsegen, or changed since, so it is not replaced; move it"
-        )
+        problem = "was not written by rsegen, or changed since, so it is not replaced"
+        raise OutputError(f"{folder / path}: {problem}; move it away, or give another folder")
 
 
 def taken(place: Path) -> OutputError:
@@ -320,7 +319,7 @@ def _remove(path: Path) -> None:
     for _ in range(2):
         if path.is_dir():
             shutil.rmtree(path, ignore_errors=True)
-        else:
+        elif path.exists():
             with suppress(OSError):
                 path.unlink()
 
@@ -371,17 +370,19 @@ def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Itera
     refuse_irreplaceable(folder, holds)
     with open_store(folder, sync=sync):
         begun = folder / NEXT
-        if begun.exists() and not _is_begun(begun, holds, of):
-            _remove(begun)
+        if not is_empty(begun):
+            refuse_loss(begun, holds)
+            journal = read_journal(begun)
+            if journal is None or journal.of != of:
+                _remove(begun)
         with open_store(begun, sync=sync) as store:
             store.journal.begin(holds, of)
             yield store
     try:
         _replace_whole(folder, holds, sync=sync)
     except (OutputError, WriteError, OSError) as error:
-        raise WriteError(
-            f"{folder}: not replaced yet: {error}; the new one is complete, run the command again"
-        ) from error
+        problem = f"not replaced yet: {error}; the new one is complete, and the same command puts it in place"
+        raise WriteError(f"{folder}: {problem}") from error
 
 
 def _replace_whole(folder: Path, holds: str, *, sync: bool) -> None:
@@ -406,16 +407,8 @@ def refuse_irreplaceable(folder: Path, holds: str) -> None:
     refuse_loss(folder.resolve(), holds, folder)
     real = folder.resolve()
     if real.is_mount() or not os.access(real.parent, os.W_OK):
-        raise OutputError(
-            f"{folder}: cannot be replaced in one step, as it is a disk or its folder is read-only; delete it"
-        )
-
-
-def _is_begun(begun: Path, holds: str, of: Json) -> bool:
-    with suppress(RsegenError, OSError):
-        journal = read_journal(begun)
-        return journal is not None and (journal.holds, journal.of) == (holds, of) and compare(begun, journal).is_intact
-    return False
+        problem = "cannot be replaced in one step, as it is a disk of its own, or the folder above is read-only"
+        raise OutputError(f"{folder}: {problem}; give another folder")
 
 
 # What is checked before a run, and single files.
