@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rsegen.io.checksums import JOURNAL
 from tests.fuzz.case import Case
 from tests.fuzz.readers import called
 from tests.fuzz.sandbox import Exceeded, Sandbox
@@ -87,9 +88,9 @@ class Judge:
         importlib.import_module("PIL.Image").init()
         usual = cli.failed
 
-        def failed(error: BaseException) -> int:
+        def failed(error: BaseException, signal: int) -> int:
             self._error = error
-            return int(usual(error))
+            return int(usual(error, signal))
 
         cli.failed = failed  # type: ignore[attr-defined]
         building: Any = importlib.import_module("rsegen.recipe.building")
@@ -212,15 +213,16 @@ def _wrote(case: Case, ended: _Ended, before: Mapping[str, object], after: Mappi
     """What changed that should not have: anything if it was refused, else what is no output, or was left half done."""
     changed = [name for name in {*before, *after} if before.get(name) != after.get(name)]
     outputs = () if ended.code == 2 else tuple(os.path.normpath(name) for name in case.outputs)
+    journals = {os.path.join(os.path.dirname(one), JOURNAL) for one in outputs}
     for name in sorted(changed):
-        inside = any(
+        inside = name in journals or any(
             one in (".", name) or name.startswith(f"{one}{os.sep}") or one.startswith(name + os.sep) for one in outputs
         )
         if not inside:
             return Failure(
                 sort=f"wrote with exit code {ended.code} {_place(ended.error)}", detail=f"{name}: {ended.err}"
             )
-        if os.path.basename(name).startswith(".") and name in after:
+        if os.path.basename(name).startswith(".") and os.path.basename(name) != JOURNAL and name in after:
             return Failure(sort="left a hidden file", detail=name)
     return None
 

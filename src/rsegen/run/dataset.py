@@ -178,7 +178,8 @@ def _make(plan: DatasetPlan, progress: Progress | None) -> None:
             Shard(number=number, files={what: files[name][-1] for what, name in layout.names(number).items()})
             for number in range(layout.shards)
         ]
-        store.put({MANIFEST: [manifest(layout, shards)]}, force=True)
+        if made.to_make or not is_intact(store.folder, MANIFEST, store.journal.content):
+            store.put({MANIFEST: [manifest(layout, shards)]}, force=True)
 
 
 @contextmanager

@@ -1,14 +1,15 @@
 """Puts a staged file or folder in its place in one step: at no moment is there neither the old nor the new.
 
 Linux can exchange two names at once, and rename one without replacing another (renameat2(2), since 3.15). Where system
-or disk cannot, the old one is moved aside first: if the run is killed in that moment, the next one that writes there
-puts it back. Waiting for the disk is here too.
+or disk cannot, a folder is moved aside first: if the run is killed in that moment, the next one that writes there puts
+it back. Waiting for the disk is here too.
 """
 
 from __future__ import annotations
 
 import errno
 import os
+import shutil
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
@@ -40,6 +41,13 @@ def exchange(new: Path, place: Path, make_aside: Callable[[], Path]) -> Path:
     if _renamed(new, place, _EXCHANGE):
         return new
     aside = make_aside()
+    if place.is_file():  # one rename is enough
+        try:
+            os.link(place, aside)
+        except OSError:  # a disk without hard links
+            shutil.copyfile(place, aside)
+        os.replace(new, place)
+        return aside
     os.rename(place, aside)
     try:
         os.rename(new, place)
