@@ -71,28 +71,27 @@ class Lease:
                 file.write(json.dumps(self._entry).encode())
 
 
-def acquire(home: Path, wait: float = 0.0) -> Lease:
-    """Return the lease of a hidden folder, which exists; an OutputError if another run has it.
-
-    wait: seconds to wait for the end of a run that has it.
-    """
+def wait_until_free(home: Path, wait: float) -> None:
+    """Return when no run that is alive has a hidden folder; an OutputError if one has it for `wait` seconds more."""
     end = time.monotonic() + wait
-    while True:
-        try:
+    while time.monotonic() < end:
+        with suppress(OutputError):
             refuse_leased(home)
-        except OutputError:
-            if time.monotonic() >= end:
-                raise
-            time.sleep(_POLL)
-            continue
-        held = _held(home)
-        try:
-            lease = Lease(home, _number(held) + 1 if held else 1)
-        except FileExistsError:  # another run was quicker
-            continue
-        for old in _leases(home)[:-1]:
-            old.unlink(missing_ok=True)
-        return lease
+            return
+        time.sleep(_POLL)
+    refuse_leased(home)
+
+
+def take(home: Path) -> Lease | None:
+    """Return the lease of a hidden folder that is free, None if another run was quicker."""
+    held = _held(home)
+    try:
+        lease = Lease(home, _number(held) + 1 if held else 1)
+    except FileExistsError:
+        return None
+    for old in _leases(home)[:-1]:
+        old.unlink(missing_ok=True)
+    return lease
 
 
 def refuse_leased(home: Path) -> None:

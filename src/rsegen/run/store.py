@@ -38,7 +38,7 @@ from rsegen.run.journal import (
     refuse_link,
     refuse_loss,
 )
-from rsegen.run.lease import Lease, acquire, refuse_leased
+from rsegen.run.lease import Lease, refuse_leased, take, wait_until_free
 from rsegen.run.stop import held
 from rsegen.run.swap import exchange, put, sync_folder, sync_tree
 
@@ -228,13 +228,11 @@ class Store:
 
     def _open(self, wait: float) -> None:
         refuse_link(self.home)
-        while True:
+        while self._lease is None:
             self.home.mkdir(exist_ok=True)
-            try:
-                self._lease = acquire(self.home, wait)
-                break
-            except FileNotFoundError:  # the run that had it has just removed the hidden folder
-                continue
+            wait_until_free(self.home, wait)
+            with held(), suppress(FileNotFoundError):  # the run that had it has just removed the hidden folder
+                self._lease = take(self.home)
         self._recover()
         self.staging.mkdir()
 
