@@ -296,7 +296,7 @@ def test_every_case_is_recorded() -> None:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_bytes_are_those_of_version_0_1(case: str, tmp_path: Path) -> None:
+def test_the_bytes_are_those_recorded(case: str, tmp_path: Path) -> None:
     CASES[case](tmp_path)
     assert fingerprint(tmp_path) == RECORDED[case]
 

@@ -10,7 +10,7 @@ from rsegen.errors import ParameterError, shown
 from rsegen.exporters.scene import Scene
 from rsegen.params.sorts import Choice, Float, Integer
 from rsegen.params.streams import SEEDS, fresh_seed
-from rsegen.run.store import refuse_busy, refuse_taken
+from rsegen.run.store import refuse_busy, refuse_not_a_folder, refuse_taken
 from rsegen.simulation.driving.contacts import contact_shares
 from rsegen.simulation.driving.drive_metrics import drive_metrics
 from rsegen.simulation.driving.drive_result import DrivenRobot, DriveResult
@@ -110,6 +110,7 @@ def _check_output(output: str | Path | None, *, picture: bool, force: bool) -> N
     if picture and not has_screen():
         raise ParameterError("picture", "Gazebo's camera needs a screen, and there is none; run under xvfb-run -a")
     if output is not None:
+        refuse_not_a_folder(Path(output))
         refuse_busy(Path(output).parent)
         refuse_taken([output], force=force, holds="drive")
 
