@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-from rsegen.cli.flags import Subparsers, add_parameter_flags, add_target_recipe_flags, given
+from rsegen.cli.flags import Subparsers, add_force_flag, add_parameter_flags, add_target_recipe_flags, given
 from rsegen.cli.picture_path import picture_path
 from rsegen.cli.targets import map_of_flags
 from rsegen.errors import ParameterError
@@ -47,7 +47,7 @@ def add(commands: Subparsers) -> None:
     command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
     group = command.add_argument_group("output")
     group.add_argument("-o", "--output", metavar="PICTURE", help="draw what to change: png, svg or pdf by its ending")
-    group.add_argument("--force", action="store_true", help="replace an existing picture")
+    add_force_flag(group, "an existing picture")
     group.add_argument("--json", action="store_true", help="print the differences for programs")
     add_parameter_flags(command.add_argument_group("reading a scan"), ScanOptions, without=_KNOWN)
     add_target_recipe_flags(command)

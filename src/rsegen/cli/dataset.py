@@ -12,6 +12,7 @@ from rsegen.cli.bar import watched
 from rsegen.cli.flags import (
     RECIPE_HELP,
     Subparsers,
+    add_force_flag,
     add_parameter_flags,
     add_recipe_flags,
     folder,
@@ -46,7 +47,7 @@ def add(commands: Subparsers) -> None:
     what.add_argument("--verify", type=folder, metavar="DIR", help="check every file of the data set in DIR instead")
     add_parameter_flags(group, ShardLayout)
     there = group.add_mutually_exclusive_group()
-    there.add_argument("--force", action="store_true", help="replace an existing data set")
+    add_force_flag(there, "an existing data set", ", once the new one is complete")
     there.add_argument(
         "--resume",
         action="store_true",

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rsegen.cli.bar import watched
-from rsegen.cli.flags import Subparsers, add_target_recipe_flags
+from rsegen.cli.flags import Subparsers, add_force_flag, add_target_recipe_flags
 from rsegen.cli.simulation_flags import flags_in_errors, simulator_names
 from rsegen.cli.targets import target_of
 from rsegen.params.sorts import Parameter
@@ -62,7 +62,7 @@ def add(commands: Subparsers) -> None:
     command.add_argument(
         "--picture", action="store_true", help="add gazebo.jpg to DIR, from a camera in Gazebo; needs a screen"
     )
-    command.add_argument("--force", action="store_true", help="replace DIR")
+    add_force_flag(command, "an earlier drive in DIR")
     command.add_argument("--json", action="store_true", help="print the metrics as JSON")
     add_target_recipe_flags(command, ("seed", *_OWN))
     command.set_defaults(run=run)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from rsegen.cli.flags import Subparsers, folder
+from rsegen.cli.flags import Subparsers, add_force_flag, folder
 from rsegen.io.recipe_file import load
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.run.recipes import copy_examples
@@ -19,7 +19,7 @@ def add(commands: Subparsers) -> None:
         epilog="The name of an example works wherever a recipe is expected: rsegen generate peak -o worlds",
     )
     command.add_argument("-o", "--output", type=folder, metavar="DIR", help="folder to copy them into")
-    command.add_argument("--force", action="store_true", help="replace copies that are unchanged")
+    add_force_flag(command, "existing copies")
     command.set_defaults(run=run)
 
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rsegen.cli.bar import watched
-from rsegen.cli.flags import Subparsers
+from rsegen.cli.flags import Subparsers, add_force_flag
 from rsegen.cli.simulation_flags import flags_in_errors, simulator_names
 from rsegen.cli.stop import how_to_go_on
 from rsegen.simulation.experiment.plan import PLANS, Cell, ExperimentPlan, load_plan
@@ -32,9 +32,7 @@ def add(commands: Subparsers) -> None:
     both = f"or both as {','.join(SIMULATORS)}, which are compared"
     text = f"{simulator_names()}, {both} (default: the newest that is installed)"
     command.add_argument("--simulator", metavar="NAME[,NAME]", help=text)
-    command.add_argument(
-        "--force", action="store_true", help="start again; the results in DIR stay until the new ones are complete"
-    )
+    add_force_flag(command, "results in DIR", ", once the new ones are complete")
     command.set_defaults(run=run)
 
 

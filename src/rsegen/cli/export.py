@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from rsegen.cli.bar import counting
-from rsegen.cli.flags import Subparsers, add_target_recipe_flags, folder
+from rsegen.cli.flags import Subparsers, add_force_flag, add_target_recipe_flags, folder
 from rsegen.cli.formats import add_format_flags, formats_of, listed
 from rsegen.cli.generate import add_workers_flag, going_on, workers_from
 from rsegen.cli.targets import add_target_flags, map_of_flags, recipes_of
@@ -35,7 +35,7 @@ def add(commands: Subparsers) -> None:
         "-o", "--output", type=folder, required=True, metavar="DIR", help="folder to write the maps into (required)"
     )
     there = group.add_mutually_exclusive_group()
-    there.add_argument("--force", action="store_true", help="replace formats that the maps already have")
+    add_force_flag(there, "existing formats")
     there.add_argument(
         "--resume",
         action="store_true",

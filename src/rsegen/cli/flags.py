@@ -36,6 +36,12 @@ def folder(text: str) -> Path:
     return Path(text)
 
 
+def add_force_flag(group: argparse._ActionsContainer, what: str, when: str = "") -> None:
+    """`--force`, which means the same in every command."""
+    text = f"replace {what} that rsegen wrote and nobody has changed since{when}"
+    group.add_argument("--force", action="store_true", help=text)
+
+
 def add_recipe_flags(command: Parser, over: str = "RECIPE") -> None:
     """`--obstacle` and every parameter of a recipe, over what a file of that name says."""
     group = command.add_argument_group("recipe", f"each overrides what {over} says")

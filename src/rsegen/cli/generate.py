@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 from rsegen.cli.bar import watched
-from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, folder, recipe_from
+from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_force_flag, add_recipe_flags, folder, recipe_from
 from rsegen.cli.formats import add_format_flags, formats_of
 from rsegen.cli.parser import Parser
 from rsegen.cli.stop import how_to_go_on
@@ -43,7 +43,7 @@ def add_output_flags(command: Parser) -> None:
         "-o", "--output", type=folder, required=True, metavar="DIR", help="folder to write the maps into (required)"
     )
     there = group.add_mutually_exclusive_group()
-    there.add_argument("--force", action="store_true", help="replace existing maps, if rsegen wrote all their files")
+    add_force_flag(there, "existing maps")
     there.add_argument(
         "--resume",
         action="store_true",

@@ -12,7 +12,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from rsegen.cli.flags import Subparsers, add_parameter_flags, add_target_recipe_flags, given
+from rsegen.cli.flags import Subparsers, add_force_flag, add_parameter_flags, add_target_recipe_flags, given
 from rsegen.cli.measured import Measured, report
 from rsegen.cli.parser import HelpRow
 from rsegen.cli.picture_path import picture_path
@@ -50,7 +50,7 @@ def add(commands: Subparsers) -> None:
     form.add_argument("--csv", action="store_true", help="print a table as CSV, lengths in metres")
     text = "draw the robot's cheapest paths over the first map, and the area that it can reach"
     output.add_argument("-o", "--output", metavar="PICTURE", help=text)
-    output.add_argument("--force", action="store_true", help="replace an existing picture")
+    add_force_flag(output, "an existing picture")
     add_target_recipe_flags(command)
     command.add_rows("kinds of robots", lambda: [HelpRow(kind, each.title) for kind, each in ROBOTS.items()])
     command.set_defaults(run=run)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from rsegen.cli.flags import Subparsers, add_target_recipe_flags
+from rsegen.cli.flags import Subparsers, add_force_flag, add_target_recipe_flags
 from rsegen.cli.targets import add_target_flags, scene_of
 from rsegen.exporters.pictures.preview import image_format, preview_image
 from rsegen.run.store import refuse_taken_file, write_file
@@ -24,7 +24,7 @@ def add(commands: Subparsers) -> None:
     group.add_argument("-o", "--output", required=True, metavar="FILE", help=text)
     text = "draw on the plan which cells each obstacle covers; they are numbered from 0, as in error messages"
     group.add_argument("--outlines", action="store_true", help=text)
-    group.add_argument("--force", action="store_true", help="replace an existing picture")
+    add_force_flag(group, "an existing picture")
     add_target_recipe_flags(command)
     command.set_defaults(run=run)
 

@@ -6,7 +6,7 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
-from rsegen.cli.flags import Subparsers, add_parameter_flags, add_target_recipe_flags, given
+from rsegen.cli.flags import Subparsers, add_force_flag, add_parameter_flags, add_target_recipe_flags, given
 from rsegen.cli.targets import add_target_flags, map_of_flags
 from rsegen.errors import ParameterError
 from rsegen.exporters.sheet import CutSettings, sheet_format
@@ -25,7 +25,7 @@ def add(commands: Subparsers) -> None:
     group = command.add_argument_group("output")
     group.add_argument("-o", "--output", required=True, metavar="FILE", help="pdf or csv, by its ending (required)")
     group.add_argument("--csv", metavar="FILE", help="also write it as CSV, one row per cell")
-    group.add_argument("--force", action="store_true", help="replace existing files")
+    add_force_flag(group, "existing files")
     add_parameter_flags(command.add_argument_group("cutting"), CutSettings)
     add_target_recipe_flags(command)
     command.set_defaults(run=run)

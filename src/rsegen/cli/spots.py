@@ -9,7 +9,7 @@ from dataclasses import asdict
 from math import degrees
 from typing import Any
 
-from rsegen.cli.flags import Subparsers, add_target_recipe_flags
+from rsegen.cli.flags import Subparsers, add_force_flag, add_target_recipe_flags
 from rsegen.cli.picture_path import picture_path
 from rsegen.cli.simulation_flags import flags_in_errors
 from rsegen.cli.targets import add_target_flags, target_of
@@ -50,7 +50,7 @@ def add(commands: Subparsers) -> None:
     output.add_argument("--json", action="store_true", help="print a list as JSON, in metres and radians")
     text = "draw the footprints on the plan: png, svg, pdf, jpg or webp, by its ending"
     output.add_argument("-o", "--output", metavar="PICTURE", help=text)
-    output.add_argument("--force", action="store_true", help="replace an existing picture")
+    add_force_flag(output, "an existing picture")
     add_target_recipe_flags(command, ("seed",))
     command.set_defaults(run=run)
 

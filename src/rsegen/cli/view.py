@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from rsegen.cli.flags import Subparsers, add_target_recipe_flags
+from rsegen.cli.flags import Subparsers, add_force_flag, add_target_recipe_flags
 from rsegen.cli.targets import add_target_flags, map_of_flags, recipes_of
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.store import refuse_taken_file
@@ -22,7 +22,7 @@ def add(commands: Subparsers) -> None:
     add_target_flags(command, usual="all, to choose from on the page")
     group = command.add_argument_group("output")
     group.add_argument("-o", "--output", required=True, metavar="FILE", help="HTML file (required)")
-    group.add_argument("--force", action="store_true", help="replace an existing file")
+    add_force_flag(group, "an existing file")
     add_target_recipe_flags(command)
     command.set_defaults(run=run)
 
