@@ -28,7 +28,7 @@ class Extra(NamedTuple):
         return tuple(module for module in (self.module, *self.more) if find_spec(module) is None)
 
 
-CLUSTER = Extra("cluster", "distributed", "rsegen dataset --scheduler: data sets made on a Dask cluster")
+CLUSTER = Extra("cluster", "distributed", "--scheduler: many maps made on a Dask cluster")
 DATASET = Extra("dataset", "pyarrow", "rsegen dataset --metrics parquet: metrics of a data set as Parquet")
 GUI = Extra("gui", "PySide6", "rsegen gui: the window", ("pyvista", "pyvistaqt"))
 MAT = Extra("mat", "scipy", "MATLAB files of the formats arrays and posture")

@@ -47,7 +47,7 @@ def test_a_recipe_a_map_and_a_folder_of_maps_give_the_same_files(tmp_path: Path,
 def test_an_example_is_exported_by_its_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert exit_code("export", "peak", *TO, tmp_path) == 0
     said = capsys.readouterr().out.splitlines()
-    assert said == [str(path) for path in sorted(tmp_path.rglob("*")) if path.is_file()]
+    assert said == [str(path) for path in sorted(tmp_path.rglob("[!.]*")) if path.is_file()]
 
 
 def test_json_names_every_file(tmp_path: Path, recipe_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -55,7 +55,7 @@ def test_json_names_every_file(tmp_path: Path, recipe_file: Path, capsys: pytest
     told = json.loads(capsys.readouterr().out)
     assert [one["name"] for one in told] == ["rse_0000", "rse_0001", "rse_0002"]
     assert {name for one in told for name in one["files"]} == {
-        str(path) for path in (tmp_path / "out").rglob("*") if path.is_file()
+        str(path) for path in (tmp_path / "out").rglob("[!.]*") if path.is_file()
     }
 
 
@@ -85,7 +85,7 @@ def test_a_map_is_there_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.
         return {"map.yaml": pieces()}
 
     monkeypatch.setattr(Occupancy, "files", broken)
-    with pytest.raises(WriteError, match="rse_0001"):
+    with pytest.raises(WriteError, match="1 of 3 maps are complete"):
         rsegen.export_maps([SMALL], tmp_path, [Heightmap(), Occupancy()])
     assert [path.name for path in tmp_path.iterdir()] == ["rse_0000"]
 
