@@ -27,7 +27,7 @@ from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.execute import Execution
 from rsegen.run.existing import has_content
-from rsegen.run.journal import Journal, compare, read_errors, read_journal, refuse_link, refuse_loss
+from rsegen.run.journal import Journal, compare, is_intact, read_errors, read_journal, refuse_link, refuse_loss
 from rsegen.run.plan import OnExisting, RunPlan, run
 from rsegen.run.product import Output
 from rsegen.run.sidecars import FORMATS_FILE, Sidecars, listed_formats
@@ -294,6 +294,8 @@ def _missing_formats(
         is_complete = journal is not None and compare(home, journal, one.name).is_intact
         if not (on_existing is OnExisting.KEEP and same and is_complete):
             missing.append(one)
+    if missing:
+        is_intact(home, FORMATS_FILE, journal)  # which will list them
     return tuple(missing)
 
 
