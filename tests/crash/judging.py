@@ -13,7 +13,7 @@ from typing import Any
 Tree = Mapping[str, tuple[str, int, bytes]]
 """Path -> kind, permissions, and content or the link's target."""
 
-JOURNALS = {"rsegen-files.json", "unfinished.jsonl", ".rsegen.jsonl"}
+JOURNALS = {".rsegen.jsonl"}
 """Files in which a run notes what it does: they are neither old nor new."""
 
 _UNCHANGED = re.compile(

@@ -155,22 +155,13 @@ def test_only_the_hidden_folder_of_rsegen_is_cleared_away(tmp_path: Path) -> Non
     assert {path.name for path in tmp_path.iterdir()} == {*spared, "rse_0000", "rse_0001"}
 
 
-def test_with_preview_a_map_without_a_picture_is_made_anew(tmp_path: Path) -> None:
-    assert generated(tmp_path / "a", "--preview") == 0
+@pytest.mark.parametrize("flag", ["--preview", "--sheet"])
+def test_a_map_without_what_a_flag_adds_is_made_anew(tmp_path: Path, flag: str) -> None:
+    assert generated(tmp_path / "a", flag) == 0
     assert generated(tmp_path / "a", "--first-map", "1") == 0
     before = stamps(tmp_path / "a")
-    assert generated(tmp_path / "a", "--maps", "2", "--preview", "--resume") == 0
-    assert generated(tmp_path / "b", "--maps", "2", "--preview") == 0
-    assert contents(tmp_path / "a") == contents(tmp_path / "b")
-    assert stamps(tmp_path / "a")["rse_0000"] == before["rse_0000"]
-
-
-def test_with_sheet_a_map_without_one_is_made_anew(tmp_path: Path) -> None:
-    assert generated(tmp_path / "a", "--sheet") == 0
-    assert generated(tmp_path / "a", "--first-map", "1") == 0
-    before = stamps(tmp_path / "a")
-    assert generated(tmp_path / "a", "--maps", "2", "--sheet", "--resume") == 0
-    assert generated(tmp_path / "b", "--maps", "2", "--sheet") == 0
+    assert generated(tmp_path / "a", "--maps", "2", flag, "--resume") == 0
+    assert generated(tmp_path / "b", "--maps", "2", flag) == 0
     assert contents(tmp_path / "a") == contents(tmp_path / "b")
     assert stamps(tmp_path / "a")["rse_0000"] == before["rse_0000"]
 

@@ -6,13 +6,12 @@ A worker stages the files of its items in the hidden folder of the store; the pr
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from typing import Generic, Protocol, TypeVar
 
-from rsegen.io.checksums import JOURNAL, Checksum
-from rsegen.run.journal import file_lines, first_line
-from rsegen.run.store import new_root, stage, stage_all
+from rsegen.io.checksums import Checksum
+from rsegen.run.store import new_root, stage_all, stage_journal
 from rsegen.run.swap import sync_trees
 
 Item_contra = TypeVar("Item_contra", contravariant=True)
@@ -93,13 +92,5 @@ class Staging(Generic[Item_contra, Made]):
         root = new_root(self.folder)
         files = stage_all(root, output.files)
         if output.folder and not output.adds:
-            stage(root, JOURNAL, [first_line(output.holds) + file_lines(files)])
-        bare = Output(
-            made=output.made,
-            folder=output.folder,
-            holds=output.holds,
-            adds=output.adds,
-            force=output.force,
-            whole=output.whole,
-        )
-        return Staged(output=bare, root=root, files=files)
+            stage_journal(root, files, output.holds)
+        return Staged(output=replace(output, files={}), root=root, files=files)

@@ -68,6 +68,11 @@ def stage_all(root: Path, bundle: Mapping[PurePosixPath, Iterable[bytes]]) -> di
     return {str(path): stage(root, path, content) for path, content in bundle.items()}
 
 
+def stage_journal(root: Path, files: Mapping[str, Checksum], holds: str) -> None:
+    """Write the journal of a staged folder that has these files."""
+    stage(root, JOURNAL, [first_line(holds) + file_lines(files)])
+
+
 def new_root(staging: Path) -> Path:
     """Return a new folder below the folder of staged files, which no other process has."""
     root = staging / secrets.token_hex(4)
@@ -111,7 +116,7 @@ class Store:
 
     def put_complete(self, root: Path, files: Mapping[str, Checksum], name: str, holds: str, *, force: bool) -> None:
         """Give a staged folder a journal of its files, and its name, as `put_folder` does; the disk has all of it."""
-        stage(root, JOURNAL, [first_line(holds) + file_lines(files)])
+        stage_journal(root, files, holds)
         if self.sync:
             sync_tree(root)
         self.put_folder(root, name, holds, force=force)
@@ -362,10 +367,9 @@ def _as_our_errors(store: Store, output: Path) -> Iterator[None]:
 def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Iterator[Store]:
     """Open a store in `folder/.rsegen.next` that replaces the whole folder at the end, in one swap.
 
-    If the run is stopped, the folder is as it was, and the same call goes on with what is there. An OutputError if the
-    folder holds anything that rsegen did not write, or that was changed.
+    If the run is stopped, the folder is as it was, and the same call goes on with what is there. Whether it may be
+    replaced is checked before by `refuse_irreplaceable`, which reads all of it, and once more at the swap.
     """
-    refuse_irreplaceable(folder, holds)
     with open_store(folder, sync=sync):
         begun = folder / NEXT
         if not is_empty(begun):
@@ -402,8 +406,8 @@ def _replace_whole(folder: Path, holds: str, *, sync: bool) -> None:
 def refuse_irreplaceable(folder: Path, holds: str) -> None:
     """Raise an OutputError if a folder may not be replaced as a whole, or cannot be."""
     refuse_leased(folder / HIDDEN)
-    refuse_loss(folder.resolve(), holds, folder)
     real = folder.resolve()
+    refuse_loss(real, holds, folder)
     if real.is_mount() or not os.access(real.parent, os.W_OK):
         problem = "cannot be replaced in one step, as it is a disk of its own, or the folder above is read-only"
         raise OutputError(f"{folder}: {problem}; give another folder")

@@ -14,7 +14,7 @@ from rsegen.errors import FileError, OutputError, ParameterError, Stopped
 from rsegen.io import recipe_file
 from rsegen.params.sorts import Json, Text
 from rsegen.run.journal import is_intact, read_errors, read_journal
-from rsegen.run.store import Store, open_store, refuse_busy, replacing
+from rsegen.run.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
 from rsegen.simulation.experiment.frames import refuse_without_frames
 from rsegen.simulation.experiment.machine import description
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, load_plan, read_plan
@@ -117,6 +117,7 @@ def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Stor
     of: Json = json.loads(json.dumps(asdict(plan)))
     journal = read_journal(folder)
     if force and journal:
+        refuse_irreplaceable(folder, HOLDS)
         with replacing(folder, HOLDS, of) as store:
             yield store
         return
