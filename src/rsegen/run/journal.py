@@ -340,8 +340,11 @@ def is_empty(folder: Path) -> bool:
     return not folder.is_dir() or next(_files(folder), None) is None
 
 
-def _is_hidden(name: str) -> bool:
-    return name == HIDDEN or name.startswith(f"{HIDDEN}.")
+def _is_own(name: str, path: str) -> bool:
+    """Whether a folder is what a run keeps in a folder while it writes: not all that only has such a name."""
+    if name == f"{HIDDEN}.next":
+        return os.path.lexists(os.path.join(path, JOURNAL))
+    return name in (f"{HIDDEN}/new", f"{HIDDEN}/old") or (name == HIDDEN and not os.listdir(path))
 
 
 def _state(path: Path, status: os.stat_result | None, checksums: Collection[Checksum]) -> str:
@@ -369,8 +372,9 @@ def _files(folder: Path, above: str = "") -> Iterator[tuple[str, os.stat_result]
             yield start.removesuffix("/"), os.lstat(path)
         for entry in entries:
             if not entry.is_dir(follow_symlinks=False):
-                yield f"{start}{entry.name}", entry.stat(follow_symlinks=False)
-            elif start or not _is_hidden(entry.name):
+                if not f"{start}{entry.name}".startswith(f"{HIDDEN}/lease-"):
+                    yield f"{start}{entry.name}", entry.stat(follow_symlinks=False)
+            elif not _is_own(f"{start}{entry.name}", entry.path):
                 waiting.append((entry.path, f"{start}{entry.name}/"))
 
 
