@@ -20,7 +20,7 @@ from rsegen.exporters.pictures.preview import preview_image
 from rsegen.field.metrics.pairs import differences
 from rsegen.field.metrics.traversability import crossing
 from rsegen.params.streams import generator
-from rsegen.recipe.constraints import crossing as crossing_constraint
+from rsegen.recipe.constraints.crossing import crossing_caps
 from rsegen.recipe.constraints.inventory import fitted_to_inventory
 from tests.support.complaints import the_line
 from tests.support.strategies import fields, recipes
@@ -65,7 +65,7 @@ def test_a_robot_that_cannot_climb_a_block_gets_a_level_way_at_once(
     limits: tuple[float, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In a round per direction, where more rounds would each clear another way and take minutes."""
-    counted = Mock(side_effect=crossing_constraint.caps)
+    counted = Mock(side_effect=crossing_caps)
     monkeypatch.setattr(crossing_constraint, "caps", counted)
     robot = (*limits, 30)
     for index in range(5):

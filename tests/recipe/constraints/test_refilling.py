@@ -8,7 +8,7 @@ import pytest
 import rsegen
 from rsegen import Placement, Random, Recipe
 from rsegen.recipe import constraints
-from rsegen.recipe.constraints import crossing
+from rsegen.recipe.constraints.crossing import crossing_caps
 from rsegen.recipe.constraints.inventory import used
 from rsegen.recipe.constraints.refilling import refilled
 
@@ -36,7 +36,7 @@ def test_more_blocks_are_used_and_the_robot_still_crosses(climb: float, monkeypa
     limits = recipe(0, climb).climber
     assert limits is not None
     for field in found:
-        assert crossing.caps(field, limits) is None
+        assert crossing_caps(field, limits) is None
         counts = np.bincount(field.levels.ravel(), minlength=5)[1:]
         assert (counts <= STOCK).all()
 

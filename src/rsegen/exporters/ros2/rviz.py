@@ -5,7 +5,7 @@ from __future__ import annotations
 NAMESPACE = "step_field"
 """Of the nodes that describe the map, so that a robot's own robot_description stays free."""
 
-CONFIG = f"""\
+RVIZ_CONFIG = f"""\
 Panels:
   - Class: rviz_common/Displays
     Name: Displays

@@ -8,7 +8,7 @@ from rsegen.gui.model.session import Entry
 from rsegen.params.places import CellRef
 from rsegen.params.sorts import Float, Json, Parameter, parameters
 from rsegen.recipe.codec import OTHER_NAMES
-from rsegen.recipe.recipe import Placement
+from rsegen.recipe.placement import Placement
 
 TITLES = {"kind": "type", "max_height": "height"}
 """What the window calls parameters whose name says less."""

@@ -13,7 +13,7 @@ import numpy as np
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.exporters.sheet.listing import COLUMNS, RECIPE_KEYS
 from rsegen.field.stepfield import Array
-from rsegen.params.lengths import CENTIMETRES
+from rsegen.io.importers.rounding import CENTIMETRES
 from rsegen.params.places import Cell
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe

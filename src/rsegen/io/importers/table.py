@@ -12,8 +12,8 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.stepfield import Array
-from rsegen.io.importers import build_sheet
 from rsegen.io.importers.base import MOST_CELLS, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
+from rsegen.io.importers.build_sheet import heights_cm, is_build_sheet, recipe_values, unit_of
 from rsegen.io.importers.measured import Measured
 from rsegen.io.importers.rounding import CENTIMETRES
 from rsegen.io.text_files import text_of
@@ -43,7 +43,7 @@ class Table(Measured):
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Blank and invalid cells are refused with their place. A build sheet has all its parameters in itself."""
         text = text_of(path, _MOST_MIB, "a table of heights")
-        if build_sheet.is_build_sheet(text):
+        if is_build_sheet(text):
             return self._read_list(path, text, unit_cm)
         ours = _OURS.match(text)
         values = ("levels" if ours else "cm") if self.values == "auto" else self.values
@@ -52,13 +52,13 @@ class Table(Measured):
         return self.measured(path, numbers * centimetres(values, unit), unit)
 
     def _read_list(self, path: Path, text: str, unit_cm: float | None) -> Heights:
-        written = build_sheet.unit_of(text)
+        written = unit_of(text)
         if self.values not in ("auto", written):
             problem = f"{path} is a build sheet, whose heights are in {written}; give no {self.values}"
             raise ParameterError("values", problem)
-        recipe_values = build_sheet.recipe_values(path, text)
-        unit = unit_cm or recipe_values.get("unit_cm", USUAL_UNIT_CM)
-        return self.measured(path, build_sheet.heights_cm(path, text), unit, recipe_values)
+        own_values = recipe_values(path, text)
+        unit = unit_cm or own_values.get("unit_cm", USUAL_UNIT_CM)
+        return self.measured(path, heights_cm(path, text), unit, own_values)
 
 
 def centimetres(values: str, unit_cm: float) -> float:

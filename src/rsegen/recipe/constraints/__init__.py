@@ -19,10 +19,11 @@ from rsegen.errors import ParameterError
 from rsegen.field.obstacles.random import Random
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.params.streams import generator
-from rsegen.recipe.constraints import crossing, steps
 from rsegen.recipe.constraints.arrangement import Stock
+from rsegen.recipe.constraints.crossing import crossing_caps
 from rsegen.recipe.constraints.inventory import Blocks, blocks, fitted_to_inventory, left_of, lowered_to, used
 from rsegen.recipe.constraints.refilling import refilled
+from rsegen.recipe.constraints.steps import envelope, step_limited
 from rsegen.recipe.map_design import MapDesign
 
 _TRIES = 16
@@ -39,7 +40,7 @@ def constrained(field: StepField, design: MapDesign, index: int) -> StepField:
     """
     designed = field
     if design.max_step is not None:
-        field = _with(field, steps.step_limited(field, design.max_step))
+        field = _with(field, step_limited(field, design.max_step))
     like = field.levels + designed.levels / (1 + designed.levels.max(initial=0))
     if design.inventory is None:
         found = _lowered(field, design, None)
@@ -88,10 +89,10 @@ def _arranged(fitted: StepField, like: Array, design: MapDesign, index: int, inv
             continue
         field = _with(fitted, levels)
         found.append(_lowered(field, design, left_of(field, owned)))
-        on_its_way = crossing.caps(field, design.climber) if design.climber else None
+        on_its_way = crossing_caps(field, design.climber) if design.climber else None
         if on_its_way is None:
             break
-        caps = steps.envelope(on_its_way if caps is None else np.minimum(on_its_way, caps), field, stock.limit)
+        caps = envelope(on_its_way if caps is None else np.minimum(on_its_way, caps), field, stock.limit)
     return max(found, key=used)
 
 
@@ -105,10 +106,10 @@ def _lowered(field: StepField, design: MapDesign, left: Blocks | None) -> StepFi
 def _caps(field: StepField, design: MapDesign) -> Ints | None:
     """The highest level that each block may have, for a constraint that is not met yet; None if all are met."""
     if design.max_step is not None:
-        caps = steps.envelope(field.levels, field, design.max_step)
+        caps = envelope(field.levels, field, design.max_step)
         if (field.levels > caps).any():
             return caps
-    return crossing.caps(field, design.climber) if design.climber else None
+    return crossing_caps(field, design.climber) if design.climber else None
 
 
 def _with(field: StepField, levels: Ints) -> StepField:

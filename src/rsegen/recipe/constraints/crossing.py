@@ -13,7 +13,7 @@ from rsegen.field.stepfield import Ints, StepField
 _ANYTHING = 2**30
 
 
-def caps(field: StepField, climber: RobotLimits) -> Ints | None:
+def crossing_caps(field: StepField, climber: RobotLimits) -> Ints | None:
     """The highest levels along a path on which the robot can cross; None if it can cross both ways already."""
     for axis in (0, 1):
         step = percolation_step(field, climber.width, axis)
