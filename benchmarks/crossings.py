@@ -24,9 +24,9 @@ from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen.exporters.scene import Scene, compose
 from rsegen.recipe.codec import decode
+from rsegen.robots import ROBOTS, Robot
 from rsegen.simulation.driving.robot_runs import driving_speed
-from rsegen.simulation.driving.way import planned_way
-from rsegen.simulation.robots import ROBOTS, Robot
+from rsegen.simulation.driving.routes import planned_way
 from rsegen.simulation.simulators import SIMULATORS
 
 FILE = RESULTS / "crossings.json"

@@ -21,11 +21,10 @@ import numpy as np
 from rsegen import Matrix, Placement, Recipe
 from rsegen.exporters.scene import compose
 from rsegen.field.stepfield import Levels
-from rsegen.simulation.driving.recording import RobotRun, send_commands
+from rsegen.robots import ROBOTS, from_file
+from rsegen.robots.base import DrivableRobot
+from rsegen.simulation.driving.recording import RobotRun, send_commands, time_step, world_with_robots
 from rsegen.simulation.driving.routes import Motion, Route
-from rsegen.simulation.driving.world_with_robots import time_step, world_with_robots
-from rsegen.simulation.robots import ROBOTS, from_file
-from rsegen.simulation.robots.base import DrivableRobot
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.simulators.server import retried, running_server

@@ -24,9 +24,9 @@ from benchmarks.figures import RESULTS
 from benchmarks.gazebo_depth import depth_clouds
 from benchmarks.machine import machine
 from rsegen.errors import RsegenError, ScanError
-from rsegen.field.scanning import Scan, find_field
 from rsegen.field.stepfield import Array, StepField
 from rsegen.recipe.codec import decode
+from rsegen.scanning import Scan, find_field
 from rsegen.simulation.simulators import SIMULATORS, Installation
 
 FILE = RESULTS / "scan.json"

@@ -24,12 +24,11 @@ from benchmarks.machine import machine
 from rsegen.errors import ParameterError
 from rsegen.exporters.scene import Scene
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.simulation.driving.footprints import footprint_of
-from rsegen.simulation.driving.recording import RobotRun
+from rsegen.robots import ROBOTS
+from rsegen.robots.footprint import footprint_of
+from rsegen.simulation.driving.recording import RobotRun, time_step, world_with_robots
 from rsegen.simulation.driving.robot_runs import ROUTES, robot_runs
 from rsegen.simulation.driving.routes import Straight
-from rsegen.simulation.driving.world_with_robots import time_step, world_with_robots
-from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.simulators.server import retried, running_server

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from rsegen import KINDS, Placement, Recipe, build, load
-from rsegen.field.metrics.steps import steps
+from rsegen.field.metrics.roughness import steps
 from rsegen.field.stepfield import Levels
 from rsegen.params.streams import generator
 from rsegen.recipe.difficulty import nearest, parts_of, roughness, scaled

@@ -10,8 +10,7 @@ import numpy as np
 
 from docs import catalogue
 from rsegen import KINDS, Recipe, Scene, StepField, compose
-from rsegen.exporters.pictures.oblique_view import draw_view, view_bounds
-from rsegen.exporters.pictures.preview import figure_bytes
+from rsegen.exporters.pictures.preview import draw_view, figure_bytes, view_bounds
 from rsegen.exporters.scene import Colour
 from rsegen.field.stepfield import Ints
 

@@ -37,18 +37,18 @@ from rsegen import (
     schema,
     series,
 )
-from rsegen.exporters.pictures.paths import path_plot
 from rsegen.exporters.pictures.preview import figure_bytes, preview_image
+from rsegen.exporters.pictures.robot_plots import path_plot
 from rsegen.exporters.sheet import pages
 from rsegen.params.extras import MAT
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Parameter, parameters
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
+from rsegen.robots import ROBOTS
 from rsegen.simulation.experiment import report as experiments
 from rsegen.simulation.experiment.plot import plot as experiment_plot
 from rsegen.simulation.experiment.run import load_summary
-from rsegen.simulation.robots import ROBOTS
 
 DOCS = Path(__file__).parent
 GAZEBO = DOCS / "gazebo.md"

@@ -13,9 +13,8 @@ from PIL import Image, ImageDraw
 
 import rsegen
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.simulation.driving.camera import last_frame
-from rsegen.simulation.driving.world_with_robots import world_with_robots
-from rsegen.simulation.robots import ROBOTS
+from rsegen.robots import ROBOTS
+from rsegen.simulation.driving.recording import last_frame, world_with_robots
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.simulators.server import running_server
 

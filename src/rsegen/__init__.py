@@ -31,24 +31,24 @@ if TYPE_CHECKING:
     from rsegen.field.metrics import Metrics as Metrics
     from rsegen.field.metrics import RobotLimits as RobotLimits
     from rsegen.field.metrics import metrics as metrics
-    from rsegen.field.metrics.custom import Metric as Metric
-    from rsegen.field.metrics.custom import metric as metric
+    from rsegen.field.metrics.catalogue import Metric as Metric
+    from rsegen.field.metrics.catalogue import metric as metric
     from rsegen.field.obstacles import KINDS as KINDS
     from rsegen.field.obstacles import Obstacle as Obstacle
-    from rsegen.field.obstacles.diagonal import DiagonalBarrier as DiagonalBarrier
-    from rsegen.field.obstacles.horizontal import HorizontalBarrier as HorizontalBarrier
+    from rsegen.field.obstacles.barrier import DiagonalBarrier as DiagonalBarrier
+    from rsegen.field.obstacles.barrier import HorizontalBarrier as HorizontalBarrier
     from rsegen.field.obstacles.matrix import Matrix as Matrix
-    from rsegen.field.obstacles.normal import NormalRandom as NormalRandom
     from rsegen.field.obstacles.pallet import Pallet as Pallet
     from rsegen.field.obstacles.peak import Peak as Peak
     from rsegen.field.obstacles.platform import Platform as Platform
+    from rsegen.field.obstacles.random import NormalRandom as NormalRandom
     from rsegen.field.obstacles.random import Random as Random
-    from rsegen.field.spots.sampling import Spot as Spot
     from rsegen.field.stepfield import StepField as StepField
+    from rsegen.footprints.sampling import Spot as Spot
     from rsegen.geometry import Boxes as Boxes
     from rsegen.geometry import Mesh as Mesh
-    from rsegen.io.dataset import Dataset as Dataset
-    from rsegen.io.dataset import Tiles as Tiles
+    from rsegen.io.dataset.reading import Dataset as Dataset
+    from rsegen.io.dataset.tiles import Tiles as Tiles
     from rsegen.io.importers import imported as imported
     from rsegen.io.recipe_file import load as load
     from rsegen.io.scans import ComparedMap as ComparedMap
@@ -68,26 +68,26 @@ if TYPE_CHECKING:
     from rsegen.run.exports import ExportedMap as ExportedMap
     from rsegen.run.exports import export as export
     from rsegen.run.exports import export_maps as export_maps
-    from rsegen.run.recipes import save as save
+    from rsegen.run.journal import Verified as Verified
+    from rsegen.run.journal import verify as verify
     from rsegen.run.series import Series as Series
     from rsegen.run.series import series as series
-    from rsegen.run.verify import Verified as Verified
-    from rsegen.run.verify import verify as verify
-    from rsegen.run.view import View as View
-    from rsegen.run.view import view as view
+    from rsegen.run.single_files import View as View
+    from rsegen.run.single_files import save as save
+    from rsegen.run.single_files import view as view
     from rsegen.run.worlds import Generated as Generated
     from rsegen.run.worlds import GeneratedMap as GeneratedMap
     from rsegen.run.worlds import generate as generate
+    from rsegen.simulation.driving.drive import DriveResult as DriveResult
     from rsegen.simulation.driving.drive import drive as drive
-    from rsegen.simulation.driving.drive_result import DriveResult as DriveResult
     from rsegen.simulation.driving.spots import spots as spots
     from rsegen.simulation.experiment.run import ExperimentResult as ExperimentResult
     from rsegen.simulation.experiment.run import experiment as experiment
     from rsegen.simulation.open_world import OpenResult as OpenResult
     from rsegen.simulation.open_world import open as open
-    from rsegen.simulation.spawning.remove import RemoveResult as RemoveResult
-    from rsegen.simulation.spawning.remove import remove as remove
+    from rsegen.simulation.spawning.respawn import RemoveResult as RemoveResult
     from rsegen.simulation.spawning.respawn import RespawnResult as RespawnResult
+    from rsegen.simulation.spawning.respawn import remove as remove
     from rsegen.simulation.spawning.respawn import respawn as respawn
     from rsegen.simulation.spawning.spawn import SpawnResult as SpawnResult
     from rsegen.simulation.spawning.spawn import spawn as spawn
@@ -100,20 +100,18 @@ _HOMES = {
     "rsegen.exporters.scene": ("Scene", "compose"),
     "rsegen.exporters.sheet": ("CutSettings", "sheet"),
     "rsegen.field.metrics": ("Metrics", "RobotLimits", "metrics"),
-    "rsegen.field.metrics.custom": ("Metric", "metric"),
+    "rsegen.field.metrics.catalogue": ("Metric", "metric"),
     "rsegen.field.obstacles": ("KINDS", "Obstacle"),
-    "rsegen.field.obstacles.diagonal": ("DiagonalBarrier",),
-    "rsegen.field.obstacles.horizontal": ("HorizontalBarrier",),
+    "rsegen.field.obstacles.barrier": ("DiagonalBarrier", "HorizontalBarrier"),
     "rsegen.field.obstacles.matrix": ("Matrix",),
-    "rsegen.field.obstacles.normal": ("NormalRandom",),
     "rsegen.field.obstacles.pallet": ("Pallet",),
     "rsegen.field.obstacles.peak": ("Peak",),
     "rsegen.field.obstacles.platform": ("Platform",),
-    "rsegen.field.obstacles.random": ("Random",),
+    "rsegen.field.obstacles.random": ("NormalRandom", "Random"),
     "rsegen.field.stepfield": ("StepField",),
-    "rsegen.field.spots.sampling": ("Spot",),
     "rsegen.geometry": ("Boxes", "Mesh"),
-    "rsegen.io.dataset": ("Dataset", "Tiles"),
+    "rsegen.io.dataset.reading": ("Dataset",),
+    "rsegen.io.dataset.tiles": ("Tiles",),
     "rsegen.io.importers": ("imported",),
     "rsegen.io.recipe_file": ("load",),
     "rsegen.io.scans": ("ComparedMap", "ScanOptions", "ScannedMap", "compare", "scan"),
@@ -125,19 +123,17 @@ _HOMES = {
     "rsegen.recipe.terrain": ("Terrain",),
     "rsegen.run.dataset": ("make_dataset",),
     "rsegen.run.exports": ("Exported", "ExportedMap", "export", "export_maps"),
-    "rsegen.run.recipes": ("save",),
+    "rsegen.run.journal": ("Verified", "verify"),
     "rsegen.run.series": ("Series", "series"),
-    "rsegen.run.verify": ("Verified", "verify"),
-    "rsegen.run.view": ("View", "view"),
+    "rsegen.run.single_files": ("View", "save", "view"),
     "rsegen.run.worlds": ("Generated", "GeneratedMap", "generate"),
-    "rsegen.simulation.driving.drive": ("drive",),
-    "rsegen.simulation.driving.drive_result": ("DriveResult",),
+    "rsegen.simulation.driving.drive": ("DriveResult", "drive"),
     "rsegen.simulation.driving.spots": ("spots",),
     "rsegen.simulation.experiment.run": ("ExperimentResult", "experiment"),
     "rsegen.simulation.open_world": ("OpenResult", "open"),
-    "rsegen.simulation.spawning.remove": ("RemoveResult", "remove"),
-    "rsegen.simulation.spawning.respawn": ("RespawnResult", "respawn"),
+    "rsegen.simulation.spawning.respawn": ("RemoveResult", "RespawnResult", "remove", "respawn"),
     "rsegen.simulation.spawning.spawn": ("SpawnResult", "spawn"),
+    "rsegen.footprints.sampling": ("Spot",),
 }
 """Where each public name is; the imports above say the same to type checkers, and a test holds both together."""
 

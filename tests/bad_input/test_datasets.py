@@ -15,7 +15,7 @@ import pytest
 from rsegen import Dataset
 from rsegen.errors import FileError
 from rsegen.io.dataset.layout import ROW
-from rsegen.io.dataset.tables import read_parquet
+from rsegen.io.dataset.reading import read_parquet
 from tests.support.complaints import MANY_DIGITS, OBSTACLE, Refused, exit_code, the_line
 
 MADE = ["dataset", *OBSTACLE, "--maps", "10", "--shard-maps", "4"]

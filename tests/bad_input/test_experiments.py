@@ -14,7 +14,7 @@ import pytest
 import yaml
 
 from rsegen.errors import FileError, UserError
-from rsegen.io.checksums import JOURNAL
+from rsegen.io.input_files import JOURNAL
 from rsegen.run.journal import read_journal
 from rsegen.simulation.experiment.plan import load_plan
 from rsegen.simulation.experiment.results import Entry, read_entries

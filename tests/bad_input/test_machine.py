@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from rsegen.run import product
+from rsegen.run import plan
 from tests.support.complaints import (
     OBSTACLE,
     Refused,
@@ -31,7 +31,7 @@ def test_a_mistake_of_ours_is_one_line_that_asks_for_a_report(
     def broken(*_: object) -> None:
         raise ZeroDivisionError("of ours")
 
-    monkeypatch.setattr(product, "stage_all", broken)
+    monkeypatch.setattr(plan, "stage_all", broken)
     assert exit_code("generate", *OBSTACLE, "-o", tmp_path / "out") == 1
     err = capsys.readouterr().err
     assert err.count("\n") == 1
@@ -45,7 +45,7 @@ def test_memory_that_runs_out_after_all_is_said_in_one_line(
     def full(*_: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(product, "stage_all", full)
+    monkeypatch.setattr(plan, "stage_all", full)
     assert exit_code("generate", *OBSTACLE, "-o", tmp_path / "out") == 1
     assert "out of memory; give fewer chunks" in the_line(capsys.readouterr().err)
     assert list(tmp_path.iterdir()) == []
@@ -66,7 +66,7 @@ def test_an_impatient_second_ctrl_c_does_not_disturb_the_clearing_up(
         signal.raise_signal(signal.SIGINT)
         remove(*arguments, **options)
 
-    monkeypatch.setattr(product, "stage_all", stopped)
+    monkeypatch.setattr(plan, "stage_all", stopped)
     monkeypatch.setattr(shutil, "rmtree", stopped_again)
     capsys.readouterr()
     flags = ["--force"] if force else ["--first-map", "1"]

@@ -17,7 +17,7 @@ import yaml
 import rsegen
 from rsegen import KINDS, Recipe
 from rsegen.cli import COMMANDS, main
-from rsegen.io.checksums import JOURNAL
+from rsegen.io.input_files import JOURNAL
 from rsegen.params.sorts import Flag, parameters
 from rsegen.recipe.codec import OTHER_NAMES, decode
 from rsegen.recipe.examples import EXAMPLES

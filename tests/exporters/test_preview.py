@@ -14,10 +14,8 @@ from PIL import Image
 
 import rsegen
 from rsegen import Placement, Random, Recipe, compose
-from rsegen.exporters.pictures.layout import WIDTH, layout
-from rsegen.exporters.pictures.oblique_view import DRAWN
-from rsegen.exporters.pictures.outlines import boundary, covered
-from rsegen.exporters.pictures.preview import FORMATS, preview_figure, preview_image
+from rsegen.exporters.pictures.plan import boundary, covered
+from rsegen.exporters.pictures.preview import DRAWN, FORMATS, WIDTH, layout, preview_figure, preview_image
 from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES

@@ -20,7 +20,7 @@ from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.gazebo import export
 from rsegen.exporters.pictures.preview import preview_image
 from rsegen.exporters.scene import FRAME_COLOUR, Colour, level_colour
-from rsegen.exporters.sheet.plan_view import block_colour
+from rsegen.exporters.sheet.page import block_colour
 from rsegen.gui.model.colours import cells, legend
 
 PLAIN = Recipe(seed=1, chunk_size=4, obstacles=(Placement(obstacle=Random(max_height=4)),))

@@ -12,7 +12,7 @@ from PIL import Image
 
 import rsegen
 from rsegen.exporters.gazebo.bundle import export
-from rsegen.exporters.textures import mean_colour, textures
+from rsegen.exporters.textures.looks import mean_colour, textures
 from rsegen.geometry import TILES
 from tests.exporters.formats.maps import RECIPES
 

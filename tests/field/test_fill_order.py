@@ -7,10 +7,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from rsegen.field.fill_order import cells_with_neighbours, fill_order
-from rsegen.field.obstacles.rearranged import rearranged
+from rsegen.field.obstacles.rearranged import cells_with_neighbours, fill_order, rearranged
 from rsegen.params.streams import generator
-from rsegen.recipe.constraints.block_counts import BlockCounts
+from rsegen.recipe.constraints.inventory import BlockCounts
 from tests.support.arrangements import Counts, possible_counts
 
 GRIDS = [(1, 1), (1, 6), (2, 2), (2, 5), (5, 2), (3, 3), (3, 4), (4, 3), (4, 4)]

@@ -25,7 +25,7 @@ from rsegen import (
 )
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Levels
-from rsegen.params.places import Cell
+from rsegen.params.sorts import Cell
 
 L = 10
 CELLS = st.integers(0, L - 1)

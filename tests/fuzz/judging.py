@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rsegen.io.checksums import JOURNAL
+from rsegen.io.input_files import JOURNAL
 from tests.fuzz.case import Case
 from tests.fuzz.readers import called
 from tests.fuzz.sandbox import Exceeded, Sandbox

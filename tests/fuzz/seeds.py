@@ -202,7 +202,7 @@ def clouds() -> Mapping[str, bytes]:
 @cache
 def robots() -> tuple[bytes, ...]:
     """Robots as SDF: a small one, one with a mesh, and those that come along, for every simulator."""
-    from rsegen.simulation.robots import BACKENDS, ROBOTS
+    from rsegen.robots import BACKENDS, ROBOTS
 
     box = b"<box><size>0.4 0.3 0.1</size></box>"
     meshed = ROBOT.replace(box, b"<mesh><uri>part.stl</uri><scale>0.2 0.2 0.2</scale></mesh>")

@@ -27,8 +27,8 @@ from PySide6.QtWidgets import (
 from rsegen import load
 from rsegen.field.obstacles import KINDS
 from rsegen.gui.model.session import Session
-from rsegen.gui.widgets import message_label
-from rsegen.gui.widgets.welcome import Welcome
+from rsegen.gui.widgets import layouts
+from rsegen.gui.widgets.map_views import Welcome
 from rsegen.gui.window import Window
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.clicking import answer, click, find, said, shown
@@ -188,7 +188,7 @@ def test_a_message_passes_and_leaves_the_numbers_in_sight(window: Window, monkey
     assert window.status.numbers.isVisible()
     assert window.status.index.isVisible()
     until(lambda: not said(window, "note"))
-    assert message_label.PASSES > 5000
+    assert layouts.PASSES > 5000
 
 
 def test_parameters_are_filtered_by_name_and_help(window: Window) -> None:

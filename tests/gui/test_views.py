@@ -14,8 +14,7 @@ from PySide6.QtGui import QAction, QColor, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QApplication, QComboBox, QFileDialog, QSpinBox
 
-from rsegen.gui.dialogs.picture_size import PictureSizeDialog
-from rsegen.gui.dialogs.saving import SavingDialog
+from rsegen.gui.dialogs.outputs import PictureSizeDialog, SavingDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
 from tests.support.clicking import active, click, find, shown, typed

@@ -31,8 +31,8 @@ from PySide6.QtWidgets import (
 )
 
 from rsegen import StepField, build, load
-from rsegen.gui.dialogs.heights import HeightsDialog
-from rsegen.gui.dialogs.picture_size import PictureSizeDialog
+from rsegen.gui.dialogs.opening import HeightsDialog
+from rsegen.gui.dialogs.outputs import PictureSizeDialog
 from rsegen.gui.model.plan_layout import fit
 from rsegen.gui.model.session import Session
 from rsegen.gui.widgets.obstacle_form import DEFAULT

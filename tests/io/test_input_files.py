@@ -13,9 +13,8 @@ from pathlib import Path
 import pytest
 
 from rsegen.errors import FileError
-from rsegen.io.input_files import open_regular, read_start
+from rsegen.io.input_files import open_regular, read_start, text_of
 from rsegen.io.recipe_file import load
-from rsegen.io.text_files import text_of
 
 RECIPE = b"seed: 7\nobstacles: [{kind: random, levels: 3}]\n"
 

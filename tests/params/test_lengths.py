@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rsegen.errors import ParameterError
-from rsegen.params.lengths import with_lengths
-from rsegen.params.sorts import Float, Integer, ListOf
+from rsegen.params.sorts import Float, Integer, ListOf, with_lengths
 
 CM, MM = Float(0, 100, unit="cm"), Float(0, 100, unit="mm")
 

@@ -17,10 +17,10 @@ from rsegen.io.importers import imported, importer_for
 from rsegen.io.recipe_file import load
 from rsegen.params.sorts import Float, Integer, parameters
 from rsegen.recipe.recipe import Recipe
+from rsegen.robots import from_file
+from rsegen.robots.base import SIDE, SPEED, TURN
 from rsegen.simulation.driving.drive import ROBOTS
 from rsegen.simulation.experiment.plan import load_plan
-from rsegen.simulation.robots import from_file
-from rsegen.simulation.robots.limits import SIDE, SPEED, TURN
 
 MODEL = (
     '<sdf version="1.6"><model name="cart"><link name="base"><collision name="c"><geometry><box><size>{side} 0.3 0.1'

@@ -9,12 +9,9 @@ from pathlib import Path
 import pytest
 
 from rsegen.errors import PluginError, UnknownName
-from rsegen.params import entry_points as offers
-from rsegen.params import registry as registries
-from rsegen.params.contract import Contract
-from rsegen.params.entry_points import EntryPoint
+from rsegen.params import registry
 from rsegen.params.plugins import Source
-from rsegen.params.registry import Registry
+from rsegen.params.registry import Contract, EntryPoint, Registry
 
 
 def fruits() -> Registry[int]:
@@ -49,7 +46,7 @@ OFFER = EntryPoint(group="fruits", name="kiwi", value="string:digits", source=So
 
 
 def basket(monkeypatch: pytest.MonkeyPatch, *found: EntryPoint) -> Registry[str]:
-    monkeypatch.setattr(registries, "entry_points", lambda: found)
+    monkeypatch.setattr(registry, "entry_points", lambda: found)
     contract = Contract(base=str, names=lambda text: ("kiwi",), is_class=False)
     return Registry("fruit", group="fruits", contract=contract)
 
@@ -97,5 +94,5 @@ def test_of_two_versions_of_a_package_the_first_on_the_path_counts(
         (tmp_path / place / name / "METADATA").write_text("Metadata-Version: 2.1\nName: or-chard\nVersion: 2\n")
         (tmp_path / place / name / "entry_points.txt").write_text("[rsegen.fruits]\nkiwi = string:digits\n")
     monkeypatch.setattr(sys, "path", [str(tmp_path / "nowhere"), str(tmp_path / "first"), str(tmp_path / "second")])
-    (found,) = offers.entry_points.__wrapped__()
+    (found,) = registry.entry_points.__wrapped__()
     assert str(found) == "plug-in 'kiwi' of or-chard 2 (string:digits)"

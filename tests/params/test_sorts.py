@@ -14,8 +14,20 @@ from rsegen import Peak, Recipe
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles.matrix import Rows
 from rsegen.field.obstacles.random import Counts, Weights
-from rsegen.params.places import ANYWHERE, CellRef, Size2D
-from rsegen.params.sorts import Choice, Flag, Float, Integer, ListOf, Parameter, Text, as_int, parse_int
+from rsegen.params.sorts import (
+    ANYWHERE,
+    CellRef,
+    Choice,
+    Flag,
+    Float,
+    Integer,
+    ListOf,
+    Parameter,
+    Size2D,
+    Text,
+    as_int,
+    parse_int,
+)
 from tests.support.wrong_values import EVERY, right, wrong_texts, wrong_values
 
 PARAMETER = pytest.mark.parametrize(("owner", "name"), EVERY, ids=[".".join(one) for one in EVERY])

@@ -160,7 +160,7 @@ modules = {each.name.rpartition(".")[2]: each.name for each in found}
 form = import_module(modules["obstacle_form"]).ObstacleForm()
 form.kind.setCurrentText("ramp")
 print(form.kind.currentText(), "tread" in {each.objectName() for each in form.findChildren(QWidget)})
-formats = import_module(modules["format_list"]).FormatList()
+formats = import_module(modules["run_form"]).FormatList()
 print("ascii" in [box.text() for box in formats.findChildren(QCheckBox)])
 """
 

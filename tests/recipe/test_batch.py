@@ -16,9 +16,8 @@ from rsegen import Matrix, Placement, Random, Recipe
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles import Grid, Patch
 from rsegen.field.stepfield import Array, Levels
-from rsegen.params.many_streams import generators
-from rsegen.params.places import Cell
-from rsegen.params.streams import generator
+from rsegen.params.sorts import Cell
+from rsegen.params.streams import generator, generators
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.strategies import SEEDS, recipes
 

@@ -11,9 +11,8 @@ import pytest
 import rsegen
 from rsegen import Placement, Random, Recipe, RobotLimits, StepField
 from rsegen.errors import ParameterError
-from rsegen.field.metrics.by_name import metric_by
-from rsegen.recipe.difficulty_by import Span, mean_of, share_of, span_of
-from rsegen.recipe.tiles import eased
+from rsegen.field.metrics.catalogue import metric_by
+from rsegen.recipe.tiles import Span, eased, mean_of, share_of, span_of
 
 RUBBLE = Recipe(seed=3, unit_cm=2, boundary="none", obstacles=[Placement(obstacle=Random(max_height=20))])
 ROBOT = RobotLimits(climb_cm=7)

@@ -15,7 +15,7 @@ import rsegen
 from rsegen import Peak, Placement, Random, Recipe, RobotLimits, Terrain
 from rsegen.errors import ParameterError, UserError
 from rsegen.field.metrics.batch import batch_metrics
-from rsegen.field.metrics.by_name import metric_by
+from rsegen.field.metrics.catalogue import metric_by
 
 ROUGH = Recipe(name="rough", seed=1, unit_cm=5, boundary="none", obstacles=[Placement(obstacle=Random(max_height=6))])
 TABLE = replace(ROUGH, name="table", obstacles=[Placement(obstacle=Peak(max_height=6), first=(1, 1), last=(9, 9))])

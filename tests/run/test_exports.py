@@ -17,7 +17,7 @@ from rsegen.exporters.formats.arrays import Arrays
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.io import resources
-from rsegen.io.checksums import JOURNAL
+from rsegen.io.input_files import JOURNAL
 from rsegen.recipe.codec import to_json
 from rsegen.run import store as store_module
 from rsegen.run import swap

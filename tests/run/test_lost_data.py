@@ -11,7 +11,7 @@ import pytest
 import rsegen
 from rsegen.errors import FilesDamaged, OutputError
 from rsegen.exporters.formats.heightmap import Heightmap
-from rsegen.io.checksums import JOURNAL
+from rsegen.io.input_files import JOURNAL
 from rsegen.run.journal import read_journal
 from tests.support.complaints import exit_code, snapshot, the_line
 

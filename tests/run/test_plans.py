@@ -20,10 +20,9 @@ from rsegen.run.dataset import plan_dataset
 from rsegen.run.execute import Execution
 from rsegen.run.exports import plan_exports
 from rsegen.run.plan import OnExisting
-from rsegen.run.series.plan import SeriesPlan
-from rsegen.run.series.run import plan_series
-from rsegen.run.sidecars import Sidecars
-from rsegen.run.worlds import make_worlds, plan_worlds
+from rsegen.run.series import plan_series
+from rsegen.run.series_rows import SeriesPlan
+from rsegen.run.worlds import Sidecars, make_worlds, plan_worlds
 from tests.support.complaints import snapshot
 
 RECIPE = Recipe(seed=7, maps=4, chunk_size=4, obstacles=(Placement(obstacle=Random(max_height=3)),))

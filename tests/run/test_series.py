@@ -22,12 +22,12 @@ import rsegen
 from rsegen import Placement, Random, Recipe, RobotLimits, build, load, metrics, series
 from rsegen.cli import main
 from rsegen.errors import OutputError, ParameterError
-from rsegen.field.metrics.by_name import metric_by
-from rsegen.io.checksums import JOURNAL
+from rsegen.field.metrics.catalogue import metric_by
+from rsegen.io.input_files import JOURNAL
 from rsegen.recipe.codec import decode
+from rsegen.robots import robot
 from rsegen.run import execute as execute_module
-from rsegen.run.series import SeriesPlan, SeriesRow
-from rsegen.simulation.robots import robot
+from rsegen.run.series_rows import SeriesPlan, SeriesRow
 from tests.cli.test_cli import contents, printed, read
 
 RANDOM = Recipe(name="rough", seed=7, maps=8, obstacles=(Placement(obstacle=Random(max_height=5)),))
@@ -312,7 +312,7 @@ def test_who_stops_a_series_hears_how_to_go_on(
     def stopped(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules["rsegen.run.series.run"], "world_output", stopped)
+    monkeypatch.setattr(sys.modules["rsegen.run.series"], "world_output", stopped)
     assert main(["series", *FLAGS, "-o", str(tmp_path / "out")]) == 130
     assert f"stopped; nothing was changed in {tmp_path / 'out'}" in capsys.readouterr().err
     monkeypatch.undo()

@@ -6,10 +6,9 @@ from typing import Any
 
 from rsegen import Recipe
 from rsegen.errors import ParameterError
-from rsegen.params.difficulty_range import DifficultySort
-from rsegen.params.places import CellRef, Size2D
-from rsegen.params.sorts import Choice, Flag, Float, Integer, ListOf, Parameter, Text, parameters
+from rsegen.params.sorts import CellRef, Choice, Flag, Float, Integer, ListOf, Parameter, Size2D, Text, parameters
 from rsegen.recipe.codec import decode
+from rsegen.recipe.map_design import DifficultySort
 
 NUMBERS = (12.5, 5, 0.5)
 TEXTS = ("course", "#3a0F10")

@@ -6,9 +6,8 @@ import math
 from collections.abc import Iterator, Mapping
 
 from rsegen import KINDS, Placement, Recipe
-from rsegen.params.difficulty_range import DifficultySort
-from rsegen.params.places import CellRef, Size2D
-from rsegen.params.sorts import Choice, Flag, Float, Integer, ListOf, Parameter, Text, parameters
+from rsegen.params.sorts import CellRef, Choice, Flag, Float, Integer, ListOf, Parameter, Size2D, Text, parameters
+from rsegen.recipe.map_design import DifficultySort
 from tests.support.complaints import MANY_DIGITS, NO_WORD
 
 OWNERS: Mapping[str, type] = {"recipe": Recipe, "placement": Placement, **KINDS}

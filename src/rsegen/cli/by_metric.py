@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from rsegen.errors import ParameterError
-from rsegen.field.metrics.by_name import RMS
+from rsegen.field.metrics.catalogue import RMS
 from rsegen.field.robot_limits import RobotLimits
 from rsegen.params.sorts import parameters
 
@@ -29,7 +29,7 @@ def by_from(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _robot(text: str) -> RobotLimits:
     if not text[:1].isdecimal():
-        from rsegen.simulation.robots import robot
+        from rsegen.robots import robot
 
         return robot(text, "--robot").limits
     sorts, numbers = parameters(RobotLimits), text.split(",")

@@ -12,9 +12,8 @@ from rsegen.cli.picture_path import picture_path
 from rsegen.cli.targets import map_of_flags
 from rsegen.errors import ParameterError
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.pictures.comparison import summary
+from rsegen.exporters.pictures.measured import summary
 from rsegen.exporters.pictures.preview import image_format
-from rsegen.field.comparison import Comparison
 from rsegen.io.clouds import is_cloud
 from rsegen.io.resources import refuse_too_large
 from rsegen.io.scans import ComparedMap, ScanOptions, compare
@@ -22,6 +21,7 @@ from rsegen.io.targets import found
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.store import write_file
+from rsegen.scanning.comparison import Comparison
 
 _KNOWN = frozenset({*parameters(Recipe), "size", "fill_holes"})
 """Options of a scan that the map decides."""

@@ -22,8 +22,8 @@ from rsegen.cli.flags import (
 from rsegen.cli.generate import add_workers_flag, workers_from
 from rsegen.cli.stop import how_to_go_on
 from rsegen.errors import ParameterError
-from rsegen.io.dataset import Dataset
 from rsegen.io.dataset.layout import ShardLayout
+from rsegen.io.dataset.reading import Dataset
 from rsegen.params.sorts import Integer
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.dataset import Progress, make_dataset

@@ -14,9 +14,9 @@ from rsegen.cli.flags import Subparsers, add_force_flag, add_target_recipe_flags
 from rsegen.cli.simulation_flags import flags_in_errors, simulator_names
 from rsegen.cli.targets import target_of
 from rsegen.params.sorts import Parameter
+from rsegen.robots import ROBOTS as KINDS
+from rsegen.robots.base import LIMITS
 from rsegen.simulation.driving.drive import DURATION, ROBOTS, ROUTE, SEED, drive
-from rsegen.simulation.robots import ROBOTS as KINDS
-from rsegen.simulation.robots.limits import LIMITS
 
 _NUMBERS: Mapping[str, Parameter] = {"robots": ROBOTS, "duration": DURATION, "seed": SEED, **LIMITS}
 

@@ -14,8 +14,8 @@ from importlib.metadata import PackageNotFoundError, requires, version
 
 from rsegen import __version__
 from rsegen.errors import line_of, pip_install
-from rsegen.params.entry_points import entry_points
 from rsegen.params.extras import EXTRAS, GUI, Extra
+from rsegen.params.registry import entry_points
 from rsegen.simulation.simulators import SIMULATORS, Installation, Simulator
 
 SECONDS = 20

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from rsegen.cli.flags import Subparsers, add_force_flag, folder
 from rsegen.io.recipe_file import load
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.run.recipes import copy_examples
+from rsegen.run.single_files import copy_examples
 
 
 def add(commands: Subparsers) -> None:

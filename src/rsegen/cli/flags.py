@@ -14,9 +14,8 @@ from rsegen.cli.key_values import key_values
 from rsegen.cli.parser import Parser
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.obstacles import kind
-from rsegen.io.dataset.map_reference import recipe_in
-from rsegen.params.lengths import with_lengths
-from rsegen.params.sorts import Choice, Flag, Parameter, parameters
+from rsegen.io.targets import recipe_in
+from rsegen.params.sorts import Choice, Flag, Parameter, parameters, with_lengths
 from rsegen.recipe.codec import OTHER_NAMES, decode_placement
 from rsegen.recipe.examples import or_example
 from rsegen.recipe.recipe import Placement, Recipe
@@ -133,7 +132,7 @@ def _without_names(said: dict[str, Any], unit_cm: float) -> dict[str, Any]:
     """What flags say, with a robot's figures in place of its name, and a file's blocks in place of the file."""
     match said:
         case {"crossable_by": [str(name)]} if name:
-            from rsegen.simulation.robots import robot
+            from rsegen.robots import robot
 
             said["crossable_by"] = robot(name, "crossable_by").climber.figures
     match said:

@@ -17,8 +17,7 @@ from rsegen.cli.stop import how_to_go_on
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.execute import WORKERS, Execution, cores
 from rsegen.run.plan import OnExisting
-from rsegen.run.sidecars import Sidecars
-from rsegen.run.worlds import Generated, GeneratedMap, make_worlds, plan_worlds
+from rsegen.run.worlds import Generated, GeneratedMap, Sidecars, make_worlds, plan_worlds
 
 _SHOWN = 10
 

@@ -11,8 +11,8 @@ from rsegen.cli.flags import Subparsers, add_recipe_flags, add_switch, describe_
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.picture_path import picture_path
 from rsegen.errors import ParameterError
+from rsegen.exporters.pictures.measured import rounding_plot
 from rsegen.exporters.pictures.preview import image_format
-from rsegen.exporters.pictures.rounding import rounding_plot
 from rsegen.exporters.scene import compose
 from rsegen.io.importers import IMPORTERS, Importer, heights_in, importer_for, recipe_of
 from rsegen.params.sorts import Flag, Parameter, parameters

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from rsegen.cli.flags import Subparsers, add_target_recipe_flags
 from rsegen.cli.targets import add_target_flags, is_of_flags, scene_of
 from rsegen.errors import ParameterError
-from rsegen.exporters.lengths import lengths_in
 from rsegen.exporters.map_summary import MapSummary, map_summary
-from rsegen.run.verify import verify
+from rsegen.exporters.numbers import lengths_in
+from rsegen.run.journal import verify
 
 
 def add(commands: Subparsers) -> None:

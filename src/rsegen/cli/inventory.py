@@ -8,9 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.io.text_files import text_of
-from rsegen.params.lengths import CENTIMETRES
-from rsegen.params.sorts import Float, Integer
+from rsegen.io.input_files import text_of
+from rsegen.params.sorts import CENTIMETRES, Float, Integer
 
 COLUMNS = ["height_cm", "count"]
 _IN_INCHES = ["height_in", "count"]

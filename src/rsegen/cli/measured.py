@@ -7,10 +7,10 @@ from itertools import chain
 from typing import TypeAlias
 
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.pictures.paths import describe_robot
+from rsegen.exporters.pictures.robot_plots import describe_robot
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Crossing, Metrics, Scale, Spread, Steps, Traversability
-from rsegen.field.metrics.custom import METRICS, custom
+from rsegen.field.metrics.catalogue import METRICS, custom
 
 Measured: TypeAlias = tuple[Scene, Metrics]
 

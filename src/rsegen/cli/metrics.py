@@ -18,14 +18,13 @@ from rsegen.cli.parser import HelpRow
 from rsegen.cli.picture_path import picture_path
 from rsegen.cli.targets import add_target_flags, scenes_of
 from rsegen.errors import ParameterError
-from rsegen.exporters.pictures.paths import path_plot
 from rsegen.exporters.pictures.preview import image_format
+from rsegen.exporters.pictures.robot_plots import path_plot
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Metrics, RobotLimits, metrics
-from rsegen.field.metrics.custom import custom
-from rsegen.field.metrics.tables import flattened, nested
+from rsegen.field.metrics.catalogue import custom, flattened, nested
+from rsegen.robots import ROBOTS, robot
 from rsegen.run.store import write_file
-from rsegen.simulation.robots import ROBOTS, robot
 
 _NO_ROBOT = "give a robot, as in --robot burger or --climb-cm 10"
 

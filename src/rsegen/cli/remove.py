@@ -9,7 +9,7 @@ from dataclasses import asdict
 from rsegen.cli.flags import Subparsers
 from rsegen.cli.simulation_flags import add_running_flags, flags_in_errors
 from rsegen.simulation.simulators import SIMULATORS
-from rsegen.simulation.spawning.remove import remove
+from rsegen.simulation.spawning.respawn import remove
 
 
 def add(commands: Subparsers) -> None:

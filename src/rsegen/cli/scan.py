@@ -12,13 +12,13 @@ from rsegen.cli.flags import Subparsers, add_parameter_flags, add_recipe_flags, 
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.picture_path import picture_path
 from rsegen.exporters.pictures.preview import image_format
-from rsegen.field.scanning import SURE
 from rsegen.field.stepfield import Mask
 from rsegen.io.clouds import READERS
 from rsegen.io.scans import ScannedMap, ScanOptions, scan
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.store import write_file
+from rsegen.scanning import SURE
 
 _SHOWN = 8
 _MOST_PALLETS = 30

@@ -13,9 +13,10 @@ from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, describe
 from rsegen.cli.formats import formats_of
 from rsegen.cli.generate import add_output_flags, going_on, workers_from
 from rsegen.exporters.numbers import decimal
-from rsegen.field.metrics.by_name import RMS
+from rsegen.field.metrics.catalogue import RMS
 from rsegen.params.sorts import parameters
-from rsegen.run.series import Series, SeriesPlan, SeriesRow, series
+from rsegen.run.series import Series, series
+from rsegen.run.series_rows import SeriesPlan, SeriesRow
 
 _LINES = 12
 

@@ -10,7 +10,7 @@ from rsegen.cli.flags import Subparsers, add_force_flag, add_parameter_flags, ad
 from rsegen.cli.targets import add_target_flags, map_of_flags
 from rsegen.errors import ParameterError
 from rsegen.exporters.sheet import CutSettings, sheet_format
-from rsegen.run.sheets import write_sheets
+from rsegen.run.single_files import write_sheets
 
 
 def add(commands: Subparsers) -> None:

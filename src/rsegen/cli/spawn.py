@@ -12,7 +12,7 @@ from rsegen.cli.simulation_flags import add_output_flag, add_running_flags, flag
 from rsegen.cli.targets import target_of
 from rsegen.errors import ParameterError, shown
 from rsegen.exporters.gazebo.sdf import numbers
-from rsegen.simulation.robots import ROBOTS
+from rsegen.robots import ROBOTS
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.spawning.spawn import METRES, SpawnResult, spawn
 

@@ -14,13 +14,13 @@ from rsegen.cli.picture_path import picture_path
 from rsegen.cli.simulation_flags import flags_in_errors
 from rsegen.cli.targets import add_target_flags, target_of
 from rsegen.exporters.pictures.preview import image_format
-from rsegen.exporters.pictures.spots import spots_plot
-from rsegen.field.spots import Spot
+from rsegen.exporters.pictures.robot_plots import spots_plot
+from rsegen.footprints import Spot
 from rsegen.params.sorts import Parameter
 from rsegen.params.streams import fresh_seed
+from rsegen.robots import ROBOTS
 from rsegen.run.store import write_file
 from rsegen.simulation.driving.spots import COUNT, MAX_DIFFERENCE, SEED, SIZE, spot_footprint, spots
-from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.worlds import world_of
 
 _SORTS: Mapping[str, Parameter] = {"count": COUNT, "size": SIZE, "max_difference_cm": MAX_DIFFERENCE, "seed": SEED}

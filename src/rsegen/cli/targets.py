@@ -10,9 +10,8 @@ from rsegen.cli.flags import has_recipe_flags, with_flags
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats import Step
 from rsegen.exporters.scene import Scene, compose
-from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.io.resources import refuse_too_large
-from rsegen.io.targets import Found, one_of, recipe_files
+from rsegen.io.targets import Found, one_of, recipe_files, recipe_in
 from rsegen.recipe.recipe import Recipe
 
 _WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a folder of maps, or DIR#17 of a data set"

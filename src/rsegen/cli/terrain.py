@@ -16,7 +16,7 @@ from rsegen.params.sorts import Parameter, parameters
 from rsegen.recipe.examples import or_example
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.terrain import SIZE, Terrain
-from rsegen.run.terrain import tiles_json
+from rsegen.run.single_files import tiles_json
 
 _SORTS: Mapping[str, Parameter] = {**parameters(Terrain), "seed": parameters(Recipe)["seed"]}
 

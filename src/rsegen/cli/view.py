@@ -8,8 +8,8 @@ from pathlib import Path
 from rsegen.cli.flags import Subparsers, add_force_flag, add_target_recipe_flags
 from rsegen.cli.targets import add_target_flags, map_of_flags, recipes_of
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.single_files import html_path, view_all
 from rsegen.run.store import refuse_taken_file
-from rsegen.run.view import html_path, view_all
 
 
 def add(commands: Subparsers) -> None:

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from rsegen.exporters.lengths import lengths_in
+from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.recipe.building import build
 
 
 def constraint_report(scene: Scene) -> dict[str, Any]:
     """For each constraint of a map's recipe the demanded and the actual value, as JSON values."""
-    from rsegen.field.metrics.pairs import differences
+    from rsegen.field.metrics.roughness import differences
     from rsegen.field.metrics.traversability import crossing
 
     recipe = scene.recipe

@@ -1,11 +1,15 @@
-"""The levels of a map's blocks as CSV, north up."""
+"""The levels of a map's blocks as CSV, north up.
+
+A short name for the levels of a pallet or a map, by which two sites know that they built the same field.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from hashlib import blake2b
 
 from rsegen.exporters.numbers import decimal
-from rsegen.field.stepfield import StepField
+from rsegen.field.stepfield import Levels, StepField
 
 
 def csv(field: StepField) -> Iterator[bytes]:
@@ -14,3 +18,19 @@ def csv(field: StepField) -> Iterator[bytes]:
     yield f"# block levels in units of {unit}; north up: the top row is the largest y, x grows to the right\n".encode()
     for row in field.blocks.T[::-1]:
         yield (",".join(map(str, row.tolist())) + "\n").encode()
+
+
+_LETTERS = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
+"""Of base 32 after Crockford: none that is read as another one."""
+
+
+def fingerprint(levels: Levels) -> str:
+    """Eight letters and digits, as in 7K3F-9QXA: of levels (n_x, n_y) without frames, whatever their unit is.
+
+    40 bits of the BLAKE2b hash of "n_x n_y " and the levels as 16-bit numbers, the lowest byte first, along y and x.
+    """
+    n_x, n_y = levels.shape
+    digest = blake2b(f"{n_x} {n_y} ".encode() + levels.astype("<i2").tobytes(), digest_size=5).digest()
+    number = int.from_bytes(digest, "big")
+    text = "".join(_LETTERS[number >> shift & 31] for shift in range(35, -1, -5))
+    return f"{text[:4]}-{text[4:]}"

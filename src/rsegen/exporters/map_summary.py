@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rsegen.exporters.constraint_report import block_warnings
-from rsegen.exporters.fingerprint import fingerprint
 from rsegen.exporters.gazebo import MESH_TYPES, export
 from rsegen.exporters.gazebo.obj import face_count
+from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.scene import Scene
-from rsegen.recipe.plugin_record import needed_plugins
+from rsegen.recipe.codec import needed_plugins
 from rsegen.recipe.recipe import Recipe
 
 MANY = 1000

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from rsegen.exporters.textures import mean_colour
+from rsegen.exporters.textures.looks import mean_colour
 from rsegen.field.stepfield import NANOMETRE_DIGITS, CellWindow, StepField
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
@@ -118,7 +118,7 @@ class Scene:
 
     def _repr_png_(self) -> bytes:
         """A small plan, which notebooks show."""
-        from rsegen.exporters.pictures.field_picture import thumbnail
+        from rsegen.exporters.pictures.preview import thumbnail
 
         return thumbnail(self)
 

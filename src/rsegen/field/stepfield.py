@@ -2,10 +2,13 @@
 
 Heights are integers in units, so equality is exact; metres appear only in `heights`. Arrays have shape (n_x, n_y):
 axis 0 along +x, axis 1 along +y, cell (0, 0) in the corner of smallest x and y, the field centred on the origin.
+
+Downsampling: a large map in fewer and larger cells, which is quick to draw.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
@@ -15,6 +18,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from rsegen.geometry import Boxes, Mesh
+
 
 Levels = NDArray[np.int16]
 Mask = NDArray[np.bool_]
@@ -145,13 +149,13 @@ class StepField:
 
     def preview(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
         """The plan and a 3D view of the field as the bytes of an image file, PNG by default."""
-        from rsegen.exporters.pictures.field_picture import field_preview
+        from rsegen.exporters.pictures.preview import field_preview
 
         return field_preview(self, format)
 
     def _repr_png_(self) -> bytes:
         """A small plan, which notebooks show."""
-        from rsegen.exporters.pictures.field_picture import ColouredField, thumbnail
+        from rsegen.exporters.pictures.preview import ColouredField, thumbnail
 
         return thumbnail(ColouredField(field=self))
 
@@ -210,3 +214,40 @@ def _cuts(inside: Mask, chunk_size: int) -> NDArray[np.intp]:
 
 def _edges(cells: int, width: float) -> Array:
     return np.round((np.arange(cells + 1) - cells / 2) * width, NANOMETRE_DIGITS)
+
+
+def coarseness(field: StepField, most: int) -> int:
+    """The downsampling factor per side that gives at most about `most` x `most` cells."""
+    n_x, n_y = field.shape
+    return max(min(math.ceil(math.sqrt(n_x * n_y) / most), n_x, n_y), 1)
+
+
+def coarse(field: StepField, factor: int) -> StepField:
+    """The field downsampled: cells `factor` times as wide, each the highest of those under it; a rest is cut off."""
+    if factor == 1:
+        return field
+    i, j = _highest(field, factor)
+    return StepField(
+        levels=field.levels[i, j],
+        frame=field.frame[i, j],
+        block_width=field.block_width * factor,
+        unit=field.unit,
+        frame_height=field.frame_height,
+    )
+
+
+def coarse_window(field: StepField, window: CellWindow, factor: int) -> CellWindow:
+    """The cells of the downsampled field that a window of the field overlaps."""
+    x, y = (
+        slice(min(part.start // factor, cells // factor - 1), min(-(-part.stop // factor), cells // factor))
+        for part, cells in zip(window, field.shape, strict=True)
+    )
+    return x, y
+
+
+def _highest(field: StepField, factor: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The indices of the highest of every `factor` x `factor` cells."""
+    n_x, n_y = (cells // factor for cells in field.shape)
+    parts = field.heights[: n_x * factor, : n_y * factor].reshape(n_x, factor, n_y, factor)
+    within = parts.transpose(0, 2, 1, 3).reshape(n_x, n_y, -1).argmax(axis=-1)
+    return np.arange(n_x)[:, None] * factor + within // factor, np.arange(n_y)[None, :] * factor + within % factor

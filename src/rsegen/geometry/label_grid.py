@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, CellWindow, Ints, StepField
-from rsegen.geometry.faces import Lattice
+from rsegen.geometry.mesh import Lattice
 
 
 class LabelGrid(NamedTuple):

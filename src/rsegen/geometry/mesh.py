@@ -1,13 +1,20 @@
-"""A mesh whose faces are perpendicular to the axes."""
+"""A mesh whose faces are perpendicular to the axes.
+
+Faces on a lattice, with one number per corner, until they are welded to a mesh.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from math import prod
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.stepfield import Array, Mask
+from rsegen.field.stepfield import Array, Ints, Mask
+from rsegen.geometry.rectangles import Rectangles
 
 NORMALS = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
 """The normals that a face can have: +x, -x, +y, -y, +z, -z."""
@@ -51,3 +58,92 @@ class Mesh:
             normals=self.normals[which],
             materials=self.materials[which],
         )
+
+
+class Faces(NamedTuple):
+    """Faces: corners (m, 3 or 4), numbers of lattice points in order; normals (m,), rows of NORMALS; materials (m,)."""
+
+    corners: Ints
+    normals: Ints
+    materials: Ints
+
+    @classmethod
+    def joined(cls, parts: Iterable[Faces]) -> Faces:
+        """All faces of the parts, sorted by material."""
+        faces = cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+        return faces.rows(np.argsort(faces.materials.astype(np.int16), kind="stable"))
+
+    def rows(self, which: Ints) -> Faces:
+        """The faces of these indices."""
+        return Faces(self.corners[which], self.normals[which], self.materials[which])
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Lattice:
+    """The intersections of lines along x, y and z, numbered row by row; coordinates in metres."""
+
+    lines: tuple[Array, Array, Array]
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """The number of lines along each axis."""
+        n_x, n_y, n_z = map(len, self.lines)
+        return n_x, n_y, n_z
+
+    @property
+    def steps(self) -> tuple[int, int, int]:
+        """The difference between the numbers of neighbouring points along each axis."""
+        _, n_y, n_z = self.shape
+        return n_y * n_z, n_z, 1
+
+    def corners_of(self, found: Rectangles, axes: tuple[int, int], at: Ints) -> Ints:
+        """The corners (m, 4) of rectangles along the axes u and v, each at an index of the third axis.
+
+        The corners turn from u to v.
+        """
+        step_u, step_v, step_at = (self.steps[axis] for axis in (*axes, 3 - sum(axes)))
+        small = prod(self.shape) < 2**31
+        corners = np.empty((len(found.label), 4), dtype=np.int32 if small else np.int64)
+        low, high = found.u0 * step_u + at * step_at, found.u1 * step_u + at * step_at
+        near, far = found.v0 * step_v, found.v1 * step_v
+        for corner, (u, v) in enumerate(((low, near), (high, near), (high, far), (low, far))):
+            corners[:, corner] = u + v
+        return corners
+
+    def weld(self, faces: Faces) -> Mesh:
+        """The mesh of faces, with one vertex per lattice point that is used."""
+        places, numbers = welded(faces.corners, prod(self.shape))
+        return self.mesh(faces._replace(corners=numbers), places)
+
+    def mesh(self, faces: Faces, places: Ints) -> Mesh:
+        """The mesh of faces whose corners are vertex numbers, with the lattice point of each vertex."""
+        return Mesh(
+            lines=self.lines,
+            places=np.stack(self.unravelled(places), axis=-1).astype(np.int32),
+            faces=faces.corners.astype(np.int32),
+            normals=faces.normals.astype(np.int8),
+            materials=faces.materials.astype(np.int16),
+        )
+
+    def unravelled(self, places: Ints) -> tuple[Ints, Ints, Ints]:
+        """The indices along x, y and z of lattice points."""
+        across, z = np.divmod(places, self.shape[2])
+        x, y = np.divmod(across, self.shape[1])
+        return x, y, z
+
+
+_LARGEST_TABLE = 2**25
+"""Entries of 5 bytes each; larger inputs are sorted."""
+
+
+def welded(corners: Ints, possible: int) -> tuple[Ints, NDArray[np.int32]]:
+    """The unique numbers below `possible` in order, and the index among them of each corner."""
+    if possible > min(64 * corners.size, _LARGEST_TABLE):
+        found, numbers = np.unique(corners, return_inverse=True)
+        return found, numbers.reshape(corners.shape).astype(np.int32)
+    used = np.zeros(possible, dtype=bool)
+    used[corners] = True
+    found = np.flatnonzero(used)
+    number = np.empty(possible, dtype=np.int32)
+    number[found] = np.arange(len(found), dtype=np.int32)
+    return found, number[corners]

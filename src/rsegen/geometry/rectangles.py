@@ -2,6 +2,18 @@
 
 labels of shape (n_u, n_v): adjacent squares of one label are one polygon, 0 is empty. A polygon is cut along v at every
 concave corner that `chords.cuts_along_u` does not cut along u; the parts between the cuts are rectangles.
+
+The cuts that partition a rectilinear polygon into few rectangles, with short seams.
+
+A polygon must be cut at each of its concave corners, and a cut that joins two of them, a good chord, saves a rectangle.
+The fewest rectangles result from a maximum set of chords of which no two intersect (Ohtsuki 1982; Ferrari, Sankar and
+Sklansky 1984). It is found greedily, by fewest intersections, then by length, and is maximum or nearly so. Corners
+without a chord are cut in the direction of the shorter cut. Short seams leave large rectangles whole:
+
+       _    _              _    _                  _    _
+     _| |__| |_          _|_|__|_|_              _| |__| |_
+    |          |   -->  |          |   and not  | : :  : : |
+    |__________|        |__________|            |_:_:__:_:_|
 """
 
 from __future__ import annotations
@@ -11,8 +23,137 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.stepfield import Ints
-from rsegen.geometry.chords import cuts_along_u
+from rsegen.field.stepfield import Ints, Mask
+
+
+class _Runs(NamedTuple):
+    """Straight segments inside a polygon from boundary to boundary: from corner `start` over `length` squares.
+
+    Corners of squares are numbered row by row, (n_u + 1, n_v + 1); `step` is the difference to the next one.
+    """
+
+    start: Ints
+    length: Ints
+    step: int
+
+    @property
+    def end(self) -> Ints:
+        return self.start + self.length * self.step
+
+    def rows(self, which: NDArray[np.intp] | Mask) -> _Runs:
+        return _Runs(self.start[which], self.length[which], self.step)
+
+    def corners(self, *, last: bool) -> tuple[Ints, Ints]:
+        """Every corner of each run in turn, with or without the last, and the number of its run."""
+        run, along = ragged(self.length + last)
+        return self.start[run] + along * self.step, run
+
+
+def ragged(counts: Ints) -> tuple[Ints, Ints]:
+    """Ragged indices: for [2, 3] the groups 0 0 1 1 1 and the positions within them 0 1 0 1 2."""
+    whose = np.repeat(np.arange(len(counts)), counts)
+    return whose, np.arange(len(whose)) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+def cuts_along_u(labels: Ints) -> Mask:
+    """Where cuts along u separate neighbours along v: (n_u, n_v - 1). Labels (n_u, n_v); 0 is empty."""
+    n_u, n_v = labels.shape
+    concave, along_u, along_v = _runs(labels)
+    wall = np.zeros((n_u + 1) * (n_v + 1), dtype=bool)
+    if not concave.any():
+        return wall.reshape(n_u + 1, n_v + 1)[:-1, 1:-1]
+    kept_u, kept_v = _independent_chords(_chords(along_u, concave), _chords(along_v, concave), len(wall))
+    wall[kept_u.corners(last=False)[0]] = True
+    for chords in (kept_u, kept_v):
+        concave[chords.start] = concave[chords.end] = False
+    for cut in _shorter_cuts(concave, along_u, along_v, kept_v):
+        wall[cut.corners(last=False)[0]] = True
+    return wall.reshape(n_u + 1, n_v + 1)[:-1, 1:-1]
+
+
+def _runs(labels: Ints) -> tuple[Mask, _Runs, _Runs]:
+    """The concave corners, and all runs along u and along v; a run is between squares of one label."""
+    around = np.zeros([cells + 2 for cells in labels.shape], dtype=labels.dtype)
+    around[1:-1, 1:-1] = labels
+    there = around != 0
+    inside_u = (around[:, 1:] == around[:, :-1]) & there[:, 1:]
+    inside_v = (around[1:] == around[:-1]) & there[1:]
+    down, up, left, right = inside_u[:-1], inside_u[1:], inside_v[:, :-1], inside_v[:, 1:]
+    ending = ~(down & up & left & right)
+    columns = around.shape[1] - 1
+    starts, ends = (np.flatnonzero(way & ending) for way in (right, left))
+    along_v = _Runs(starts, ends - starts, 1)
+    starts, ends = (np.flatnonzero((way & ending).T) for way in (up, down))
+    rows = around.shape[0] - 1
+    column, row = np.divmod(starts, rows)
+    along_u = _Runs(row * columns + column, ends - starts, columns)
+    return ((down ^ up) & (left ^ right)).ravel(), along_u, along_v
+
+
+def _chords(runs: _Runs, concave: Mask) -> _Runs:
+    return runs.rows(concave[runs.start] & concave[runs.end])
+
+
+def _independent_chords(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_Runs, _Runs]:
+    """A large set of chords of which no two intersect, found greedily."""
+    if not (len(along_u.start) and len(along_v.start)):
+        return along_u, along_v
+    on = np.full(corners, -1, dtype=np.int32)
+    at, chord = along_v.corners(last=True)
+    on[at] = chord
+    at, a = along_u.corners(last=True)
+    b = on[at]
+    a, b = a[b >= 0], b[b >= 0] + len(along_u.start)
+    kept = _independent_set(a, b, np.concatenate([along_u.length, along_v.length]))
+    return along_u.rows(kept[: len(along_u.start)]), along_v.rows(kept[len(along_u.start) :])
+
+
+def _independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
+    """A large independent set of chords, of which a[k] and b[k] intersect.
+
+    Keeping a chord that intersects only one other is always optimal; if there is none, a chord is kept that intersects
+    fewer others than its neighbours do, or as many and is shorter.
+    """
+    kept = np.ones(len(lengths), dtype=bool)
+    rank = np.empty(len(lengths), dtype=np.int64)
+    rank[np.argsort(lengths, kind="stable")] = np.arange(len(lengths))
+    while len(a):
+        met = np.bincount(a, minlength=len(lengths)) + np.bincount(b, minlength=len(lengths))
+        alone_a, alone_b = met[a] == 1, met[b] == 1
+        shorter_a = rank[a] < rank[b]
+        take_a, take_b = alone_a & (shorter_a | ~alone_b), alone_b & ~(alone_a & shorter_a)
+        if not (take_a.any() or take_b.any()):
+            worth = met * len(lengths) + rank
+            least = worth.copy()
+            np.minimum.at(least, a, worth[b])
+            np.minimum.at(least, b, worth[a])
+            take_a, take_b = least[a] == worth[a], least[b] == worth[b]
+        kept[b[take_a]] = kept[a[take_b]] = False
+        both = kept[a] & kept[b]
+        a, b = a[both], b[both]
+    return kept
+
+
+def _shorter_cuts(concave: Mask, along_u: _Runs, along_v: _Runs, kept_v: _Runs) -> tuple[_Runs, _Runs]:
+    """The cuts along u of the corners whose cut along u is shorter than along v; they end at a kept chord."""
+    reach = np.zeros(len(concave), dtype=np.int32)
+    reach[along_v.start] = reach[along_v.end] = along_v.length
+    stop = np.zeros(len(concave), dtype=bool)
+    stop[kept_v.corners(last=True)[0]] = True
+    forward = along_u.rows(concave[along_u.start] & (along_u.length < reach[along_u.start]))
+    back = along_u.rows(concave[along_u.end] & (along_u.length < reach[along_u.end]))
+    back = _Runs(back.end, back.length, -back.step)
+    found = _until(stop, back)
+    return _until(stop, forward), _Runs(found.end, found.length, along_u.step)
+
+
+def _until(stop: Mask, runs: _Runs) -> _Runs:
+    """Every run, shortened to the first corner at which it must stop."""
+    if not len(runs.start):
+        return runs
+    run, along = ragged(runs.length + 1)
+    reached = np.where(stop[runs.start[run] + along * runs.step], along, runs.length[run])
+    return runs._replace(length=np.minimum.reduceat(reached, np.flatnonzero(along == 0)))
 
 
 class Rectangles(NamedTuple):

@@ -14,8 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.geometry.faces import welded
-from rsegen.geometry.mesh import Mesh
+from rsegen.geometry.mesh import Mesh, welded
 
 TILES = 8
 """Tiles along each side of an image, after which it repeats."""

@@ -5,6 +5,16 @@ sides, so that triangles meet edge to edge (no T-junctions); removable vertices 
 
 If two blocks touch only along a vertical edge, each has vertices of its own there: an edge with four faces would not be
 manifold.
+
+A closed mesh of squares: every block has a top and a bottom, and a face for each rank of a side that is seen.
+
+Nothing is merged, so it is made quickly and has no T-junctions: faces meet edge to edge on the lattice of all heights.
+Where two blocks touch only along a vertical edge, each has vertices of its own there, as in the watertight mesh.
+
+Decimation of a closed triangle mesh by edge collapses that do not change its surface.
+
+A vertex is removable inside a plane or on a straight edge between two planes. It is collapsed onto a neighbour, in the
+second case along that edge, if no triangle flips; the two triangles between them disappear.
 """
 
 from __future__ import annotations
@@ -14,14 +24,114 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.field.stepfield import Ints, Mask, StepField
-from rsegen.geometry.chords import ragged
-from rsegen.geometry.decimation import decimated
-from rsegen.geometry.faces import Faces, Lattice, welded
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.geometry.label_grid import LabelGrid, label_grid
-from rsegen.geometry.mesh import Mesh
-from rsegen.geometry.rectangles import merge
+from rsegen.geometry.mesh import NORMALS, Faces, Lattice, Mesh, welded
+from rsegen.geometry.rectangles import Rectangles, merge, ragged
 from rsegen.geometry.surface import risers, tops
+
+_FLAT = 1e-6
+"""Triangles of less than this share of the smallest initial area count as degenerate."""
+
+
+class _Fan(NamedTuple):
+    """The triangles around each vertex: the vertex, the next two vertices of a triangle, and the triangle's number.
+
+    Sorted by vertex, then by the second vertex.
+    """
+
+    vertex: Ints
+    second: Ints
+    third: Ints
+    triangle: Ints
+
+
+class _Collapses(NamedTuple):
+    """Edge collapses: the vertex that is removed, and the one that it is moved onto."""
+
+    vertex: Ints
+    target: Ints
+
+    def rows(self, which: Ints | Mask) -> _Collapses:
+        return _Collapses(self.vertex[which], self.target[which])
+
+
+def decimated(faces: Faces, vertices: Array) -> Faces:
+    """The triangles without removable vertices; faces.corners (m, 3) are indices of vertices (n, 3)."""
+    faces = faces._replace(corners=faces.corners.astype(np.int64))
+    least = _FLAT * _twice_areas(faces, vertices[faces.corners]).min(initial=np.inf)
+    removable = np.ones(len(vertices), dtype=bool)
+    while True:
+        fan = _fan(faces.corners, removable)
+        collapses = _collapses(fan, faces, vertices)
+        removable[:] = False
+        removable[collapses.vertex] = True
+        collapses = _independent_collapses(
+            _without_flips(collapses, fan, faces, vertices, least), fan, len(faces.corners)
+        )
+        if not len(collapses.vertex):
+            return faces
+        place = np.arange(len(vertices))
+        place[collapses.vertex] = collapses.target
+        corners = place[faces.corners]
+        a, b, c = corners.T
+        faces = faces._replace(corners=corners).rows(np.flatnonzero((a != b) & (b != c) & (c != a)))
+
+
+def _fan(corners: Ints, wanted: Mask) -> _Fan:
+    """The fans of triangles around the wanted vertices."""
+    turned = [np.roll(corners, -turn, axis=1)[wanted[corners[:, turn]]] for turn in range(3)]
+    triangle = np.concatenate([np.flatnonzero(wanted[corners[:, turn]]) for turn in range(3)])
+    vertex, second, third = np.concatenate(turned).T
+    order = np.argsort(vertex * len(wanted) + second)
+    return _Fan(*(column[order] for column in (vertex, second, third, triangle)))
+
+
+def _collapses(fan: _Fan, faces: Faces, vertices: Array) -> _Collapses:
+    """All collapses of removable vertices onto neighbours that keep planes and edges in place."""
+    count = len(vertices)
+    keys = fan.vertex * count + fan.second
+    across = fan.triangle[np.searchsorted(keys, fan.vertex * count + fan.third)]
+    crease = faces.normals[across] != faces.normals[fan.triangle]
+    crease |= faces.materials[across] != faces.materials[fan.triangle]
+    creases = np.bincount(fan.vertex[crease], minlength=count)
+    axis = np.abs(vertices[fan.third[crease]] - vertices[fan.vertex[crease]]).argmax(axis=1)
+    straight = (np.bincount(3 * fan.vertex[crease] + axis, minlength=3 * count).reshape(-1, 3) == 2).any(axis=1)
+    free = (creases == 0) | ((creases == 2) & straight)
+    may = free[fan.vertex] & (crease | (creases[fan.vertex] == 0))
+    return _Collapses(fan.vertex[may], fan.third[may])
+
+
+def _without_flips(collapses: _Collapses, fan: _Fan, faces: Faces, vertices: Array, least: float) -> _Collapses:
+    """One collapse per vertex that flips no triangle, if it has one."""
+    around = np.bincount(fan.vertex, minlength=len(vertices))
+    begin = np.cumsum(around) - around
+    count = around[collapses.vertex]
+    move, place = ragged(count)
+    corner = begin[collapses.vertex[move]] + place
+    target, second, third = collapses.target[move], fan.second[corner], fan.third[corner]
+    stays = (second != target) & (third != target)
+    moved = faces.rows(fan.triangle[corner[stays]])._replace(corners=np.stack([target, second, third], axis=1)[stays])
+    over = _twice_areas(moved, vertices[moved.corners]) < least
+    good = np.bincount(move[stays][over], minlength=len(count)) == 0
+    return collapses.rows(np.flatnonzero(good)[np.unique(collapses.vertex[good], return_index=True)[1]])
+
+
+def _independent_collapses(collapses: _Collapses, fan: _Fan, triangles: int) -> _Collapses:
+    """Collapses of which no two change the same triangle, chosen by a hash of the vertex number."""
+    lot = np.full(len(fan.vertex) and int(fan.vertex.max()) + 1, -1)
+    lot[collapses.vertex] = collapses.vertex * 2654435761 % 2**32
+    mine = lot[fan.vertex]
+    first = np.full(triangles, 2**32)
+    np.minimum.at(first, fan.triangle[mine >= 0], mine[mine >= 0])
+    loses = np.bincount(fan.vertex[(mine >= 0) & (first[fan.triangle] != mine)], minlength=len(lot)) > 0
+    return collapses.rows(~loses[collapses.vertex])
+
+
+def _twice_areas(faces: Faces, corners: Array) -> Array:
+    """Twice the signed area of triangles with corners (m, 3, 3); negative if one has flipped."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    return np.asarray((np.cross(b - a, c - a) * NORMALS[faces.normals]).sum(axis=1))
 
 
 class _Outlines(NamedTuple):
@@ -129,3 +239,44 @@ def _fans(outline: _Outlines) -> tuple[Ints, Ints]:
     edges = edges[~opening]
     apex = apexes[outline.ring[edges], outline.side[edges]]
     return outline.point[np.stack([edges, outline.after[edges], apex], axis=1)], outline.ring[edges]
+
+
+_FAR = np.array([[1, 0, 0, 1], [1, 0, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1], [1, 1, 0, 0], [0, 0, 1, 1]], dtype=bool)
+"""For each of NORMALS, at which corners of a face its block lies on the side of larger y."""
+
+
+def closed(field: StepField) -> Mesh:
+    """The closed mesh of a field, in squares; empty if every cell is at level 0."""
+    grid = label_grid(field)
+    faces = Faces.joined([*_tops_and_bottoms(grid), _sides(grid, axis=0), _sides(grid, axis=1)])
+    points, corners = welded(faces.corners, prod(grid.lattice.shape))
+    doubled = pinched(points, grid)
+    second = (len(points) - 1 + np.cumsum(doubled)).astype(corners.dtype)
+    own = doubled[corners] & _FAR[faces.normals]
+    corners[own] = second[corners[own]]
+    return grid.lattice.mesh(faces._replace(corners=corners), np.concatenate([points, points[doubled]]))
+
+
+def _tops_and_bottoms(grid: LabelGrid) -> tuple[Faces, Faces]:
+    x, y = np.nonzero(grid.cells)
+    labels = grid.cells[x, y]
+    rank, material = np.divmod(labels, grid.materials)
+    cells = Rectangles(labels, x, x + 1, y, y + 1)
+    top, bottom = (grid.lattice.corners_of(cells, (0, 1), z) for z in (rank, np.zeros_like(rank)))
+    return Faces(top, np.full(len(x), 4), material), Faces(bottom[:, ::-1], np.full(len(x), 5), material)
+
+
+def _sides(grid: LabelGrid, axis: int) -> Faces:
+    """The faces with normals along an axis, in both directions; u runs across it, v upward."""
+    labels = (grid.labels if axis == 0 else grid.labels.T)[:, 1:-1]
+    rank = labels // grid.materials
+    line, u = np.nonzero(rank[:-1] != rank[1:])
+    near, far = rank[line, u], rank[line + 1, u]
+    low, height = np.minimum(near, far), np.abs(near - far)
+    face, offset = ragged(height)
+    line, u, v, back = line[face], u[face], low[face] + offset, (far > near)[face]
+    owner = labels[line + back, u]
+    corners = grid.lattice.corners_of(Rectangles(owner, u, u + 1, v, v + 1), (1 - axis, 2), line)
+    inward: Ints = back == (axis == 0)
+    corners[inward] = corners[inward, ::-1]
+    return Faces(corners, 2 * axis + back, owner % grid.materials)

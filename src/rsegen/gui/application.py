@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QApplication
 
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
-from rsegen.io.dataset.manifest import read_manifest
-from rsegen.io.dataset.map_reference import dataset_at
+from rsegen.io.dataset.layout import read_manifest
+from rsegen.io.targets import dataset_at
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 

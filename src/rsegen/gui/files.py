@@ -10,16 +10,14 @@ from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from rsegen.errors import RsegenError
-from rsegen.gui.dialogs.dataset import DatasetDialog
-from rsegen.gui.dialogs.example import ExampleDialog
-from rsegen.gui.dialogs.heights import HeightsDialog
-from rsegen.gui.dialogs.save_file import ask_where_to_save
+from rsegen.gui.dialogs.gallery import DatasetDialog
+from rsegen.gui.dialogs.opening import ExampleDialog, HeightsDialog, ask_where_to_save
 from rsegen.gui.model.document import Document
 from rsegen.gui.model.session import Session
-from rsegen.gui.widgets.recent_files import RecentFiles
-from rsegen.io.dataset.manifest import MANIFEST
-from rsegen.io.dataset.map_reference import dataset_at
+from rsegen.gui.widgets.simulator_actions import RecentFiles
+from rsegen.io.dataset.layout import MANIFEST
 from rsegen.io.importers import IMPORTERS
+from rsegen.io.targets import dataset_at
 
 RECIPE_SUFFIXES = (".yaml", ".yml", ".json")
 RECIPES = f"Recipes ({' '.join('*' + suffix for suffix in RECIPE_SUFFIXES)})"

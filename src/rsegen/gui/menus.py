@@ -10,10 +10,9 @@ from PySide6.QtWidgets import QMenu
 from rsegen.gui.files import Files
 from rsegen.gui.model.document import Document
 from rsegen.gui.outputs import Outputs
-from rsegen.gui.widgets.command_menus import Command, CommandMenus
 from rsegen.gui.widgets.map_views import MapViews
-from rsegen.gui.widgets.simulator_actions import SimulatorActions
-from rsegen.gui.widgets.start_form import StartForm
+from rsegen.gui.widgets.recipe_forms import StartForm
+from rsegen.gui.widgets.simulator_actions import Command, CommandMenus, SimulatorActions
 from rsegen.gui.widgets.view_camera import Side
 
 _Standard = QKeySequence.StandardKey

@@ -8,22 +8,16 @@ from pathlib import Path
 from PySide6.QtWidgets import QMessageBox, QWidget
 
 from rsegen.errors import RsegenError
-from rsegen.gui.dialogs.as_code import CodeDialog
-from rsegen.gui.dialogs.build_sheet import SheetDialog
-from rsegen.gui.dialogs.drive import DriveDialog
-from rsegen.gui.dialogs.experiment import ExperimentDialog
-from rsegen.gui.dialogs.export import ExportDialog
-from rsegen.gui.dialogs.picture_size import PictureSizeDialog
-from rsegen.gui.dialogs.save_file import ask_where_to_save
-from rsegen.gui.dialogs.saving import SavingDialog
+from rsegen.gui.dialogs.job import DriveDialog, ExperimentDialog
+from rsegen.gui.dialogs.opening import ask_where_to_save
+from rsegen.gui.dialogs.outputs import CodeDialog, ExportDialog, PictureSizeDialog, SavingDialog, SheetDialog
 from rsegen.gui.model.document import Document
 from rsegen.gui.widgets.field_view import FieldView
-from rsegen.gui.widgets.map_status import MapStatusBar
-from rsegen.gui.widgets.message_label import PassingNote
+from rsegen.gui.widgets.layouts import PassingNote
+from rsegen.gui.widgets.map_views import MapStatusBar
 from rsegen.gui.widgets.plan_view import PlanView
-from rsegen.gui.widgets.start_form import StartForm
-from rsegen.gui.workers.picture_saver import PictureSaver
-from rsegen.gui.workers.spawn_job import SpawnJob
+from rsegen.gui.widgets.recipe_forms import StartForm
+from rsegen.gui.workers import PictureSaver, SpawnJob
 
 
 class Outputs:

@@ -13,20 +13,17 @@ from rsegen.gui.dialogs.manual import show_manual
 from rsegen.gui.files import Files, dropped_path
 from rsegen.gui.menus import fill_edit_menu, fill_file_menu, fill_run_menu, fill_view_menu
 from rsegen.gui.model.document import Document
-from rsegen.gui.model.ends import fixed
-from rsegen.gui.model.map_numbers import Costs
-from rsegen.gui.model.preview import Preview
+from rsegen.gui.model.obstacle_ends import fixed
+from rsegen.gui.model.preview import Costs, Preview
 from rsegen.gui.model.session import Entry, Session
 from rsegen.gui.model.simulation import robot_shape
 from rsegen.gui.outputs import Outputs
-from rsegen.gui.widgets.command_menus import Command, CommandMenus
-from rsegen.gui.widgets.map_status import MapStatusBar
-from rsegen.gui.widgets.map_views import MapViews
+from rsegen.gui.widgets.map_views import MapStatusBar, MapViews
 from rsegen.gui.widgets.recipe_forms import RecipeForms
-from rsegen.gui.widgets.simulator_actions import SimulatorActions
+from rsegen.gui.widgets.simulator_actions import Command, CommandMenus, SimulatorActions
 from rsegen.gui.widgets.view_camera import Side
-from rsegen.gui.workers.previewer import Previewer
-from rsegen.params.places import Cell
+from rsegen.gui.workers import Previewer
+from rsegen.params.sorts import Cell
 
 PAUSE = 25
 """Milliseconds without a change after which the preview is computed."""

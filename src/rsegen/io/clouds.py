@@ -15,13 +15,10 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError, UserError, pip_install, said_by
 from rsegen.field.stepfield import Array
-from rsegen.io.image_files import opened_image
-from rsegen.io.input_files import open_regular
-from rsegen.io.libraries import read_by_library
+from rsegen.io.input_files import open_regular, opened_image, read_by_library, text_of
 from rsegen.io.npy_files import mapped
-from rsegen.io.text_files import text_of
 from rsegen.params.extras import SCAN
-from rsegen.params.lengths import CENTIMETRES
+from rsegen.params.sorts import CENTIMETRES
 
 MOST_POINTS = 20_000_000
 """Of a file: some 2 GB of memory while it is read."""

@@ -1,16 +1,41 @@
 """Opens files to read so that nothing waits for ever: a pipe that nobody writes to is an error like any other.
 
 Who reads a file of a user opens it by one of these two, and by no other `open`.
+
+Reads text and XML files that may come from anybody: up to a size, and without entities, which can grow.
+
+Has libraries read files that may come from anybody: what they raise becomes one line, and they print nothing.
+
+Opens images that may come from anybody: few formats, one error, and no message of a library's own.
+
+The size and SHA-256 checksum of a file, by which rsegen knows the files that it wrote.
 """
 
 from __future__ import annotations
 
+import builtins
 import errno
+import hashlib
+import logging
 import os
+import re
 import select
 import stat
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
 from io import BufferedReader
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+from rsegen.errors import FileError, RsegenError, said_by, shown
+
+if TYPE_CHECKING:
+    import xml.etree.ElementTree as ET
+
+    from PIL.Image import Image
+
 
 _SECONDS_FOR_A_WRITER = 2.0
 """A program that is started together with rsegen, as by `<(...)`, opens its end of a pipe within this time."""
@@ -77,3 +102,167 @@ def _wait(descriptor: int, seconds: float) -> None:
     """Return as soon as there is something to read, or a writer has closed the pipe; OSError if neither happens."""
     if not select.select([descriptor], [], [], seconds)[0]:
         raise OSError(errno.ETIMEDOUT, f"a pipe to which nobody writes, for {seconds:g} seconds")
+
+
+_DEEPEST = 200
+"""Levels of elements in each other; an SDF file has some ten."""
+
+
+def text_of(path: Path, mib: int, too_large: str) -> str:
+    """The text of a file of at most `mib` MiB; FileError if it cannot be read, is larger, or is not UTF-8."""
+    try:
+        content = read_start(path, mib * 2**20 + 1)
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from None
+    except ValueError as error:  # a name with a null character
+        raise FileError(f"{shown(str(path))}: {error}") from None
+    if len(content) > mib * 2**20:
+        raise FileError(f"{path}: larger than {mib} MiB, too large for {too_large}")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileError(f"{path}: not a text in UTF-8") from None
+
+
+def elements(text: str, where: str) -> ET.Element:
+    """The root of an XML text; a document type and entities are refused, as bombs are made of them."""
+    import xml.etree.ElementTree as ET
+
+    if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
+        raise FileError(f"{where}: has a document type or entities, which no SDF needs")
+    try:
+        root = ET.fromstring(text)  # noqa: S314  # without a document type it can only be plain elements
+    except (ET.ParseError, LookupError, ValueError) as error:  # the last two for an encoding that is none
+        raise FileError(f"{where}: not XML ({error})") from None
+    if _is_deeper(root, _DEEPEST):
+        raise FileError(f"{where}: nested too deeply, in more than {_DEEPEST} levels")
+    return root
+
+
+def _is_deeper(root: ET.Element, most: int) -> bool:
+    """Whether an element has more than `most` levels of others in it, which ElementTree could not write again."""
+    level = [root]
+    for _ in range(most):
+        level = [child for element in level for child in element]
+        if not level:
+            return False
+    return True
+
+
+_STDERR = 2
+
+_CUT_SHORT = "string or file could not be read to its end"
+"""numpy before 2.3 only warns of it, and gives trimesh the numbers up to the wrong one."""
+
+_Content = TypeVar("_Content")
+
+
+def read_by_library(path: Path, read: Callable[[], _Content]) -> _Content:
+    """What `read` makes of a file; FileError for all that a library raises, but an ImportError is the caller's."""
+    try:
+        with silent_libraries():
+            return read()
+    except (ImportError, RsegenError):
+        raise
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from None
+    except Exception as error:  # libraries fail in many ways at files that are none of theirs
+        raise FileError(f"{path}: not a {path.suffix[1:].upper()} file that can be read ({said_by(error)})") from None
+
+
+@contextmanager
+def silent_libraries() -> Iterator[None]:
+    """Nothing of what libraries warn of, log, or write to file descriptor 2 (as libtiff does) inside is shown.
+
+    Whoever has set up logging still gets the records. Numbers that numpy could not read are an error.
+    """
+    with ExitStack() as stack:
+        stack.enter_context(warnings.catch_warnings())
+        warnings.simplefilter("ignore")
+        warnings.filterwarnings("error", _CUT_SHORT, DeprecationWarning)
+        nowhere = logging.NullHandler()  # Python prints records to stderr only if nobody has set up logging
+        logging.root.addHandler(nowhere)
+        stack.callback(logging.root.removeHandler, nowhere)
+        with suppress(OSError):  # nobody hears them if there is no stderr
+            before, null = os.dup(_STDERR), os.open(os.devnull, os.O_WRONLY)
+            stack.callback(_restore, before)
+            os.dup2(null, _STDERR)
+            os.close(null)
+        yield
+
+
+def _restore(before: int) -> None:
+    os.dup2(before, _STDERR)
+    os.close(before)
+
+
+FORMATS = ("PNG", "JPEG", "PPM", "TIFF", "BMP")
+"""Those of the names that an image may have, in Pillow's words; it knows fifty more, by their first bytes."""
+
+
+@contextmanager
+def opened_image(path: Path) -> Iterator[Image]:
+    """An image of which only the header is read yet; any error in it, now or later, is a FileError."""
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with open_regular(path) as file, silent_libraries(), Image.open(file, formats=FORMATS) as image:
+            yield image  # whoever opens it checks its size
+    except RsegenError:
+        raise
+    except UnidentifiedImageError:
+        raise FileError(f"{path}: not an image ({', '.join(FORMATS)})") from None
+    except (Image.DecompressionBombError, MemoryError):
+        raise FileError(f"{path}: an image too large to be read") from None
+    except Exception as error:  # Pillow fails in many ways at values that cannot be
+        said = getattr(error, "strerror", None) or f"not a whole image: {said_by(error)}"
+        raise FileError(f"{path}: {said}") from None
+
+
+JOURNAL = ".rsegen.jsonl"
+"""The file of a folder that lists what rsegen wrote there, with sizes and checksums (rsegen.run.journal)."""
+
+_AT_ONCE = 2**20
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Checksum:
+    """The size and SHA-256 checksum of one file."""
+
+    bytes: int
+    sha256: str
+
+    @classmethod
+    def of(cls, content: builtins.bytes) -> Checksum:
+        """Return the checksum of a file with this content."""
+        return cls(bytes=len(content), sha256=hashlib.sha256(content).hexdigest())
+
+
+def checksum_of(path: Path) -> Checksum | None:
+    """Return the checksum of a file, None if it does not exist; OSError if it is no regular file."""
+    try:
+        with open_regular(path) as file:
+            found = hashlib.sha256()
+            while piece := file.read(_AT_ONCE):
+                found.update(piece)
+            return Checksum(bytes=file.tell(), sha256=found.hexdigest())
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+
+
+def refuse_duplicates(keys: Iterable[tuple[str, str]]) -> None:
+    """Raise a FileError for the first duplicate key; each comes with its place in the file."""
+    seen = set()
+    for key, where in keys:
+        if key in seen:
+            raise FileError(f"{where}: the key {shown(key)} is given twice")
+        seen.add(key)
+
+
+def parser_message(error: Exception) -> str:
+    """The message of a parser, short and without its advice to programmers."""
+    if isinstance(error, RecursionError):
+        return "nested too deeply"
+    if isinstance(error, (AttributeError, LookupError, TypeError)):
+        return "a value is not what its tag says"
+    return str(getattr(error, "problem", error)).partition(";")[0].partition("\n")[0]

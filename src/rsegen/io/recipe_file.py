@@ -1,4 +1,8 @@
-"""Reads recipe files, and makes their text: JSON if the name ends in .json, else YAML. Nothing in them is trusted."""
+"""Reads recipe files, and makes their text: JSON if the name ends in .json, else YAML. Nothing in them is trusted.
+
+Parses YAML that may come from anybody: the work is bounded by the length of the text.
+
+"""
 
 from __future__ import annotations
 
@@ -6,12 +10,25 @@ import json
 from pathlib import Path
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.io.parser_errors import parser_message, refuse_duplicates
-from rsegen.io.text_files import text_of
-from rsegen.io.yaml_files import parse_yaml
+from rsegen.io.input_files import parser_message, refuse_duplicates, text_of
 from rsegen.params.sorts import Json
 from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.recipe import Recipe
+
+
+def parse_yaml(text: str, path: Path) -> object:
+    """The content of a YAML text; a FileError for all that rsegen's own files do not have."""
+    from rsegen.io.yaml_loader import Loader
+
+    try:
+        return Loader(text, path).get_single_data()
+    except FileError:
+        raise
+    except Exception as error:  # PyYAML fails in many ways at values that are not what their tags say
+        mark = getattr(error, "problem_mark", None)
+        at = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
+        raise FileError(f"{path}{at}: not YAML: {parser_message(error)}") from None
+
 
 MAX_MIB = {".json": 64, ".yaml": 4}
 """The largest files that are read: a minute's work for PyYAML, a second's for JSON."""

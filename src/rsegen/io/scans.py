@@ -14,21 +14,17 @@ from typing import Annotated, TypeAlias
 import numpy as np
 
 from rsegen.errors import FileError
-from rsegen.exporters.pictures.comparison import comparison_plot
-from rsegen.exporters.pictures.scan import scan_plot
-from rsegen.field.comparison import Comparison, compared
-from rsegen.field.scanning import Scan, ScanSettings, find_field
+from rsegen.exporters.pictures.measured import comparison_plot, scan_plot
 from rsegen.field.stepfield import Array, StepField
 from rsegen.io.clouds import read_clouds
 from rsegen.io.importers import recipe_of
-from rsegen.io.importers.base import Heights
-from rsegen.io.importers.rounding import filled
-from rsegen.params.lengths import CENTIMETRES
-from rsegen.params.places import Cell, Size2D
-from rsegen.params.sorts import Choice, Flag, Float, ListOf, parameters, validate
+from rsegen.io.importers.base import Heights, filled
+from rsegen.params.sorts import CENTIMETRES, Cell, Choice, Flag, Float, ListOf, Size2D, parameters, validate
 from rsegen.recipe.building import build
 from rsegen.recipe.map_design import MapDesign
 from rsegen.recipe.recipe import Recipe
+from rsegen.scanning import Scan, ScanSettings, find_field
+from rsegen.scanning.comparison import Comparison, compared
 
 Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
 """Files of one scan, or points (n, 3) [m]."""

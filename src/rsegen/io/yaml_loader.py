@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 from rsegen.errors import FileError, shown
-from rsegen.io.parser_errors import refuse_duplicates
+from rsegen.io.input_files import refuse_duplicates
 
 _MOST_DIGITS = 4300
 """Of a number to the base of 60 (1:30:00), as in Python of one to the base of 10: the work grows with their square."""

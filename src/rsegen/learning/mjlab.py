@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 from mjlab.terrains.terrain_generator import SubTerrainCfg, TerrainGeometry, TerrainOutput
 
-from rsegen.exporters.formats.columns import Column
+from rsegen.exporters.formats.parts import Column
 from rsegen.exporters.scene import Scene
 from rsegen.learning.blocks import GROUND_COLOUR
 from rsegen.learning.mujoco import add_box

@@ -15,7 +15,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from rsegen.exporters.formats.columns import Column, columns
+from rsegen.exporters.formats.parts import Column, columns
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints
 from rsegen.learning.blocks import BlockArrays

@@ -16,7 +16,7 @@ import numpy as np
 import warp as wp
 
 from rsegen.errors import ParameterError, UnknownName
-from rsegen.exporters.formats.columns import columns
+from rsegen.exporters.formats.parts import columns
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints
 from rsegen.learning.blocks import BlockArrays

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.exporters.formats.columns import Column, columns
+from rsegen.exporters.formats.parts import Column, columns
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.recipe import Recipe

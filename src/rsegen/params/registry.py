@@ -2,22 +2,175 @@
 
 A name is looked for in rsegen's own files first, then in the plug-in files that were loaded (`load_plugin`), then in
 what installed packages offer (`entry_points`). Only a list of all of them imports them all.
+
+What a plug-in has to be to enter a registry, and what is wrong with one that is not.
+
+What installed packages offer to rsegen, by the entry points that they declare: found without importing anything.
+
+    [project.entry-points."rsegen.obstacles"]
+    ramp = "rsegen_ramps:Ramp"
+
+`importlib.metadata` takes as long as numpy's half to be imported, so it is asked only about packages that have such.
 """
 
 from __future__ import annotations
 
+import inspect
+import os
 import pkgutil
+import re
+import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
 from threading import RLock
 from typing import Any, TypeVar
 
 from rsegen.errors import PluginError, PluginWarning, UnknownName
-from rsegen.params.contract import Contract
-from rsegen.params.entry_points import EntryPoint, entry_points
 from rsegen.params.plugins import Plugin, Source, failure, plugins
+from rsegen.params.sorts import parameters
+
+
+def _same(found: Any) -> Any:
+    return found
+
+
+def _nothing(found: Any) -> str:
+    return ""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Contract:
+    """What a plug-in has to be: a class below `base` or, unless `is_class`, an object of it.
+
+    names: under which it is kept; kept: what is kept of it; check: what else is wrong with it, or an empty text.
+    """
+
+    base: type
+    names: Callable[[Any], tuple[str, ...]]
+    kept: Callable[[Any], Any] = _same
+    check: Callable[[Any], str] = _nothing
+    is_class: bool = True
+
+    def is_held(self, value: Any, plugin: Plugin) -> bool:
+        """Whether a plug-in's module made this value to be kept: a whole class of its own, or an object."""
+        if not self.is_class:
+            return isinstance(value, self.base)
+        own = isinstance(value, type) and issubclass(value, self.base) and value.__module__ == plugin.module.__name__
+        return own and not inspect.isabstract(value)
+
+    def problem(self, found: Any) -> str:
+        """What is wrong with what a plug-in offers; an empty text where nothing is."""
+        base = f"{self.base.__module__}.{self.base.__qualname__}"
+        if not self.is_class:
+            return self._unsound(found) if isinstance(found, self.base) else f"is not a {base}"
+        if not (isinstance(found, type) and issubclass(found, self.base)):
+            return f"is not a subclass of {base}"
+        if missing := sorted(getattr(found, "__abstractmethods__", ())):
+            return f"does not define {', '.join(missing)}"
+        if not has_summary(found):
+            return "has no docstring; its first line is shown in lists"
+        return self._unsound(found)
+
+    def _unsound(self, found: Any) -> str:
+        try:
+            names = self.names(found)
+            if not names or not all(isinstance(name, str) and name for name in names):
+                return f"has the name {', '.join(map(repr, names))}; give a text"
+            self.kept(found)
+            return self.check(found)
+        except Exception as error:  # it is somebody else's class, and may do anything
+            return failure(error)
+
+
+def clash(cls: type, reserved: Collection[str], others: Iterable[type] = ()) -> str:
+    """What is wrong with the names of a class's parameters: reserved, unexplained, or of another meaning elsewhere."""
+    for name, parameter in parameters(cls).items():
+        if name in reserved:
+            return f"the parameter {name!r} has a reserved name; give it another one"
+        if not parameter.help:
+            return f"the parameter {name!r} has no help"
+        for known in (parameters(other).get(name) for other in others if other is not cls):
+            if known and (type(known) is not type(parameter) or known.describe() != parameter.describe()):
+                return f"the parameter {name!r} is there already, with other values ({known.describe()})"
+    return ""
+
+
+def has_summary(cls: type) -> bool:
+    """Whether a class has a docstring of its own; dataclasses make one up from the signature."""
+    doc = (cls.__doc__ or "").strip()
+    return bool(doc) and not doc.startswith(f"{cls.__name__}(")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class EntryPoint:
+    """One line of a package: under which name it offers what to rsegen."""
+
+    group: str
+    name: str
+    value: str
+    source: Source
+
+    def __str__(self) -> str:
+        return f"plug-in {self.name!r} of {self.source} ({self.value})"
+
+    def load(self) -> Any:
+        """What it offers; raises whatever its module raises."""
+        module, _, place = self.value.partition(":")
+        found: Any = import_module(module.strip())
+        for part in filter(None, place.strip().split(".")):
+            found = getattr(found, part)
+        return found
+
+
+@cache
+def entry_points() -> tuple[EntryPoint, ...]:
+    """All that installed packages offer to rsegen, by their names."""
+    found = (each for folder in _packages() for each in _of(folder))
+    return tuple(sorted(found, key=lambda each: (each.group, each.name, str(each.source))))
+
+
+def _packages() -> Iterator[Path]:
+    """The folders of metadata that speak of rsegen; of two of one package the first on the path counts."""
+    seen = set()
+    for place in dict.fromkeys(sys.path):
+        for entry in _metadata(place or "."):
+            package = re.sub(r"[-_.]+", "-", os.path.splitext(entry.name)[0].partition("-")[0]).lower()
+            if package not in seen and _speaks(entry.path):
+                yield Path(entry.path)
+            seen.add(package)
+
+
+def _metadata(place: str) -> list[os.DirEntry[str]]:
+    try:
+        with os.scandir(place) as entries:
+            found = [each for each in entries if each.name.endswith((".dist-info", ".egg-info"))]
+    except OSError:  # most paths hold no packages, and some are not there
+        return []
+    return sorted(found, key=lambda each: each.name)
+
+
+def _speaks(folder: str) -> bool:
+    try:
+        with open(os.path.join(folder, "entry_points.txt"), "rb") as file:
+            return b"[rsegen." in file.read()
+    except OSError:
+        return False
+
+
+def _of(folder: Path) -> Iterator[EntryPoint]:
+    from importlib.metadata import Distribution
+
+    package = Distribution.at(folder)
+    source = Source(name=package.metadata["Name"] or folder.name.partition("-")[0], version=package.version or "0")
+    for each in package.entry_points:
+        if each.group.startswith("rsegen."):
+            yield EntryPoint(group=each.group, name=each.name, value=each.value, source=source)
+
 
 Thing = TypeVar("Thing")
 

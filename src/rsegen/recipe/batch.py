@@ -16,8 +16,7 @@ from rsegen.errors import ParameterError, inside, shown
 from rsegen.field.obstacles import Grid, Patch
 from rsegen.field.obstacles.base import Region
 from rsegen.field.stepfield import Levels
-from rsegen.params.many_streams import generators
-from rsegen.params.streams import SEEDS
+from rsegen.params.streams import SEEDS, generators
 from rsegen.recipe.building import build, flat_ground, impose, placed_by
 from rsegen.recipe.map_design import MapDesign
 from rsegen.recipe.placement import Placement

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from rsegen.errors import ParameterError, TooLarge
 from rsegen.field.obstacles import Grid, Patch
 from rsegen.field.stepfield import Levels, StepField, framed
-from rsegen.params.places import Cell
-from rsegen.params.sorts import Integer
+from rsegen.params.sorts import Cell, Integer
 from rsegen.params.streams import SEEDS, generator
 from rsegen.recipe.map_design import MapDesign
 from rsegen.recipe.placement import Placement
@@ -37,7 +36,7 @@ def build(recipe: MapDesign, index: int = 0) -> StepField:
     )
     if not recipe.is_constrained:
         return field
-    from rsegen.recipe.constraints import constrained
+    from rsegen.recipe.constraints.meeting import constrained
 
     return constrained(field, recipe, index)
 

@@ -3,22 +3,78 @@
 A file has the words of `Recipe`, and `version` (of this format), `generator` (what wrote it), `plugins` (kinds of
 obstacles from other packages), `$schema` (for editors). It says what differs from the defaults of its format version
 (docs/decisions/0013).
+
+Which plug-ins a recipe needs: `plugins: {ramp: rsegen-ramps 1.2}` in its file, where there are any.
 """
 
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 from rsegen import __version__
-from rsegen.errors import ParameterError, refuse_unknown, shown
+from rsegen.errors import ParameterError, PluginWarning, refuse_unknown, shown
 from rsegen.field.obstacles import KINDS, Obstacle, kind
+from rsegen.params.plugins import Source
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Integer, Json, Parameter, Text, parameters, refuse_longer
-from rsegen.recipe.plugin_record import PluginRecord, check_plugins, needed_plugins
 from rsegen.recipe.recipe import Placement, Recipe
+
+_SOURCE = Text(r"[^\x00-\x1f]{1,100}", "a package and its version, or a file", "where a kind of obstacle comes from")
+
+
+@dataclass(frozen=True)
+class PluginRecord:
+    """Kinds of obstacles, each with the package and version, or the file, that it comes from."""
+
+    help: str = "package and version, or file, of each kind of obstacle that is not one of rsegen's own"
+
+    def check(self, where: str, value: object) -> Mapping[str, str]:
+        """The sources by kinds."""
+        if not isinstance(value, Mapping) or not all(isinstance(kind, str) for kind in value):
+            raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
+        return {kind: _SOURCE.check(f"{where}.{kind}", source) for kind, source in value.items()}
+
+    def parse(self, text: str) -> object:
+        """It has no flag."""
+        return text
+
+    def format(self, value: Any) -> str:
+        """It has no flag."""
+        return str(value)
+
+    def schema(self) -> dict[str, Json]:
+        """Texts by names."""
+        return {"type": "object", "additionalProperties": _SOURCE.schema()}
+
+    def describe(self) -> str:
+        """What it should be, in a few words."""
+        return "kinds of obstacles with their packages, as in {ramp: rsegen-ramps 1.2}"
+
+
+def needed_plugins(recipe: Recipe) -> dict[str, str]:
+    """The kinds of a recipe's obstacles that come from plug-ins, each with its package and version, or file."""
+    kinds = sorted({placement.obstacle.kind for placement in recipe.obstacles})
+    sources = {kind: KINDS.source(kind) for kind in kinds}
+    return {kind: str(source) for kind, source in sources.items() if source}
+
+
+def check_plugins(recorded: Mapping[str, str], rows: object) -> None:
+    """Raise a ParameterError for the first kind in a file's rows whose plug-in is missing; warn of other versions."""
+    kinds = [row.get("kind") for row in rows if isinstance(row, Mapping)] if isinstance(rows, (list, tuple)) else []
+    used = {name for name in kinds if isinstance(name, str)}
+    for name in (name for name in recorded if name in used):
+        if name not in KINDS:
+            raise ParameterError("", f"the obstacle kind {name!r} {Source.parse(recorded[name]).remedy}")
+        source = str(KINDS.source(name) or "rsegen's own")
+        if source != recorded[name]:
+            text = f"{name} of {recorded[name]} was used to make this, and {source} is here: maps may differ"
+            warnings.warn(text, PluginWarning, stacklevel=2)
+
 
 FORMAT = 2
 SCHEMA_ID = f"urn:rsegen:recipe:{FORMAT}"

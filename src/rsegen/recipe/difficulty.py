@@ -16,7 +16,7 @@ from math import sqrt
 
 import numpy as np
 
-from rsegen.field.metrics.regions import connected, neighbours
+from rsegen.field.metrics.graphs import connected, neighbours
 from rsegen.field.stepfield import Array, Ints, Levels
 from rsegen.params.streams import generator
 from rsegen.recipe.map_design import MapDesign

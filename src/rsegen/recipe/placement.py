@@ -11,8 +11,7 @@ from typing import Annotated
 
 from rsegen.errors import ParameterError, shown
 from rsegen.field.obstacles import Obstacle
-from rsegen.params.places import CellRef, Place
-from rsegen.params.sorts import Choice, Json, Text, changed, validate
+from rsegen.params.sorts import CellRef, Choice, Json, Place, Text, changed, validate
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

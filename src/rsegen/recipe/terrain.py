@@ -16,18 +16,29 @@ from typing import Annotated
 import numpy as np
 
 from rsegen.errors import ParameterError, TooLarge, inside
-from rsegen.field.metrics.by_name import RMS, By, metric_by
+from rsegen.field.metrics.catalogue import RMS, By, metric_by
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.robot_limits import RobotLimits
-from rsegen.field.spots import Footprint, even_spots
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
+from rsegen.footprints import Footprint, even_spots
 from rsegen.params.sorts import Float, Integer, ListOf, parameters, validate
 from rsegen.params.streams import generator
-from rsegen.recipe.difficulty_by import Span, mean_of, share_of, span_of
-from rsegen.recipe.kinds import kind_of_column, recipes_of, refuse_unlike
 from rsegen.recipe.placement import Placement
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.tiles import amid, check_tile, eased, tile_levels, tile_shape
+from rsegen.recipe.tiles import (
+    Span,
+    amid,
+    check_tile,
+    eased,
+    kind_of_column,
+    mean_of,
+    recipes_of,
+    refuse_unlike,
+    share_of,
+    span_of,
+    tile_levels,
+    tile_shape,
+)
 
 _ALIKE = ("unit_cm", "block_width_cm", "friction", "level_friction", "level_colours")
 """Parameters that the whole terrain has once."""

@@ -17,18 +17,15 @@ from typing import Protocol
 from rsegen.errors import OutputError
 from rsegen.field.metrics.batch import batch_metrics
 from rsegen.field.stepfield import Levels
-from rsegen.io.dataset.layout import ShardLayout
-from rsegen.io.dataset.manifest import MANIFEST, Shard, header, manifest
-from rsegen.io.dataset.reading import Dataset
-from rsegen.io.dataset.tables import arrow, npy, table
+from rsegen.io.dataset.layout import MANIFEST, Shard, ShardLayout, header, manifest
+from rsegen.io.dataset.reading import Dataset, arrow, npy, table
 from rsegen.io.resources import maps_in_memory, refuse_full, refuse_too_large
 from rsegen.recipe.batch import build_many
-from rsegen.recipe.kinds import recipes_of
 from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.tiles import recipes_of
 from rsegen.run.execute import Execution
 from rsegen.run.journal import Journal, is_empty, is_intact, read_errors, read_journal
-from rsegen.run.plan import OnExisting, RunPlan, run_in
-from rsegen.run.product import Output
+from rsegen.run.plan import OnExisting, Output, RunPlan, run_in
 from rsegen.run.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
 
 HOLDS = "data set"

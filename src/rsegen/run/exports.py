@@ -19,18 +19,15 @@ from rsegen.errors import OutputError, ParameterError, UnknownName, UserError
 from rsegen.exporters.formats import FORMATS, Format, exported, format_named, options, refuse_unready
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene, compose
-from rsegen.io.checksums import JOURNAL, Checksum
+from rsegen.io.input_files import JOURNAL, Checksum
 from rsegen.io.recipe_file import load
 from rsegen.io.resources import Needs, check_needs, refuse_too_large
 from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.execute import Execution
-from rsegen.run.existing import has_content
 from rsegen.run.journal import Journal, compare, is_intact, read_errors, read_journal, refuse_link, refuse_loss
-from rsegen.run.plan import OnExisting, RunPlan, run
-from rsegen.run.product import Output
-from rsegen.run.sidecars import FORMATS_FILE, Sidecars, listed_formats
+from rsegen.run.plan import OnExisting, Output, RunPlan, has_content, run
 from rsegen.run.store import (
     new_root,
     open_store,
@@ -42,6 +39,7 @@ from rsegen.run.store import (
     write_file,
     write_folder,
 )
+from rsegen.run.worlds import FORMATS_FILE, Sidecars, listed_formats
 
 _RECIPE = "recipe.json"
 _RECIPES = "recipes"

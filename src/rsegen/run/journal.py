@@ -8,6 +8,8 @@
 Lines are only appended, and are on the disk before the file that they speak of is at its place. So whenever a run
 ends, every file of rsegen has its checksum in the journal; a last line that was cut off does not count. A file may
 have several checksums, of what it was and of what it becomes: while it has any of them, rsegen wrote it.
+
+Compares folders with the journals of what rsegen wrote there: maps, drives, series, experiments and data sets.
 """
 
 from __future__ import annotations
@@ -21,9 +23,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from rsegen.errors import FileError, OutputError
-from rsegen.io.checksums import JOURNAL, Checksum, checksum_of
-from rsegen.io.input_files import open_regular
+from rsegen.errors import FileError, FilesDamaged, OutputError
+from rsegen.io.input_files import JOURNAL, Checksum, checksum_of, open_regular
 from rsegen.params.sorts import Json
 from rsegen.run.swap import put, sync_folder
 
@@ -386,3 +387,43 @@ def read_errors(folder: Path) -> Iterator[None]:
     except OSError as error:
         where = error.filename or folder
         raise OutputError(f"{where}: cannot be read: {error.strerror or error}") from None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Verified:
+    """How many folders with a journal and files were compared, and the files that no journal lists."""
+
+    folders: int
+    files: int
+    unlisted: tuple[Path, ...]
+
+
+def verify(folder: str | Path) -> Verified:
+    """Compare a folder, and the folders in it, with their journals.
+
+    Raises FilesDamaged if a file is missing, empty or changed, FileError if there is no journal. Nothing is built
+    again; `Dataset.verify` does that too.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise FileError(f"{folder}: there is no such folder")
+    with read_errors(folder):
+        inside = sorted(path for path in folder.iterdir() if path.is_dir() and not path.name.startswith("."))
+        journals = {path: journal for path in (folder, *inside) if (journal := read_journal(path))}
+    if not journals:
+        raise FileError(f"{folder}: no {JOURNAL} in it, nor in its folders, so its files cannot be compared")
+    unlisted = [path for home, journal in journals.items() for path in _compared(home, journal)]
+    files = sum(len(journal.files) for journal in journals.values())
+    return Verified(folders=len(journals), files=files, unlisted=tuple(unlisted))
+
+
+def _compared(home: Path, journal: Journal) -> list[Path]:
+    """Return the files of a folder that its journal does not list; FilesDamaged for the first that is not as it was."""
+    with read_errors(home):
+        found = compare(home, journal)
+    wrong = [(name, "was changed after rsegen wrote it") for name in found.changed]
+    wrong += [(name, "is missing or empty") for name in found.missing]
+    for name, what in wrong[:1]:
+        more = f"; {len(wrong) - 1} more files in this folder are changed, missing or empty" if wrong[1:] else ""
+        raise FilesDamaged(f"{home / name}: {what}{more}")
+    return [] if journal.holds in ("files", "experiment") else [home / name for name in found.foreign]

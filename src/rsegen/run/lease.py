@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from rsegen.errors import OutputError, shown
-from rsegen.io.checksums import JOURNAL
+from rsegen.io.input_files import JOURNAL
 
 BEAT = 2.0
 """Seconds between two heartbeats."""

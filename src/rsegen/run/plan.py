@@ -1,25 +1,120 @@
 """A run: what it will make, checked once, then made item by item, each put in its place whole or not at all.
 
 RunPlan --run--> the result of each item, in order
+
+The maps of a recipe that exist in a folder already, to the byte: a run that is resumed need not make them again.
+
+A folder whose recipe.json is the one that would be written, and whose files are as its journal says, is that map.
+
+What a run makes: the files of each item as bytes, under the name that they will have, and what is known of it then.
+
+A worker stages the files of its items in the hidden folder of the store; the process of the run puts them in place.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import os
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
-from pathlib import Path
-from typing import Generic, TypeVar
+from pathlib import Path, PurePosixPath
+from typing import Generic, Protocol, TypeVar
 
-from rsegen.errors import Incomplete, ParameterError, Stopped, UserError, WriteError
+from rsegen.errors import Incomplete, OutputError, ParameterError, Stopped, UserError, WriteError
+from rsegen.io.input_files import Checksum, regular_content
+from rsegen.recipe.codec import map_json
+from rsegen.recipe.recipe import Recipe
 from rsegen.run.execute import Execution, execute
-from rsegen.run.product import Product, Staged, Staging
+from rsegen.run.journal import compare, read_errors, read_journal, refuse_link, refuse_loss
 from rsegen.run.stop import held
-from rsegen.run.store import Store, open_store
+from rsegen.run.store import Store, new_root, open_store, stage_all, stage_journal
+from rsegen.run.swap import sync_trees
+
+Item_contra = TypeVar("Item_contra", contravariant=True)
+Made = TypeVar("Made")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Output(Generic[Made]):
+    """The files of one item, and what is known of it.
+
+    folder: the name of the folder that they are in, below that of the run; empty for that one itself
+    holds: what the folder is then, as its journal says; `adds`: to a folder that exists, and keeps everything else
+    force: of added files those that may be replaced   whole: folders among them that are replaced as one
+    """
+
+    made: Made
+    files: Mapping[PurePosixPath, Iterable[bytes]] = field(default_factory=dict)
+    folder: str = ""
+    holds: str = "map"
+    adds: bool = False
+    force: frozenset[str] = frozenset()
+    whole: frozenset[str] = frozenset()
+
+
+class Product(Protocol[Item_contra, Made]):
+    """How each of many items is made: all that a worker needs to know, except which items are its own."""
+
+    @property
+    def seconds(self) -> float:
+        """About how long one item takes; decides how the items are divided among workers, never the result."""
+
+    def __call__(self, item: Item_contra, /) -> Output[Made]:
+        """Return the files of an item."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Staged(Generic[Made]):
+    """An item whose files are complete in a folder of the staging: `output` without their bytes."""
+
+    output: Output[Made]
+    root: Path | None
+    files: Mapping[str, Checksum]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Batch(Generic[Made]):
+    """The items that a worker has staged, and the error by which the next one failed."""
+
+    staged: Sequence[Staged[Made]]
+    error: Exception | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Staging(Generic[Item_contra, Made]):
+    """Makes items and stages their files, in any process that sees the folder."""
+
+    product: Product[Item_contra, Made]
+    folder: Path
+    sync: bool
+
+    def __call__(self, items: Sequence[Item_contra], /) -> Batch[Made]:
+        """Return the items that are complete on the disk, up to the first that fails."""
+        staged: list[Staged[Made]] = []
+        error = None
+        for item in items:
+            try:
+                staged.append(self._staged(self.product(item)))
+            except Exception as failure:  # noqa: PERF203  # raised by the run, once those before it are in their places
+                error = failure
+                break
+        if self.sync:
+            sync_trees([one.root for one in staged if one.root])
+        return Batch(staged=staged, error=error)
+
+    def _staged(self, output: Output[Made]) -> Staged[Made]:
+        if not output.files:
+            return Staged(output=output, root=None, files={})
+        root = new_root(self.folder)
+        files = stage_all(root, output.files)
+        if output.folder and not output.adds:
+            stage_journal(root, files, output.holds)
+        return Staged(output=replace(output, files={}), root=root, files=files)
+
 
 Item = TypeVar("Item")
-Made = TypeVar("Made")
 
 
 class OnExisting(Enum):
@@ -123,3 +218,51 @@ def _put(store: Store, staged: Staged[Made], *, force: bool) -> None:
     store.put_staged(
         staged.root, staged.files, below=output.folder, force=output.force, whole=output.whole, holds=output.holds
     )
+
+
+def existing_maps(recipe: Recipe, folder: Path, is_complete: Callable[[str], bool]) -> list[int]:
+    """Return the indices of the maps in `folder` that are kept: complete, by what `is_complete` says of a map's folder.
+
+    OutputError for the first folder that has a map's name and holds something else, or a file that was changed.
+    """
+    names = os.listdir(folder) if folder.is_dir() else ()
+    indices = (map_index_of(recipe, name) for name in names)
+    homes = ((index, folder / recipe.map_name(index)) for index in sorted(one for one in indices if one is not None))
+    return [index for index, home in homes if is_kept(home, map_json(recipe, index), is_complete)]
+
+
+def is_kept(home: Path, recipe_file: bytes, is_complete: Callable[[str], bool]) -> bool:
+    """Return whether the map of that recipe.json in the folder `home` is kept; if not, the folder may be replaced.
+
+    OutputError if it holds something else than this map, or a file that was changed or would be lost.
+    """
+    refuse_link(home)
+    with read_errors(home):
+        journal = read_journal(home)
+        if journal is None or Checksum.of(recipe_file) not in journal.files.get("recipe.json", ()):
+            raise OutputError(
+                f"{home}: exists already and is not this map of rsegen: its journal is missing, or says another seed, "
+                "parameter or version; give those of the run that was stopped, or another folder or --name"
+            )
+        found = compare(home, journal)
+    for name in found.changed:
+        raise OutputError(
+            f"{home / name}: was changed after rsegen wrote it; delete it to have the map made again, or give "
+            "another folder"
+        )
+    if not found.missing and is_complete(str(home)):
+        return True
+    refuse_loss(home, "map")
+    return False
+
+
+def has_content(path: str, content: bytes) -> bool:
+    """Return whether a file exists and has this content."""
+    return regular_content(path, len(content) + 1) == content
+
+
+def map_index_of(recipe: Recipe, name: str) -> int | None:
+    """Return the index of the recipe's map of this name, None if it has no such map."""
+    match = re.fullmatch(r"([0-9]{4,19})", name.removeprefix(f"{recipe.name}_"))
+    index = int(match[0]) if match else -1
+    return index if index in recipe.indices and recipe.map_name(index) == name else None

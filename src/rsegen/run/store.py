@@ -23,7 +23,7 @@ from pathlib import Path, PurePosixPath
 
 from rsegen.errors import REFUSED, OutputError, RsegenError, Stopped, WriteError, shown
 from rsegen.exporters.gazebo import Bundle
-from rsegen.io.checksums import JOURNAL, Checksum, checksum_of
+from rsegen.io.input_files import JOURNAL, Checksum, checksum_of
 from rsegen.params.sorts import Json
 from rsegen.run.journal import (
     HIDDEN,

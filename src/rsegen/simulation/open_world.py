@@ -12,8 +12,8 @@ from pathlib import Path
 from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, shown
 from rsegen.params.sorts import Float
 from rsegen.simulation.simulators import Installation, LaunchCommand, OpenRequest
-from rsegen.simulation.simulators.error_relay import ErrorRelay
-from rsegen.simulation.simulators.launching import choose_installation, has_screen, run_until_end
+from rsegen.simulation.simulators.process import ErrorRelay
+from rsegen.simulation.simulators.server import choose_installation, has_screen, run_until_end
 from rsegen.simulation.worlds import Target, world_of
 
 SECONDS = Float(0, 1e9, unit="s")

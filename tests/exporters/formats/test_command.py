@@ -17,8 +17,8 @@ from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.params.registry import summary
-from rsegen.run.existing import existing_maps
-from rsegen.run.sidecars import Sidecars
+from rsegen.run.plan import existing_maps
+from rsegen.run.worlds import Sidecars
 from tests.exporters.formats.maps import RECIPES
 from tests.support.complaints import exit_code
 from tests.support.runs import contents

@@ -19,7 +19,7 @@ from rsegen.errors import ParameterError
 from rsegen.exporters.formats import Format
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
-from rsegen.io.importers.occupancy import Occupancy as ReadOccupancy
+from rsegen.io.importers.image import Occupancy as ReadOccupancy
 from tests.exporters.formats.maps import SCENES, made
 
 SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))

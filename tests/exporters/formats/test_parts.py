@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 
 from rsegen import StepField
-from rsegen.exporters.formats.coloured import coloured
-from rsegen.exporters.formats.columns import columns
+from rsegen.exporters.formats.parts import coloured, columns
 from rsegen.geometry import surface
 from tests.exporters.formats.test_meshes import seen_from_above
 from tests.support.strategies import fields

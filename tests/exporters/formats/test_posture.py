@@ -13,9 +13,7 @@ from hypothesis import strategies as st
 from scipy.io import loadmat
 
 from rsegen import DiagonalBarrier, HorizontalBarrier, Peak, Placement, Random, Recipe, Scene, StepField, build, compose
-from rsegen.exporters.formats.edges import COLUMNS, edges
-from rsegen.exporters.formats.posture import Posture
-from rsegen.exporters.formats.tags import peaks_and_pits
+from rsegen.exporters.formats.posture import COLUMNS, Posture, edges, peaks_and_pits
 from rsegen.recipe.codec import decode
 from tests.exporters.formats.maps import SCENES, made
 from tests.support.strategies import fields

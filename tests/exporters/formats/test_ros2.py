@@ -21,7 +21,7 @@ from rsegen import Recipe, Scene, compose
 from rsegen.exporters.formats.ros2 import Ros2, package_name
 from rsegen.exporters.gazebo import single
 from rsegen.io.importers import imported
-from rsegen.io.importers.occupancy import Occupancy as ReadOccupancy
+from rsegen.io.importers.image import Occupancy as ReadOccupancy
 from tests.exporters.formats.maps import RECIPES, SCENES
 from tests.exporters.formats.maps import made as made_files
 from tests.simulation.real.conftest import missing

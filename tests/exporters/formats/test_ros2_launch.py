@@ -16,7 +16,7 @@ import yaml
 import rsegen
 from rsegen import Recipe, compose, load
 from rsegen.exporters.formats.ros2 import Ros2
-from rsegen.io.checksums import JOURNAL
+from rsegen.io.input_files import JOURNAL
 from tests.exporters.formats.maps import RECIPES
 from tests.exporters.formats.maps import made as made_files
 from tests.exporters.formats.test_ros2 import NAMED, written

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 from rsegen import Recipe, Scene, compose
-from rsegen.exporters.formats.srgb import srgb_to_linear
+from rsegen.exporters.formats.parts import srgb_to_linear
 from rsegen.exporters.formats.usd import Usd
 from tests.exporters.formats.maps import SCENES, made
 from tests.exporters.formats.test_meshes import seen_from_above

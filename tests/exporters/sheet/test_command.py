@@ -9,7 +9,7 @@ import pytest
 import rsegen
 from rsegen import CutSettings
 from rsegen.cli import main
-from rsegen.io.checksums import JOURNAL
+from rsegen.io.input_files import JOURNAL
 from rsegen.recipe.examples import EXAMPLES
 
 PALLET = EXAMPLES["red-diagonal-pallet"]

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from rsegen import CutSettings, Recipe
 from rsegen.errors import ParameterError
-from rsegen.exporters.sheet.cutting import CuttingPlan, nanometres, plan_cuts
-from rsegen.exporters.sheet.frames import frames
+from rsegen.exporters.sheet.timber import CuttingPlan, frames, nanometres, plan_cuts
 
 CM = nanometres(1)
 SAWS = st.builds(

@@ -13,8 +13,8 @@ from hypothesis import given
 from rsegen import CutSettings, Placement, Random, Recipe, build, compose, imported, load, sheet
 from rsegen.cli import main
 from rsegen.errors import FileError, ParameterError
-from rsegen.exporters.fingerprint import fingerprint
-from rsegen.exporters.sheet.order import building_order
+from rsegen.exporters.levels import fingerprint
+from rsegen.exporters.sheet.timber import building_order
 from rsegen.io.importers.table import Table
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.strategies import recipes

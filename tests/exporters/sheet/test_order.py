@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 
 from rsegen import Recipe, compose
-from rsegen.exporters.sheet.cutting import nanometres
-from rsegen.exporters.sheet.order import building_order, length_counts, name, placing_order
+from rsegen.exporters.sheet.timber import building_order, length_counts, name, nanometres, placing_order
 from tests.support.strategies import recipes
 
 

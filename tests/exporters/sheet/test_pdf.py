@@ -15,9 +15,9 @@ from pypdf import PageObject, PdfReader
 
 from rsegen import CutSettings, Placement, Random, Recipe, Scene, __version__, compose, load, sheet
 from rsegen.errors import ParameterError
-from rsegen.exporters.fingerprint import fingerprint
+from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.sheet import page_count
-from rsegen.exporters.sheet.order import building_order, placing_order
+from rsegen.exporters.sheet.timber import building_order, placing_order
 from rsegen.field.stepfield import Ints
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES

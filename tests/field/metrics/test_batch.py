@@ -13,7 +13,7 @@ import rsegen
 from rsegen import Recipe
 from rsegen.field.metrics import batch
 from rsegen.field.metrics.batch import COLUMNS, batch_metrics
-from rsegen.field.metrics.tables import flattened, nested
+from rsegen.field.metrics.catalogue import flattened, nested
 from rsegen.recipe.building import blocks
 from tests.support.strategies import recipes
 

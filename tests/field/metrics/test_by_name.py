@@ -11,8 +11,7 @@ from hypothesis import given, settings
 import rsegen
 from rsegen import Metric, RobotLimits, StepField
 from rsegen.errors import UserError
-from rsegen.field.metrics.by_name import OF_A_ROBOT, UNITS, metric_by
-from rsegen.field.metrics.tables import flattened, nested
+from rsegen.field.metrics.catalogue import OF_A_ROBOT, UNITS, flattened, metric_by, nested
 from tests.support.strategies import fields
 
 ROBOT = RobotLimits(climb_cm=15, width_cm=20)

@@ -14,10 +14,10 @@ from PIL import Image
 import rsegen
 from rsegen import RobotLimits
 from rsegen.cli import main
-from rsegen.exporters.pictures.paths import path_plot
+from rsegen.exporters.pictures.robot_plots import path_plot
 from rsegen.field.metrics.traversability import traversability
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.simulation.robots import ROBOTS
+from rsegen.robots import ROBOTS
 
 PALLET = EXAMPLES["red-diagonal-pallet"]
 TEN = ["--climb-cm", "10"]

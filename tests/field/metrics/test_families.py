@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen import StepField
 from rsegen.errors import ParameterError
-from rsegen.field.metrics.scale import FEW, LAGS
+from rsegen.field.metrics.roughness import FEW, LAGS
 from tests.support.strategies import fields
 
 

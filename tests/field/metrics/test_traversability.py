@@ -14,9 +14,8 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 
 import rsegen
 from rsegen import RobotLimits, StepField
-from rsegen.field.metrics.ground import Ground, ground, lane
-from rsegen.field.metrics.regions import connected, strongly_connected
-from rsegen.field.metrics.traversability import Traversability, traversability
+from rsegen.field.metrics.graphs import connected, strongly_connected
+from rsegen.field.metrics.traversability import Ground, Traversability, ground, lane, traversability
 from rsegen.field.robot_limits import NANOMETRES
 from rsegen.field.stepfield import Ints
 from tests.field.metrics.test_families import field, turned

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import QApplication, QPlainTextEdit, QPushButton
 
 from rsegen import generate
 from rsegen.cli import main
-from rsegen.gui.dialogs.as_code import CodeDialog
+from rsegen.gui.dialogs.outputs import CodeDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
 from tests.support.clicking import shown

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 
 from rsegen import CutSettings, build, compose, load, sheet
 from rsegen.cli import main
-from rsegen.gui.dialogs.build_sheet import SheetDialog
+from rsegen.gui.dialogs.outputs import SheetDialog
 from rsegen.gui.model.as_code import command_line, python_code
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window

@@ -21,7 +21,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox, QFileDialog, QLabel, QMessageBox, QSpinBox
 
 from rsegen import Dataset, Placement, Random, Recipe, build, compose, make_dataset
-from rsegen.gui.dialogs.dataset import SIDE, DatasetDialog
+from rsegen.gui.dialogs.gallery import PICTURE_SIDE as SIDE
+from rsegen.gui.dialogs.gallery import DatasetDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.widgets.plan_painting import square_image
 from rsegen.gui.window import Window

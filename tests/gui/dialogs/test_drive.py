@@ -10,7 +10,7 @@ from PySide6.QtCore import QSize
 from PySide6.QtWidgets import QApplication, QComboBox
 
 from rsegen import Recipe
-from rsegen.gui.dialogs.drive import DriveDialog
+from rsegen.gui.dialogs.job import DriveDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
 from tests.support.clicking import find, shown

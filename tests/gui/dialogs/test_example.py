@@ -17,7 +17,7 @@ from PySide6.QtWidgets import QApplication, QLabel, QListWidget
 from rsegen import load
 from rsegen.exporters.scene import FRAME_COLOUR
 from rsegen.gui.application import session_of
-from rsegen.gui.dialogs.example import SIDE, ExampleDialog
+from rsegen.gui.dialogs.opening import SIDE, ExampleDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
 from rsegen.recipe.examples import EXAMPLES

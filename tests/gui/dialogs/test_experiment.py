@@ -18,11 +18,11 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QComboBox, QMessageBox
 
 from rsegen import compose
-from rsegen.gui.dialogs.experiment import ExperimentDialog
+from rsegen.gui.dialogs.job import ExperimentDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.model.simulation import experiment_plans
 from rsegen.gui.window import Window
-from rsegen.io.checksums import JOURNAL
+from rsegen.io.input_files import JOURNAL
 from rsegen.simulation.experiment import run
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan
 from rsegen.simulation.experiment.trial import Outcome, Trial

@@ -26,11 +26,11 @@ from rsegen.cli import main
 from rsegen.errors import pip_install
 from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.formats.arrays import Arrays
-from rsegen.gui.dialogs.export import ExportDialog
+from rsegen.gui.dialogs.outputs import ExportDialog
 from rsegen.gui.model.session import Session
-from rsegen.gui.widgets.named import tooltip
+from rsegen.gui.widgets.layouts import tooltip
 from rsegen.gui.window import Window
-from rsegen.io.checksums import JOURNAL
+from rsegen.io.input_files import JOURNAL
 from rsegen.params import extras
 from rsegen.params.registry import summary
 from tests.support.clicking import active, answer, click, find, said, shown, typed

@@ -14,8 +14,7 @@ from PySide6.QtWidgets import QApplication, QComboBox, QListWidget
 from rsegen import build, make_dataset, metrics
 from rsegen.errors import FileError
 from rsegen.gui.dialogs import gallery
-from rsegen.gui.dialogs.dataset import DatasetDialog
-from rsegen.gui.dialogs.gallery import GalleryDialog
+from rsegen.gui.dialogs.gallery import DatasetDialog, GalleryDialog
 from rsegen.gui.model.session import Session
 from rsegen.gui.window import Window
 from rsegen.recipe.codec import decode

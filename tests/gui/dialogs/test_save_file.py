@@ -10,7 +10,7 @@ pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]
 
 from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QWidget
 
-from rsegen.gui.dialogs.save_file import ask_where_to_save
+from rsegen.gui.dialogs.opening import ask_where_to_save
 from tests.support.clicking import answer
 
 FORMATS = "PNG (*.png);;JPEG (*.jpg *.jpeg)"

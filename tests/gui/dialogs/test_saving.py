@@ -15,8 +15,8 @@ from PySide6.QtGui import QImage
 from PySide6.QtTest import QSignalSpy
 from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton, QWidget
 
-from rsegen.gui.dialogs.saving import SavingDialog
-from rsegen.gui.workers.picture_saver import PictureSaver
+from rsegen.gui.dialogs.outputs import SavingDialog
+from rsegen.gui.workers import PictureSaver
 from tests.support.clicking import answer
 from tests.support.waiting import exposed, until
 

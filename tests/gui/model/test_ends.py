@@ -6,7 +6,7 @@ import pytest
 
 from rsegen import Recipe
 from rsegen.field.obstacles import KINDS
-from rsegen.gui.model.ends import fixed, shifted
+from rsegen.gui.model.obstacle_ends import fixed, shifted
 from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode
 

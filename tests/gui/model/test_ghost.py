@@ -9,7 +9,7 @@ from rsegen import build
 from rsegen.exporters.scene import compose
 from rsegen.field.obstacles import KINDS
 from rsegen.gui.model.document import Document
-from rsegen.gui.model.ghost import ghost_of
+from rsegen.gui.model.obstacle_ends import ghost_of
 from rsegen.gui.model.preview import preview
 from rsegen.gui.model.session import Session
 from rsegen.recipe.recipe import Recipe

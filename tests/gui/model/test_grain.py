@@ -8,9 +8,7 @@ import numpy as np
 
 import rsegen
 from rsegen import Placement, Random, Recipe
-from rsegen.gui.model.bounds import border
-from rsegen.gui.model.grain import finest, with_grain
-from rsegen.gui.model.shading import Shading, shading
+from rsegen.gui.model.solid import Shading, border, finest, shading, with_grain
 
 RECIPE = Recipe(seed=3, boundary="none", look="wood", obstacles=(Placement(obstacle=Random(max_height=5)),))
 

@@ -9,7 +9,7 @@ import pytest
 
 from rsegen import Peak, Placement, Random, Recipe, build, compose
 from rsegen.gui.model.document import Document
-from rsegen.gui.model.picking import cell_hit, is_inside
+from rsegen.gui.model.painting import cell_hit, is_inside
 from rsegen.gui.model.session import Session
 
 FIELD = build(Recipe(seed=1, chunk_size=6, chunks=(2, 1), obstacles=[Placement(obstacle=Random(max_height=5))]))

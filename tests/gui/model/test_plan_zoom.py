@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rsegen import Placement, Random, Recipe, build
-from rsegen.gui.model.plan_layout import PlanLayout, fit
-from rsegen.gui.model.plan_zoom import resized, shifted, visible, zoomed
+from rsegen.gui.model.plan_layout import PlanLayout, fit, resized, shifted, visible, zoomed
 
 AREA = (30.0, 5.0, 300.0, 240.0)
 FIELD = build(Recipe(seed=1, chunk_size=8, chunks=(3, 2), obstacles=[Placement(obstacle=Random(max_height=5))]))

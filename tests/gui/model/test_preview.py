@@ -13,8 +13,17 @@ from rsegen import Peak, Placement, Random, Recipe, compose
 from rsegen.errors import TooLarge
 from rsegen.exporters.map_summary import map_summary
 from rsegen.gui.model.colours import GROUND, cells, palette
-from rsegen.gui.model.map_numbers import COUNTED, costs, largest_step, shares, size_text
-from rsegen.gui.model.preview import SHOWN_SIDE, is_quick, preview, preview_of
+from rsegen.gui.model.preview import (
+    COUNTED,
+    SHOWN_SIDE,
+    costs,
+    is_quick,
+    largest_step,
+    preview,
+    preview_of,
+    shares,
+    size_text,
+)
 from tests.support.strategies import recipes
 
 ROUGH = Recipe(seed=1, obstacles=[Placement(obstacle=Random(max_height=5))])

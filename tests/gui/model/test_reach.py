@@ -11,12 +11,12 @@ import rsegen
 from rsegen import Placement, Random, Recipe, compose
 from rsegen.field.metrics.traversability import traversability
 from rsegen.field.robot_limits import cells_to_each_side
-from rsegen.field.spots import Rectangle, Spot
-from rsegen.gui.model.map_numbers import costs
+from rsegen.footprints import Rectangle, Spot
+from rsegen.gui.model.preview import costs
 from rsegen.gui.model.reach import corners
 from rsegen.gui.model.simulation import reach
-from rsegen.simulation.driving.way import planned_way
-from rsegen.simulation.robots import ROBOTS
+from rsegen.robots import ROBOTS
+from rsegen.simulation.driving.routes import planned_way
 
 ROUGH = Recipe(seed=5, chunks=(3, 2), boundary="none", obstacles=[Placement(obstacle=Random(max_height=3))])
 

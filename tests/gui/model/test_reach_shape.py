@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from rsegen import Placement, Random, Recipe, compose
-from rsegen.field.spots import Rectangle
-from rsegen.gui.model.reach import Reach, Way
-from rsegen.gui.model.reach_shape import dashes, draped, reach_shape
+from rsegen.footprints import Rectangle
+from rsegen.gui.model.reach import Reach, Way, dashes, draped, reach_shape
 from rsegen.gui.model.simulation import reach
 from rsegen.gui.model.solid import solid
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rsegen.gui.model.robot_shape import place_next_to
+from rsegen.gui.model.reach import place_next_to
 from rsegen.gui.model.simulation import robot_names, robot_shape
 
 BOUNDS = (-2.0, 2.0, -1.0, 1.0, 0.0, 0.4)

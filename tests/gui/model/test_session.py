@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given
 
 from rsegen import Recipe, build, load
-from rsegen.gui.model.ends import aligned
+from rsegen.gui.model.obstacle_ends import aligned
 from rsegen.gui.model.session import Session, draft_of
 from tests.support.samples import FULL
 from tests.support.strategies import recipes

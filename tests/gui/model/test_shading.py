@@ -7,10 +7,7 @@ import pytest
 
 from rsegen import Matrix, Placement, Random, Recipe, Scene, compose
 from rsegen.field.stepfield import StepField
-from rsegen.gui.model.bounds import border
-from rsegen.gui.model.scale_bar import length_text, round_length
-from rsegen.gui.model.shading import SUN, Shading, foot, shading
-from rsegen.gui.model.solid import lit
+from rsegen.gui.model.solid import SUN, Shading, border, foot, length_text, lit, round_length, shading
 
 
 def scene(*rows: str) -> Scene:

@@ -8,13 +8,19 @@ import numpy as np
 import pytest
 
 from rsegen import Placement, Random, Recipe, Scene, compose
-from rsegen.field.coarse import coarse, coarse_window, coarseness
-from rsegen.field.stepfield import Array
+from rsegen.field.stepfield import Array, coarse, coarse_window, coarseness
 from rsegen.geometry import NORMALS, surface
-from rsegen.gui.model.axes import round_numbers, tick_marks
-from rsegen.gui.model.camera import SOUTH_EAST, VIEW_ANGLE, viewpoint
 from rsegen.gui.model.colours import GROUND, bright, cells, legend, palette
-from rsegen.gui.model.solid import block_edges, box_edges, lit
+from rsegen.gui.model.solid import (
+    SOUTH_EAST,
+    VIEW_ANGLE,
+    block_edges,
+    box_edges,
+    lit,
+    round_numbers,
+    tick_marks,
+    viewpoint,
+)
 
 BOUNDS = (-2.0, 2.0, -1.0, 1.0, 0.0, 0.4)
 

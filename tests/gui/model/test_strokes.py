@@ -6,8 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen.gui.model.painting import UNPAINTED
-from rsegen.gui.model.strokes import Brush, Painted, Strokes, Tool, connected, rectangle
+from rsegen.gui.model.painting import UNPAINTED, Brush, Painted, Strokes, Tool, connected, rectangle
 
 LEVELS = np.array([[0, 0, 1], [1, 0, 1], [1, 1, 0]], dtype=np.int16)
 

@@ -9,8 +9,8 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QApplication, QLabel, QLineEdit
 
 from rsegen.errors import ParameterError
+from rsegen.gui.model.obstacle_ends import cell_text, problem_text
 from rsegen.gui.model.session import Draft, Session
-from rsegen.gui.model.typed_cells import cell_text, problem_text
 from rsegen.gui.widgets.obstacle_table import KEYS
 from rsegen.gui.window import Window
 

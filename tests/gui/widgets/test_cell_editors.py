@@ -14,7 +14,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QComboBox, QLineEdit, QWidget
 
 from rsegen.gui.model.session import Session
-from rsegen.gui.widgets.cell_editors import EndCell
+from rsegen.gui.widgets.obstacle_table import EndCell
 from rsegen.gui.window import Window
 from tests.support.clicking import active, shown
 from tests.support.waiting import until

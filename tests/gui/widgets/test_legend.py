@@ -12,7 +12,7 @@ if os.environ.get("CI") != "true":
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtWidgets import QApplication
 
-from rsegen.gui.widgets.legend import Inks, legend_image, scale_bar_image
+from rsegen.gui.widgets.view_camera import Inks, legend_image, scale_bar_image
 
 INKS = Inks(QColor("white"), QColor("black"))
 ROWS = [((number * 9, 100, 50), f"{number} cm") for number in range(25, 0, -1)]

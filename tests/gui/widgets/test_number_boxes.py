@@ -13,7 +13,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QDoubleSpinBox, QSpinBox
 
 from rsegen.gui.model.session import Session
-from rsegen.gui.widgets.number_boxes import DecimalBox, IntegerBox
+from rsegen.gui.widgets.editors import DecimalBox, IntegerBox
 from rsegen.gui.window import Window
 from tests.support.clicking import find, shown, typed
 

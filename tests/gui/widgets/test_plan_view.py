@@ -21,13 +21,12 @@ from PySide6.QtWidgets import QApplication, QLineEdit, QVBoxLayout, QWidget
 
 from rsegen import Placement, Random, Recipe, Scene, compose
 from rsegen.errors import UserError
-from rsegen.gui.model.handles import Handle
-from rsegen.gui.model.painting import UNPAINTED
+from rsegen.gui.model.obstacle_ends import Handle
+from rsegen.gui.model.painting import UNPAINTED, Brush, Tool, connected
 from rsegen.gui.model.plan_layout import fit
-from rsegen.gui.model.strokes import Brush, Tool, connected
 from rsegen.gui.widgets.plan_painting import plan_area
 from rsegen.gui.widgets.plan_view import PlanView
-from rsegen.params.places import Cell
+from rsegen.params.sorts import Cell
 from tests.support.waiting import until
 
 LEFT = Qt.MouseButton.LeftButton

@@ -13,7 +13,7 @@ pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QApplication
 
-from rsegen.gui.workers.latest_only import LatestOnly
+from rsegen.gui.workers import LatestOnly
 from tests.support.waiting import until
 
 

@@ -17,7 +17,7 @@ import rsegen
 from rsegen import Dataset, Placement, Recipe, make_dataset
 from rsegen.errors import DatasetDamaged, ParameterError
 from rsegen.field.metrics.batch import COLUMNS
-from rsegen.field.metrics.tables import flattened, nested
+from rsegen.field.metrics.catalogue import flattened, nested
 from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents
 from tests.support.strategies import recipes

@@ -17,8 +17,7 @@ from rsegen import Recipe, build, generate, imported
 from rsegen.errors import FileError, ParameterError, UserError
 from rsegen.io.importers import IMPORTERS, importer_for
 from rsegen.io.importers.array import Saved
-from rsegen.io.importers.image import Picture
-from rsegen.io.importers.occupancy import Occupancy
+from rsegen.io.importers.image import Occupancy, Picture
 from rsegen.io.importers.table import Table
 from rsegen.params.sorts import parameters
 

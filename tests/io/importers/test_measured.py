@@ -17,9 +17,9 @@ from rsegen.cli import main
 from rsegen.errors import FileError, ParameterError
 from rsegen.io.importers import heights_in
 from rsegen.io.importers.array import Saved
+from rsegen.io.importers.base import filled
 from rsegen.io.importers.image import Picture
-from rsegen.io.importers.rounding import filled
-from rsegen.io.importers.sampling import sampled
+from rsegen.io.importers.measured import sampled
 from rsegen.io.importers.table import Table
 
 LEVELS = np.random.default_rng(1).integers(0, 5, (10, 8))

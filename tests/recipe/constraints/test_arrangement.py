@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen.cli import main
 from rsegen.exporters.constraint_report import block_warnings
-from rsegen.field.metrics.pairs import differences
+from rsegen.field.metrics.roughness import differences
 from rsegen.field.metrics.traversability import crossing
 from tests.support.complaints import the_line
 

@@ -17,11 +17,12 @@ from rsegen.cli import main
 from rsegen.cli.inventory import inventory_in
 from rsegen.exporters.constraint_report import block_warnings, constraint_report
 from rsegen.exporters.pictures.preview import preview_image
-from rsegen.field.metrics.pairs import differences
+from rsegen.field.metrics.roughness import differences
 from rsegen.field.metrics.traversability import crossing
 from rsegen.params.streams import generator
-from rsegen.recipe.constraints.crossing import crossing_caps
+from rsegen.recipe.constraints import meeting
 from rsegen.recipe.constraints.inventory import fitted_to_inventory
+from rsegen.recipe.constraints.meeting import crossing_caps
 from tests.support.complaints import the_line
 from tests.support.strategies import fields, recipes
 
@@ -66,7 +67,7 @@ def test_a_robot_that_cannot_climb_a_block_gets_a_level_way_at_once(
 ) -> None:
     """In a round per direction, where more rounds would each clear another way and take minutes."""
     counted = Mock(side_effect=crossing_caps)
-    monkeypatch.setattr(crossing_constraint, "caps", counted)
+    monkeypatch.setattr(meeting, "crossing_caps", counted)
     robot = (*limits, 30)
     for index in range(5):
         field = rsegen.build(recipe(chunk_size=20, boundary="none", crossable_by=robot), index)

@@ -7,10 +7,9 @@ import pytest
 
 import rsegen
 from rsegen import Placement, Random, Recipe
-from rsegen.recipe import constraints
-from rsegen.recipe.constraints.crossing import crossing_caps
-from rsegen.recipe.constraints.inventory import used
-from rsegen.recipe.constraints.refilling import refilled
+from rsegen.recipe.constraints import meeting
+from rsegen.recipe.constraints.inventory import refilled, used
+from rsegen.recipe.constraints.meeting import crossing_caps
 
 STOCK = (27, 33, 21, 10)
 
@@ -29,7 +28,7 @@ def recipe(seed: int, climb: float) -> Recipe:
 def test_more_blocks_are_used_and_the_robot_still_crosses(climb: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Over ten maps; of none more blocks than the stock has."""
     found = [rsegen.build(recipe(seed, climb), 0) for seed in range(10)]
-    monkeypatch.setattr(constraints, "refilled", lambda field, *_: field)
+    monkeypatch.setattr(meeting, "refilled", lambda field, *_: field)
     before = [rsegen.build(recipe(seed, climb), 0) for seed in range(10)]
     assert all(used(new) >= used(old) for new, old in zip(found, before, strict=True))
     assert sum(map(used, found)) > sum(map(used, before))

@@ -10,7 +10,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from rsegen.io.checksums import JOURNAL
+from rsegen.io.input_files import JOURNAL
 from rsegen.run import execute
 from tests.support.complaints import OBSTACLE, exit_code, the_line
 from tests.support.patience import PATIENCE

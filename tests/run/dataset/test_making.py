@@ -16,7 +16,7 @@ import pytest
 import rsegen
 from rsegen import Dataset, Placement, Recipe, make_dataset
 from rsegen.errors import OutputError, TooLarge
-from rsegen.io.checksums import JOURNAL
+from rsegen.io.input_files import JOURNAL
 from rsegen.recipe.codec import decode
 from rsegen.run import dataset as dataset_module
 from rsegen.run import execute as execute_module

@@ -6,7 +6,7 @@ import csv as tables
 
 import pytest
 
-from rsegen.simulation.driving.contacts import contact_shares, contacts_csv, robot_contacts
+from rsegen.simulation.driving.recording import contact_shares, contacts_csv, robot_contacts
 from rsegen.simulation.simulators.live_world import Contact
 
 

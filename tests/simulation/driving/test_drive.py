@@ -10,7 +10,7 @@ import pytest
 
 import rsegen
 from rsegen.errors import FileError, NoSimulator, ParameterError
-from rsegen.simulation.robots import robot
+from rsegen.robots import robot
 from tests.simulation.simulators.standins import PROGRAMS, put
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")

@@ -7,12 +7,11 @@ import pytest
 
 from rsegen import Placement, Random, Recipe, StepField, build
 from rsegen.errors import ParameterError
-from rsegen.field.spots.footprint import TOUCHING
-from rsegen.simulation.driving.footprints import footprint_of
-from rsegen.simulation.driving.robot_runs import finish_x, robot_runs
+from rsegen.footprints.footprint import TOUCHING
+from rsegen.robots import ROBOTS, Robot, SdfRobot
+from rsegen.robots.footprint import footprint_of
+from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, GAP, adjacent_pose, finish_x, robot_runs
 from rsegen.simulation.driving.spots import spots
-from rsegen.simulation.driving.start_poses import DROP_HEIGHT, GAP, adjacent_pose
-from rsegen.simulation.robots import ROBOTS, Robot, SdfRobot
 
 ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
 RECIPE = Recipe(

@@ -11,10 +11,9 @@ import pytest
 import rsegen
 from rsegen.field.stepfield import StepField
 from rsegen.recipe.examples import EXAMPLES
+from rsegen.robots import ROBOTS, robot
 from rsegen.simulation.driving.robot_runs import finish_x, robot_runs
-from rsegen.simulation.driving.routes import Route
-from rsegen.simulation.driving.way import planned_way
-from rsegen.simulation.robots import ROBOTS, robot
+from rsegen.simulation.driving.routes import Route, planned_way
 from rsegen.simulation.simulators.live_world import Pose
 
 STEP = 0.05

@@ -10,12 +10,12 @@ import pytest
 
 from rsegen import build
 from rsegen.field.stepfield import StepField
+from rsegen.robots import robot
 from rsegen.simulation.driving.drive_metrics import Trajectory
 from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.routes import Straight
-from rsegen.simulation.experiment.driving_figures import DrivingFigures, covered, driving_figures, trajectories
 from rsegen.simulation.experiment.plan import TableRow
-from rsegen.simulation.robots import robot
+from rsegen.simulation.experiment.trial import DrivingFigures, covered, driving_figures, trajectories
 from rsegen.simulation.simulators.live_world import Pose
 
 T = np.arange(0, 10.01, 0.1)

@@ -9,10 +9,10 @@ import pytest
 
 from rsegen import build
 from rsegen.errors import ParameterError, UserError
-from rsegen.field.metrics.steps import steps
+from rsegen.field.metrics.roughness import steps
+from rsegen.robots import robot
 from rsegen.simulation.experiment.plan import PLANS, ExperimentPlan, TableRow, load_plan, read_plan
 from rsegen.simulation.experiment.trial import refuse_crowded
-from rsegen.simulation.robots import robot
 
 ROWS = "rows:\n  - {robot: burger, sizes: [0, 10]}\n"
 

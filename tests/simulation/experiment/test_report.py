@@ -12,10 +12,17 @@ from PIL import Image
 
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, TableRow
 from rsegen.simulation.experiment.plot import plot
-from rsegen.simulation.experiment.published import FIGURES, PublishedRow, published_figures
-from rsegen.simulation.experiment.report import MARK, report_page, trials_csv
+from rsegen.simulation.experiment.report import (
+    FIGURES,
+    MARK,
+    PublishedRow,
+    median_of,
+    published_figures,
+    report_page,
+    rtf_limits,
+    trials_csv,
+)
 from rsegen.simulation.experiment.results import Results
-from rsegen.simulation.experiment.summaries import median_of, rtf_limits
 from rsegen.simulation.experiment.trial import Outcome
 
 PLAN = ExperimentPlan(

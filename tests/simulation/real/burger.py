@@ -13,7 +13,7 @@ from __future__ import annotations
 from math import cos, pi, sin
 from typing import NamedTuple
 
-from rsegen.simulation.robots.plugins import system
+from rsegen.robots.drives import system
 from rsegen.simulation.simulators.live_world import Pose
 
 SPEED = 0.22

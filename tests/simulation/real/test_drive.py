@@ -18,9 +18,9 @@ from PIL import Image
 import rsegen
 from rsegen import Matrix, Placement, Recipe, generate
 from rsegen.cli import main
+from rsegen.robots import ROBOTS
 from rsegen.simulation.experiment.plan import ExperimentPlan, TableRow
 from rsegen.simulation.experiment.trial import run_trial
-from rsegen.simulation.robots import ROBOTS
 from rsegen.simulation.simulators import Installation
 from tests.simulation.real.conftest import missing
 

@@ -17,9 +17,9 @@ import pytest
 import rsegen
 from rsegen.exporters.gazebo import export
 from rsegen.field.stepfield import Levels
+from rsegen.robots import ROBOTS
 from rsegen.run.store import write_folder
-from rsegen.simulation.driving.world_with_robots import world_with_robots
-from rsegen.simulation.robots import ROBOTS
+from rsegen.simulation.driving.recording import world_with_robots
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.server import running_server
 from tests.simulation.real.bodies import furnished

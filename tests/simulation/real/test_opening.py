@@ -16,7 +16,7 @@ import pytest
 
 import rsegen
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.simulation.robots import robot
+from rsegen.robots import robot
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.gazebo_classic import STATE
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from rsegen.simulation.robots import BACKENDS, ROBOTS, Robot
-from rsegen.simulation.robots.drives import Tracks
+from rsegen.robots import BACKENDS, ROBOTS, Robot
+from rsegen.robots.drives import Tracks
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.classic_world import ClassicWorld
 from rsegen.simulation.simulators.live_world import Pose

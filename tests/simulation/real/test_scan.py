@@ -9,7 +9,7 @@ import rsegen
 from benchmarks.depth_camera import Flaws, turned, with_flaws
 from benchmarks.gazebo_depth import depth_clouds
 from rsegen import Placement, Random, Recipe
-from rsegen.field.scanning import find_field
+from rsegen.scanning import find_field
 from rsegen.simulation.simulators import Installation
 
 RECIPE = Recipe(seed=5, boundary="outer", obstacles=(Placement(obstacle=Random(max_height=5)),))

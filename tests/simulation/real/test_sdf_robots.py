@@ -14,14 +14,14 @@ import pytest
 import rsegen
 from rsegen import Matrix, Placement, Recipe
 from rsegen.exporters.gazebo import sdf
+from rsegen.robots import SdfRobot, from_file
 from rsegen.simulation.driving.recording import RobotRun, record_drive
+from rsegen.simulation.driving.robot_runs import DROP_HEIGHT
 from rsegen.simulation.driving.routes import Motion, Route
-from rsegen.simulation.driving.start_poses import DROP_HEIGHT
-from rsegen.simulation.robots import SdfRobot, from_file
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.simulators.server import running_server
-from tests.simulation.robots.two_wheels import PLUGINS, two_wheels
+from tests.robots.two_wheels import PLUGINS, two_wheels
 
 V, W = 0.15, 0.5
 """m/s and rad/s; the record of Gazebo Classic has three digits of each place, so all robots are near the origin."""

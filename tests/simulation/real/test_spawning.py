@@ -16,11 +16,11 @@ import pytest
 import rsegen
 from rsegen.cli import main
 from rsegen.exporters.gazebo import sdf
-from rsegen.simulation.robots import robot
+from rsegen.robots import robot
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.server import Server, running_server
-from rsegen.simulation.spawning.spawned_map import SpawnedMap
+from rsegen.simulation.spawning.spawning import SpawnedMap
 from tests.simulation.real.bodies import SIZE, body
 from tests.support.complaints import the_line
 

@@ -18,7 +18,7 @@ if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get(
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QApplication, QCheckBox, QDoubleSpinBox, QLabel
 
-from rsegen.gui.dialogs.drive import DriveDialog
+from rsegen.gui.dialogs.job import DriveDialog
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.simulators import Installation
 from tests.simulation.simulators.standins import alone_on_path

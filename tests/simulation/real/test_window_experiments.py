@@ -17,7 +17,7 @@ if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get(
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QApplication, QComboBox
 
-from rsegen.gui.dialogs.experiment import ExperimentDialog
+from rsegen.gui.dialogs.job import ExperimentDialog
 from rsegen.simulation.experiment.run import REPORT_FILES, load_summary
 from rsegen.simulation.simulators import Installation
 from tests.support.clicking import click, find, said

@@ -10,8 +10,7 @@ from queue import SimpleQueue
 
 import pytest
 
-from rsegen.simulation.simulators.classic_messages import CLASSIC
-from rsegen.simulation.simulators.classic_transport import TransportClient, transport_client
+from rsegen.simulation.simulators.classic_transport import CLASSIC, TransportClient, transport_client
 
 TOPIC = "/gazebo/lab/request"
 SUBSCRIBERS = 4

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rsegen.simulation.simulators.error_relay import ErrorRelay, counted
+from rsegen.simulation.simulators.process import ErrorRelay, counted
 
 
 @pytest.mark.parametrize(

@@ -14,12 +14,11 @@ import rsegen
 from rsegen.cli import main
 from rsegen.errors import SimulatorFailed
 from rsegen.exporters.gazebo import sdf
-from rsegen.simulation.robots import robot
+from rsegen.robots import robot
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.server import running_server
-from rsegen.simulation.simulators.sim_discovery import SERVICES, Discovery, Event
-from rsegen.simulation.simulators.sim_transport import transport_client
+from rsegen.simulation.simulators.sim_transport import SERVICES, Discovery, Event, transport_client
 from tests.simulation.real.conftest import gazebo_classic, gazebo_sim
 from tests.simulation.transport import connected_to, transport_world
 from tests.support.complaints import the_line

@@ -12,11 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.robots import robot
-from rsegen.simulation.simulators.classic_messages import CLASSIC
-from rsegen.simulation.simulators.classic_transport import transport_client
-from rsegen.simulation.simulators.sim_discovery import TOPICS, Discovery, Event
-from rsegen.simulation.simulators.sim_messages import SIM
+from rsegen.robots import robot
+from rsegen.simulation.simulators.classic_transport import CLASSIC, transport_client
+from rsegen.simulation.simulators.sim_transport import SIM, TOPICS, Discovery, Event
 from rsegen.simulation.simulators.wire import NO_MESSAGE, MessageTypes, parse_text
 
 PLAIN: dict[object, st.SearchStrategy[Any]] = {

@@ -7,9 +7,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from rsegen.simulation.robots import ROBOTS, Robot
-from rsegen.simulation.simulators.sim_contacts import CONTACTS, ContactSample, with_contact_sensors
-from rsegen.simulation.simulators.sim_messages import SIM
+from rsegen.robots import ROBOTS, Robot
+from rsegen.simulation.simulators.sim_transport import SIM
+from rsegen.simulation.simulators.sim_world import CONTACTS, ContactSample, with_contact_sensors
 from rsegen.simulation.simulators.wire import NO_MESSAGE
 
 WHEEL, HULL, BLOCK = "a::left::tread", "b::base::hull", "map::link::collision"

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.spawning.placement import GAP, Rectangle, free_rectangle
-from rsegen.simulation.spawning.spawned_map import SpawnedMap
+from rsegen.simulation.spawning.spawning import GAP, Rectangle, SpawnedMap, free_rectangle
 
 METRES = st.floats(-20, 20)
 SIZES = st.floats(0, 3)

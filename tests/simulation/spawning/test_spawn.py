@@ -11,7 +11,7 @@ import pytest
 
 import rsegen
 from rsegen.errors import NothingRuns, ParameterError, UnknownName
-from rsegen.simulation.robots import robot
+from rsegen.robots import robot
 from rsegen.simulation.simulators.live_world import Pose
 from tests.simulation.transport import connected_to
 

@@ -16,8 +16,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.coloured import coloured_objs, textured_objs
-from rsegen.exporters.formats.columns import Column, columns
+from rsegen.exporters.formats.parts import Column, coloured_objs, columns, textured_objs
 from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name, textured_name
 from rsegen.exporters.gazebo.sdf import numbers, utf8
 from rsegen.exporters.numbers import decimal

@@ -2,6 +2,16 @@
 
 It has what Magid and Tsubouchi's work on static balance in Random Step Environments (2010 on) needs: a fine raster
 without smoothed edges (5 x 5 or 10 x 10 cells per block), edges, start and goal, tags. The files follow no standard.
+
+Tags of cells: the obstacles of the recipe, and the peaks and pits of the field.
+
+A plateau is a connected area of blocks of one height; frames and the ground around the map are no plateaus, but can be
+neighbours of one. Neighbours share a side.
+
+    peak   a plateau that is higher than each of its neighbours by more than a limit
+    pit    a plateau that is lower than each of its neighbours by more than a limit
+
+The edges of a field: every side of a cell at which the height changes.
 """
 
 from __future__ import annotations
@@ -14,13 +24,130 @@ from typing import Annotated, ClassVar, NamedTuple
 import numpy as np
 
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.edges import COLUMNS, edges
 from rsegen.exporters.formats.encoded import as_json, mat, metadata, north_up, npy, recipe_json
-from rsegen.exporters.formats.tags import ObstacleCells, obstacle_cells, peaks_and_pits
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
+from rsegen.field.metrics.graphs import connected, neighbours
+from rsegen.field.obstacles.base import Shaped
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Ints, Mask, StepField
-from rsegen.params.sorts import Float, Integer, Json
+from rsegen.params.sorts import Cell, Float, Integer, Json
+from rsegen.recipe.building import placed
+
+_BLOCK, _FRAME, _GROUND = range(3)
+
+
+class ObstacleCells(NamedTuple):
+    """A barrier or peak of the recipe: its number in the list, its kind, key and ends, and its cells (n_x, n_y).
+
+    The ends count block cells without frames, as a recipe does. The cells are those in which its own level is 1 or
+    more, whatever later obstacles do there.
+    """
+
+    number: int
+    kind: str
+    key: str
+    first: Cell
+    last: Cell
+    cells: Mask
+
+    def entry(self) -> dict[str, Json]:
+        """The obstacle as a dict for JSON, with the number of its cells."""
+        named = {"number": self.number, "kind": self.kind, "key": self.key}
+        return {**named, "first": list(self.first), "last": list(self.last), "cells": int(self.cells.sum())}
+
+
+def obstacle_cells(scene: Scene) -> Iterator[ObstacleCells]:
+    """The cells of every barrier and peak of the recipe; a matrix and random kinds have none."""
+    field, recipe = scene.field, scene.recipe
+    inside = np.ix_(field.inside(0), field.inside(1))
+    for number, placement in enumerate(recipe.obstacles):
+        if isinstance(placement.obstacle, Shaped):
+            first, last, patch = placed(recipe, placement, scene.index)
+            blocks = np.zeros(recipe.grid.shape, dtype=bool)
+            blocks[patch.window] = patch.footprint
+            cells = np.zeros(field.shape, dtype=bool)
+            cells[inside] = blocks
+            yield ObstacleCells(number, placement.obstacle.kind, placement.key or "", first, last, cells)
+
+
+def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
+    """For each cell the number of its peak, and of its pit, (n_x, n_y) each; -1 for none; limit: metres."""
+    tops = np.pad(np.rint(field.heights * 10**NANOMETRE_DIGITS).astype(np.int64), 1)
+    sort = np.pad(np.where(field.frame, _FRAME, _BLOCK), 1, constant_values=_GROUND)
+    a, b = neighbours(tops.shape)
+    height, kind = tops.ravel(), sort.ravel()
+    alike = (height[a] == height[b]) & (kind[a] == kind[b])
+    plateau = connected(height.size, a[alike], b[alike])
+    a, b = plateau[a[~alike]], plateau[b[~alike]]
+    rise = round(limit * 10**NANOMETRE_DIGITS)
+    peaks, pits = (
+        _numbered(plateau, _beyond(sign * height, a, b, rise)[plateau] & (kind == _BLOCK)).reshape(tops.shape)
+        for sign in (1, -1)
+    )
+    return peaks[1:-1, 1:-1], pits[1:-1, 1:-1]
+
+
+def _beyond(height: Ints, a: Ints, b: Ints, rise: int) -> Mask:
+    """Which plateaus are higher than each adjacent plateau by more than `rise`."""
+    least = np.full(height.size, np.iinfo(np.int64).max)
+    np.minimum.at(least, a, height[a] - height[b])
+    np.minimum.at(least, b, height[b] - height[a])
+    return np.asarray(least > rise)
+
+
+def _numbered(plateau: Ints, chosen: Mask) -> Ints:
+    """The plateau number of chosen cells, counted from 0 in the order of first cells; -1 for all others."""
+    found = np.full(plateau.size, -1)
+    found[chosen] = np.unique(plateau[chosen], return_inverse=True)[1].ravel()
+    return found
+
+
+COLUMNS = {
+    "x0_m": "x of one end, the one of smaller x or y",
+    "y0_m": "its y",
+    "x1_m": "x of the other end",
+    "y1_m": "its y",
+    "rise_x": "direction in which the height rises: 1 or -1 along x, else 0",
+    "rise_y": "the same along y",
+    "low_level": "level of the lower cell; 0 outside the map, -1 for a frame",
+    "low_m": "its height above the ground",
+    "high_level": "level of the higher cell; -1 for a frame",
+    "high_m": "its height above the ground",
+}
+"""The columns of `edges`, and their meaning."""
+
+FRAME = -1
+"""The level of frames in `edges`, as they have none."""
+
+
+def edges(field: StepField) -> Array:
+    """The edges of a field, one per row (n, 10): the sides of cells at which the height changes, also to the ground.
+
+    First those that run along y, then those along x; by i, then by j.
+    """
+    line_x, line_y = field.edges()
+    levels = np.pad(np.where(field.frame, FRAME, field.levels), 1).astype(np.float64)
+    heights = np.pad(field.heights, 1)
+    along_y = _jumps(levels[:, 1:-1], heights[:, 1:-1])
+    i, j = along_y[:, :2].astype(int).T
+    west_east = [line_x[i], line_y[j], line_x[i], line_y[j + 1], along_y[:, 2], np.zeros(len(i)), *along_y[:, 3:].T]
+    along_x = _jumps(levels[1:-1].T, heights[1:-1].T)
+    along_x = along_x[np.lexsort((along_x[:, 0], along_x[:, 1]))]
+    j, i = along_x[:, :2].astype(int).T
+    south_north = [line_x[i], line_y[j], line_x[i + 1], line_y[j], np.zeros(len(i)), along_x[:, 2], *along_x[:, 3:].T]
+    return np.concatenate([np.stack(west_east, axis=1), np.stack(south_north, axis=1)])
+
+
+def _jumps(levels: Array, heights: Array) -> Array:
+    """The edges across the first axis: (n, 7) line, row, sign of the rise; level and height of low and high."""
+    at = np.argwhere(heights[1:] != heights[:-1])
+    line, row = at.T
+    rises = heights[line + 1, row] > heights[line, row]
+    low, high = line + ~rises, line + rises
+    sign = np.where(rises, 1, -1)
+    found = [line, row, sign, levels[low, row], heights[low, row], levels[high, row], heights[high, row]]
+    return np.stack(found, axis=1).astype(np.float64)
+
 
 _RASTER = "float64 (n_x, n_y) * cells_per_block, height above the ground, metres; every sub-cell has its block's height"
 

@@ -12,7 +12,7 @@ from rsegen.exporters.formats.encoded import as_json
 from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.exporters.formats.urdf import urdf_files
 from rsegen.exporters.gazebo import sdf, single
-from rsegen.exporters.ros2 import common_files
+from rsegen.exporters.ros2.package import common_files
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
 from rsegen.params.sorts import Float, Json, Text

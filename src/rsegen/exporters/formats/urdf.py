@@ -11,7 +11,7 @@ from itertools import chain
 from typing import Annotated, ClassVar
 
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.coloured import coloured_objs
+from rsegen.exporters.formats.parts import coloured_objs
 from rsegen.exporters.gazebo.obj import material_name, plain_mtl
 from rsegen.exporters.gazebo.sdf import numbers, utf8
 from rsegen.exporters.gazebo.shapes import split_by_friction

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Colour, Scene
-from rsegen.exporters.textures import textures
+from rsegen.exporters.textures.looks import textures
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.geometry import NORMALS, TILES, Mesh, TextureCoordinates, texture_coordinates
 

@@ -1,9 +1,21 @@
-"""The preview of a map: a plan with its heights and a 3D view; it needs no display."""
+"""The preview of a map: a plan with its heights and a 3D view; it needs no display.
+
+Where plan, 3D view and legend of a preview are: side by side, or one below the other for long maps.
+
+A 3D view of a field from the south-east and above, by parallel projection.
+
+The view is exact: columns on a grid are drawn from the farthest to the nearest, so that they hide one another as the
+blocks do.
+
+Pictures of a field that belongs to no recipe: a preview as large as a map's, and a small plan for notebooks.
+"""
 
 from __future__ import annotations
 
 import io
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,15 +23,164 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.pictures.layout import layout
-from rsegen.exporters.pictures.oblique_view import draw_view, view_bounds
-from rsegen.exporters.pictures.outlines import draw_outlines
-from rsegen.exporters.pictures.plan import Drawable, draw_heights, number_cells
-from rsegen.exporters.scene import Scene
+from rsegen.exporters.pictures.plan import Drawable, cell_colours, draw_heights, draw_outlines, number_cells
+from rsegen.exporters.scene import FRAME_COLOUR, Colour, Scene, level_colour
+from rsegen.field.stepfield import Array, StepField, coarse, coarseness
 from rsegen.recipe.codec import to_json
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+Box = tuple[float, float, float, float]
+"""Left, low, width and height; inches, or shares of the picture."""
+
+WIDTH = 16.0
+"""Inches of a picture, at the most."""
+
+_TALLEST = 8.5
+"""Inches of a plan or view."""
+
+_LONG = 2.0
+"""Maps that are so many times as long along x as along y have their view below the plan."""
+
+_BESIDE, _BELOW, _ABOVE, _GAP, _EDGE = 0.7, 0.6, 0.8, 0.25, 0.12
+"""Inches beside, below and above a plan for its numbers and title, between plan and view, and at the edge."""
+
+_TITLE, _HEAD = 0.35, 0.35
+"""Inches of the title of the picture, and of that of the view."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Layout:
+    """Width and height of the picture in inches; the boxes of plan and view, and the left edge of the legend."""
+
+    size: tuple[float, float]
+    plan: Box
+    view: Box
+    legend: float
+
+    def share(self, box: Box) -> Box:
+        """A box as shares of the picture, as matplotlib wants it."""
+        (wide, high), (left, low, width, height) = self.size, box
+        return left / wide, low / high, width / wide, height / high
+
+
+def layout(plan: float, view: float, legend: float) -> Layout:
+    """The layout for a plan and a view of these ratios of width to height and a legend of so many inches."""
+    return (_one_below_the_other if plan > _LONG else _side_by_side)(plan, view, legend)
+
+
+def _side_by_side(plan: float, view: float, legend: float) -> Layout:
+    """The view is higher than the plan, as it has no numbers above and below."""
+    more = _BELOW + _ABOVE - _HEAD - _EDGE
+    free = WIDTH - 2 * _BESIDE - _GAP - legend - _EDGE
+    height = min((free - more * view) / (plan + view), _TALLEST)
+    left = _BESIDE + height * plan + _BESIDE + _GAP
+    right = left + (height + more) * view + _EDGE
+    return Layout(
+        size=(right + legend, _BELOW + height + _ABOVE + _TITLE),
+        plan=(_BESIDE, _BELOW, height * plan, height),
+        view=(left, _EDGE, (height + more) * view, height + more),
+        legend=right,
+    )
+
+
+def _one_below_the_other(plan: float, view: float, legend: float) -> Layout:
+    width = WIDTH - 2 * _BESIDE - legend - _EDGE
+    below, above = min(width / view, _TALLEST), width / plan
+    low = _EDGE + below + _HEAD + _BELOW
+    return Layout(
+        size=(WIDTH, low + above + _ABOVE + _TITLE),
+        plan=(_BESIDE, low, width, above),
+        view=(_BESIDE, _EDGE, width, below),
+        legend=WIDTH - legend,
+    )
+
+
+DRAWN = 200
+"""Views of more cells per side are drawn coarser, each cell as the highest of several."""
+
+_AZIMUTH, _ELEVATION = np.radians(-62), np.radians(38)
+_LIT = {"top": 1.0, "x": 0.8, "y": 0.62}
+_APART, _ARROW = 0.06, 0.25
+"""How far the arrows along x and y are from the map, and how long, as shares of the mean side."""
+
+
+def view_bounds(drawn: Drawable) -> Array:
+    """The corners of the view in the plane of the picture, metres: [[left, low], [right, high]]."""
+    (along_x, along_y), mean = drawn.field.extent, _mean_side(drawn)
+    ends = ((-along_x / 2, along_x / 2), (-along_y / 2, along_y / 2), (0.0, float(drawn.field.heights.max())))
+    x, y = (-along / 2 - _APART * mean for along in (along_x, along_y))
+    label = 1.25 * _ARROW * mean
+    arrows = [(x, y, 0.0), (x + label, y, 0.0), (x, y + label, 0.0)]
+    points = _project(*np.array([*product(*ends), *arrows]).T)
+    return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def draw_view(axes: Axes, drawn: Drawable) -> str:
+    """Draw it, without a title; gives what the title should say."""
+    from matplotlib.collections import PolyCollection
+
+    factor = min(-(-max(drawn.field.shape) // DRAWN), *drawn.field.shape)
+    field = coarse(drawn.field, factor)
+    shapes, colours = _polygons(field.heights, cell_colours(drawn.surface_colour, field), field.block_width)
+    line = 0.35 if max(field.shape) <= 60 else 0.0
+    axes.add_collection(PolyCollection(list(shapes), facecolors=colours, edgecolors=colours * 0.55, linewidths=line))
+    (left, low), (right, high) = view_bounds(drawn)
+    axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", anchor="C")
+    axes.set_axis_off()
+    _draw_axes(axes, drawn)
+    return "seen from the south-east" + (f" (each column the highest of {factor} x {factor})" if factor > 1 else "")
+
+
+def _polygons(heights: Array, colours: Array, width: float) -> tuple[Array, Array]:
+    """Tops and the two visible sides of every column, the farthest first: (m, 4, 2) in the picture, (m, 3) colours."""
+    n_x, n_y = heights.shape
+    padded = np.pad(heights, 1)
+    i, j = (np.ravel(index) for index in np.meshgrid(np.arange(n_x), np.arange(n_y)[::-1], indexing="ij"))
+    x0, y0 = (i - n_x / 2) * width, (j - n_y / 2) * width
+    x1, y1, top = x0 + width, y0 + width, heights[i, j]
+    east, south = (np.minimum(top, beside) for beside in (padded[i + 2, j + 1], padded[i + 1, j]))
+    faces = {
+        "top": ((x0, y0, top), (x1, y0, top), (x1, y1, top), (x0, y1, top)),
+        "x": ((x1, y0, east), (x1, y1, east), (x1, y1, top), (x1, y0, top)),
+        "y": ((x0, y0, south), (x1, y0, south), (x1, y0, top), (x0, y0, top)),
+    }
+    shapes = np.stack([np.stack([_project(*corner) for corner in corners], axis=1) for corners in faces.values()], 1)
+    lit = np.stack([_level_ground_is_grey(colours[i, j], top) * _LIT[face] for face in faces], axis=1)
+    seen = np.stack([np.ones(len(i), dtype=bool), east < top, south < top], axis=1)
+    return shapes[seen], lit[seen]
+
+
+def _level_ground_is_grey(colours: Array, top: Array) -> Array:
+    return np.where(top[:, None] > 0, colours, 0.86)
+
+
+def _project(x: Array, y: Array, z: Array) -> Array:
+    """Points in the plane of the picture, by parallel projection."""
+    across = -x * np.sin(_AZIMUTH) + y * np.cos(_AZIMUTH)
+    away = -x * np.cos(_AZIMUTH) - y * np.sin(_AZIMUTH)
+    return np.stack([across, z * np.cos(_ELEVATION) + away * np.sin(_ELEVATION)], axis=-1)
+
+
+def _draw_axes(axes: Axes, drawn: Drawable) -> None:
+    """Draw arrows along x and y, from the corner of smallest x and y."""
+    mean = _mean_side(drawn)
+    start = np.array([-side / 2 - _APART * mean for side in drawn.field.extent])
+    for name, along in (("x", (1, 0)), ("y", (0, 1))):
+        end = start + _ARROW * mean * np.array(along)
+        points = _project(*np.array([[*start, 0], [*end, 0]]).T)
+        text = axes.annotate(name, xy=points[0], xytext=points[1], arrowprops={"arrowstyle": "<-"})
+        text.set(ha="center", va="center", annotation_clip=False)
+
+
+def _mean_side(drawn: Drawable) -> float:
+    """The side of a square of the area of a map, metres."""
+    along_x, along_y = drawn.field.extent
+    return float(np.sqrt(along_x * along_y))
+
 
 FORMATS = ("png", "svg", "pdf", "jpg", "webp")
 
@@ -121,3 +282,41 @@ def _metadata(scene: Scene, format: str) -> dict[str, Any] | None:  # noqa: A002
         "pdf": {"Subject": recipe, "CreationDate": None},
     }
     return known.get(format)
+
+
+THUMBNAIL = 320
+"""Pixels along the longer side of a small plan, at most."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ColouredField:
+    """A field with the default colours: frames red, levels from dark to light up to its own highest one."""
+
+    field: StepField
+
+    def colour(self, material: int) -> Colour:
+        """The colour of a material: 0 is the frame, any other number a level."""
+        return level_colour(material, int(self.field.levels.max())) if material else FRAME_COLOUR
+
+    def surface_colour(self, material: int) -> Colour:
+        """The same, in views."""
+        return self.colour(material)
+
+
+def field_preview(field: StepField, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+    """The plan and the 3D view of a field as the bytes of an image file."""
+    (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
+    title = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
+    return encoded(preview_figure(ColouredField(field=field), title), format)
+
+
+def thumbnail(drawn: Drawable) -> bytes:
+    """A small plan as the bytes of a PNG file, north up; large fields show the highest of several cells."""
+    from PIL import Image
+
+    field = coarse(drawn.field, coarseness(drawn.field, THUMBNAIL))
+    pixels = max(THUMBNAIL // max(field.shape), 1)
+    colours = np.rint(255 * cell_colours(drawn.colour, field)).astype(np.uint8).transpose(1, 0, 2)[::-1]
+    stream = io.BytesIO()
+    Image.fromarray(colours.repeat(pixels, axis=0).repeat(pixels, axis=1)).save(stream, "png")
+    return stream.getvalue()

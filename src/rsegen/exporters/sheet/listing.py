@@ -7,13 +7,19 @@ from collections.abc import Iterator
 import numpy as np
 
 from rsegen import __version__
-from rsegen.exporters.fingerprint import fingerprint
-from rsegen.exporters.lengths import Lengths, lengths_in
-from rsegen.exporters.numbers import decimal
+from rsegen.exporters.levels import fingerprint
+from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.scene import Scene
-from rsegen.exporters.sheet.cutting import CutSettings, CuttingPlan
-from rsegen.exporters.sheet.materials import materials
-from rsegen.exporters.sheet.order import NumberedPallet, building_order, length, length_counts, placing_order
+from rsegen.exporters.sheet.timber import (
+    CutSettings,
+    CuttingPlan,
+    NumberedPallet,
+    building_order,
+    length,
+    length_counts,
+    materials,
+    placing_order,
+)
 
 COLUMNS = ("pallet", "order", "x", "y", "height_cm")
 """The columns of the rows; x and y count the block cells of the map; a cell without a block has no order.

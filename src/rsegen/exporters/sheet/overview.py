@@ -1,21 +1,95 @@
-"""The first page of a build sheet: the arrangement of pallets, the timber to buy and the cutting plan."""
+"""The first page of a build sheet: the arrangement of pallets, the timber to buy and the cutting plan.
+
+The cut list on a page: the blocks of a map or pallet with their lengths, numbers and timber.
+
+The page of what a map needs besides its blocks: frame boards and how to cut them, base boards, weight and cost.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 
 from rsegen import __version__
-from rsegen.exporters.fingerprint import fingerprint
-from rsegen.exporters.lengths import Lengths, lengths_in
-from rsegen.exporters.numbers import decimal
+from rsegen.exporters.levels import fingerprint
+from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.scene import Scene
-from rsegen.exporters.sheet.cut_list import COLUMN, draw_cut_list
-from rsegen.exporters.sheet.cutting import CutSettings, CuttingPlan, Pattern, nanometres, plan_cuts
-from rsegen.exporters.sheet.frames import Frames, frames
-from rsegen.exporters.sheet.order import NumberedPallet, length, length_counts
-from rsegen.exporters.sheet.page import GREY, POINT, ROW, Page
-from rsegen.exporters.sheet.plan_view import PlanView, draw_run
+from rsegen.exporters.sheet.page import EMPTY, GREY, POINT, ROW, Page, PlanView, draw_run
+from rsegen.exporters.sheet.timber import (
+    CutSettings,
+    CuttingPlan,
+    Frames,
+    Materials,
+    NumberedPallet,
+    Pattern,
+    frames,
+    length,
+    length_counts,
+    materials,
+    nanometres,
+    plan_cuts,
+)
+from rsegen.field.stepfield import StepField
+
+COLUMN = 82.0
+"""The width of the list in millimetres."""
+
+_ABREAST = 3
+"""The number of narrow columns for lists that are too long for one column."""
+
+
+def draw_cut_list(page: Page, scene: Scene, field: StepField, place: tuple[float, float], bottom: float) -> float:
+    """Draw the cut list above `bottom`, counting what does not fit; returns the y of the next line."""
+    x, y = place
+    y = page.heading(x, y, "Blocks to cut", COLUMN)
+    counts = {level: count for level, count in field.level_counts().items() if level}
+    room = max(1, int((bottom - y) / ROW) - 2)
+    draw = _draw_table if len(counts) < room else _draw_narrow
+    y = draw(page, scene, counts, (x, y), room)
+    whole = sum(length(level, field) * count for level, count in counts.items())
+    page.line((x, x + COLUMN), (y - 3.6, y - 3.6))
+    total = ("together", f"{sum(counts.values()):,}", lengths_in(scene.recipe.units).long(whole))
+    y = page.table(y, _columns(x)[1:], [total], fontweight="bold")
+    page.swatch(x, y, EMPTY)
+    page.text(x + 3, y, "0", 8, ha="center", color=GREY)
+    empty = field.level_counts().get(0, 0)
+    page.text(x + 9, y, f"no block: {empty:,} cell{'s'[: empty != 1]}", 9)
+    return y + ROW
+
+
+def _columns(x: float) -> list[float]:
+    return [x + 20, x + 40, x + 60, x + COLUMN]
+
+
+def _draw_table(page: Page, scene: Scene, counts: Mapping[int, int], place: tuple[float, float], room: int) -> float:
+    """Draw a line per level; returns the y of the next line."""
+    (x, y), written = place, lengths_in(scene.recipe.units)
+    y = page.table(y, _columns(x), [("level", f"length {written.name}", "number", "timber")], size=8, color=GREY)
+    for level, count in counts.items():
+        page.swatch(x, y, scene.colour(level))
+        one = length(level, scene.field)
+        y = page.table(y, _columns(x), [(str(level), written.short(one), f"{count:,}", written.long(one * count))])
+    return y
+
+
+def _draw_narrow(page: Page, scene: Scene, counts: Mapping[int, int], place: tuple[float, float], room: int) -> float:
+    """Draw several levels per line, in narrow columns; returns the y of the next line."""
+    (x, y), width = place, (COLUMN + 4) / _ABREAST
+    page.text(x, y, f"number x length in {lengths_in(scene.recipe.units).name}", 8, color=GREY)
+    rows = max(1, min(room - 2, -(-len(counts) // _ABREAST)))
+    for at, (level, count) in enumerate(list(counts.items())[: rows * _ABREAST]):
+        here = x + at // rows * width, y + (at % rows + 1) * ROW
+        page.swatch(*here, scene.colour(level))
+        page.text(
+            here[0] + 8, here[1], f"{count:,} x {lengths_in(scene.recipe.units).short(length(level, scene.field))}", 8
+        )
+    y += (rows + 1) * ROW
+    if len(counts) > rows * _ABREAST:
+        more = len(counts) - rows * _ABREAST
+        page.text(x, y, f"and {more} more lengths, which the sheet as CSV has", 8, color=GREY)
+        y += ROW
+    return y
+
 
 _PLAN_HEIGHT = 112.0
 _SMALLEST = 4.0
@@ -187,3 +261,87 @@ def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: 
         counts = each.pallet.field.level_counts()
         row = (str(each.number), each.name, *(str(counts.get(level, 0)) for level in levels))
         y = page.table(y, columns, [row])
+
+
+_STEPS = (
+    "Cut the frame boards first: two as long as the frame",
+    "is outside, and two between them. Screw the corners,",
+    "and the frame to its base board.",
+    "",
+    "Try a row of blocks in the frame before all are cut.",
+    "Place them in the order of the pallet's page. They",
+    "stand by themselves between the frame and one another;",
+    "to move a pallet, fix each with glue, or with a screw",
+    "from below through the base board.",
+    "",
+    "Lengths are those of finished parts. Wood swells: give",
+    "blocks some play in the frame (--play-mm).",
+)
+
+
+def draw_materials(page: Page, scene: Scene, settings: CutSettings) -> None:
+    """Draw the whole page."""
+    found, written = materials(scene.field, scene.recipe, settings), lengths_in(scene.recipe.units)
+    page.text(page.left, 22, "Frames, bases and cost", 20, fontweight="bold")
+    page.fitted((page.left, 29), scene.name, 9, page.across)
+    y = 40.0
+    for heading, rows in (
+        ("Frames", list(_frames(found, scene, settings, written))),
+        ("Base boards", [(f"{found.bases:,} of {_by(found.base, written)}", "")]),
+        ("Weight", list(_weight(found, settings, written))),
+        ("Cost", list(_cost(found, settings))),
+    ):
+        y = page.heading(page.left, y, heading, COLUMN)
+        for text, amount in rows:
+            page.text(page.left, y, text)
+            page.text(page.left + COLUMN, y, amount, ha="right")
+            y += ROW
+        y += 4
+    y = 40.0
+    if found.boards:
+        y = page.heading(RIGHT, y, f"Cutting {stock_length(scene, settings)} of stock", COLUMN)
+        y = draw_patterns(page, found.boards, y, written) + 4
+    y = page.heading(RIGHT, y, "How to build it", COLUMN)
+    for text in _STEPS:
+        page.text(RIGHT, y, text, 8.2)
+        y += 4.4 if text else 2
+
+
+def _frames(found: Materials, scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[tuple[str, str]]:
+    if found.frames is None:
+        yield "none", ""
+        return
+    section = tuple(nanometres(each) for each in (scene.recipe.block_width_cm, scene.recipe.frame_height_cm))
+    yield f"boards, {_by(section, written)} high", written.long(found.frames.timber)
+    for one, count in found.frames.all_boards.items():
+        yield f"  {count:,} of {written.short(one)} {written.unit}", written.long(one * count)
+    if found.boards:
+        yield (
+            f"stock of {stock_length(scene, settings)}",
+            f"{found.boards.pieces:,} piece{'s'[: found.boards.pieces != 1]}",
+        )
+    else:
+        yield f"they are longer than {stock_length(scene, settings)} of stock", ""
+
+
+def _by(sides: tuple[int, ...], written: Lengths) -> str:
+    return f"{' x '.join(map(written.short, sides))} {written.unit}"
+
+
+def _weight(found: Materials, settings: CutSettings, written: Lengths) -> Iterator[tuple[str, str]]:
+    yield f"blocks, of {settings.density:g} kg/m3", written.weight(found.block_weight)
+    if found.frames:
+        yield "frames", written.weight(found.frame_weight)
+
+
+def _cost(found: Materials, settings: CutSettings) -> Iterator[tuple[str, str]]:
+    if settings.price is None:
+        yield "no price given (--price, --frame-price)", ""
+        return
+    yield f"blocks: {found.blocks.pieces:,} x {settings.price:,.2f}", f"{found.blocks.pieces * settings.price:,.2f}"
+    if found.boards and settings.frame_price is not None:
+        yield (
+            f"frames: {found.boards.pieces:,} x {settings.frame_price:,.2f}",
+            f"{found.boards.pieces * settings.frame_price:,.2f}",
+        )
+    yield "together, without base boards", "" if found.price is None else f"{found.price:,.2f}"

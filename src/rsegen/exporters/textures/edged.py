@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rsegen.exporters.textures.noise import each
+from rsegen.exporters.textures.images import each
 from rsegen.field.stepfield import Array, Mask
 from rsegen.geometry import TILES
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rsegen.exporters.textures.noise import each, noise
+from rsegen.exporters.textures.images import each, noise
 from rsegen.field.stepfield import Array
 from rsegen.geometry import TILES
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.metrics.percolation import percolation
+from rsegen.field.metrics.traversability import percolation
 from rsegen.field.robot_limits import NANOMETRES
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 

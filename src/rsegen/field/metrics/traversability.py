@@ -1,17 +1,149 @@
-"""Traversability for one robot: analogous to NIST's coverability and crossability, by formulas of our own."""
+"""Traversability for one robot: analogous to NIST's coverability and crossability, by formulas of our own.
+
+The ground that a robot of some width drives on: each cell is as high as the highest cell under the robot.
+
+Heights are whole nanometres; frames count. A robot crosses frames but does not drive along them, which would lead
+around every obstacle. So there are no moves along x in a row of only frame cells, and none along y in such a column.
+
+The percolation step: the smallest step that a robot must be able to climb to cross a field.
+
+The cheapest paths over heights, to all cells at once, by fronts of growing cost.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rsegen.field.metrics.ground import field_heights, ground, lane
-from rsegen.field.metrics.paths import UNREACHABLE, cheapest_paths
-from rsegen.field.metrics.regions import strongly_connected
-from rsegen.field.metrics.steps import steps
-from rsegen.field.robot_limits import NANOMETRES, RobotLimits
+from rsegen.field.metrics.graphs import connected, strongly_connected
+from rsegen.field.metrics.roughness import steps
+from rsegen.field.robot_limits import NANOMETRES, RobotLimits, cells_to_each_side
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
+
+Heights = NDArray[np.int64]
+
+
+class Ground(NamedTuple):
+    """Heights (n_x, n_y) in nanometres; in which rows j moves along x are allowed, in which columns i those along y."""
+
+    heights: Heights
+    rows: Mask
+    columns: Mask
+
+    def moves(self) -> tuple[Ints, Ints]:
+        """Every move between two neighbours once, as flat indices: the cell of smaller x or y, and the other one."""
+        cells = np.arange(self.heights.size).reshape(self.heights.shape)
+        along_x, along_y = cells[:, self.rows], cells[self.columns]
+        low = np.concatenate([along_x[:-1].ravel(), along_y[:, :-1].ravel()])
+        high = np.concatenate([along_x[1:].ravel(), along_y[:, 1:].ravel()])
+        return low, high
+
+
+def ground(field: StepField, width: float) -> Ground:
+    """The ground of a field, frames counted, for robots of a width in metres whose middle is on a cell."""
+    heights = _widened(field_heights(field), cells_to_each_side(field, width))
+    return Ground(heights, rows=field.inside(1), columns=field.inside(0))
+
+
+def below(field: StepField, width: float, cells: Mask) -> Mask:
+    """The blocks below a robot of a width in metres whose middle is on one of some cells (n_x, n_y)."""
+    return np.asarray((_widened(cells.astype(np.int64), cells_to_each_side(field, width)) > 0) & ~field.frame)
+
+
+def lane(field: StepField, width: float, axis: int) -> Ground:
+    """The ground with level ground before and behind the field along one axis, which becomes the first axis."""
+    margin = cells_to_each_side(field, width) + 1
+    heights = field_heights(field) if axis == 0 else field_heights(field).T
+    widened = _widened(np.pad(heights, ((margin, margin), (0, 0))), margin - 1)
+    columns = np.pad(field.inside(axis), margin, constant_values=True)
+    return Ground(widened, rows=field.inside(1 - axis), columns=columns)
+
+
+def field_heights(field: StepField) -> Heights:
+    """The heights of a field's cells (n_x, n_y) in nanometres."""
+    return np.rint(field.heights * NANOMETRES).astype(np.int64)
+
+
+def _widened(heights: Heights, aside: int) -> Heights:
+    """The maximum over the (2 aside + 1)^2 cells around each cell; outside the field is ground of height 0."""
+    for _axis in (0, 1):
+        heights = _highest(np.pad(heights, ((aside, aside), (0, 0))), 2 * aside + 1).T
+    return heights
+
+
+def _highest(heights: Heights, cells: int) -> Heights:
+    """The maximum over `cells` successive rows from each row on, by doubling the number of rows covered."""
+    covered = 1
+    while covered < cells:
+        ahead = min(covered, cells - covered)
+        heights = np.maximum(heights[:-ahead], heights[ahead:])
+        covered += ahead
+    return heights
+
+
+UNREACHABLE = np.iinfo(np.int64).max
+_WALL = 2**62
+
+
+class CheapestPaths(NamedTuple):
+    """Of the cheapest path from the first row to each cell: its cost, or UNREACHABLE, its moves, the cell before."""
+
+    costs: Heights
+    moves: NDArray[np.int64]
+    predecessors: NDArray[np.int64]
+
+    def path_to(self, place: int) -> NDArray[np.int64]:
+        """The path to the cell of a flat index, as indices along both axes: (n, 2)."""
+        cells = [place]
+        while (place := int(self.predecessors.flat[place])) >= 0:
+            cells.append(place)
+        return np.stack(np.unravel_index(cells[::-1], self.predecessors.shape), axis=1)
+
+
+def cheapest_paths(ground: Ground, tread: int, limits: tuple[int, int], *, shortest: bool) -> CheapestPaths:
+    """The cheapest paths from the first row to each cell; a move costs tread + |dh| and stays within (climb, drop).
+
+    shortest: of equally cheap paths, those with the fewest moves; else any, the same in every run. All lengths are in
+    one unit. No move costs less than a tread, so all cells that cost less than the cheapest one of the front plus a
+    tread are settled, and are expanded together.
+    """
+    flat, row = np.pad(ground.heights, 1, constant_values=_WALL).ravel(), ground.heights.shape[1] + 2
+    rows, columns = (np.pad(open_, 1) for open_ in (ground.rows, ground.columns))
+    costs, moves, predecessors = (np.full(flat.size, value) for value in (UNREACHABLE, 0, -1))
+    front = np.arange(row + 1, 2 * row - 1)
+    costs[front] = 0
+    while len(front):
+        settled = costs[front] < costs[front].min() + tread
+        nodes, fronts = np.unique(front[settled]), [front[~settled]]
+        may_go = {row: rows[nodes % row], 1: columns[nodes // row]}
+        for side in (-row, -1, 1, row):
+            rise = flat[nodes + side] - flat[nodes]
+            cost = costs[nodes] + tread + np.abs(rise)
+            better = cost < costs[nodes + side]
+            if shortest:
+                better |= (cost == costs[nodes + side]) & (moves[nodes] + 1 < moves[nodes + side])
+            better &= may_go[abs(side)] & (rise <= limits[0]) & (-rise <= limits[1])
+            reached = nodes[better] + side
+            costs[reached], moves[reached], predecessors[reached] = (
+                cost[better],
+                moves[nodes[better]] + 1,
+                nodes[better],
+            )
+            fronts.append(reached)
+        front = np.concatenate(fronts)
+    return CheapestPaths(_inner(costs, row), _inner(moves, row), _unpadded(_inner(predecessors, row), row))
+
+
+def _inner(values: NDArray[np.int64], row: int) -> NDArray[np.int64]:
+    return values.reshape(-1, row)[1:-1, 1:-1]
+
+
+def _unpadded(places: NDArray[np.int64], row: int) -> NDArray[np.int64]:
+    """Flat indices of the padded array as flat indices of the array without its border."""
+    return np.where(places < 0, -1, (places // row - 1) * (row - 2) + places % row - 1)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -121,3 +253,39 @@ def crossing(field: StepField, climber: RobotLimits, axis: int, *, shortest: boo
 def _no_crossing(costs: Array) -> Crossing:
     none = np.empty((0, 2), dtype=np.int64)
     return Crossing(crosses=False, length=None, length_ratio=None, cost=None, cost_ratio=None, path=none, costs=costs)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Percolation:
+    """The percolation step in metres: over all paths from side to side, the smallest of their highest steps."""
+
+    west_east: float
+    south_north: float
+
+
+def percolation(field: StepField, width: float = 0.0) -> Percolation:
+    """The percolation step for robots of a width in metres, from the ground on one side to that on the other."""
+    west_east, south_north = (percolation_step(field, width, axis) for axis in (0, 1))
+    return Percolation(west_east=west_east, south_north=south_north)
+
+
+def percolation_step(field: StepField, width: float, axis: int) -> float:
+    """The percolation step in metres along x for axis 0, along y for axis 1."""
+    return _minimax(lane(field, width, axis)) / NANOMETRES
+
+
+def _minimax(ground: Ground) -> int:
+    """The smallest step that connects both sides, by bisection over the steps of the field with union of components."""
+    heights, (low, high) = ground.heights, ground.moves()
+    steps = np.abs(heights.flat[high] - heights.flat[low])
+    first, last, limits = 0, heights.size - 1, np.unique(steps)
+    while len(limits) > 1:
+        limit = limits[(len(limits) - 1) // 2]
+        root = connected(heights.size, low[steps <= limit], high[steps <= limit])
+        opens = root[first] == root[last]
+        limits = limits[limits <= limit] if opens else limits[limits > limit]
+        if not opens:
+            low, high, first, last = root[low], root[high], root[first], root[last]
+        left = steps <= limit if opens else low != high
+        low, high, steps = low[left], high[left], steps[left]
+    return int(limits[0])

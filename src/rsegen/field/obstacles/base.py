@@ -1,6 +1,8 @@
 """The base classes of obstacle kinds: parameters with their bounds, and the method that makes levels of them.
 
 A kind is a frozen dataclass under `@register` whose annotated fields are its parameters. No other module mentions it.
+
+Random coordinates of the two ends of an obstacle that has a given size.
 """
 
 from __future__ import annotations
@@ -14,10 +16,8 @@ import numpy as np
 
 from rsegen.errors import PluginError
 from rsegen.field.stepfield import Array, Levels, Mask
-from rsegen.params.contract import Contract, clash
-from rsegen.params.places import ANYWHERE, Cell, Place
-from rsegen.params.registry import Registry
-from rsegen.params.sorts import Float, Integer, validate
+from rsegen.params.registry import Contract, Registry, clash
+from rsegen.params.sorts import ANYWHERE, Cell, Coordinate, Float, Integer, Place, validate
 from rsegen.params.streams import randint
 
 MOST_LEVELS = 32767
@@ -215,3 +215,20 @@ def register(cls: _Kind) -> _Kind:
     """Register an obstacle class under the name of its kind."""
     KINDS.add(cls.kind, cls)
     return cls
+
+
+def random_ends(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:
+    """Both coordinates on one axis, `span` cells apart if at least one of them is random."""
+    if first == "random" and last == "random":
+        low = randint(rng, 0, cells - 1 - span)
+        return low, low + span
+    if first == "random":
+        return _beside(last, span, cells), last  # type: ignore[arg-type,return-value]  # last is given
+    if last == "random":
+        return first, _beside(first, span, cells)
+    return first, last
+
+
+def _beside(at: int, span: int, cells: int) -> int:
+    """The coordinate `span` cells further, or back if that is outside the map; always on the map."""
+    return at + span if at + span < cells else max(at - span, 0)

@@ -9,11 +9,9 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.obstacles.base import Grid, Obstacle, Patch, register
-from rsegen.field.obstacles.random_ends import random_ends
+from rsegen.field.obstacles.base import Grid, Obstacle, Patch, random_ends, register
 from rsegen.field.stepfield import Ints
-from rsegen.params.places import ANYWHERE, Cell, Place
-from rsegen.params.sorts import Json, as_int, refuse_longer
+from rsegen.params.sorts import ANYWHERE, Cell, Json, Place, as_int, refuse_longer
 
 _ROW = r"([0-9]{1,5}|\.)( ([0-9]{1,5}|\.))*"
 _MOST_ROWS = 1_000_000

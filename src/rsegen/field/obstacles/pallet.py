@@ -14,8 +14,7 @@ from rsegen.errors import ParameterError
 from rsegen.field.obstacles.base import Grid, Obstacle, Patch, register
 from rsegen.field.obstacles.rearranged import rearranged
 from rsegen.field.stepfield import Ints, Levels, Mask
-from rsegen.params.places import Cell, Place
-from rsegen.params.sorts import Choice, Integer, ListOf
+from rsegen.params.sorts import Cell, Choice, Integer, ListOf, Place
 
 _BEYOND = (9, 27, 24, 12)
 """Number of posts of each length in the measured pallet, outside its ridge of 4 units and the adjacent lines."""

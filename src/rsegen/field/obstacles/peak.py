@@ -7,10 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from rsegen.field.obstacles.base import Grid, Shaped, register
-from rsegen.field.obstacles.random_ends import random_ends
+from rsegen.field.obstacles.base import Grid, Shaped, random_ends, register
 from rsegen.field.stepfield import Array
-from rsegen.params.places import Cell, Place
+from rsegen.params.sorts import Cell, Place
 from rsegen.params.streams import randint
 
 

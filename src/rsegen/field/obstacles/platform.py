@@ -8,11 +8,9 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Shaped, register
-from rsegen.field.obstacles.random_ends import random_ends
+from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Shaped, random_ends, register
 from rsegen.field.stepfield import Array
-from rsegen.params.places import Cell, Place, Size2D
-from rsegen.params.sorts import Integer
+from rsegen.params.sorts import Cell, Integer, Place, Size2D
 
 
 @register

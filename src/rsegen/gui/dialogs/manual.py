@@ -8,7 +8,7 @@ from html import escape
 from PySide6.QtWidgets import QDialog, QTextBrowser, QVBoxLayout, QWidget
 
 from rsegen.field.obstacles import KINDS
-from rsegen.gui.widgets.named import named
+from rsegen.gui.widgets.layouts import named
 from rsegen.params.registry import summary
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from rsegen.field.stepfield import StepField
-from rsegen.gui.model.ends import aligned, other_end
-from rsegen.gui.model.handles import Grip, Handle, cells_between, handles_of, moved
-from rsegen.gui.model.painting import UNPAINTED, can_paint, painted
-from rsegen.gui.model.picking import is_inside
+from rsegen.gui.model.obstacle_ends import Grip, Handle, aligned, cells_between, handles_of, moved, other_end
+from rsegen.gui.model.painting import UNPAINTED, can_paint, is_inside, painted
 from rsegen.gui.model.session import Entry, Session
-from rsegen.params.places import Cell
+from rsegen.params.sorts import Cell
 
 
 class Document:

@@ -1,21 +1,37 @@
-"""What the window writes in the background; each job calls the function that its command calls."""
+"""What the window writes in the background; each job calls the function that its command calls.
+
+A drive over the map that is shown, as a job of the window: what `rsegen drive` does.
+
+An experiment as a job of the window: what `rsegen experiment` does.
+"""
 
 from __future__ import annotations
 
+import math
 import os.path
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Annotated, Protocol
 
+from rsegen.errors import OutputError
 from rsegen.exporters.formats import Format, refuse_unready
 from rsegen.exporters.sheet import FORMATS, CutSettings, page_count, refuse_unbuildable
+from rsegen.gui.model.simulation import (
+    PlanSummary,
+    drive_map,
+    plan_summary,
+    robot_names,
+    route_names,
+    run_experiment,
+    simulator_titles,
+)
+from rsegen.params.sorts import Choice, Flag, Float, Integer, validate
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.exports import export_maps
-from rsegen.run.sheets import write_sheets
-from rsegen.run.sidecars import Sidecars
-from rsegen.run.worlds import generate
+from rsegen.run.single_files import write_sheets
+from rsegen.run.worlds import Sidecars, generate
 
 
 class Step(Protocol):
@@ -184,3 +200,158 @@ class SheetJob(MapsJob):
 
 def _maps(count: int) -> str:
     return f"{count} map{'s'[: count > 1]}"
+
+
+PICTURE = "drive.png"
+"""The file with the trajectories on the plan of the map."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DriveSettings:
+    """What is driven, and how."""
+
+    robot: Annotated[str, Choice(tuple(robot_names()), help="which robot drives")] = "burger"
+    robots: Annotated[int, Integer(1, 100, help="how many of them")] = 1
+    route: Annotated[str, Choice(route_names(), help="straight on, at random, or along the way across")] = "straight"
+    duration: Annotated[float, Float(0.1, 1e5, unit="s", help="seconds of simulation time")] = 20.0
+    contacts: Annotated[bool, Flag(help="whether to sample what the robots touch")] = True
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DriveJob(MapsJob):
+    """Drive over the first map of a recipe, into a folder of the drive's own."""
+
+    settings: DriveSettings
+
+    @property
+    def steps(self) -> int:
+        """How many steps a whole run has: one per simulated second."""
+        return max(math.ceil(self.settings.duration), 2)
+
+    @property
+    def question(self) -> str:
+        """The question to ask before an earlier drive is replaced."""
+        return f"{self.result_folder} already exists. Replace the drive in it?"
+
+    @property
+    def result_folder(self) -> Path:
+        """The folder of the drive."""
+        return self.folder / f"{self.recipe.map_name(self.recipe.first_map)}-{self.settings.robot}"
+
+    def paths(self) -> Iterator[Path]:
+        """The folder of the drive."""
+        yield self.result_folder
+
+    def cancelled(self, steps: int) -> str:
+        """The message if it is cancelled."""
+        return f"Cancelled after {steps} of {self.steps} simulated seconds: nothing was written"
+
+    def refuse(self) -> None:
+        """Whatever is wrong is said by the drive itself, before it starts a server."""
+
+    def run(self, step: Step, *, force: bool) -> str:
+        """Do what `rsegen drive` does."""
+        settings = self.settings
+        lines = drive_map(
+            self.recipe,
+            robot=settings.robot,
+            robots=settings.robots,
+            route=settings.route,
+            duration=settings.duration,
+            contacts=settings.contacts,
+            output=self.result_folder,
+            force=force,
+            progress=counted(step, self.steps - 1),
+        )
+        return "\n".join([*lines, f"in {self.result_folder.absolute()}"])
+
+
+TABLE, PLOT = "table.md", "plot.png"
+"""The files of an experiment that the window shows."""
+
+_NEWEST, _BOTH = "newest", "both"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ExperimentSettings:
+    """Where the trials of a plan are run, and whether all of them."""
+
+    simulator: Annotated[
+        str, Choice((_NEWEST, *simulator_titles(), _BOTH), help="the newest that is installed, one, or both, compared")
+    ] = _NEWEST
+    start_again: Annotated[
+        bool, Flag(help="delete earlier results of the plan; otherwise only the trials that are missing are run")
+    ] = False
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    @property
+    def simulators(self) -> tuple[str, ...]:
+        """The names of the simulators; none for the newest that is installed."""
+        if self.simulator == _NEWEST:
+            return ()
+        return tuple(simulator_titles()) if self.simulator == _BOTH else (self.simulator,)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ExperimentJob(Job):
+    """Run the trials of a plan, into a folder of the plan's and simulator's own; `summary` is that of the plan."""
+
+    plan: str
+    settings: ExperimentSettings
+    summary: PlanSummary
+
+    @classmethod
+    def of(cls, folder: Path, plan: str, settings: ExperimentSettings) -> ExperimentJob:
+        """The job for an included plan or a YAML file; a UserError if there is none, or it is wrong."""
+        return cls(folder=folder, plan=plan, settings=settings, summary=plan_summary(plan, settings.simulators))
+
+    @property
+    def steps(self) -> int:
+        """How many steps a whole run has: one per trial."""
+        return self.summary.trials
+
+    @property
+    def question(self) -> str:
+        """The question to ask before earlier results are replaced."""
+        return f"{self.result_folder} already exists. Replace the results in it once the new ones are complete?"
+
+    @property
+    def result_folder(self) -> Path:
+        """The folder of the results."""
+        chosen = self.settings.simulator
+        return self.folder / (self.summary.name if chosen == _NEWEST else f"{self.summary.name}-{chosen}")
+
+    def paths(self) -> Iterator[Path]:
+        """The folder of the results, if those of earlier trials are replaced."""
+        if self.settings.start_again:
+            yield self.result_folder
+
+    def cancelled(self, steps: int) -> str:
+        """The message if it is cancelled."""
+        done = f"Cancelled: {steps} of {self.steps} trials are in {self.result_folder}"
+        return f"{done}; run the same plan into the same folder to continue"
+
+    def refuse(self) -> None:
+        """Whatever is wrong is said by the experiment itself, before the first trial."""
+
+    def run(self, step: Step, *, force: bool) -> str:
+        """Do what `rsegen experiment` does."""
+        progress = counted(step, self.steps)
+        try:
+            run_experiment(
+                self.plan,
+                self.result_folder,
+                self.settings.simulators,
+                force=force,
+                progress=progress,
+                watch=step.check,
+            )
+        except OutputError as error:
+            raise OutputError(str(error).replace("--force", "tick Start again")) from None
+        progress(self.steps)
+        return f"{self.steps} trials in {self.result_folder.absolute()}"

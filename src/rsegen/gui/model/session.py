@@ -13,13 +13,13 @@ from pathlib import Path
 from types import MappingProxyType
 
 from rsegen.errors import ParameterError
-from rsegen.io.dataset.map_reference import recipe_in
 from rsegen.io.recipe_file import load
+from rsegen.io.targets import recipe_in
 from rsegen.params.sorts import Json
 from rsegen.params.streams import fresh_seed
 from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe import Recipe
-from rsegen.run.recipes import save
+from rsegen.run.single_files import save
 
 Entry = Mapping[str, Json]
 """One obstacle as a recipe file has it."""

@@ -10,32 +10,25 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.metrics.ground import below
-from rsegen.field.metrics.traversability import Traversability, traversability
-from rsegen.field.spots import Footprint, Spot
+from rsegen.field.metrics.traversability import Traversability, below, traversability
 from rsegen.field.stepfield import Array, StepField
-from rsegen.gui.model.reach import Reach, Way
-from rsegen.gui.model.robot_shape import RobotPart, RobotShape
+from rsegen.footprints import Footprint, Spot
+from rsegen.gui.model.reach import Reach, RobotPart, RobotShape, Way
 from rsegen.recipe.recipe import Recipe
+from rsegen.robots import ROBOTS
+from rsegen.robots.base import Robot
+from rsegen.robots.footprint import footprint_of
+from rsegen.robots.links import Box, Cylinder, PoseTuple, Solid, rotation
 from rsegen.run.worlds import generate
 from rsegen.simulation.driving.drive import drive
-from rsegen.simulation.driving.footprints import footprint_of
-from rsegen.simulation.driving.robot_runs import ROUTES, spot_generator
-from rsegen.simulation.driving.start_poses import spots_on_map
-from rsegen.simulation.driving.way import planned_way
+from rsegen.simulation.driving.robot_runs import ROUTES, spot_generator, spots_on_map
+from rsegen.simulation.driving.routes import planned_way
 from rsegen.simulation.experiment.plan import PLANS, load_plan
 from rsegen.simulation.experiment.run import experiment
-from rsegen.simulation.robots import ROBOTS
-from rsegen.simulation.robots.base import Robot
-from rsegen.simulation.robots.links import PoseTuple
-from rsegen.simulation.robots.rotation import rotation
-from rsegen.simulation.robots.solids import Box, Cylinder, Solid
 from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest
 from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.spawning.map_models import map_model
-from rsegen.simulation.spawning.spawned_map import SpawnedMap
-from rsegen.simulation.spawning.spawning import at_free_place, spawn_map
+from rsegen.simulation.spawning.spawning import SpawnedMap, at_free_place, map_model, spawn_map
 
 __all__ = [
     "Installed",

@@ -16,10 +16,9 @@ from PySide6.QtWidgets import (
 
 from rsegen.exporters.scene import Scene
 from rsegen.gui.model.colours import GROUND, centimetres, rgb
-from rsegen.gui.model.strokes import Brush, Tool
-from rsegen.gui.widgets.layouts import row_of
-from rsegen.gui.widgets.named import named
-from rsegen.gui.widgets.number_boxes import IntegerBox
+from rsegen.gui.model.painting import Brush, Tool
+from rsegen.gui.widgets.editors import IntegerBox
+from rsegen.gui.widgets.layouts import named, row_of
 
 _HIGHEST = 32766
 _SWATCHES = 8

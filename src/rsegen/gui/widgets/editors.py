@@ -1,32 +1,83 @@
-"""An editor widget for each type of parameter; its bounds, unit and help come from the parameter."""
+"""An editor widget for each type of parameter; its bounds, unit and help come from the parameter.
+
+Spin boxes in which `.` and `,` are both the decimal mark, and no digits are grouped, whatever the locale.
+
+Qt reads numbers as the locale writes them, and passes over the marks that group digits: `7.5` is 75 in German, `0,5` is
+5 in English. Recipes have decimal points everywhere; the window reads numbers in one way everywhere too.
+
+An editor with a slider and a number for a parameter of few usual values.
+"""
 
 from __future__ import annotations
 
+import re
 from dataclasses import fields
 from typing import cast
 
-from PySide6.QtCore import QSignalBlocker, Signal
+from PySide6.QtCore import QLocale, QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QValidator
 from PySide6.QtWidgets import (
     QAbstractSlider,
     QAbstractSpinBox,
     QCheckBox,
     QComboBox,
+    QDoubleSpinBox,
     QHBoxLayout,
     QInputDialog,
     QLineEdit,
     QPushButton,
+    QSlider,
+    QSpinBox,
     QWidget,
 )
 
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles.matrix import Rows
-from rsegen.gui.model.typed_cells import typed_value
-from rsegen.gui.widgets.layouts import scroll_past
-from rsegen.gui.widgets.named import named
-from rsegen.gui.widgets.number_boxes import DecimalBox, IntegerBox
-from rsegen.params.difficulty_range import DifficultySort
-from rsegen.params.places import Size2D
-from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, parameters
+from rsegen.gui.model.obstacle_ends import typed_value
+from rsegen.gui.widgets.layouts import named, scroll_past
+from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, Size2D, parameters
+from rsegen.recipe.map_design import DifficultySort
+
+
+class IntegerBox(QSpinBox):
+    """A spin box for integers; of 7.5 it takes the 7."""
+
+    def __init__(self, parent: QWidget | None = None, *, prefix: str = "", suffix: str = "") -> None:
+        super().__init__(parent)
+        self.setLocale(QLocale.c())
+        self.setPrefix(prefix)
+        self.setSuffix(suffix)
+
+    def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
+        """Let a fraction be typed, though it is not taken: Qt would drop the mark alone, and read 7.5 as 75."""
+        if text == self.specialValueText():
+            return super().validate(text, position)
+        text = text.replace(",", ".")
+        whole = re.sub(r"(?<=\d)\.\d*", "", text, count=1)
+        state, *_ = super().validate(whole, min(position, len(whole)))
+        if whole != text and state != QValidator.State.Invalid:
+            state = QValidator.State.Intermediate
+        return state, text, position
+
+
+class DecimalBox(QDoubleSpinBox):
+    """A spin box for floats, without trailing zeros; it replaces a comma by a point."""
+
+    def __init__(self, parent: QWidget | None = None, *, suffix: str = "") -> None:
+        super().__init__(parent)
+        self.setLocale(QLocale.c())
+        self.setDecimals(3)
+        self.setSuffix(suffix)
+
+    def textFromValue(self, value: float) -> str:
+        """The number without trailing zeros."""
+        return f"{value:.3f}".rstrip("0").rstrip(".")
+
+    def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
+        """The verdict on the text with a decimal point, which replaces the one that was typed."""
+        is_number = text != self.specialValueText()
+        return super().validate(text.replace(",", ".") if is_number else text, position)
+
 
 _MOST = 2**31 - 1
 _LETTERS = 14
@@ -277,3 +328,36 @@ def editor(owner: type, name: str) -> Editor:
         return RowsEditor(name, parameter)
     small = isinstance(parameter, Float) or (isinstance(parameter, Integer) and (parameter.high or 0) <= _MOST)
     return NumberEditor(name, parameter) if small else TextEditor(name, parameter)
+
+
+class SliderEditor(NumberEditor):
+    """A slider and a spin box for a number; the slider ends at `most`, the box may go beyond."""
+
+    _parts = (" slider", "")
+
+    def __init__(self, name: str, parameter: Parameter, most: int) -> None:
+        self._most = most
+        super().__init__(name, parameter)
+
+    def _widgets(self) -> tuple[QWidget, ...]:
+        (box,) = super()._widgets()
+        self._slider = QSlider(Qt.Orientation.Horizontal)
+        self._slider.setRange(int(self._low), self._most)
+        self._slider.valueChanged.connect(self._box.setValue)
+        self._box.valueChanged.connect(self._follow)
+        self._row.setStretch(0, 1)
+        return self._slider, box
+
+    def _put(self, value: Json) -> None:
+        super()._put(value)
+        self._follow()
+
+    def _put_invalid(self, value: Json) -> None:
+        super()._put_invalid(value)
+        self._follow()
+
+    def _follow(self) -> None:
+        """Move the slider to the number in the box, as near as it can."""
+        blocker = QSignalBlocker(self._slider)
+        self._slider.setValue(min(int(self._box.value()), self._most))
+        del blocker

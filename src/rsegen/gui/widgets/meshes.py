@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rsegen.gui.model.robot_shape import RobotPart, RobotShape
-from rsegen.gui.model.shading import Floats
-from rsegen.gui.model.solid import Lines, Solid
+from rsegen.gui.model.reach import RobotPart, RobotShape
+from rsegen.gui.model.solid import Floats, Lines, Solid
 
 if TYPE_CHECKING:
     from pyvista import Actor, PolyData, Texture

@@ -1,21 +1,168 @@
-"""The plan of a map that can be zoomed, moved and read; what is done to obstacles and cells is up to PlanView."""
+"""The plan of a map that can be zoomed, moved and read; what is done to obstacles and cells is up to PlanView.
+
+What a robot can do on a map, painted on the plan: its largest area, ways across, a start and a goal.
+
+The plan as a file: SVG and PDF of lines and texts, or PNG.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QPointF, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPalette, QPixmap, QResizeEvent, QWheelEvent
+import numpy as np
+from PySide6.QtCore import QEvent, QMarginsF, QPointF, QRect, QRectF, QSize, QSizeF, Qt, QTimer, Signal
+from PySide6.QtGui import (
+    QBrush,
+    QColor,
+    QImage,
+    QKeyEvent,
+    QMouseEvent,
+    QPageSize,
+    QPaintDevice,
+    QPainter,
+    QPalette,
+    QPdfWriter,
+    QPen,
+    QPixmap,
+    QPolygonF,
+    QResizeEvent,
+    QWheelEvent,
+)
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from rsegen.errors import FileError, UnknownName
 from rsegen.exporters.scene import Scene
-from rsegen.gui.model.plan_layout import Box, PlanLayout, Point, describe_cell, fit
-from rsegen.gui.model.plan_zoom import resized, shifted, zoomed
-from rsegen.gui.model.reach import Reach
+from rsegen.field.stepfield import Array, StepField
+from rsegen.gui.model.plan_layout import Box, PlanLayout, Point, describe_cell, fit, resized, shifted, zoomed
+from rsegen.gui.model.reach import EASTWARD, NORTHWARD, Reach, Way, corners
 from rsegen.gui.widgets import plan_painting
-from rsegen.gui.widgets.plan_file import save_plan
-from rsegen.gui.widgets.plan_reach import paint_reach
-from rsegen.params.places import Cell
+from rsegen.params.sorts import Cell
+
+_VEIL = (245, 245, 245, 195)
+"""Blocks beyond the largest area of the robot are nearly white."""
+
+_EASTWARD, _NORTHWARD = QColor(*EASTWARD), QColor(*NORTHWARD)
+_PAPER, _INK = QColor(255, 255, 255), QColor(20, 20, 20)
+
+
+def paint_reach(painter: QPainter, field: StepField, layout: PlanLayout, reach: Reach) -> None:
+    """Paint a veil over the blocks that a robot does not reach, its ways across, and its start and goal."""
+    painter.save()
+    painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, False)  # noqa: FBT003  # Qt's
+    painter.drawImage(QRectF(*layout.area), _veil(field, reach))
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    for way in reach.ways:
+        _paint_way(painter, _pixels(field, layout, way.points), way)
+    for name, spot in zip(("S", "G"), reach.spots, strict=False):
+        _paint_spot(painter, _pixels(field, layout, corners(reach.outline, spot)), name)
+    painter.restore()
+
+
+def _veil(field: StepField, reach: Reach) -> QImage:
+    """A pixel for every cell, north up, transparent where the robot is."""
+    pixels = np.zeros((*field.shape, 4), dtype=np.uint8)
+    pixels[~reach.region & ~field.frame] = _VEIL
+    upright = np.ascontiguousarray(pixels.transpose(1, 0, 2)[::-1])
+    height, width = upright.shape[:2]
+    return QImage(upright.tobytes(), width, height, 4 * width, QImage.Format.Format_RGBA8888).copy()
+
+
+def _pixels(field: StepField, layout: PlanLayout, points: Array) -> QPolygonF:
+    """Points of the map [m] on the plan."""
+    cells = (points + np.array(field.extent) / 2) / field.block_width
+    return QPolygonF(
+        [QPointF(layout.left + x * layout.side, layout.bottom - y * layout.side) for x, y in cells.tolist()]
+    )
+
+
+def _paint_way(painter: QPainter, points: QPolygonF, way: Way) -> None:
+    """Paint a way from a ring to a dot, dashed if the robot cannot drive it."""
+    colour = _EASTWARD if way.is_eastward else _NORTHWARD
+    style = Qt.PenStyle.DashLine if way.is_too_steep else Qt.PenStyle.SolidLine
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    for ink, width, dashes in ((_PAPER, 5.0, Qt.PenStyle.SolidLine), (colour, 2.5, style)):
+        painter.setPen(QPen(ink, width, dashes, Qt.PenCapStyle.RoundCap, Qt.PenJoinStyle.RoundJoin))
+        painter.drawPolyline(points)
+    for point, fill in ((points.first(), _PAPER), (points.last(), colour)):
+        painter.setPen(QPen(colour, 2))
+        painter.setBrush(fill)
+        painter.drawEllipse(point, 4.5, 4.5)
+
+
+def _paint_spot(painter: QPainter, outline: QPolygonF, name: str) -> None:
+    """Paint the outline of a robot, its front thick, with a letter: S for the start, G for the goal."""
+    painter.setPen(QPen(_INK, 1.5))
+    painter.setBrush(QBrush(QColor(255, 255, 255, 170)))
+    painter.drawPolygon(outline)
+    painter.setPen(QPen(_INK, 4))
+    painter.drawLine(outline.at(2), outline.at(3))
+    middle = outline.boundingRect().center()
+    font = painter.font()
+    font.setPixelSize(12)
+    font.setBold(True)
+    painter.setFont(font)
+    for ink, (x, y) in ((_PAPER, (1, 1)), (_PAPER, (-1, -1)), (_INK, (0, 0))):
+        painter.setPen(ink)
+        painter.drawText(QRectF(middle.x() - 12 + x, middle.y() - 9 + y, 24, 18), Qt.AlignmentFlag.AlignCenter, name)
+
+
+Paint = Callable[[QPainter], None]
+_FINE = 4
+"""Pixels of a PNG file per pixel of the plan."""
+
+
+def save_plan(path: Path, size: QSize, paint: Paint) -> None:
+    """Write what `paint` paints on an area of some pixels, in the format of the suffix; a FileError if that fails."""
+    write = WRITERS.get(path.suffix.lower())
+    if write is None:
+        raise UnknownName.among(f"{path}", "suffix of a plan", path.suffix, WRITERS)
+    try:
+        path.open("ab").close()
+        written = write(path, size, paint)
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror}") from None
+    if not written:
+        raise FileError(f"{path}: cannot be written")
+
+
+def _svg(path: Path, size: QSize, paint: Paint) -> bool:
+    from PySide6.QtSvg import QSvgGenerator
+
+    generator = QSvgGenerator()
+    generator.setFileName(str(path))
+    generator.setSize(size)
+    generator.setViewBox(QRect(0, 0, size.width(), size.height()))
+    generator.setTitle("rsegen: plan of a map")
+    return _painted(generator, paint)
+
+
+def _pdf(path: Path, size: QSize, paint: Paint) -> bool:
+    writer = QPdfWriter(str(path))
+    writer.setResolution(72)
+    writer.setPageSize(QPageSize(QSizeF(size), QPageSize.Unit.Point))
+    writer.setPageMargins(QMarginsF())
+    writer.setTitle("rsegen: plan of a map")
+    return _painted(writer, paint)
+
+
+def _png(path: Path, size: QSize, paint: Paint) -> bool:
+    image = QImage(size * _FINE, QImage.Format.Format_ARGB32)
+    image.setDevicePixelRatio(_FINE)
+    image.fill(Qt.GlobalColor.white)
+    return _painted(image, paint) and image.save(str(path))
+
+
+def _painted(device: QPaintDevice, paint: Paint) -> bool:
+    painter = QPainter()
+    if not painter.begin(device):
+        return False
+    paint(painter)
+    return painter.end()
+
+
+WRITERS: Mapping[str, Callable[[Path, QSize, Paint], bool]] = {".svg": _svg, ".pdf": _pdf, ".png": _png}
+"""The formats by their suffix."""
 
 _ZOOMS: dict[int, float] = {Qt.Key.Key_Plus: 1.25, Qt.Key.Key_Equal: 1.25, Qt.Key.Key_Minus: 0.8}
 _STEP = 12.0

@@ -13,11 +13,9 @@ from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import CellWindow, Mask
 from rsegen.geometry.rectangles import merge
 from rsegen.gui.model.colours import GROUND, bright, cells
-from rsegen.gui.model.ghost import Ghost
-from rsegen.gui.model.handles import ENDS, GRIP, End, Handle
-from rsegen.gui.model.plan_layout import Box, PlanLayout, ticks
-from rsegen.gui.model.plan_zoom import visible
-from rsegen.params.places import Cell
+from rsegen.gui.model.obstacle_ends import ENDS, GRIP, End, Ghost, Handle
+from rsegen.gui.model.plan_layout import Box, PlanLayout, ticks, visible
+from rsegen.params.sorts import Cell
 
 RULER = 26
 """The width of a ruler in pixels."""

@@ -9,14 +9,12 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintE
 from PySide6.QtWidgets import QApplication, QWidget
 
 from rsegen.exporters.scene import Scene
-from rsegen.gui.model.ghost import Ghost
-from rsegen.gui.model.handles import ENDS, GRIP, Grip, Handle, cell_of, grip_at, moved
-from rsegen.gui.model.painting import UNPAINTED, next_cell
+from rsegen.gui.model.obstacle_ends import ENDS, GRIP, Ghost, Grip, Handle, cell_of, grip_at, moved
+from rsegen.gui.model.painting import UNPAINTED, Brush, Painted, Strokes, Tool, next_cell
 from rsegen.gui.model.plan_layout import PlanLayout, Point
-from rsegen.gui.model.strokes import Brush, Painted, Strokes, Tool
 from rsegen.gui.widgets import plan_painting
 from rsegen.gui.widgets.plan_canvas import PlanCanvas
-from rsegen.params.places import Cell
+from rsegen.params.sorts import Cell
 
 _STEPS = {
     Qt.Key.Key_Left: (-1, 0),

@@ -1,34 +1,53 @@
-"""A form that runs a job: the output folder, a start button, a progress bar, and the outcome."""
+"""A form that runs a job: the output folder, a start button, a progress bar, and the outcome.
+
+A form generated from the parameters of a dataclass, such as the options of a format.
+
+A list of all export formats with check boxes, and the options of those that are ticked.
+
+A list of the included plans of experiments, and of files with others; below it what the chosen one measures.
+
+The table and the plot of an experiment, each on a tab.
+"""
 
 from __future__ import annotations
 
 import os.path
 from collections.abc import Sequence
+from dataclasses import fields
 from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
-from PySide6.QtCore import QSettings, Qt, QUrl, Signal
-from PySide6.QtGui import QDesktopServices
+from PySide6.QtCore import QSettings, QSignalBlocker, Qt, QUrl, Signal
+from PySide6.QtGui import QDesktopServices, QPixmap, QResizeEvent
 from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
     QFileDialog,
+    QFormLayout,
+    QGridLayout,
     QLabel,
     QLineEdit,
     QMessageBox,
     QProgressBar,
     QPushButton,
     QSizePolicy,
+    QTabWidget,
+    QTextBrowser,
     QToolButton,
     QVBoxLayout,
     QWidget,
 )
 
-from rsegen.errors import OutputError, RsegenError, shown
+from rsegen.errors import OutputError, ParameterError, RsegenError, UserError, shown
+from rsegen.exporters.formats import FORMATS, Format
 from rsegen.gui.model.jobs import Job
-from rsegen.gui.widgets.layouts import row_of
-from rsegen.gui.widgets.message_label import MessageLabel
-from rsegen.gui.widgets.named import named
-from rsegen.gui.workers.job_thread import JobThread
+from rsegen.gui.model.simulation import experiment_plans
+from rsegen.gui.widgets.editors import Editor, editor
+from rsegen.gui.widgets.layouts import MessageLabel, named, row_of
+from rsegen.gui.workers import JobThread
+from rsegen.params.registry import summary
+from rsegen.params.sorts import parameters
 from rsegen.run.store import refuse_not_a_folder
 
 _CHECKED = 10_000
@@ -211,3 +230,208 @@ class RunForm(QWidget):
         ):
             widget.setVisible(is_shown)
         self.changed.emit()
+
+
+Owner = TypeVar("Owner")
+
+
+class OptionsForm(QWidget, Generic[Owner]):
+    """An editor for each parameter; `editors` are they by name, `form` is the layout."""
+
+    def __init__(self, owner: type[Owner], initial: Owner | None = None) -> None:
+        """The editors have the values of `initial` at first, by default the defaults."""
+        super().__init__()
+        self._owner, self._initial = owner, initial
+        self.form = QFormLayout(self)
+        self.form.setContentsMargins(0, 0, 0, 0)
+        self.editors = {name: self._field(name) for name in parameters(owner)}
+
+    def value(self) -> Owner:
+        """An instance with the values in the form; a ParameterError if one is invalid."""
+        return self._owner(**{name: each.value() for name, each in self.editors.items()})
+
+    def add(self, each: Editor, title: str) -> None:
+        """Add a row."""
+        label = QLabel(title)
+        label.setToolTip(each.fields[0].toolTip())
+        label.setBuddy(each)
+        self.form.addRow(label, each)
+
+    def _field(self, name: str) -> Editor:
+        each = editor(self._owner, name)
+        default = next(field.default for field in fields(self._owner) if field.name == name)  # type: ignore[arg-type]  # a dataclass
+        each.show_value(getattr(self._initial, name, default))
+        plain = name.removesuffix("_cm").removesuffix("_mm")
+        self.add(each, plain.replace("_", " ").capitalize())
+        return each
+
+
+class FormatList(QWidget):
+    """A box, a summary and options per format, or what must be installed for it; `changed`: a box was toggled."""
+
+    changed = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._grid = QGridLayout(self)
+        self._grid.setColumnStretch(1, 1)
+        self._grid.setHorizontalSpacing(16)
+        self._boxes: dict[str, QCheckBox] = {}
+        self._options: dict[str, OptionsForm[Format]] = {}
+        for name, cls in FORMATS.items():
+            self._add(name, cls)
+        self._grid.setRowStretch(self._grid.rowCount(), 1)
+
+    def any_ticked(self) -> bool:
+        """Whether any format is ticked."""
+        return any(box.isChecked() for box in self._boxes.values())
+
+    def formats(self) -> tuple[Format, ...]:
+        """The formats that are ticked, with their options; a ParameterError if an option is invalid."""
+        return tuple(self._format(name) for name, box in self._boxes.items() if box.isChecked())
+
+    def _format(self, name: str) -> Format:
+        try:
+            return self._options[name].value() if name in self._options else FORMATS[name]()
+        except ParameterError as error:
+            raise error.inside(name) from None
+
+    def _add(self, name: str, cls: type[Format]) -> None:
+        row, reason = self._grid.rowCount(), _missing(cls)
+        self._boxes[name] = box = named(QCheckBox(name), f"format_{name}", title=name, tip=summary(cls))
+        about = QLabel(summary(cls), wordWrap=True)
+        about.setContentsMargins(0, 3, 0, 3)  # in line with the box
+        for column, widget in enumerate((box, about)):
+            widget.setEnabled(not reason)
+            self._grid.addWidget(widget, row, column, Qt.AlignmentFlag.AlignTop)
+        box.toggled.connect(self.changed)
+        if reason:
+            self._grid.addWidget(_missing_label(name, reason), row + 1, 1)
+        elif parameters(cls):
+            self._add_options(row + 1, name, cls)
+
+    def _add_options(self, row: int, name: str, cls: type[Format]) -> None:
+        """Add the options of a format, visible while its box is ticked."""
+        self._options[name] = options = named(OptionsForm(cls), f"options_{name}", title=f"options of {name}")
+        options.form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.FieldsStayAtSizeHint)
+        options.form.setContentsMargins(0, 0, 0, 8)
+        options.setVisible(False)
+        self._boxes[name].toggled.connect(options.setVisible)
+        self._grid.addWidget(options, row, 1)
+
+
+def _missing(cls: type[Format]) -> str:
+    """What must be installed for a format, with the command; empty if nothing is missing."""
+    try:
+        cls().refuse_missing()
+    except UserError as error:
+        return str(error)
+    return ""
+
+
+def _missing_label(name: str, reason: str) -> MessageLabel:
+    """A warning with the reason, whose text can be selected and copied."""
+    label = MessageLabel(f"missing_{name}", "warning")
+    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    label.show_message(reason)
+    return label
+
+
+_FIRST = "quick"
+"""The plan that is chosen at first: the shortest."""
+
+
+class PlanBox(QWidget):
+    """Chooses a plan; `changed` is emitted when it is another one."""
+
+    changed = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._texts = experiment_plans()
+        self.box = named(QComboBox(), "plan", tip="an included plan, or a YAML file like these")
+        self.box.setMinimumContentsLength(24)
+        self.box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self.box.addItems(list(self._texts))
+        self.box.setCurrentText(_FIRST)
+        self.box.currentIndexChanged.connect(self._show)
+        choose = named(
+            QToolButton(), "choose_plan", title="choose a file", tip="choose a plan of your own, a YAML file"
+        )
+        choose.setText("...")
+        choose.clicked.connect(self._choose_file)
+        self._about = named(QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText), "about_plan")
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        row = row_of(self.box, choose)
+        row.setStretch(0, 1)
+        column.addLayout(row)
+        column.addWidget(self._about)
+        self._about.setText(self._texts[_FIRST])
+
+    def plan(self) -> str:
+        """The name of the plan, or the path of its file."""
+        return self.box.currentText()
+
+    def show_file(self, path: str) -> None:
+        """Choose a file, which is then in the list."""
+        with QSignalBlocker(self.box):
+            if self.box.findText(path) < 0:
+                self.box.addItem(path)
+            self.box.setCurrentText(path)
+        self._show()
+
+    def _choose_file(self) -> None:
+        path, _ = QFileDialog.getOpenFileName(self, "Choose a plan", "", "Plans (*.yaml *.yml);;All files (*)")
+        if path:
+            self.show_file(path)
+
+    def _show(self) -> None:
+        self._about.setText(self._texts.get(self.plan(), "A plan of your own."))
+        self.changed.emit()
+
+
+class ExperimentReport(QTabWidget):
+    """Shows the files of an experiment."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        named(self, "report", title="results of the experiment")
+        self.table = named(QTextBrowser(), "table")
+        self.plot = named(_Plot(), "plot")
+        self.addTab(self.table, "Table")
+        self.addTab(self.plot, "Plot")
+
+    def show_files(self, table: Path, plot: Path) -> None:
+        """Show a table in Markdown and a picture."""
+        self.table.setMarkdown(table.read_text("utf-8"))
+        self.plot.show_picture(QPixmap(str(plot)))
+
+
+class _Plot(QLabel):
+    """A picture as wide as its place."""
+
+    def __init__(self) -> None:
+        super().__init__(alignment=Qt.AlignmentFlag.AlignCenter)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
+        self._picture = QPixmap()
+
+    def show_picture(self, picture: QPixmap) -> None:
+        """Show a picture."""
+        self._picture = picture
+        self._fit()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Fit the picture to the new size."""
+        super().resizeEvent(event)
+        self._fit()
+
+    def _fit(self) -> None:
+        if not self._picture.isNull():
+            ratio = self.devicePixelRatioF()
+            size = (self.size() * ratio).boundedTo(self._picture.size())
+            fitted = self._picture.scaled(
+                size, Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation
+            )
+            fitted.setDevicePixelRatio(ratio)
+            self.setPixmap(fitted)

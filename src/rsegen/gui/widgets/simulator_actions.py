@@ -1,16 +1,21 @@
-"""Menu entries that open the map that is shown in each installed simulator; the others say why they cannot."""
+"""Menu entries that open the map that is shown in each installed simulator; the others say why they cannot.
+
+Menu entries that are enabled only while they can be done.
+
+The menu of recently opened files.
+"""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import cast
+from typing import NamedTuple, cast
 
-from PySide6.QtCore import QObject, QProcess, QProcessEnvironment, Signal
-from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QMenu
+from PySide6.QtCore import QObject, QProcess, QProcessEnvironment, QSettings, Signal
+from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import QMenu, QWidget
 
 from rsegen.gui.model.simulation import (
     Installed,
@@ -21,7 +26,7 @@ from rsegen.gui.model.simulation import (
     simulator_titles,
     why_it_cannot_open,
 )
-from rsegen.gui.workers.latest_only import LatestOnly, failure_text
+from rsegen.gui.workers import LatestOnly, failure_text
 from rsegen.recipe.recipe import Recipe
 
 
@@ -119,3 +124,79 @@ def _started(launch: LaunchCommand) -> bool:
     program.setProgram(launch.command[0])
     program.setArguments(list(launch.command[1:]))
     return cast(bool, program.startDetached())  # its stub says it returns a pair
+
+
+def _always() -> bool:
+    return True
+
+
+class Command(NamedTuple):
+    """What a menu entry is called, what it does, its shortcut, and when it is enabled."""
+
+    text: str
+    run: Callable[[], object]
+    keys: QKeySequence.StandardKey | str = ""
+    is_possible: Callable[[], bool] = _always
+
+
+class CommandMenus:
+    """The commands of all menus as actions of a widget, in which their shortcuts work.
+
+    `before` is called before a command runs; it may make the command impossible, which is then not run.
+    """
+
+    def __init__(self, parent: QWidget, before: Callable[[], object] = lambda: None) -> None:
+        self._parent, self._before = parent, before
+        self._actions: list[tuple[QAction, Callable[[], bool]]] = []
+
+    def add(self, menu: QMenu, *commands: Command) -> None:
+        """Add commands at the end of a menu."""
+        for command in commands:
+            action = QAction(command.text, self._parent)
+            action.setObjectName(command.text.replace("&", "").rstrip("."))
+            action.setShortcut(QKeySequence(command.keys))
+            action.triggered.connect(lambda _=False, command=command: self._run(command))
+            menu.addAction(action)
+            self._actions.append((action, command.is_possible))
+
+    def _run(self, command: Command) -> None:
+        self._before()
+        if command.is_possible():
+            command.run()
+
+    def refresh(self) -> None:
+        """Enable the commands that can be done now."""
+        for action, is_possible in self._actions:
+            action.setEnabled(is_possible())
+
+
+REMEMBERED = 8
+"""The number of files in the menu."""
+
+
+class RecentFiles(QMenu):
+    """An entry per recent file; `chosen` gives its path."""
+
+    chosen = Signal(Path)
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__("Open &recent", parent)
+        self.aboutToShow.connect(self.fill)
+
+    def remember(self, path: Path) -> None:
+        """Put a file at the top of the list."""
+        names = [str(path.resolve()), *(name for name in _names() if name != str(path.resolve()))]
+        QSettings("rsegen", "rsegen").setValue("recent", names[:REMEMBERED])
+
+    def fill(self) -> None:
+        """Replace the entries by the files of now."""
+        self.clear()
+        for name in _names():
+            self.addAction(name, partial(self.chosen.emit, Path(name)))
+        if self.isEmpty():
+            self.addAction("none yet").setEnabled(False)
+
+
+def _names() -> list[str]:
+    found = QSettings("rsegen", "rsegen").value("recent")
+    return [found] if isinstance(found, str) else [str(name) for name in found] if isinstance(found, list) else []

@@ -1,16 +1,24 @@
-"""The camera of the 3D view: where it looks from, and how it is turned and moved."""
+"""The camera of the 3D view: where it looks from, and how it is turned and moved.
+
+The legend and the scale bar in the scene of the 3D view: a native window would hide widgets over it.
+
+Pictures that lie over the 3D view: the legend of its heights, and a scale bar.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import Enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QGuiApplication, QImage, QPainter, QPen
 
 from rsegen.field.stepfield import Array
-from rsegen.gui.model.bounds import Bounds
-from rsegen.gui.model.camera import SOUTH_EAST, VIEW_ANGLE, viewpoint
+from rsegen.gui.model.colours import Rgb
+from rsegen.gui.model.preview import Preview
+from rsegen.gui.model.solid import SOUTH_EAST, VIEW_ANGLE, Bounds, length_text, round_length, viewpoint
 from rsegen.gui.widgets.meshes import Plotter
 
 
@@ -172,3 +180,164 @@ class ViewCamera:
         camera.SetParallelScale(float(np.linalg.norm(position - focus) * np.tan(np.radians(VIEW_ANGLE / 2))))
         self._fitted = (*camera.position, *camera.focal_point, camera.GetParallelScale())
         self._plotter.renderer.ResetCameraClippingRange()
+
+
+_PAD = 8.0
+_TEXT = 12
+
+
+class Inks(NamedTuple):
+    """The colours of pictures over the view: below the text, and of the text."""
+
+    paper: QColor
+    ink: QColor
+
+
+def legend_image(rows: Sequence[tuple[Rgb, str]], note: str, height: float, inks: Inks, scale: float) -> QImage:
+    """Colours with their names and a note below, in at most a height; rows that have no room there are left out.
+
+    Lengths are in pixels before they are multiplied by the scale.
+    """
+    metrics = QFontMetricsF(_font())
+    row = metrics.height() + 3
+    notes = note.splitlines()
+    step = _step(len(rows), int((height - 2 * _PAD) / row) - len(notes))
+    shown = [*rows[:-1:step], *rows[-1:]] if step else []
+    longest = max((metrics.horizontalAdvance(text) for text in [*(name for _, name in shown), *notes]), default=0)
+    side = metrics.ascent()
+    image, painter = _blank(side + longest + 3 * _PAD, (len(shown) + len(notes)) * row + 2 * _PAD, inks, scale)
+    for number, (colour, name) in enumerate(shown):
+        y = _PAD + number * row
+        painter.fillRect(QRectF(_PAD, y + (row - side) / 2, side, side), QColor(*colour))
+        painter.drawText(QRectF(2 * _PAD + side, y, longest + 1, row), Qt.AlignmentFlag.AlignVCenter, name)
+    for number, line in enumerate(notes):
+        y = _PAD + (len(shown) + number) * row
+        painter.drawText(QRectF(_PAD, y, longest + side + _PAD, row), Qt.AlignmentFlag.AlignVCenter, line)
+    painter.end()
+    return image
+
+
+def scale_bar_image(text: str, width: float, inks: Inks, scale: float) -> QImage:
+    """A bar of a width in pixels with its length as text, all multiplied by the scale."""
+    metrics = QFontMetricsF(_font())
+    total = max(width, metrics.horizontalAdvance(text)) + 2 * _PAD
+    image, painter = _blank(total, metrics.height() + 9 + _PAD, inks, scale)
+    left, y = (total - width) / 2, metrics.height() + 8
+    painter.drawText(QRectF(0, 3, total, metrics.height()), Qt.AlignmentFlag.AlignHCenter, text)
+    painter.setPen(QPen(inks.ink, 2))
+    painter.drawPolyline([QRectF(left, y - 4, width, 4).topLeft(), QRectF(left, y, 0, 0).topLeft()])
+    painter.drawLine(int(left), int(y), int(left + width), int(y))
+    painter.drawLine(int(left + width), int(y - 4), int(left + width), int(y))
+    painter.end()
+    return image
+
+
+def _step(rows: int, room: int) -> int:
+    """Every which row is shown, the last aside, so that all have room; 0 if there are none."""
+    return max(-(-(rows - 1) // max(room - 1, 1)), 1) if rows else 0
+
+
+def _font() -> QFont:
+    font = QFont(QGuiApplication.font())
+    font.setPixelSize(_TEXT)
+    return font
+
+
+def _blank(width: float, height: float, inks: Inks, scale: float) -> tuple[QImage, QPainter]:
+    """A transparent image with round, translucent paper, and a painter of it."""
+    image = QImage(round(width * scale), round(height * scale), QImage.Format.Format_RGBA8888)
+    image.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(image)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.scale(scale, scale)
+    paper = QColor(inks.paper)
+    paper.setAlphaF(0.75)
+    painter.setBrush(paper)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.drawRoundedRect(QRectF(0, 0, width, height), 5, 5)
+    painter.setPen(inks.ink)
+    painter.setFont(_font())
+    return image, painter
+
+
+_RIM = 8
+_ABOVE = 9
+"""The layer of the pictures, above that of the axes' numbers."""
+
+_BAR = 140
+"""The scale bar is at most this many pixels wide."""
+
+
+class ViewOverlay:
+    """The legend at the upper right and the scale bar at the lower left of a plotter, painted anew if they change."""
+
+    def __init__(self, plotter: Plotter, camera: ViewCamera, scale: float) -> None:
+        self._renderer, self._camera, self._scale = plotter.renderer, camera, scale
+        self._legend, self._bar = _Picture(plotter), _Picture(plotter)
+        self._rows: Sequence[tuple[Rgb, str]] = ()
+        self._note = ""
+        self._inks: Inks | None = None
+        self._painted: tuple[object, object] = (None, None)
+        self._renderer.AddObserver("StartEvent", lambda *_: self._paint())
+
+    def show_legend(self, preview: Preview) -> None:
+        """Show the heights of a map, and a note if it is shown coarser."""
+        note = f"each column the highest\nof {preview.factor} x {preview.factor} cells"
+        self._rows, self._note = preview.legend, note if preview.factor > 1 else ""
+
+    def set_inks(self, inks: Inks) -> None:
+        """Set the colours of paper and text."""
+        self._inks = inks
+
+    def _paint(self) -> None:
+        """Paint what has changed since it was painted last, and put it where it belongs in a view of this size."""
+        if not self._inks:
+            return
+        width, height = self._renderer.GetSize()
+        length = round_length(self._camera.metres_per_pixel() * min(_BAR * self._scale, width / 2))
+        bar = length / self._camera.metres_per_pixel() / self._scale
+        before, self._painted = self._painted, ((tuple(self._rows), self._note, height, self._inks), (bar, self._inks))
+        if self._painted[0] != before[0]:
+            room = height / self._scale - 2 * _RIM
+            self._legend.show(legend_image(self._rows, self._note, room, self._inks, self._scale))
+        if self._painted[1] != before[1]:
+            self._bar.show(scale_bar_image(length_text(length), bar, self._inks, self._scale))
+        self._legend.set_visible(is_visible=bool(self._rows or self._note))
+        rim = _RIM * self._scale
+        self._legend.move(width - self._legend.width - rim, height - self._legend.height - rim)
+        self._bar.move(rim, rim)
+
+
+class _Picture:
+    """An image at a place of the view, in pixels from its lower left corner."""
+
+    def __init__(self, plotter: Plotter) -> None:
+        from vtkmodules.vtkRenderingCore import vtkActor2D, vtkImageMapper
+
+        self.width = self.height = 0
+        self._mapper: Any = vtkImageMapper()
+        self._mapper.SetColorWindow(255)
+        self._mapper.SetColorLevel(127.5)
+        self._actor: Any = vtkActor2D()
+        self._actor.SetMapper(self._mapper)
+        self._actor.SetLayerNumber(_ABOVE)
+        plotter.renderer.AddViewProp(self._actor)
+
+    def show(self, image: QImage) -> None:
+        """Show another image."""
+        import pyvista
+
+        self.width, self.height = image.width(), image.height()
+        pixels = np.frombuffer(image.constBits(), dtype=np.uint8).reshape(self.height, self.width, 4)[::-1]
+        grid = pyvista.ImageData(dimensions=(self.width, self.height, 1))
+        scalars: Any = pixels.reshape(-1, 4).copy()
+        grid.point_data.set_scalars(scalars, "pixels")
+        self._mapper.SetInputData(grid)
+
+    def set_visible(self, *, is_visible: bool) -> None:
+        """Show or hide it."""
+        self._actor.SetVisibility(is_visible)
+
+    def move(self, x: float, y: float) -> None:
+        """Put the lower left corner somewhere."""
+        self._actor.SetPosition(round(x), round(y))

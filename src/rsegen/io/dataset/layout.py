@@ -7,25 +7,37 @@
 
 Of several recipes, the maps of the first come first; no shard has maps of two. All of it follows from the recipes, so
 no name is ever taken from a file.
+
+The manifest of a data set: its recipes, and the size and checksum of every file. Nothing in it is trusted.
+
+It is the last file that is written: a data set with a manifest is complete.
+
+Checks that the files of a data set are those that its manifest lists.
 """
 
 from __future__ import annotations
 
+import json
+import random
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Any
 
 import numpy as np
 
-from rsegen.errors import ParameterError
+from rsegen.errors import DatasetDamaged, FileError, ParameterError, inside, shown
 from rsegen.field.metrics.batch import COLUMNS
 from rsegen.field.stepfield import Ints, StepField, framed
-from rsegen.params.sorts import Choice, Integer, validate
-from rsegen.recipe.kinds import recipes_of, refuse_unlike
+from rsegen.io.input_files import JOURNAL, Checksum, checksum_of
+from rsegen.io.recipe_file import content
+from rsegen.params.sorts import Choice, Integer, Text, validate
+from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.tiles import recipes_of, refuse_unlike
 
 CELLS = 1_000_000
 """Cells in a shard, about: a second of work or less, a megabyte."""
@@ -183,3 +195,142 @@ def _check_kinds(recipes: Sequence[Recipe]) -> None:
         if first.setdefault(recipe.name, number) != number:
             problem = f"'{recipe.name}' is the name of recipes[{first[recipe.name]}] too; give each a name of its own"
             raise ParameterError(f"recipes[{number}].name", problem)
+
+
+MANIFEST = "manifest.json"
+FORMAT = 3
+AXES = "levels[k, i, j]: map k, cell i along +x, cell j along +y, frames left out; height = level * unit_cm"
+_SHA256 = Text(r"[0-9a-f]{64}", "64 hexadecimal digits")
+_SIZE = Integer(0, unit="bytes")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Shard:
+    """The files of one shard by their content: levels and, unless there are none, metrics."""
+
+    number: int
+    files: Mapping[str, Checksum]
+
+
+def header(layout: ShardLayout) -> dict[str, Any]:
+    """Return the manifest without the shards."""
+    return {
+        "dataset": FORMAT,
+        "recipes": [encode(recipe) for recipe in layout.recipes],
+        "maps": layout.maps,
+        "shape": list(layout.grid_shape),
+        "dtype": layout.dtype.name,
+        "axes": AXES,
+        "shard_maps": layout.shard_maps,
+        "metrics": layout.metrics,
+    }
+
+
+def manifest(layout: ShardLayout, shards: Iterable[Shard]) -> bytes:
+    """The text of a manifest, one line per shard."""
+    lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in header(layout).items()]
+    rows = ",\n".join(f"    {json.dumps(_entry(layout, shard))}" for shard in shards)
+    return ("{\n" + ",\n".join([*lines, f'  "shards": [\n{rows}\n  ]']) + "\n}\n").encode()
+
+
+def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
+    """The content of a data set's manifest; FileError if there is none, ParameterError if a value is wrong."""
+    path = folder / MANIFEST
+    if not path.is_file():
+        unfinished = (folder / JOURNAL).is_file()
+        why = "is not finished; the command that began it goes on with --resume" if unfinished else "has no " + MANIFEST
+        raise FileError(f"{folder}: {why}" + ("" if unfinished else ", so it is not a data set of rsegen"))
+    found = content(path)
+    try:
+        if not isinstance(found, Mapping) or found.get("dataset") != FORMAT:
+            raise ParameterError("", f"is not a manifest of a data set in format {FORMAT}")
+        layout = _layout(found)
+        return layout, _shards(layout, found["shards"])
+    except ParameterError as error:
+        raise error.of(str(path)) from None
+
+
+def _entry(layout: ShardLayout, shard: Shard) -> dict[str, object]:
+    names = layout.names(shard.number)
+    return {
+        what: {"file": names[what], "bytes": part.bytes, "sha256": part.sha256} for what, part in shard.files.items()
+    }
+
+
+def _layout(found: Mapping[str, Any]) -> ShardLayout:
+    """Return the layout of a manifest; ParameterError if other values of it contradict the recipes."""
+    for key in ("recipes", "shard_maps", "metrics", "shards"):
+        if key not in found:
+            raise ParameterError(key, "is missing")
+    entries = found["recipes"]
+    if not isinstance(entries, list):
+        raise ParameterError("recipes", f"{shown(entries)} is not a list of recipes")
+    layout = ShardLayout(
+        recipes=[_recipe(f"recipes[{number}]", entry) for number, entry in enumerate(entries)],
+        shard_maps=found["shard_maps"],
+        metrics=found["metrics"],
+    )
+    expected = header(layout)
+    for key in ("maps", "shape", "dtype", "axes", "shard_maps"):
+        if found.get(key) != expected[key]:
+            raise ParameterError(
+                key, f"{shown(found.get(key))} does not match the recipes, which give {shown(expected[key])}"
+            )
+    return layout
+
+
+def _recipe(where: str, entry: object) -> Recipe:
+    with inside(where):
+        return decode(entry)
+
+
+def _shards(layout: ShardLayout, entries: object) -> list[Shard]:
+    if not isinstance(entries, Sequence) or len(entries) != layout.shards:
+        raise ParameterError("shards", f"are not the {layout.shards} that {layout.maps} maps need")
+    return [_shard(layout, number, entry) for number, entry in enumerate(entries)]
+
+
+def _shard(layout: ShardLayout, number: object, entry: object) -> Shard:
+    """One shard; ParameterError if a file has a wrong name or an impossible size."""
+    number = Integer(0, layout.shards - 1).check("shard", number)
+    where, names = f"shards[{number}]", layout.names(number)
+    files = {}
+    for what, name in names.items():
+        found = entry.get(what) if isinstance(entry, Mapping) else None
+        if not isinstance(found, Mapping) or found.get("file") != name:
+            raise ParameterError(f"{where}.{what}", f"{shown(found)} is not the file {name}")
+        files[what] = Checksum(
+            bytes=_SIZE.check(f"{where}.{what}.bytes", found.get("bytes")),
+            sha256=_SHA256.check(f"{where}.{what}.sha256", found.get("sha256")),
+        )
+    return Shard(number=number, files=files)
+
+
+def refuse_other_sizes(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
+    """Raise DatasetDamaged for the first file that is missing, or has another size than the manifest says."""
+    for path, part in _files(folder, layout, shards):
+        found = path.stat().st_size if path.is_file() else None
+        if found != part.bytes:
+            there = "is missing" if found is None else f"has {found} bytes, and the manifest says {part.bytes}"
+            raise DatasetDamaged(f"{path}: {there}; the command that made the data set repairs it with --resume")
+
+
+def refuse_other_checksums(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
+    """Raise DatasetDamaged for the first file with a wrong checksum."""
+    for path, part in _files(folder, layout, shards):
+        if checksum_of(path) != part:
+            raise DatasetDamaged(
+                f"{path}: has changed, its checksum is wrong; "
+                "the command that made the data set repairs it with --resume"
+            )
+
+
+def random_places(maps: int, wanted: int) -> list[int]:
+    """`wanted` places of maps, chosen at random; all of them if there are fewer."""
+    return sorted(random.SystemRandom().sample(range(maps), min(wanted, maps)))
+
+
+def _files(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> Iterator[tuple[Path, Checksum]]:
+    for shard in shards:
+        names = layout.names(shard.number)
+        yield from ((folder / names[what], part) for what, part in shard.files.items())

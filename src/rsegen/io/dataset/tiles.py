@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.field.metrics.batch import COLUMNS
-from rsegen.field.metrics.by_name import By, metric_by
+from rsegen.field.metrics.catalogue import By, metric_by
 from rsegen.field.robot_limits import RobotLimits
 from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.params.sorts import Choice, Integer
-from rsegen.recipe.kinds import kind_of_column
-from rsegen.recipe.tiles import amid
+from rsegen.recipe.tiles import amid, kind_of_column
 
 if TYPE_CHECKING:
     from rsegen.io.dataset.reading import Dataset

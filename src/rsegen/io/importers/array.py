@@ -9,9 +9,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import FileError
-from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
+from rsegen.io.importers.base import CENTIMETRES, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
 from rsegen.io.importers.measured import Measured
-from rsegen.io.importers.rounding import CENTIMETRES
 from rsegen.io.importers.table import centimetres
 from rsegen.io.npy_files import mapped
 from rsegen.params.sorts import Choice

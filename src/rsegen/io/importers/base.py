@@ -2,6 +2,8 @@
 
 A format is one file of this folder with one class: a frozen dataclass whose annotated fields are its options, under
 `@register`. Nothing else needs to know of it. Files come from strangers: nothing in them is trusted.
+
+How heights are rounded to whole units, how far, and when that is not what they are.
 """
 
 from __future__ import annotations
@@ -18,11 +20,117 @@ from rsegen.errors import FileError
 from rsegen.exporters.formats.base import FORMATS as WRITTEN
 from rsegen.exporters.formats.base import RESERVED
 from rsegen.field.stepfield import Array, Ints, Mask
-from rsegen.io.importers.rounding import Rounding, advice, are_not_blocks
 from rsegen.io.resources import refuse_many_heights
-from rsegen.params.contract import Contract, clash
-from rsegen.params.registry import Registry
-from rsegen.params.sorts import parameters, validate
+from rsegen.params.registry import Contract, Registry, clash
+from rsegen.params.sorts import CENTIMETRES as UNITS
+from rsegen.params.sorts import Cell, parameters, validate
+
+_MEASURED = 0.2
+"""Mean rounding error, in units, above which heights are not blocks of that unit; of random ones it is 0.25."""
+
+_HALFWAY = 0.4
+_MOST_HALFWAY = 0.05
+"""Of measured blocks fewer are so far from a whole unit, if every sixth of them is off by more than 0.2 units."""
+
+_NEAR = 0.12
+_VISIBLE_CM = 1e-3
+"""Rounding errors up to this are those of decimals, and are not reported."""
+
+CENTIMETRES = {name: UNITS[name] for name in ("cm", "mm", "m", "in")}
+"""Centimetres of what a file's numbers may be."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Rounding:
+    """How far heights were rounded: the largest error and its cell x, y, and the mean, in cm; how many were filled.
+
+    As text it is one line, empty if there is nothing to say.
+    """
+
+    largest_cm: float
+    cell: Cell
+    mean_cm: float
+    filled: int
+
+    @classmethod
+    def of(cls, errors_cm: Array, holes: Mask) -> Rounding:
+        """From the errors of all cells, shape (n_x, n_y), and those that were filled."""
+        errors = np.where(holes, 0, np.abs(errors_cm))
+        x, y = (int(at) for at in np.unravel_index(errors.argmax(), errors.shape))
+        mean = float(errors.sum() / max((~holes).sum(), 1))
+        return cls(largest_cm=float(errors[x, y]), cell=(x, y), mean_cm=mean, filled=int(holes.sum()))
+
+    def __str__(self) -> str:
+        x, y = self.cell
+        said = f"rounded by {self.mean_cm:.2g} cm in the mean, by {self.largest_cm:.2g} cm at most (x {x}, y {y})"
+        filled = f"{self.filled:,} hole{'s'[: self.filled > 1]} filled from the neighbours"
+        return "; ".join([said] * (self.largest_cm > _VISIBLE_CM) + [filled] * (self.filled > 0))
+
+
+def are_not_blocks(units: Array, levels: Ints) -> bool:
+    """Whether heights in units, not rounded, are too far from the whole ones for measured blocks of that unit."""
+    errors = np.abs(units - levels)
+    halfway = int((errors > _HALFWAY).sum())
+    lost = bool(units.max(initial=0) > 1e-3) and not levels.any()
+    return lost or float(errors.mean()) > _MEASURED or halfway > max(_MOST_HALFWAY * units.size, 1)
+
+
+def advice(heights_cm: Array, unit_cm: float) -> str:
+    """What heights [cm] may be that are no whole units: above another ground, or of another unit."""
+    heights = heights_cm[np.isfinite(heights_cm) & (heights_cm >= 0)]
+    if not heights.any():
+        return "give other values (cm, m, in, ...)"
+    lowest = float(heights.min())
+    if lowest > unit_cm / 4 and _are_near(heights - lowest, unit_cm):
+        return f"they are whole units above {lowest:.4g} cm: give datum_cm {lowest:.4g} if that is the ground"
+    found = _largest_step(heights)
+    if found is None:
+        return "give another unit_cm, other values (cm, m, in, ...), or rounded"
+    if abs(found / unit_cm - 1) < _NEAR:
+        return "they are nearly whole units: rounded takes the nearest"
+    may_be = {"levels": 1.0} if abs(found - 1) < 1e-6 else {}
+    may_be |= {name: factor for name, factor in CENTIMETRES.items() if 1 <= found * factor <= 150}
+    ways = (
+        f"values {name}" + (f" and unit_cm {found * factor:.4g}" if name != "levels" else "")
+        for name, factor in may_be.items()
+    )
+    return f"they are whole multiples of {found:.4g}: give {', or '.join(ways)}"
+
+
+def _largest_step(heights: Array) -> float | None:
+    """The largest length of which all heights are nearly whole multiples, if the blocks have up to ten levels."""
+    positive = heights[heights > heights.max() * 0.02]
+    lowest = float(np.quantile(positive, 0.1))
+    steps = (lowest / parts for parts in range(1, 5))
+    near = (step for step in steps if heights.max() / step < 10.5 and _are_near(heights, step))
+    step = next(near, None)
+    return None if step is None else float(np.median(positive / np.maximum(np.rint(positive / step), 1)))
+
+
+def _are_near(heights: Array, unit: float) -> bool:
+    units = heights / unit
+    return float(np.abs(units - np.rint(units)).mean()) < _NEAR
+
+
+def filled(heights: Array, holes: Mask) -> Array:
+    """Heights (n_x, n_y) with the median of its known neighbours in every hole, from the edge of a hole to its middle.
+
+    At least one cell has to be no hole.
+    """
+    found = np.where(holes, np.nan, heights)
+    missing = np.argwhere(holes)
+    while len(missing):
+        padded = np.pad(found, 1, constant_values=np.nan)
+        around = np.stack(
+            [padded[missing[:, 0] + i, missing[:, 1] + j] for i in range(3) for j in range(3) if (i, j) != (1, 1)]
+        )
+        known = ~np.isnan(around).all(axis=0)
+        ordered = np.sort(around[:, known], axis=0)  # nan last
+        middle = (np.count_nonzero(~np.isnan(ordered), axis=0) - 1) // 2
+        found[tuple(missing[known].T)] = np.take_along_axis(ordered, middle[None], axis=0)[0]
+        missing = missing[~known]
+    return found
+
 
 MOST_CELLS = 2**24
 """Cells of a file at most: 4096 x 4096."""

@@ -1,14 +1,31 @@
-"""Fits the levels of a map to the blocks that a lab has in stock."""
+"""Fits the levels of a map to the blocks that a lab has in stock.
+
+Arranges the blocks in stock under a largest step: as many of them as possible, near the field that was designed.
+
+How many blocks of each level a field can have whose neighbours differ by a limit at most, from the blocks in stock.
+
+With a_t the number of cells up to level t, c_t the blocks in stock of level t, and n(a) the cells that the first a
+cells of a fill order and their neighbours take up (field/fill_order.py), the counts are possible if and only if
+
+    a_t <= a_(t+1) <= a_t + c_(t+1),    n(a_t) <= a_(t+limit),    a of the highest level = all cells.
+
+All of it has the form "one is at least a rising function of another", so there is a least solution above given values,
+and a greatest one below: both are found by raising, or lowering, what is not right yet.
+
+Puts back blocks that other constraints left unused, wherever these are met with them too.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.stepfield import Ints, StepField
+from rsegen.field.obstacles.rearranged import cells_with_neighbours, fill_order, rearranged_like
+from rsegen.field.stepfield import Array, Ints, StepField
 
 Blocks = NDArray[np.int64]
 """Number of blocks in stock of each level; of level 0, which needs no block, more than enough."""
@@ -68,3 +85,108 @@ def _nearest(level: int, levels: int) -> list[int]:
     """All other levels, nearest first; of two that are equally near, the lower first."""
     pairs = ((level - apart, level + apart) for apart in range(1, levels))
     return [other for other in chain.from_iterable(pairs) if 0 <= other < levels]
+
+
+_Cumulative = NDArray[np.int64]
+
+
+class BlockCounts:
+    """The counts that are possible, from `owned` blocks of level 0, 1, ...; with_neighbours: n(m) for m = 0 .. all."""
+
+    def __init__(self, owned: Ints, limit: int, with_neighbours: Ints) -> None:
+        self._cells = len(with_neighbours) - 1
+        self._stock = np.minimum(np.concatenate([[0], owned[1:]]), self._cells).cumsum()
+        self._limit = limit
+        self._n = with_neighbours
+
+    def nearest(self, wished: Ints, blocks: int, lowest: Ints) -> Ints:
+        """Possible counts of level 0, 1, ... near `wished`, with at least so many `blocks`, or as many as possible.
+
+        lowest: for each level, the least number of cells that are no higher.
+        """
+        most = np.full(len(wished), self._cells)
+        most[0] = max(self._cells - blocks, self._least(lowest)[0])
+        wish = np.minimum(np.cumsum(wished), self._greatest(most))
+        return np.diff(self._least(np.maximum(wish, lowest)), prepend=0)
+
+    def _least(self, values: Ints) -> _Cumulative:
+        """The least solution above some values: with the fewest low blocks, so with the most blocks."""
+        least = np.asarray(values, dtype=np.int64).copy()
+        least[-1] = self._cells
+        while True:
+            before = least.copy()
+            least = np.maximum.accumulate(least)
+            least[self._limit :] = np.maximum(least[self._limit :], self._n[least[: -self._limit]])
+            least = self._stock + np.maximum.accumulate((least - self._stock)[::-1])[::-1]
+            if (least == before).all():
+                return np.asarray(least)
+
+    def _greatest(self, values: Ints) -> _Cumulative:
+        """The greatest solution below some values, above which there is one."""
+        greatest = values
+        while True:
+            before = greatest
+            greatest = np.minimum.accumulate(greatest[::-1])[::-1]
+            within = np.searchsorted(self._n, greatest[self._limit :], side="right") - 1
+            greatest[: -self._limit] = np.minimum(greatest[: -self._limit], within)
+            greatest = self._stock + np.minimum.accumulate(greatest - self._stock)
+            if (greatest == before).all():
+                return np.asarray(greatest)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Stock:
+    """Blocks of level 0, 1, ... in stock, and the largest step between neighbours that they are arranged under."""
+
+    owned: Blocks
+    limit: int
+
+    def arranged(
+        self, field: StepField, like: Array, rng: np.random.Generator, caps: Ints | None = None, empty: int = 0
+    ) -> Ints | None:
+        """Levels with about the counts of a field, as near to `like` as swaps bring them, and not above `caps`.
+
+        They use as many blocks as `like` has above 0, or as the stock and the limit allow. None if no such order is
+        found, which is so only with caps. empty: least number of cells of level 0.
+        """
+        there = ~field.frame
+        wished = np.bincount(field.levels[there], minlength=len(self.owned))
+        low = np.full(len(wished), min(empty, int(there.sum())))
+        if caps is not None:
+            low = np.maximum(low, np.bincount(caps[there].clip(0, len(low) - 1), minlength=len(low)).cumsum())
+        n = cells_with_neighbours(fill_order(there, like), there)
+        counts = BlockCounts(self.owned, self.limit, n).nearest(wished, int((like[there] > 0).sum()), low)
+        levels = np.full(field.shape, -1)
+        levels[there] = np.repeat(np.arange(len(counts)), counts)
+        found = rearranged_like(levels, self.limit, rng, like, caps)
+        return None if found is None else np.maximum(found, 0)
+
+
+_CHECKED_CELLS = 1_000_000
+"""Cells of all the fields that are tried: half a second of work at most."""
+
+
+def refilled(
+    field: StepField, blocks: int, like: Array, left: Blocks, is_met: Callable[[StepField], bool]
+) -> StepField:
+    """A field with blocks that are left on cells that are empty, up to so many blocks in all.
+
+    like: (n_x, n_y), the levels that are wished for: the highest of them are tried first, each with the nearest level
+    that is left, then with lower ones. is_met: whether a field meets all constraints; each field is tried alone.
+    """
+    left, tries = left.copy(), _CHECKED_CELLS // field.levels.size
+    empty = np.flatnonzero((field.levels == 0) & ~field.frame)
+    for cell in empty[np.argsort(-like.flat[empty], kind="stable")]:
+        if used(field) >= blocks:
+            break
+        owned = np.flatnonzero(left[1:] > 0) + 1
+        wished = [level for level in owned[::-1] if level <= max(like.flat[cell], owned.min(initial=1))]
+        for level in wished[:tries]:
+            tries -= 1
+            levels = field.levels.copy()
+            levels.flat[cell] = level
+            if is_met(tried := replace(field, levels=levels)):
+                field = tried
+                left[level] -= 1
+                break
+    return field

@@ -1,31 +1,189 @@
-"""`rsegen.drive`: robots driven over a map in a Gazebo server, and how far each got."""
+"""`rsegen.drive`: robots driven over a map in a Gazebo server, and how far each got.
+
+The result of a drive: what was driven, the metrics and trajectory of every robot, and the files of them.
+
+A picture of the trajectories of robots on the plan of a map.
+"""
 
 from __future__ import annotations
 
+import io
+import json
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path, PurePosixPath
 
 from rsegen.errors import ParameterError, shown
+from rsegen.exporters.pictures.plan import draw_plan
 from rsegen.exporters.scene import Scene
 from rsegen.params.sorts import Choice, Float, Integer
 from rsegen.params.streams import SEEDS, fresh_seed
-from rsegen.run.store import refuse_busy, refuse_not_a_folder, refuse_taken
-from rsegen.simulation.driving.contacts import contact_shares
-from rsegen.simulation.driving.drive_metrics import drive_metrics
-from rsegen.simulation.driving.drive_result import DrivenRobot, DriveResult
-from rsegen.simulation.driving.recording import DriveRecording, RobotRun, record_drive
+from rsegen.recipe.codec import map_json
+from rsegen.robots import from_file, is_robot_file, robot_of
+from rsegen.robots.base import LIMITS, DrivableRobot, Robot
+from rsegen.robots.drives import Tracks
+from rsegen.robots.links import Vector
+from rsegen.robots.sdf_file import SdfRobot
+from rsegen.run.store import refuse_busy, refuse_not_a_folder, refuse_taken, write_folder
+from rsegen.simulation.driving.drive_metrics import DriveMetrics, Trajectory, drive_metrics
+from rsegen.simulation.driving.recording import (
+    ContactSamples,
+    DriveRecording,
+    RobotRun,
+    contact_shares,
+    contacts_csv,
+    record_drive,
+)
 from rsegen.simulation.driving.robot_runs import ROUTES, driving_speed, finish_x, robot_runs
-from rsegen.simulation.driving.routes import Wandering
-from rsegen.simulation.robots import from_file, is_robot_file, robot_of
-from rsegen.simulation.robots.base import DrivableRobot, Robot
-from rsegen.simulation.robots.drives import Tracks
-from rsegen.simulation.robots.limits import LIMITS
-from rsegen.simulation.robots.sdf_file import SdfRobot
-from rsegen.simulation.robots.solids import Vector
+from rsegen.simulation.driving.routes import PlannedWay, Wandering
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.launching import choose_installation, has_screen
+from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.simulators.server import choose_installation, has_screen
 from rsegen.simulation.worlds import Target, world_of
+
+_RIM, _MARGIN = 0.1, 1.5
+"""Metres around the map that are drawn at least, and at most."""
+
+
+def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way: PlannedWay | None = None) -> bytes:
+    """A PNG: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over.
+
+    A planned way is a dashed line.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8, 8), dpi=100, layout="constrained")
+    axes = figure.subplots()
+    draw_plan(axes, scene)
+    if way:
+        axes.plot(*way.points.T, color="white", linewidth=3)
+        axes.plot(*way.points.T, color="black", linewidth=1.5, linestyle="--", label="planned way")
+    for number, (name, trajectory) in enumerate(trajectories.items()):
+        x, y = trajectory.rows[:, 1], trajectory.rows[:, 2]
+        colour = f"C{number % 10}"
+        axes.plot(x, y, color="white", linewidth=4)
+        axes.plot(x, y, color=colour, linewidth=2, label=name)
+        axes.plot(x[:1], y[:1], "o", color=colour, markersize=10, markerfacecolor="white", markeredgewidth=2)
+        axes.plot(
+            x[-1:], y[-1:], "X" if trajectory.has_tipped else "o", color=colour, markersize=9, markeredgecolor="white"
+        )
+    axes.set(xlim=_limits(scene.field.extent[0], trajectories, 1), ylim=_limits(scene.field.extent[1], trajectories, 2))
+    axes.legend(loc="upper right")
+    axes.set_title(f"{scene.name}: trajectories")
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png")
+    return stream.getvalue()
+
+
+def _limits(extent: float, trajectories: Mapping[str, Trajectory], column: int) -> tuple[float, float]:
+    """The limits of an axis: the map, and the trajectories near it."""
+    along = [trajectory.rows[:, column] for trajectory in trajectories.values()]
+    half, far = extent / 2 + _RIM, extent / 2 + _MARGIN
+    low, high = min(each.min() for each in along) - _RIM, max(each.max() for each in along) + _RIM
+    return max(min(low, -half), -far), min(max(high, half), far)
+
+
+_PARTS = 5
+"""The parts of a robot with the most contacts that are reported; drive.json has all."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class DrivenRobot:
+    """One robot of a drive: its name in the world, kind, start pose, metrics and trajectory."""
+
+    name: str
+    kind: str
+    start: Pose
+    metrics: DriveMetrics
+    trajectory: Trajectory
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class DriveResult:
+    """What `rsegen.drive` gives.
+
+    scene: the map; simulator: title and version; errors: the simulator's error lines; notes: what it does not give;
+    contact_samples: simulated seconds and the contacts at that time; way: the one that the robots followed, on that
+    route; image: a JPEG of Gazebo's own camera, empty without `picture`.
+    """
+
+    scene: Scene
+    simulator: str
+    route: str
+    seed: int
+    robots: tuple[DrivenRobot, ...]
+    errors: tuple[str, ...]
+    contact_samples: ContactSamples
+    notes: tuple[str, ...] = ()
+    way: PlannedWay | None = None
+    image: bytes = b""
+
+    def as_json(self) -> dict[str, object]:
+        """The content of drive.json, which `rsegen drive --json` prints."""
+        robots = [
+            {"name": each.name, "kind": each.kind, "start": asdict(each.start), **asdict(each.metrics)}
+            for each in self.robots
+        ]
+        return {
+            "map": self.scene.name,
+            "simulator": self.simulator,
+            "route": self.route,
+            "seed": self.seed,
+            **({"way": self.way.as_json()} if self.way else {}),
+            "robots": robots,
+            "errors": list(self.errors),
+            "notes": list(self.notes),
+        }
+
+    def report(self) -> Iterator[str]:
+        """What `rsegen drive` prints: a line per robot, its contacts, notes and warnings."""
+        yield f"{self.scene.name} in {self.simulator}, {self.route}, seed {self.seed}:"
+        if self.way:
+            yield f"  {_foreseen(self.way)}"
+        for robot in self.robots:
+            found = robot.metrics
+            crossed = "" if self.route == Wandering.name else _crossed(found)
+            tipped = f", tipped over {found.tipped}x" if found.tipped else ""
+            driven = f"{found.distance:.2f} m in {found.seconds:g} s"
+            yield f"  {robot.name}: {driven}{crossed}, stuck {found.stuck:g} s{tipped}"
+            if found.touched:
+                most = list(found.touched.items())[:_PARTS]
+                yield "    contacts of " + ", ".join(f"{part} {share:.0%}" for part, share in most)
+        yield from (f"note: {line}" for line in self.notes)
+        yield from (f"warning: {line}" for line in dict.fromkeys(self.errors))
+
+    def write(self, folder: str | Path, *, force: bool = False) -> None:
+        """Write trajectories, contacts, metrics and pictures into a folder; `force` replaces an earlier drive."""
+        write_folder(self._files(), Path(folder), "drive", force=force)
+
+    def _files(self) -> dict[PurePosixPath, list[bytes]]:
+        trajectories = {each.name: each.trajectory for each in self.robots}
+        files = {f"{name}.csv": _encoded(trajectory.csv()) for name, trajectory in trajectories.items()} | {
+            "contacts.csv": _encoded(contacts_csv(self.contact_samples, trajectories)),
+            "recipe.json": [map_json(self.scene.recipe, self.scene.index)],
+            "drive.json": [json.dumps(self.as_json(), indent=2).encode() + b"\n"],
+            "drive.png": [draw_trajectories(self.scene, trajectories, self.way)],
+        }
+        if self.way:
+            files["way.csv"] = _encoded(self.way.csv())
+        pictures = {"gazebo.jpg": [self.image]} if self.image else {}
+        return {PurePosixPath(name): content for name, content in (files | pictures).items()}
+
+
+def _foreseen(way: PlannedWay) -> str:
+    """What the metrics say of the way that the robots follow."""
+    said = {True: "; the robot can climb it", False: "; the robot cannot climb it", None: ""}
+    return f"the way across needs a step of {way.least_step * 100:g} cm{said[way.crosses]}"
+
+
+def _crossed(found: DriveMetrics) -> str:
+    return f", crossed the map after {found.crossed:g} s" if found.crossed is not None else ", did not cross the map"
+
+
+def _encoded(lines: Iterable[str]) -> list[bytes]:
+    return [line.encode() for line in lines]
+
 
 ROBOTS, DURATION, SEED, ROUTE = Integer(1, 100), Float(0.1, 1e5, unit="s"), Integer(0, SEEDS - 1), Choice(ROUTES)
 

@@ -1,15 +1,21 @@
-"""Routes: they give a speed and turn rate for a robot's pose, again and again."""
+"""Routes: they give a speed and turn rate for a robot's pose, again and again.
+
+The way across a map that the metrics find for a robot, as points that it can follow.
+"""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, radians, sin
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from rsegen.field.metrics.traversability import crossing, percolation_step
+from rsegen.field.robot_limits import RobotLimits
+from rsegen.field.stepfield import Array, StepField
 from rsegen.simulation.simulators.live_world import Pose
 
 
@@ -154,3 +160,42 @@ def _turned(angle: float) -> float:
 
 def _clipped(value: float, most: float) -> float:
     return max(-most, min(most, value))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class PlannedWay:
+    """The cheapest way from west to east; where there is none for the robot, the one whose highest step is least.
+
+    points: (n, 2), x and y in metres, from the ground west of the map to that east of it; crosses: whether the robot's
+    limits allow it, None if they are unknown; least_step: of all ways, the least highest step, metres
+    """
+
+    points: Array
+    crosses: bool | None
+    least_step: float
+
+    def __post_init__(self) -> None:
+        self.points.setflags(write=False)
+
+    def as_json(self) -> dict[str, object]:
+        """What drive.json has of it."""
+        return {"crosses": self.crosses, "least_step": round(self.least_step, 9)}
+
+    def csv(self) -> Iterator[str]:
+        """The lines of a CSV file."""
+        yield "x,y\n"
+        for x, y in self.points.tolist():
+            yield f"{x:.4f},{y:.4f}\n"
+
+
+def planned_way(field: StepField, width: float, limits: RobotLimits | None) -> PlannedWay:
+    """The way across a field for a robot of a width in metres, with these limits if they are known."""
+    least = percolation_step(field, width, 0)
+    found = crossing(field, limits, 0) if limits else None
+    path = found.path if found and found.crosses else crossing(field, RobotLimits.of(least, width), 0).path
+    half = np.array(field.extent) / 2
+    return PlannedWay(
+        points=(path + 0.5) * field.block_width - half,
+        crosses=found.crosses if found else None,
+        least_step=least,
+    )

@@ -6,15 +6,13 @@ import os
 from collections.abc import Sequence
 from dataclasses import replace
 
-from rsegen.field.spots import Footprint, Spot
+from rsegen.footprints import Footprint, Spot
 from rsegen.params.sorts import Float, Integer, ListOf
 from rsegen.params.streams import SEEDS, fresh_seed
-from rsegen.simulation.driving.footprints import footprint_of
-from rsegen.simulation.driving.robot_runs import spot_generator
-from rsegen.simulation.driving.start_poses import spots_on_map
-from rsegen.simulation.robots import robot_of
-from rsegen.simulation.robots.base import DrivableRobot
-from rsegen.simulation.robots.limits import SIDE
+from rsegen.robots import robot_of
+from rsegen.robots.base import SIDE, DrivableRobot
+from rsegen.robots.footprint import footprint_of
+from rsegen.simulation.driving.robot_runs import spot_generator, spots_on_map
 from rsegen.simulation.worlds import Target, world_of
 
 COUNT, SEED = Integer(1, 1000), Integer(0, SEEDS - 1)

@@ -16,7 +16,7 @@ from rsegen.io.recipe_file import content
 from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Text, parameters, validate
 from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.robots import ROBOTS
+from rsegen.robots import ROBOTS
 from rsegen.simulation.simulators import SIMULATORS
 
 PACES = ("real", "free", "beside", "camera", "window")

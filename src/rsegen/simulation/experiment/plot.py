@@ -8,10 +8,8 @@ from statistics import fmean, median
 from typing import TYPE_CHECKING, NamedTuple
 
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, ExperimentPlan
-from rsegen.simulation.experiment.published import published_figures
-from rsegen.simulation.experiment.report import row_label
+from rsegen.simulation.experiment.report import known, outcomes_of, published_figures, rested, row_label, rtf_limits
 from rsegen.simulation.experiment.results import Results
-from rsegen.simulation.experiment.summaries import known, outcomes_of, rested, rtf_limits
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

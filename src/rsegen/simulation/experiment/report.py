@@ -1,26 +1,124 @@
-"""The outcomes of an experiment as a Markdown page and CSV."""
+"""The outcomes of an experiment as a Markdown page and CSV.
+
+The figures that the paper published: real-time factor, CPU load and memory in GB, over three runs.
+
+Figures of several trials of a cell as one: medians, limits and means.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
-from statistics import median
+from math import pi, sqrt
+from statistics import fmean, median, stdev
+from typing import NamedTuple
 
-from rsegen.simulation.experiment.frames import SOURCES
-from rsegen.simulation.experiment.plan import IN_REAL_TIME, PACES, ExperimentPlan, TableRow
-from rsegen.simulation.experiment.published import COMPUTER, published_figures
+from rsegen.simulation.experiment.plan import IN_REAL_TIME, PACES, Cell, ExperimentPlan, TableRow
 from rsegen.simulation.experiment.results import Results
-from rsegen.simulation.experiment.summaries import (
-    known,
-    mean_of,
-    median_of,
-    outcomes_of,
-    rested,
-    rtf_limits,
-    standard_error,
-)
 from rsegen.simulation.experiment.trial import Outcome
+from rsegen.simulation.experiment.trial_server import SOURCES
 from rsegen.simulation.simulators import SIMULATORS
+
+
+class PublishedFigures(NamedTuple):
+    """A row of the paper's table 2, as printed."""
+
+    rtf: str
+    cpu: str
+    memory: str
+
+    @property
+    def rtf_limits(self) -> tuple[float, float]:
+        """The least and the most real-time factor."""
+        least, _, most = self.rtf.partition("-")
+        return float(least), float(most)
+
+
+class PublishedRow(NamedTuple):
+    """What the paper's maps and robots were."""
+
+    robot: str
+    robots: int
+    unit_cm: float
+    levels: int
+
+
+COMPUTER = "Ryzen 7 2700X, GeForce 1660, 16 GB"
+
+_CRAWLER = {
+    0: PublishedFigures("0.27-0.30", "26 %", "7.6 GB"),
+    10: PublishedFigures("0.26-0.29", "26 %", "7.6 GB"),
+    20: PublishedFigures("0.25-0.28", "26 %", "7.6 GB"),
+    40: PublishedFigures("0.25-0.28", "26 %", "7.7 GB"),
+    60: PublishedFigures("0.25-0.28", "26 %", "7.7 GB"),
+    80: PublishedFigures("0.24-0.28", "26 %", "7.7 GB"),
+}
+_BURGERS = {
+    0: PublishedFigures("0.98-1", "8 %", "0.8 GB"),
+    10: PublishedFigures("0.97-1", "8 %", "0.8 GB"),
+    20: PublishedFigures("0.97-1", "8 %", "0.8 GB"),
+    40: PublishedFigures("0.96-1", "8 %", "0.8 GB"),
+    60: PublishedFigures("0.95-1", "8 %", "0.8 GB"),
+    80: PublishedFigures("0.92-1", "8 %", "0.8 GB"),
+}
+
+FIGURES: Mapping[PublishedRow, Mapping[int, PublishedFigures]] = {
+    PublishedRow("crawler", 1, 10, 5): {size: _CRAWLER[size] for size in (0, 10, 20)},
+    PublishedRow("crawler", 1, 10, 10): {size: _CRAWLER[size] for size in (0, 40, 60, 80)},
+    PublishedRow("burger", 3, 1, 5): _BURGERS,
+}
+"""By robots and maps, and by the side of the map in blocks. Its tracked robot had an arm, five cameras and a lidar."""
+
+
+def published_figures(row: TableRow) -> Mapping[int, PublishedFigures]:
+    """The paper's figures for the robots and maps of a row, by size; it used Gazebo Classic, and plain random maps."""
+    if row.recipe or row.simulator == "sim":
+        return {}
+    return FIGURES.get(PublishedRow(row.robot, row.robots, row.unit_cm, row.max_height), {})
+
+
+RESTING = 0.5
+"""Robots rested in a cell if they were stuck for more than this share of the time, in the mean over robots and
+trials."""
+
+
+def outcomes_of(results: Results, row: int, size: int, pace: str) -> Sequence[Outcome]:
+    """The outcomes of a cell; none if it was not tried yet."""
+    return results.get(Cell(row=row, size=size, pace=pace), [])
+
+
+def known(outcomes: Iterable[Outcome], name: str) -> list[float]:
+    """A figure of those outcomes that have it."""
+    return [value for value in (getattr(one, name) for one in outcomes) if value is not None]
+
+
+def median_of(outcomes: Iterable[Outcome], name: str) -> float | None:
+    """The median of a figure of outcomes; None if none has it."""
+    found = known(outcomes, name)
+    return median(found) if found else None
+
+
+def mean_of(outcomes: Iterable[Outcome], name: str) -> float | None:
+    """The mean of a figure of outcomes; None if none has it."""
+    found = known(outcomes, name)
+    return fmean(found) if found else None
+
+
+def rtf_limits(outcomes: Sequence[Outcome]) -> tuple[float, float, float] | None:
+    """The least, the mean and the most real-time factor that were registered over all trials; None without any."""
+    least, mean, most = (known(outcomes, name) for name in ("rtf_min", "rtf", "rtf_max"))
+    return (min(least), fmean(mean), max(most)) if least and mean and most else None
+
+
+def standard_error(values: Sequence[float]) -> float:
+    """The standard error of the median of two or more values, if they are normally distributed."""
+    return sqrt(pi / 2 / len(values)) * stdev(values)
+
+
+def rested(outcomes: Sequence[Outcome]) -> bool:
+    """Whether the robots rested for most of the time."""
+    return (mean_of(outcomes, "stuck") or 0.0) > RESTING
+
 
 MARK = "†"
 """Of rows whose robots rested."""

@@ -15,16 +15,24 @@ from rsegen.io import recipe_file
 from rsegen.params.sorts import Json, Text
 from rsegen.run.journal import is_intact, read_errors, read_journal
 from rsegen.run.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
-from rsegen.simulation.experiment.frames import refuse_without_frames
 from rsegen.simulation.experiment.machine import description
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, load_plan, read_plan
 from rsegen.simulation.experiment.plot import plot
 from rsegen.simulation.experiment.report import report_page, trials_csv
-from rsegen.simulation.experiment.results import Results, entry, read_cell, read_entries, read_outcome, results_of
-from rsegen.simulation.experiment.tracks import track_files, track_names
+from rsegen.simulation.experiment.results import (
+    Results,
+    entry,
+    read_cell,
+    read_entries,
+    read_outcome,
+    results_of,
+    track_files,
+    track_names,
+)
 from rsegen.simulation.experiment.trial import Outcome, refuse_crowded, run_trial
+from rsegen.simulation.experiment.trial_server import refuse_without_frames
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.launching import choose_installation
+from rsegen.simulation.simulators.server import choose_installation
 
 HOLDS = "experiment"
 _LINE = Text(r".{0,4096}", "a line of at most 4096 letters")

@@ -17,8 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, TypeVar
 
-from rsegen.params.contract import Contract
-from rsegen.params.registry import Registry
+from rsegen.params.registry import Contract, Registry
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
 
 _MARKS = ("[Err]", "[error]", "Error [", "Error Code")
@@ -87,7 +86,7 @@ class Installation:
 
     @property
     def backend(self) -> str:
-        """The name of its message and plug-in types, one of `rsegen.simulation.robots.BACKENDS`."""
+        """The name of its message and plug-in types, one of `rsegen.robots.BACKENDS`."""
         return self.simulator.backend(self)
 
     def __str__(self) -> str:
@@ -136,7 +135,7 @@ class Simulator(ABC):
 
     @abstractmethod
     def backend(self, here: Installation) -> str:
-        """The name of its message and plug-in types, one of `rsegen.simulation.robots.BACKENDS`."""
+        """The name of its message and plug-in types, one of `rsegen.robots.BACKENDS`."""
 
     @abstractmethod
     def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:

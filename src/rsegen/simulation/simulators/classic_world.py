@@ -12,13 +12,10 @@ from statistics import fmean
 from typing import Any
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.robots.commands import Command
-from rsegen.simulation.simulators.classic_messages import CLASSIC
-from rsegen.simulation.simulators.classic_transport import TransportClient, transport_client
+from rsegen.robots.drives import Command
+from rsegen.simulation.simulators.classic_transport import CLASSIC, TransportClient, transport_client
 from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, model_name, wait_until
-from rsegen.simulation.simulators.model_messages import mesh_file
-from rsegen.simulation.simulators.pose_messages import is_nearer, pose_message, pose_of
-from rsegen.simulation.simulators.wire import parse_text
+from rsegen.simulation.simulators.wire import is_nearer, mesh_file, parse_text, pose_message, pose_of
 
 _DELIVERY_TIME = 0.03
 """Seconds that a message between two programs on one machine takes."""

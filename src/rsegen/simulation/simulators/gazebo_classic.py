@@ -1,4 +1,7 @@
-"""Gazebo Classic 11: gzserver, gzclient, and gazebo that starts both."""
+"""Gazebo Classic 11: gzserver, gzclient, and gazebo that starts both.
+
+The record of a Gazebo Classic server: where models were, to three digits, which is all that Gazebo writes.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +16,29 @@ from typing import ClassVar
 
 from rsegen.errors import ParameterError, shown
 from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest, Simulator, on_path, register
-from rsegen.simulation.simulators.classic_record import parse_record, record_options
 from rsegen.simulation.simulators.classic_world import classic_world
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
 from rsegen.simulation.simulators.process import command_output
+
+_STATE = re.compile(r"<sim_time>(\d+) (\d+)</sim_time>(.*?)</state>", re.DOTALL)
+_MODEL = re.compile(r"<model name='([^']+)'>\s*<pose>([^<]+)</pose>")
+
+
+def record_options(period: float) -> tuple[str, ...]:
+    """A server's options, that record a state as text every `period` seconds."""
+    return "--record_encoding", "txt", "--record_period", f"{period:g}"
+
+
+def parse_record(text: str) -> Record:
+    """The models of each recorded state."""
+    return [
+        (
+            int(seconds) + int(nanos) / 1e9,
+            {name: [float(number) for number in pose.split()] for name, pose in _MODEL.findall(models)},
+        )
+        for seconds, nanos, models in _STATE.findall(text)
+    ]
+
 
 SET_UP = Path(".cache", "rsegen", "gazebo-classic")
 """Where scripts/gazebo-classic sets it up, below the user's home."""

@@ -15,8 +15,7 @@ from typing import ClassVar
 from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest, Simulator, on_path, register
 from rsegen.simulation.simulators.live_world import LiveWorld
 from rsegen.simulation.simulators.process import command_output
-from rsegen.simulation.simulators.sim_contacts import with_contact_sensors
-from rsegen.simulation.simulators.sim_world import sim_world
+from rsegen.simulation.simulators.sim_world import sim_world, with_contact_sensors
 
 COMMANDS = (("gz", "sim"), ("ign", "gazebo"))
 """Program and verb. Programs of these names without the verb are Gazebo Classic's, or libsdformat's alone."""

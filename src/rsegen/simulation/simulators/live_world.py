@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.robots.commands import Command
+from rsegen.robots.drives import Command
 
 TIMEOUT = 20.0
 """Seconds in which a change that was ordered must be done."""
@@ -51,7 +51,7 @@ class Contact:
 class LiveWorld(ABC):
     """A world in a running simulator. SimulatorFailed if the simulator has ended or does not answer.
 
-    dialect: the name of its message and plug-in types, one of `rsegen.simulation.robots.BACKENDS`.
+    dialect: the name of its message and plug-in types, one of `rsegen.robots.BACKENDS`.
     """
 
     backend: str

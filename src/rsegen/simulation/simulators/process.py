@@ -7,16 +7,23 @@ r"""Programs in sessions of their own, which end with all that they have started
 There is one way to end a program: the pipe closes, and the watch ends the program's session. The program is started by
 a shell that names itself to the watch through the same pipe before it becomes the program, so there is no moment in
 which anything runs that the watch will not end.
+
+What a program prints, in two files: a simulator writes stdout in blocks, which would cut lines of stderr in one.
+
+Error lines that are passed on once each: an old Gazebo Sim prints some at every step.
 """
 
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -124,3 +131,105 @@ def _closed_at_end(watch: subprocess.Popen[str]) -> Iterator[None]:
         if watch.stdin:
             watch.stdin.close()
         watch.wait()
+
+
+PAUSE = 0.1
+"""Seconds between two looks into the files."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class OutputFiles:
+    """The files in a folder that hold stdout and stderr of a program."""
+
+    folder: Path
+
+    @property
+    def paths(self) -> tuple[Path, Path]:
+        """The file of stdout and that of stderr."""
+        return self.folder / "stdout", self.folder / "stderr"
+
+    @property
+    def text(self) -> str:
+        """What has been printed until now: stdout, perhaps to the middle of a line, then stderr from a new line on."""
+        return "\n".join(path.read_text(errors="replace") for path in self.paths)
+
+    @contextmanager
+    def running(self, launch: LaunchCommand) -> Iterator[RunningProgram]:
+        """A program that prints into these files, and is ended when this ends."""
+        output, errors = self.paths
+        with output.open("w") as out, errors.open("w") as err, running(launch, out, err) as program:
+            yield program
+
+    def lines(self, goes_on: Callable[[], bool]) -> Iterator[str]:
+        """The lines of both files as they are written, as long as their program goes on."""
+        with ExitStack() as stack:
+            readers = [_Reader(stack.enter_context(path.open(errors="replace"))) for path in self.paths]
+            more = True
+            while more:
+                more = goes_on()
+                for reader in readers:
+                    yield from reader.whole_lines()
+                time.sleep(PAUSE if more else 0)
+            yield from (reader.rest for reader in readers)
+
+
+class _Reader:
+    """Reads a file that is being written; `rest` is the line that has no end yet."""
+
+    def __init__(self, file: IO[str]) -> None:
+        self._file = file
+        self.rest = ""
+
+    def whole_lines(self) -> list[str]:
+        """The lines that have been written since the last call."""
+        *whole, self.rest = (self.rest + self._file.read()).split("\n")
+        return whole
+
+
+_NUMBER = re.compile(r"(?<!\w)[-+]?\d[\d.:]*(?:e[-+]?\d+)?(?!\w)")
+"""A number that stands alone, as an id or a time does; those in names such as rse_0001.obj do not."""
+
+
+class ErrorRelay:
+    """Passes on the first of all error lines that differ in numbers alone, and counts them."""
+
+    def __init__(self, on_error: Callable[[str], None]) -> None:
+        self._on_error = on_error
+        self._first: dict[str, str] = {}
+        self._counts: Counter[str] = Counter()
+
+    @property
+    def first(self) -> str | None:
+        """The first line that was passed on."""
+        return next(iter(self._first.values()), None)
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """Every line that was passed on, with the count of its like if there are several."""
+        return tuple(_with_count(line, self._counts[kind]) for kind, line in self._first.items())
+
+    def add(self, line: str) -> None:
+        """Count a line, and pass it on if it is the first of its kind."""
+        kind = _NUMBER.sub("#", line)
+        self._counts[kind] += 1
+        if kind not in self._first:
+            self._first[kind] = line
+            self._on_error(line)
+
+    def finish(self) -> None:
+        """Pass on every line that has come more than once again, with its count."""
+        for kind, line in self._first.items():
+            if self._counts[kind] > 1:
+                self._on_error(_with_count(line, self._counts[kind]))
+
+
+def counted(lines: Iterable[str]) -> tuple[str, ...]:
+    """The first of all lines that differ in numbers alone, each with the count of its like if there are several."""
+    relay = ErrorRelay(lambda _: None)
+    for line in lines:
+        relay.add(line)
+    return relay.lines
+
+
+def _with_count(line: str, count: int) -> str:
+    return f"{line} ({count} times)" if count > 1 else line

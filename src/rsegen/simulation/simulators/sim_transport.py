@@ -1,4 +1,4 @@
-r"""A client of Gazebo Sim's transport: topics over ZeroMQ's PUB and SUB, services over its ROUTER.
+"""A client of Gazebo Sim's transport: topics over ZeroMQ's PUB and SUB, services over its ROUTER.
 
     rsegen SUB    <--messages--  each publisher of a topic that discovery has found
     rsegen XPUB   --messages-->  each subscriber of ours; it tells us what it has subscribed to
@@ -6,34 +6,268 @@ r"""A client of Gazebo Sim's transport: topics over ZeroMQ's PUB and SUB, servic
 
 One thread owns all sockets; others hand it what is to be sent. The protocol is that of Gazebo Transport since
 Fortress (version 10 of discovery), so neither Gazebo nor its Python bindings need to be installed.
+
+The message types of Gazebo Sim that rsegen sends and receives; they are the same in all versions since Fortress.
+
+The ZeroMQ sockets of a client of Gazebo Sim's transport.
+
+Discovery of Gazebo Sim's transport: who publishes a topic or offers a service, told by UDP multicast.
+
+    rsegen --SUBSCRIBE topic--> all programs        a program that has the topic answers ADVERTISE, with its address
+    rsegen --ADVERTISE topic--> all programs        a program that wants the topic connects to our address
+    rsegen --NEW_CONNECTION---> the publisher       only then it sends its messages to others than itself
+    all    --HEARTBEAT--------> all programs        each second; who is silent for three is gone
+
+Topics and services have a port each. A message is preceded by its length in two bytes.
 """
 
 from __future__ import annotations
 
 import socket
+import struct
 import threading
 import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from enum import IntEnum
 from functools import partial
 from queue import SimpleQueue
 from typing import Any
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators.inbox import Inbox
-from rsegen.simulation.simulators.sim_discovery import (
-    HEARTBEAT_PERIOD,
-    SERVICES,
-    TOPICS,
-    Discovery,
-    Event,
-    interfaces,
-    partition_of,
+from rsegen.simulation.simulators.wire import NO_MESSAGE, Message, MessageTypes
+
+SIM = MessageTypes(
+    {
+        "Time": {"sec": (1, int), "nsec": (2, int)},
+        "Header": {"stamp": (1, "Time")},
+        "Vector3d": {"x": (2, float), "y": (3, float), "z": (4, float)},
+        "Quaternion": {"x": (2, float), "y": (3, float), "z": (4, float), "w": (5, float)},
+        "Pose": {
+            "header": (1, "Header"),
+            "name": (2, str),
+            "id": (3, int),
+            "position": (4, "Vector3d"),
+            "orientation": (5, "Quaternion"),
+        },
+        "Pose_V": {"header": (1, "Header"), "pose": (2, "Pose[]")},
+        "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
+        "Double": {"data": (2, float)},
+        "Boolean": {"data": (2, bool)},
+        "Empty": {},
+        "StringMsg_V": {"data": (2, "text[]")},
+        "Entity": {"id": (2, int), "name": (3, str), "type": (4, int)},
+        "EntityFactory": {"sdf": (2, str), "pose": (7, "Pose"), "name": (8, str), "allow_renaming": (9, bool)},
+        "Contact": {"collision1": (2, "Entity"), "collision2": (3, "Entity"), "position": (4, "Vector3d[]")},
+        "Contacts": {"header": (1, "Header"), "contact": (2, "bytes[]")},
+        "Mesh": {"filename": (2, str)},
+        "Geometry": {"mesh": (9, "Mesh")},
+        "Visual": {"geometry": (10, "Geometry")},
+        "Link": {"visual": (11, "Visual[]")},
+        "Model": {"name": (2, str), "id": (3, int), "pose": (5, "Pose"), "link": (7, "Link[]")},
+        "Scene": {"name": (2, str), "model": (9, "Model[]")},
+        "WorldControl": {"pause": (2, bool), "step": (3, bool), "multi_step": (4, int)},
+        "WorldStatistics": {
+            "sim_time": (2, "Time"),
+            "real_time": (4, "Time"),
+            "paused": (5, bool),
+            "iterations": (6, int),
+        },
+        "Subscriber": {"topic": (1, str)},
+        "MessagePublisher": {"ctrl": (1, str), "msg_type": (2, str)},
+        "ServicePublisher": {"socket_id": (1, str), "request_type": (2, str), "response_type": (3, str)},
+        "Publisher": {
+            "topic": (1, str),
+            "address": (2, str),
+            "process_uuid": (3, str),
+            "node_uuid": (4, str),
+            "scope": (5, int),
+            "msg_pub": (6, "MessagePublisher"),
+            "srv_pub": (7, "ServicePublisher"),
+        },
+        "Discovery": {
+            "version": (2, int),
+            "process_uuid": (3, str),
+            "type": (4, int),
+            "sub": (6, "Subscriber"),
+            "pub": (7, "Publisher"),
+        },
+    }
 )
-from rsegen.simulation.simulators.sim_messages import SIM
-from rsegen.simulation.simulators.sim_sockets import Sockets
-from rsegen.simulation.simulators.wire import NO_MESSAGE, Message
+
+
+def nanoseconds(time: Mapping[str, int] | None) -> int:
+    """A message Time; 0 if there is none, as of a message whose time is 0."""
+    return (time or {}).get("sec", 0) * 10**9 + (time or {}).get("nsec", 0)
+
+
+class Sockets:
+    """Sockets for topics (subscriber, publisher) and services (requester, responder), bound at a host's free ports."""
+
+    def __init__(self, host: str, process: str) -> None:
+        import zmq
+
+        self._zmq = zmq
+        self._context = zmq.Context()
+        self._connected: set[str] = set()
+        self.Error = zmq.ZMQError
+        self.subscriber = self._context.socket(zmq.SUB)
+        self.subscriber.setsockopt(zmq.RCVHWM, 0)
+        self.publisher = self._context.socket(zmq.XPUB)
+        self.requester, self.responder = (self._context.socket(zmq.ROUTER) for _ in range(2))
+        self.requester.setsockopt(zmq.ROUTER_MANDATORY, 1)
+        self.responder.setsockopt(zmq.ROUTING_ID, process.encode())
+        for each in self.all:
+            each.setsockopt(zmq.LINGER, 0)
+        self.publisher_address, self.responder_address = (
+            self._bound(each, host) for each in (self.publisher, self.responder)
+        )
+
+    @property
+    def all(self) -> tuple[Any, ...]:
+        """All of them."""
+        return self.subscriber, self.publisher, self.requester, self.responder
+
+    def subscribe(self, topic: str) -> None:
+        """Have the messages of a topic, by its full name, from all publishers that are connected."""
+        self.subscriber.setsockopt(self._zmq.SUBSCRIBE, topic.encode())
+
+    def connect(self, own: Any, address: str) -> None:
+        """Connect one of them to an address, once."""
+        if address not in self._connected:
+            self._connected.add(address)
+            own.connect(address)
+
+    def poller(self, *others: Any) -> Any:
+        """A poller of those that receive, and of other sockets."""
+        poller = self._zmq.Poller()
+        for each in (self.subscriber, self.publisher, self.responder, *others):
+            poller.register(each, self._zmq.POLLIN)
+        return poller
+
+    def close(self) -> None:
+        """Close them."""
+        for each in self.all:
+            each.close()
+        self._context.term()
+
+    def _bound(self, own: Any, host: str) -> str:
+        own.bind(f"tcp://{host}:*")
+        return str(own.getsockopt(self._zmq.LAST_ENDPOINT).rstrip(b"\0").decode())
+
+
+HEARTBEAT_PERIOD = 1.0
+"""Seconds."""
+
+TOPICS, SERVICES = "MSG", "SRV"
+"""The two sorts of what is discovered, as in the names of variables."""
+
+_PORTS = {TOPICS: 10317, SERVICES: 10318}
+_GROUP = "239.255.0.7"
+_WIRE_VERSION = 10
+_EVERYWHERE = 2
+"""The scope of a topic that all computers may know."""
+
+
+class Event(IntEnum):
+    """The types of a discovery message."""
+
+    ADVERTISE = 1
+    SUBSCRIBE = 2
+    UNADVERTISE = 3
+    HEARTBEAT = 4
+    BYE = 5
+    NEW_CONNECTION = 6
+    END_CONNECTION = 7
+
+
+class Discovery:
+    """The sockets of discovery of topics or of services, at the addresses that a user's environment variables give."""
+
+    def __init__(self, sort: str, process: str, environment: Mapping[str, str]) -> None:
+        self._process = process
+        self._group = _variable(environment, "DISCOVERY_MULTICAST_IP") or _GROUP
+        self._port = int(_variable(environment, f"DISCOVERY_{sort}_PORT") or _PORTS[sort])
+        self._relays = [each for each in _variable(environment, "RELAY").split(":") if each]
+        self._senders: list[socket.socket] = []
+        self.receiver = _udp()
+        try:
+            self._join(interfaces(environment))
+        except OSError as error:
+            self.close()
+            raise SimulatorFailed(f"Gazebo Sim: no multicast on this computer ({error.strerror or error})") from None
+
+    def send(self, event: Event, **content: Message) -> None:
+        """Send a message to all programs; `content`: sub or pub."""
+        found = {"version": _WIRE_VERSION, "process_uuid": self._process, "type": event, **content}
+        if "pub" in found:
+            found["pub"] = {"process_uuid": self._process, "scope": _EVERYWHERE, **content["pub"]}
+        message = SIM.encode("Discovery", found)
+        for sender in self._senders:
+            for host in (self._group, *self._relays):
+                with suppress(OSError):  # an interface that is down
+                    sender.sendto(struct.pack("<H", len(message)) + message, (host, self._port))
+
+    def receive(self) -> dict[str, Any] | None:
+        """The next message of another program of our version; None if it is something else."""
+        with suppress(OSError, KeyError, *NO_MESSAGE):
+            content = self.receiver.recv(2**16)
+            if struct.unpack_from("<H", content)[0] == len(content) - 2:
+                message = SIM.decode("Discovery", content[2:])
+                if message.get("version") == _WIRE_VERSION and message["process_uuid"] != self._process:
+                    return message
+        return None
+
+    def close(self) -> None:
+        """Close the sockets."""
+        for each in (self.receiver, *self._senders):
+            each.close()
+
+    def _join(self, addresses: list[str]) -> None:
+        for option in (socket.SO_REUSEADDR, getattr(socket, "SO_REUSEPORT", socket.SO_REUSEADDR)):
+            self.receiver.setsockopt(socket.SOL_SOCKET, option, 1)
+        self.receiver.bind(("", self._port))
+        self.receiver.settimeout(0)
+        for address in addresses:
+            membership = socket.inet_aton(self._group) + socket.inet_aton(address)
+            with suppress(OSError):  # an interface without multicast
+                self.receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+                sender = _udp()
+                self._senders.append(sender)
+                sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(address))
+
+
+def interfaces(environment: Mapping[str, str]) -> list[str]:
+    """The addresses of this computer that messages go by: that of GZ_IP or IGN_IP, else all, 127.0.0.1 last."""
+    given = _variable(environment, "IP")
+    return [given] if given else sorted(set(_addresses()) | {"127.0.0.1"}, key=lambda each: each.startswith("127."))
+
+
+def partition_of(environment: Mapping[str, str]) -> str:
+    """The name that keeps simulations apart, by default that of the computer and the user."""
+    import getpass
+
+    given = _variable(environment, "PARTITION")
+    return given or f"{socket.gethostname()}:{environment.get('USER') or getpass.getuser()}"
+
+
+def _variable(environment: Mapping[str, str], name: str) -> str:
+    """A variable by its name since Garden, else by that of before."""
+    return environment.get(f"GZ_{name}") or environment.get(f"IGN_{name}") or ""
+
+
+def _addresses() -> Iterator[str]:
+    import psutil
+
+    for found in psutil.net_if_addrs().values():
+        yield from (each.address for each in found if each.family == socket.AF_INET)
+
+
+def _udp() -> socket.socket:
+    return socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+
 
 TIMEOUT = 20.0
 """Seconds for an answer."""

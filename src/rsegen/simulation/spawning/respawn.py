@@ -1,4 +1,7 @@
-"""`rsegen.respawn`: the map of a running simulation replaced by another one, at the same pose."""
+"""`rsegen.respawn`: the map of a running simulation replaced by another one, at the same pose.
+
+`rsegen.remove`: models deleted from the running simulation.
+"""
 
 from __future__ import annotations
 
@@ -9,17 +12,22 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from rsegen.errors import ParameterError, shown
+from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
-from rsegen.io.dataset.map_reference import recipe_in
-from rsegen.io.targets import recipe_files
+from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.recipe.recipe import Recipe
 from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.spawning.map_models import MapModel, known_recipes, map_model, map_of, maps_in
-from rsegen.simulation.spawning.spawned_map import SpawnedMap
-from rsegen.simulation.spawning.spawning import spawn_map
+from rsegen.simulation.spawning.spawning import (
+    MapModel,
+    SpawnedMap,
+    known_recipes,
+    map_model,
+    map_of,
+    maps_in,
+    spawn_map,
+)
 from rsegen.simulation.worlds import Target
 
 
@@ -120,3 +128,29 @@ def _index(recipe: Recipe, name: str) -> int | None:
 def _field(recipe: Recipe, name: str) -> StepField:
     """The blocks of a map whose folder is unknown: those that the recipe gives for its index."""
     return compose(recipe, _index(recipe, name) or recipe.first_map).field
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RemoveResult:
+    """What `rsegen.remove` gives: the names of the deleted models, and the simulator's."""
+
+    removed: tuple[str, ...]
+    simulator: str
+
+
+def remove(*names: str, simulator: str | None = None) -> RemoveResult:
+    """Delete maps, robots and other models from the running simulation; none of them if one does not exist.
+
+    simulator: by default whichever runs. UnknownName lists the models if one does not exist.
+    """
+    if not names:
+        raise ParameterError("names", "nothing is given; give the names of models in the simulation")
+    unique = tuple(dict.fromkeys(names))
+    with connected(simulator) as (running, live):
+        models = live.poses()
+        for name in unique:
+            if name not in models:
+                raise UnknownName.among("", "model", name, models)
+        for name in unique:
+            live.delete(name)
+    return RemoveResult(removed=unique, simulator=running.name)

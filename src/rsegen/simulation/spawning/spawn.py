@@ -16,15 +16,25 @@ from rsegen.params.sorts import Float, parameters
 from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.driving.footprints import footprint_of
-from rsegen.simulation.driving.start_poses import DROP_HEIGHT, spots_on_map
-from rsegen.simulation.robots import ROBOTS, Robot, SdfRobot, from_file, is_robot_file
+from rsegen.robots import ROBOTS, Robot, SdfRobot, from_file, is_robot_file
+from rsegen.robots.footprint import footprint_of
+from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, spots_on_map
 from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
-from rsegen.simulation.spawning.map_models import MapModel, known_maps, map_of, unknown_maps
-from rsegen.simulation.spawning.placement import Rectangle, free_rectangle
-from rsegen.simulation.spawning.spawned_map import SpawnedMap
-from rsegen.simulation.spawning.spawning import GROUND, RADIUS, at_free_place, occupied, spawn_map
+from rsegen.simulation.spawning.spawning import (
+    GROUND,
+    RADIUS,
+    MapModel,
+    Rectangle,
+    SpawnedMap,
+    at_free_place,
+    free_rectangle,
+    known_maps,
+    map_of,
+    occupied,
+    spawn_map,
+    unknown_maps,
+)
 from rsegen.simulation.worlds import Target
 
 METRES = Float(-1e6, 1e6)

@@ -1,17 +1,113 @@
-"""Maps put into a running simulation so that no model ends up inside a block."""
+"""Maps put into a running simulation so that no model ends up inside a block.
+
+Maps as models for a running simulation, in folders from which the simulator reads meshes as long as it runs.
+
+A map in a simulation: the ground that it covers, and its height under a model.
+
+Free ground for a new model in a simulation.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
-from math import hypot
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import chain, count, product
+from math import cos, floor, hypot, sin
+from pathlib import Path
+from typing import NamedTuple
 
-from rsegen.simulation.driving.start_poses import DROP_HEIGHT
-from rsegen.simulation.robots import ROBOTS
+from rsegen.errors import OutputError, ParameterError, RsegenError
+from rsegen.exporters.scene import Scene, compose
+from rsegen.field.stepfield import StepField
+from rsegen.io.input_files import text_of
+from rsegen.io.recipe_file import load
+from rsegen.io.resources import refuse_too_large
+from rsegen.io.targets import found, map_index, recipe_files, recipe_in
+from rsegen.recipe.recipe import Recipe
+from rsegen.robots import ROBOTS
+from rsegen.simulation.driving.robot_runs import DROP_HEIGHT
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
-from rsegen.simulation.spawning.placement import Rectangle, free_rectangle
-from rsegen.simulation.spawning.spawned_map import SpawnedMap
+from rsegen.simulation.worlds import Target, write_world
+
+GAP = 0.5
+"""Metres between a new model and those that are there."""
+
+
+class Rectangle(NamedTuple):
+    """An axis-aligned rectangle: its centre, and half of its length and width, metres."""
+
+    x: float
+    y: float
+    half_x: float = 0.0
+    half_y: float = 0.0
+
+    def is_clear_of(self, other: Rectangle) -> bool:
+        """Whether there is a gap between both."""
+        return (
+            abs(self.x - other.x) > self.half_x + other.half_x + GAP - 1e-3
+            or abs(self.y - other.y) > self.half_y + other.half_y + GAP - 1e-3
+        )
+
+
+def free_rectangle(half_x: float, half_y: float, occupied: Sequence[Rectangle]) -> Rectangle:
+    """The rectangle nearest to the origin, on a grid around it, that is clear of all taken ones."""
+    run_trial = (
+        Rectangle(round(i * (2 * half_x + GAP), 3), round(j * (2 * half_y + GAP), 3), half_x, half_y)
+        for i, j in chain.from_iterable(map(_ring, count()))
+    )
+    return next(place for place in run_trial if all(map(place.is_clear_of, occupied)))
+
+
+def _ring(number: int) -> Iterator[tuple[int, int]]:
+    """The cells of a grid around the origin, the nearest first; east and north before west and south."""
+    line = range(-number, number + 1)
+    cells = (cell for cell in product(line, line) if max(map(abs, cell)) == number)
+    return iter(sorted(cells, key=lambda cell: (hypot(*cell), -cell[0], -cell[1])))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SpawnedMap:
+    """A map under its name in the simulation, and the pose of its centre; it is upright."""
+
+    name: str
+    field: StepField
+    at: Pose
+
+    @property
+    def rectangle(self) -> Rectangle:
+        """The smallest axis-aligned rectangle around it."""
+        (x, y), c, s = self.field.extent, abs(cos(self.at.yaw)), abs(sin(self.at.yaw))
+        return Rectangle(self.at.x, self.at.y, (x * c + y * s) / 2, (x * s + y * c) / 2)
+
+    def covers(self, at: Pose, reach: float) -> bool:
+        """Whether a model at a pose, with this radius, is above the map."""
+        return all(abs(x) <= along / 2 + reach for x, along in zip(self._seen(at), self.field.extent, strict=True))
+
+    def top(self, at: Pose, reach: float = 0.0) -> float:
+        """The z of the highest block within a radius of a pose; of the ground if there is no block."""
+        along_x, along_y = (self._cells(axis, x, reach) for axis, x in enumerate(self._seen(at)))
+        return self.at.z + float(self.field.heights[along_x, along_y].max(initial=0.0))
+
+    def outside(self, x: float, y: float) -> tuple[float, float]:
+        """The place in the world of one in the map's own axes, from its middle."""
+        c, s = cos(self.at.yaw), sin(self.at.yaw)
+        return self.at.x + x * c - y * s, self.at.y + x * s + y * c
+
+    def _cells(self, axis: int, x: float, reach: float) -> slice:
+        """Along an axis, those within a reach of a place in the map's own axes."""
+        from_edge = x + self.field.extent[axis] / 2
+        first, last = (floor((from_edge + side) / self.field.block_width) for side in (-reach, reach))
+        return slice(max(first, 0), max(last + 1, 0))
+
+    def _seen(self, at: Pose) -> tuple[float, float]:
+        """A place in the map's own axes, from its middle."""
+        x, y, c, s = at.x - self.at.x, at.y - self.at.y, cos(self.at.yaw), sin(self.at.yaw)
+        return x * c + y * s, y * c - x * s
+
 
 GROUND = "ground_plane"
 """The name of the ground in Gazebo's worlds, on which everything may be placed."""
@@ -73,3 +169,118 @@ def _raise_models(live: LiveWorld, new: SpawnedMap, old: SpawnedMap | None) -> t
         above = max(at.z - (old.top(at) if old else new.at.z), 0.0)
         live.move(name, Pose(x=at.x, y=at.y, z=new.top(at, model_radius(name)) + above + DROP_HEIGHT, yaw=at.yaw))
     return tuple(found)
+
+
+_MOST_MIB = 512
+
+_MODEL_FILE = "model.sdf"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapModel:
+    """The recipe of one map alone, its folder, which need not exist yet, and its scene if a caller gave one."""
+
+    recipe: Recipe
+    folder: Path
+    made_of: Scene | None = None
+
+    @property
+    def name(self) -> str:
+        """The map's name."""
+        return self.folder.name
+
+    @property
+    def field(self) -> StepField:
+        """The map's blocks."""
+        return self.scene.field
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The map's scene; TooLarge if it does not fit into memory."""
+        if self.made_of:
+            return self.made_of
+        refuse_too_large(self.recipe)
+        return compose(self.recipe, self.recipe.first_map)
+
+    def check_spawnable(self) -> None:
+        """Raise a ParameterError if this cannot be spawned as one model."""
+        if self.recipe.mesh_type != "single":
+            problem = f"{self.recipe.mesh_type} makes a map of many models; only single can be spawned"
+            raise ParameterError("mesh_type", problem)
+
+    def sdf(self, name: str) -> str:
+        """Its model file under a name, with absolute paths of meshes; the map is written first if it does not exist."""
+        if not self.folder.is_dir():
+            write_world(self.scene, self.folder.parent)
+        file = self.folder / _MODEL_FILE
+        text = text_of(file, _MOST_MIB, "a model")
+        renamed = text.replace(f'<model name="{self.name}">', f'<model name="{name}">', 1)
+        return renamed.replace(f"model://{self.name}/", f"{self.folder.resolve()}/")
+
+
+def map_model(recipe: Recipe, index: int, output: Path, scene: Scene | None = None) -> MapModel:
+    """A map of a recipe in an output folder; OutputError if a different map of its name exists there."""
+    one = MapModel(recipe=recipe.alone(index), folder=output / recipe.map_name(index), made_of=scene)
+    if one.folder.exists() and _recipe_in(one.folder) != one.recipe:
+        advice = "give that folder to spawn it as it is, or another output folder, or the recipe a seed"
+        raise OutputError(f"{one.folder}: exists already and is a different map; {advice}")
+    return one
+
+
+def map_of(target: Target, which: int | str | None, output: Path) -> MapModel:
+    """The map of a target, by index or name, by default the first; one of a recipe goes into the output folder."""
+    if isinstance(target, Scene):
+        return map_model(target.recipe, target.index, output, target)
+    if isinstance(target, Recipe):
+        return map_model(target, map_index(target, which), output)
+    path = os.fspath(target)
+    file, recipe, index = found(path, None if which is None else str(which), "map")
+    if os.path.isdir(path):
+        return MapModel(recipe=recipe.alone(index), folder=file.parent)
+    return map_model(recipe, index, output)
+
+
+def maps_in(folder: str) -> list[MapModel]:
+    """Every map in a folder, or the map whose folder it is."""
+    return [MapModel(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(folder)]
+
+
+def known_recipes(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> dict[str, Recipe]:
+    """The recipes of the maps in a simulation by their names, where known: they are in the folder of the mesh, or in a
+    folder of the map's name in one of `homes`.
+    """
+    meshes, homes = live.mesh_files(), list(homes)
+    found = {}
+    for name in poses:
+        mesh = Path(meshes.get(name, ""))
+        folders = [mesh.parents[1]] if mesh.is_absolute() and len(mesh.parts) > 3 else []
+        folders += [home / name for home in homes if _is_map_name(name)]
+        if recipe := next(filter(None, map(_recipe_in, folders)), None):
+            found[name] = recipe
+    return found
+
+
+def known_maps(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> list[SpawnedMap]:
+    """Of the models in a simulation, the maps whose recipe is known."""
+    found = known_recipes(live, poses, homes)
+    return [
+        SpawnedMap(name=name, field=compose(recipe, recipe.first_map).field, at=poses[name])
+        for name, recipe in found.items()
+    ]
+
+
+def unknown_maps(poses: Mapping[str, Pose], known: Iterable[SpawnedMap]) -> list[str]:
+    """The names of the models in a simulation that are called like maps, and are none of these."""
+    names = {each.name for each in known}
+    return [name for name in poses if _is_map_name(name) and name not in names]
+
+
+def _is_map_name(name: str) -> bool:
+    return re.fullmatch(r"[\w-]+_\d{4,}", name) is not None
+
+
+def _recipe_in(folder: Path) -> Recipe | None:
+    try:
+        return load(folder / "recipe.json")
+    except RsegenError:
+        return None

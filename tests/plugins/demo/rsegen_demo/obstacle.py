@@ -7,8 +7,7 @@ from typing import Annotated, ClassVar
 
 from rsegen.field.obstacles.base import Grid, Shaped
 from rsegen.field.stepfield import Array
-from rsegen.params.places import Cell
-from rsegen.params.sorts import Integer
+from rsegen.params.sorts import Cell, Integer
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -1,0 +1,206 @@
+"""A scan from above with the grid that was found in it, beside how far each top is from its level.
+
+What is built wrong, as a plan for the person with the mallet.
+
+How far heights were rounded to the levels of a map, cell by cell, as a picture.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.pictures.plan import LEGIBLE, draw_heights, number_cells
+from rsegen.exporters.pictures.preview import ColouredField, encoded, figure_bytes
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Array, Mask
+from rsegen.scanning import SURE, Scan
+from rsegen.scanning.comparison import Comparison
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+_MOST_POINTS = 60_000
+_FARTHEST = 1e9
+_MARGIN = 0.25
+"""Metres of floor that are shown round the field."""
+
+_UNSEEN = "#b9b9b9"
+
+
+def scan_plot(scan: Scan, points: Array, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+    """The picture as the bytes of an image file.
+
+    points: (n, 3) of the cloud that was read [m]; some of them are drawn
+    """
+    from matplotlib.figure import Figure
+
+    n_x, n_y = scan.levels.shape
+    height = float(np.clip(5.6 * n_y / n_x + 1.2, 3.5, 12))
+    figure = Figure(figsize=(14, height), dpi=100, layout="constrained")
+    from_above, residuals = figure.subplots(1, 2)
+    _draw_points(from_above, scan, points)
+    _draw_errors(residuals, scan)
+    figure.draw_without_rendering()  # places the axes, so that there is room for as many numbers as are asked for
+    number_cells(residuals, scan.field)
+    seen = int(scan.seen.sum())
+    figure.suptitle(
+        f"{n_x} x {n_y} cells of {scan.measured_width * 100:.2f} cm, unit {scan.measured_unit * 100:.2f} cm; "
+        f"{seen} of {scan.seen.size} cells seen; a point is {scan.noise * 1000:.1f} mm off (standard deviation)"
+    )
+    return encoded(figure, format)
+
+
+def _draw_points(axes: Axes, scan: Scan, points: Array) -> None:
+    few = points[:: max(1, len(points) // _MOST_POINTS)]
+    x, y, z = scan.placed(few[(np.abs(few) < _FARTHEST).all(axis=1)]).T
+    half_x, half_y = (cells * scan.measured_width / 2 for cells in scan.levels.shape)
+    near = (np.abs(x) < half_x + _MARGIN) & (np.abs(y) < half_y + _MARGIN)
+    order = np.argsort(z[near])
+    highest = max(float(np.nanmax(scan.heights, initial=0)), scan.measured_unit)
+    drawn = axes.scatter(
+        x[near][order],
+        y[near][order],
+        c=z[near][order] * 100,
+        s=3,
+        linewidths=0,
+        cmap="viridis",
+        vmin=0,
+        vmax=highest * 100,
+        rasterized=True,
+    )
+    figure = axes.figure
+    figure.colorbar(drawn, ax=axes, label="height above the ground [cm]")
+    for cells, half, other, line in ((0, half_x, half_y, axes.vlines), (1, half_y, half_x, axes.hlines)):
+        line(np.linspace(-half, half, scan.levels.shape[cells] + 1), -other, other, colors="#d62728", linewidth=0.8)
+    axes.set(xlabel="x [m]", ylabel="y [m]", title="the points from above, and the grid that was found", aspect="equal")
+
+
+def _draw_errors(axes: Axes, scan: Scan) -> None:
+    half = scan.measured_unit * 50
+    edges_x, edges_y = scan.field.edges()
+    shown = axes.imshow(
+        np.ma.masked_invalid(scan.errors * 100).T,
+        cmap="RdBu_r",
+        vmin=-half,
+        vmax=half,
+        origin="lower",
+        interpolation="none",
+        extent=(edges_x[0], edges_x[-1], edges_y[0], edges_y[-1]),
+    )
+    axes.set_facecolor(_UNSEEN)
+    axes.figure.colorbar(shown, ax=axes, label="measured height above that of the level [cm]", pad=0.1)
+    if max(scan.levels.shape) <= LEGIBLE:
+        middle_x, middle_y = (((line[:-1] + line[1:]) / 2).tolist() for line in (edges_x, edges_y))
+        for (x, y), level in np.ndenumerate(scan.levels):
+            text = "?" if not scan.seen[x, y] else "" if scan.frame[x, y] else f"{level}"
+            weight = "bold" if scan.seen[x, y] and scan.confidence[x, y] < SURE else "normal"
+            axes.text(middle_x[x], middle_y[y], text, ha="center", va="center", fontsize=9, weight=weight)
+    unseen = "; ?: not seen" if not scan.seen.all() else ""
+    axes.set_title(f"levels, and how far the tops are from them{unseen}")
+
+
+_TOO_HIGH, _TOO_LOW, _RIGHT, _UNSEEN_CELL = (
+    (0.84, 0.19, 0.15),
+    (0.13, 0.40, 0.67),
+    (0.93, 0.95, 0.92),
+    (0.73, 0.73, 0.73),
+)
+
+
+def comparison_plot(comparison: Comparison, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+    """The picture as the bytes of an image file, north up: what to change, beside the field as it should be."""
+    from matplotlib.figure import Figure
+
+    n_x, n_y = comparison.wanted.shape
+    figure = Figure(figsize=(14, float(np.clip(6.2 * n_y / n_x + 1.4, 3.5, 14))), dpi=100, layout="constrained")
+    changes, wanted = figure.subplots(1, 2)
+    _draw_changes(changes, comparison)
+    said = draw_heights(wanted, ColouredField(field=comparison.wanted))
+    wanted.set_title(f"as it should be: {said}")
+    figure.suptitle(summary(comparison))
+    figure.draw_without_rendering()  # places the axes, so that there is room for as many numbers as are asked for
+    for axes in (changes, wanted):
+        number_cells(axes, comparison.wanted)
+    return encoded(figure, format)
+
+
+def summary(comparison: Comparison) -> str:
+    """One line: how many cells are right, too high, too low and not seen."""
+    cells = comparison.wrong.size
+    high, low = int((comparison.differences > 0).sum()), int((comparison.differences < 0).sum())
+    unseen = int((~comparison.seen).sum())
+    counts = {"too high": high, "too low": low, "not seen": unseen}
+    others = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+    turned = f", turned by {comparison.turns * 90} degrees" * bool(comparison.turns)
+    return f"{cells - high - low - unseen} of {cells} cells are right{turned}" + (f"; {others}" if others else "")
+
+
+def _draw_changes(axes: Axes, comparison: Comparison) -> None:
+    off = comparison.differences
+    colours = np.select(
+        [~comparison.seen[..., None], off[..., None] > 0, off[..., None] < 0],
+        [_UNSEEN_CELL, _TOO_HIGH, _TOO_LOW],
+        _RIGHT,
+    )
+    edges_x, edges_y = comparison.wanted.edges()
+    extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
+    axes.imshow(colours.transpose(1, 0, 2), origin="lower", extent=extent, interpolation="nearest")
+    if max(off.shape) <= LEGIBLE:
+        axes.set_xticks(edges_x, minor=True)
+        axes.set_yticks(edges_y, minor=True)
+        axes.grid(which="minor", color="white", linewidth=1.5)
+        axes.tick_params(which="minor", length=0)
+        _write_changes(axes, comparison)
+    axes.set_title("what to change [cm]; red: too high, blue: too low, grey: not seen")
+
+
+def _write_changes(axes: Axes, comparison: Comparison) -> None:
+    middle_x, middle_y = (((line[:-1] + line[1:]) / 2).tolist() for line in comparison.wanted.edges())
+    size = min(10.0, 110 / max(comparison.wanted.shape))
+    for x, y in np.argwhere(~comparison.wrong & ~comparison.wanted.frame):
+        wanted_cm = decimal(round(float(comparison.wanted.heights[x, y]) * 100, 4))
+        text = wanted_cm if comparison.seen[x, y] else "?"
+        axes.text(middle_x[x], middle_y[y], text, ha="center", va="center", fontsize=size, color="#8a8f88")
+    for x, y, height, wanted in comparison.changes():
+        text = f"{decimal(round(height * 100, 1))}\n\u2192 {decimal(round(wanted * 100, 1))}"
+        axes.text(middle_x[x], middle_y[y], text, ha="center", va="center", fontsize=size, color="white", weight="bold")
+
+
+def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+    """The picture as the bytes of an image file, north up, which carries the map's recipe.
+
+    errors_cm, holes: (n_x, n_y), by how much each block was measured above its level [cm], and which were filled.
+    """
+    from matplotlib.figure import Figure
+
+    n_x, n_y = errors_cm.shape
+    figure = Figure(figsize=(8, float(np.clip(6.5 * n_y / n_x + 1, 3, 16))), dpi=100, layout="constrained")
+    axes = figure.subplots()
+    half = scene.recipe.unit_cm / 2
+    shown = axes.imshow(
+        np.ma.masked_array(errors_cm, holes).T,
+        cmap="RdBu_r",
+        vmin=-half,
+        vmax=half,
+        origin="lower",
+        interpolation="none",
+    )
+    axes.set_facecolor("#999999")  # holes
+    axes.set(xlabel="x [cells]", ylabel="y [cells]", title="measured height above that of the block [cm]")
+    figure.colorbar(shown, ax=axes, label="cm")
+    if max(n_x, n_y) <= LEGIBLE:
+        _write_errors(axes, errors_cm, holes, half)
+    filled = f"; grey: {int(holes.sum()):,} filled" if holes.any() else ""
+    figure.suptitle(f"{scene.name}: rounded to {scene.recipe.unit_cm:g} cm{filled}")
+    return figure_bytes(figure, scene, format)
+
+
+def _write_errors(axes: Axes, errors_cm: Array, holes: Mask, half: float) -> None:
+    for (x, y), error in np.ndenumerate(errors_cm):
+        text = "hole" if holes[x, y] else f"{round(error, 1) + 0:+.1f}"
+        colour = "white" if abs(error) > 0.6 * half or holes[x, y] else "black"
+        axes.text(x, y, text, ha="center", va="center", fontsize=7, color=colour)

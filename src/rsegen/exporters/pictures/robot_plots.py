@@ -1,0 +1,125 @@
+"""The traversability of a map as a picture: a robot's cheapest paths on the plan, and a map of path costs.
+
+Spots as a picture: the footprints of a robot on the plan of a map, numbered, each with an arrow ahead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, sin
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rsegen.exporters.numbers import decimal
+from rsegen.exporters.pictures.plan import boundary, draw_plan
+from rsegen.exporters.pictures.preview import figure_bytes
+from rsegen.exporters.scene import Scene
+from rsegen.field.metrics import Crossing, RobotLimits, Traversability
+from rsegen.field.stepfield import Array
+from rsegen.footprints import Rectangle, Spot
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+_DIRECTIONS = {"west to east": "#ff2d95", "south to north": "#ff8c00"}
+
+
+def path_plot(scene: Scene, reach: Traversability, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+    """The plot of paths and costs as the bytes of an image file, which carries the map's recipe."""
+    from matplotlib.figure import Figure
+
+    along_x, along_y = scene.field.extent
+    height = float(np.clip(6 * along_y / along_x + 1, 3, 14))
+    figure = Figure(figsize=(14, height), dpi=100, layout="constrained")
+    plan, heat = figure.subplots(1, 2, sharex=True, sharey=True)
+    draw_plan(plan, scene)
+    for (name, colour), crossing in zip(_DIRECTIONS.items(), (reach.west_east, reach.south_north), strict=True):
+        _draw_path(plan, scene, crossing, name, colour)
+    figure.legend(loc="outside lower center", ncols=2, frameon=False)
+    _draw_costs(heat, scene, reach)
+    figure.suptitle(f"{scene.name}: {describe_robot(reach.climber)}")
+    return figure_bytes(figure, scene, format)
+
+
+def describe_robot(climber: RobotLimits) -> str:
+    """The limits of a robot in words."""
+    up, down = (decimal(limit / 1e7) for limit in climber.limits)
+    wide = f", {decimal(climber.width_cm)} cm wide" if climber.width_cm else ""
+    return f"a robot that climbs {up} cm and gets down {down} cm{wide}"
+
+
+def _draw_path(axes: Axes, scene: Scene, crossing: Crossing, name: str, colour: str) -> None:
+    """Draw a path from a ring to a dot; if there is none, the legend says so."""
+    if not crossing.crosses:
+        axes.plot([], [], color=colour, label=f"no way from {name}")
+        return
+    x, y = ((crossing.path + 0.5 - np.array(scene.field.shape) / 2) * scene.field.block_width).T
+    label = f"{name}: {crossing.length_ratio:.2f} times as long as straight, {crossing.cost_ratio:.2f} with its rises"
+    axes.plot(x, y, color="white", linewidth=8, alpha=0.35, solid_joinstyle="round")
+    axes.plot(x, y, color=colour, linewidth=4, alpha=0.75, solid_joinstyle="round", label=label)
+    axes.plot(x[:1], y[:1], "o", color=colour, markersize=9, markerfacecolor="white", markeredgewidth=2)
+    axes.plot(x[-1:], y[-1:], "o", color=colour, markersize=9, markeredgecolor="white")
+
+
+def _draw_costs(axes: Axes, scene: Scene, reach: Traversability) -> None:
+    """Draw the cost of the cheapest path from the west to each cell, and the outline of the largest area."""
+    edges_x, edges_y = scene.field.edges()
+    extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
+    costs = np.ma.masked_invalid(reach.west_east.costs.T)
+    axes.imshow(np.full((1, 1, 3), 0.86), extent=extent)
+    if costs.count():
+        image = axes.imshow(costs, origin="lower", extent=extent, interpolation="nearest", cmap="viridis")
+        axes.figure.colorbar(image, ax=axes, shrink=0.8, label="cost of the way there [m]; grey: none")
+    outlined = f"outlined: {reach.cover:.0%} of the blocks in one region"
+    axes.set(aspect="equal", xlabel="x [m]", title=f"in reach from the west; {outlined}")
+    _outline(axes, reach, edges_x, edges_y)
+
+
+def _outline(axes: Axes, reach: Traversability, edges_x: Array, edges_y: Array) -> None:
+    """Draw the boundary of the largest traversable area."""
+    from matplotlib.collections import LineCollection
+
+    lines = boundary(reach.region, edges_x, edges_y)
+    width = float(np.clip(200 / max(reach.region.shape), 0.1, 2.5))
+    axes.add_collection(LineCollection(list(lines), colors="#ff2d95", linewidths=width))
+
+
+_COLOUR = "#ff2d95"
+
+
+def spots_plot(scene: Scene, outline: Rectangle, spots: Sequence[Spot], format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+    """The picture as the bytes of an image file, which carries the map's recipe; outline: around the robot."""
+    from matplotlib.figure import Figure
+
+    along_x, along_y = scene.field.extent
+    height = float(np.clip(8 * along_y / along_x + 1, 3, 16))
+    figure = Figure(figsize=(9, height), dpi=100, layout="constrained")
+    axes = figure.subplots()
+    draw_plan(axes, scene)
+    for number, spot in enumerate(spots):
+        _draw_spot(axes, outline, spot, number)
+    figure.suptitle(f"{scene.name}: spots for {outline.length * 100:.3g} x {outline.width * 100:.3g} cm")
+    return figure_bytes(figure, scene, format)
+
+
+def _draw_spot(axes: Axes, outline: Rectangle, spot: Spot, number: int) -> None:
+    """Draw the outline, the number at its rear half, and an arrow from its middle to its front."""
+    low_x, low_y, high_x, high_y = outline
+    middle_x, middle_y = outline.middle
+    corners = _placed(spot, [(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y)])
+    axes.fill(*corners.T, facecolor=_COLOUR, alpha=0.35)
+    axes.plot(*np.concatenate([corners, corners[:1]]).T, color=_COLOUR, linewidth=1.5)
+    tail, head, name = _placed(spot, [(middle_x, middle_y), (high_x, middle_y), (low_x + outline.length / 4, middle_y)])
+    axes.annotate(
+        "", xy=head, xytext=tail, arrowprops={"arrowstyle": "-|>", "color": "black", "shrinkA": 0, "shrinkB": 0}
+    )
+    label = {"facecolor": "white", "edgecolor": "none", "pad": 1}
+    axes.text(float(name[0]), float(name[1]), str(number), ha="center", va="center", fontsize=8, bbox=label)
+
+
+def _placed(spot: Spot, points: Sequence[tuple[float, float]]) -> Array:
+    """Points in the frame of a robot, where they are on the map, shape (n, 2)."""
+    c, s = cos(spot.yaw), sin(spot.yaw)
+    return np.array([(spot.x + c * x - s * y, spot.y + s * x + c * y) for x, y in points])

@@ -1,0 +1,103 @@
+"""The build sheet: instructions for building a map in wood, as PDF or CSV.
+
+Scene --pages--> a page for the map, and one for each pallet --> PDF
+Scene --listing--> a row for each cell --> CSV, which `rsegen import` reads
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rsegen.errors import FileError, ParameterError, UnknownName
+from rsegen.exporters.pictures.preview import pdf_bytes
+from rsegen.exporters.scene import Scene
+from rsegen.exporters.sheet.listing import listing
+from rsegen.exporters.sheet.timber import CutSettings, building_order
+from rsegen.recipe.recipe import Recipe
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+FORMATS = ("pdf", "csv")
+MOST_PALLETS = 400
+LARGEST_PALLET = 60
+"""Blocks per side: more of them are not legible on A4."""
+MOST_BLOCKS = 40_000
+
+
+def sheet(
+    scene: Scene,
+    saw: CutSettings | None = None,
+    format: str = "pdf",  # noqa: A002  # matplotlib's word
+    *,
+    progress: Callable[[Figure], None] | None = None,
+) -> bytes:
+    """The build sheet as the bytes of a file, `pdf` or `csv`; a ParameterError if the map is too large for one.
+
+    saw: kerf and stock length, by default those of the recipe's units. `progress` is called with each page of a PDF.
+    """
+    saw = saw or CutSettings.default(scene.recipe.units)
+    if format not in FORMATS:
+        raise UnknownName.among("format", "format", format, FORMATS)
+    refuse_unbuildable(scene.recipe, saw)
+    if format == "csv":
+        return "".join(listing(scene, saw)).encode()
+    return pdf_bytes(_with_progress(pages(scene, saw), progress), scene)
+
+
+def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
+    """The pages: the map, each pallet in build order, frames and cost, and a form for repetitions."""
+    from rsegen.exporters.sheet.overview import draw_materials, draw_overview
+    from rsegen.exporters.sheet.page import Page
+    from rsegen.exporters.sheet.pallet_page import draw_form, draw_pallet
+
+    pallets = building_order(scene)
+    page = Page()
+    draw_overview(page, scene, pallets, saw)
+    yield page.figure
+    for numbered in pallets:
+        page = Page()
+        draw_pallet(page, scene, numbered, len(pallets))
+        yield page.figure
+    page = Page()
+    draw_materials(page, scene, saw)
+    yield page.figure
+    page = Page()
+    draw_form(page, scene)
+    yield page.figure
+
+
+def page_count(recipe: Recipe) -> int:
+    """The number of pages of the sheet of each map of a recipe."""
+    m_x, m_y = recipe.chunks
+    return 3 + m_x * m_y
+
+
+def sheet_format(path: Path) -> str:
+    """The sheet format of a file name, or a FileError that lists the known ones."""
+    name = path.suffix.lower().removeprefix(".")
+    if name not in FORMATS:
+        raise FileError(f"{path}: not a name of a build sheet; end it in .pdf or .csv")
+    return name
+
+
+def refuse_unbuildable(recipe: Recipe, saw: CutSettings) -> None:
+    """Raise a ParameterError if a map is too large to build by hand, or a block is longer than the stock."""
+    if recipe.chunk_size > LARGEST_PALLET:
+        problem = f"{recipe.chunk_size} blocks per side do not fit on a page of a build sheet"
+        raise ParameterError("chunk_size", f"{problem}; give up to {LARGEST_PALLET}")
+    (m_x, m_y), (n_x, n_y) = recipe.chunks, recipe.grid.shape
+    if m_x * m_y > MOST_PALLETS or n_x * n_y > MOST_BLOCKS:
+        problem = f"{m_x * m_y:,} pallets with {n_x * n_y:,} blocks are too many for a build sheet"
+        raise ParameterError("chunks", f"{problem}; give up to {MOST_PALLETS} with {MOST_BLOCKS:,}")
+    saw.check(recipe.highest_level * recipe.unit_cm, "blocks of the highest level")
+
+
+def _with_progress(figures: Iterator[Figure], progress: Callable[[Figure], None] | None) -> Iterator[Figure]:
+    for figure in figures:
+        yield figure
+        if progress:
+            progress(figure)

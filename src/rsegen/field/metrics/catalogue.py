@@ -1,0 +1,211 @@
+"""The metrics of a map: roughness, and traversability for a robot; every module computes one family of them.
+
+StepField --metrics--> Metrics, in metres; docs/metrics.md has every formula with its source.
+
+Metrics as nested dicts for JSON and as flat rows for tables.
+
+One metric of a map, by its name in `rsegen metrics --csv` or as a function: what maps are ordered by.
+
+by, robot --metric_by--> Metric: StepField -> float, NaN where a map has none
+
+Metrics of plug-ins: functions StepField -> float with a name, a unit and help, listed beside rsegen's own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from functools import partial
+from operator import attrgetter
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from rsegen.errors import ParameterError, PluginError, UnknownName, shown
+from rsegen.field.metrics.roughness import Ruggedness, Scale, Spread, Steps, ruggedness, scale, spread, steps
+from rsegen.field.metrics.traversability import (
+    Percolation,
+    Traversability,
+    crossing,
+    percolation,
+    traversability,
+)
+from rsegen.field.robot_limits import RobotLimits
+from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
+from rsegen.params.plugins import failure
+from rsegen.params.registry import Contract, Registry
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Metrics:
+    """The metrics of one map; `reach`, its traversability, is None if no robot was given."""
+
+    spread: Spread
+    steps: Steps
+    scale: Scale
+    ruggedness: Ruggedness
+    opening: Percolation
+    reach: Traversability | None = None
+
+
+def metrics(field: StepField, climber: RobotLimits | None = None) -> Metrics:
+    """The metrics of a field: of its blocks without frames; and of the paths across it, frames counted."""
+    if field.frame.all():
+        raise ParameterError("field", "has only frame cells; there is no block to measure")
+    return Metrics(
+        spread=spread(field),
+        steps=steps(field),
+        scale=scale(field),
+        ruggedness=ruggedness(field),
+        opening=percolation(field, climber.width if climber else 0.0),
+        reach=traversability(field, climber) if climber else None,
+    )
+
+
+def nested(value: Any) -> Any:
+    """Metrics as JSON values: dataclasses as objects, numbers rounded to nine decimals, without large arrays."""
+    if is_dataclass(value):
+        parts = {field.name: getattr(value, field.name) for field in fields(value)}
+        return {name: nested(part) for name, part in parts.items() if not isinstance(part, np.ndarray)}
+    if isinstance(value, tuple):
+        return [nested(part) for part in value]
+    return round(value, NANOMETRE_DIGITS) if isinstance(value, float) else value
+
+
+def flattened(entries: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """The scalar values of nested metrics by dotted name, as in `steps.mean`; without counts and lists."""
+    for name, value in entries.items():
+        if isinstance(value, dict) and not name.endswith("counts"):
+            yield from flattened(value, f"{prefix}{name}.")
+        elif not isinstance(value, (dict, list)):
+            yield f"{prefix}{name}", value
+
+
+Measure: TypeAlias = Callable[[StepField], float]
+
+RESERVED = frozenset({"map", "seed", "spread", "steps", "scale", "ruggedness", "opening", "reach"})
+"""What a row of `rsegen metrics` says of every map, so no metric of a plug-in has such a name."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Metric:
+    """A figure of a map: `measure` gives it in `unit`, NaN or None for none; `help` says what it is, in one line."""
+
+    name: str
+    unit: str
+    help: str
+    measure: Measure
+
+    @classmethod
+    def of(cls, measure: Measure, unit: str = "") -> Metric:
+        """The metric of a function: its name, and the first line of its docstring."""
+        lines = (getattr(measure, "__doc__", None) or "").strip().splitlines()
+        return cls(name=getattr(measure, "__name__", "metric"), unit=unit, help="".join(lines[:1]), measure=measure)
+
+    def __call__(self, field: StepField) -> float:
+        """The figure of a map; PluginError where the function fails, or gives no number."""
+        try:
+            value: object = self.measure(field)
+        except Exception as error:  # it is somebody else's function, and may do anything
+            raise PluginError(f"metric {self.name}: {failure(error)}") from error
+        if value is None:
+            return math.nan
+        if not isinstance(value, (int, float, np.number)):
+            raise PluginError(f"metric {self.name}: gave {shown(value)}; a metric gives a number, or nan for none")
+        return float(value)
+
+
+def metric(unit: str) -> Callable[[Measure], Metric]:
+    """Make a metric of a function StepField -> float; its name and docstring are the metric's name and help."""
+    return lambda measure: Metric.of(measure, unit)
+
+
+def _problem(found: Metric) -> str:
+    if not found.name.isidentifier() or found.name in RESERVED:
+        return f"a metric cannot be named {found.name!r}; give letters, digits and _, and none of rsegen's own names"
+    if not found.help:
+        return "has no help; give the function a docstring"
+    return "" if callable(found.measure) else "its measure is no function"
+
+
+METRICS: Registry[Metric] = Registry(
+    "metric",
+    group="rsegen.metrics",
+    contract=Contract(base=Metric, names=lambda found: (found.name,), check=_problem, is_class=False),
+)
+"""Every metric of plug-ins by its name."""
+
+
+def custom(field: StepField) -> dict[str, float | None]:
+    """The metrics of plug-ins, of one map; None where there is none."""
+    figures = {name: metric(field) for name, metric in METRICS.items()}
+    return {name: round(value, NANOMETRE_DIGITS) if math.isfinite(value) else None for name, value in figures.items()}
+
+
+By: TypeAlias = str | Measure
+"""The name of a metric, or a function StepField -> float."""
+
+RMS = "steps.rms"
+
+_LENGTHS = (
+    *("spread.lowest", "spread.highest", "spread.mean", "spread.deviation"),
+    *("steps.mean", RMS, "steps.highest", "ruggedness.tri", "ruggedness.riley"),
+    *("opening.west_east", "opening.south_north"),
+)
+_NUMBERS = ("spread.variation", "spread.entropy", "scale.hurst", "ruggedness.surface_ratio")
+_SIDES = ("reach.west_east", "reach.south_north")
+_LENGTHS_OF_A_ROBOT = tuple(f"{side}.{what}" for side in _SIDES for what in ("length", "cost"))
+_NUMBERS_OF_A_ROBOT = (
+    *("reach.climbable", "reach.droppable", "reach.cover"),
+    *(f"{side}.{what}_ratio" for side in _SIDES for what in ("length", "cost")),
+)
+OF_A_ROBOT = frozenset({*_LENGTHS_OF_A_ROBOT, *_NUMBERS_OF_A_ROBOT})
+
+UNITS: Mapping[str, str] = {
+    **dict.fromkeys((*_LENGTHS, *_LENGTHS_OF_A_ROBOT), "m"),
+    **dict.fromkeys((*_NUMBERS, *_NUMBERS_OF_A_ROBOT), ""),
+}
+"""Every metric of rsegen's own that is one number, and its unit."""
+
+
+def metric_by(by: By, robot: RobotLimits | None = None) -> Metric:
+    """The metric of a name, of rsegen's own or of a plug-in, or of a function StepField -> float.
+
+    robot: those named `reach` need one, for `opening` its width counts, and others are of none. ParameterError if it is
+    missing or too much, UnknownName for another name.
+    """
+    if robot is not None and not isinstance(robot, RobotLimits):
+        raise ParameterError("robot", f"{shown(robot)} is not a robot's limits; give RobotLimits(climb_cm=10)")
+    if robot is not None and not (isinstance(by, str) and by.startswith(("reach.", "opening."))):
+        what = by if isinstance(by, str) else "a function"
+        raise ParameterError(
+            "robot", f"{what} does not depend on a robot; give by=reach.west_east.cost, or leave robot out"
+        )
+    if callable(by):
+        return by if isinstance(by, Metric) else Metric.of(by)
+    if isinstance(by, str) and by in UNITS:
+        if by in OF_A_ROBOT and robot is None:
+            raise ParameterError("by", f"{by} needs a robot; give robot too")
+        return Metric(name=by, unit=UNITS[by], help="", measure=partial(_measured, by, robot))
+    if not isinstance(by, str) or by not in METRICS:
+        raise UnknownName.among("by", "metric", by, [*UNITS, *METRICS])
+    return METRICS[by]
+
+
+def _measured(name: str, robot: RobotLimits | None, field: StepField) -> Any:
+    family = next(prefix for prefix in _FAMILIES if name.startswith(f"{prefix}."))
+    return attrgetter(name.removeprefix(f"{family}."))(_FAMILIES[family](field, robot))
+
+
+_FAMILIES: Mapping[str, Callable[[StepField, Any], Any]] = {
+    "spread": lambda field, _: spread(field),
+    "steps": lambda field, _: steps(field),
+    "scale": lambda field, _: scale(field),
+    "ruggedness": lambda field, _: ruggedness(field),
+    "opening": lambda field, robot: percolation(field, robot.width if robot else 0.0),
+    "reach.west_east": lambda field, robot: crossing(field, robot, 0),
+    "reach.south_north": lambda field, robot: crossing(field, robot, 1),
+    "reach": traversability,
+}
+"""How each part of the metrics is measured; those of longer names come first."""

@@ -1,0 +1,184 @@
+"""Level differences between blocks that are some cells apart.
+
+The steps between neighbouring blocks.
+
+The distribution of heights, regardless of their positions.
+
+Terrain ruggedness: height differences between each block and its 8 neighbours.
+
+Roughness by scale: how height differences grow with distance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from rsegen.field.robot_limits import NANOMETRES
+from rsegen.field.stepfield import Array, Ints, StepField
+
+
+def differences(field: StepField, lag: int = 1) -> Ints:
+    """|difference| in levels of all pairs of blocks `lag` cells apart along x or y, without frames, shape (n,)."""
+    levels, block = field.levels.astype(np.int32), ~field.frame
+    return np.concatenate(
+        [np.abs(h[lag:] - h[:-lag])[b[lag:] & b[:-lag]] for h, b in ((levels, block), (levels.T, block.T))]
+    )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Steps:
+    """The steps |dh| between 4-neighbours, in metres; None if no block has a neighbour.
+
+    counts: number of steps by size in units   mean: sum |dh| / n   rms: sqrt(sum dh^2 / n)
+    """
+
+    unit: float
+    counts: dict[int, int]
+    mean: float | None
+    rms: float | None
+    highest: float | None
+
+    def share_above(self, limit: float) -> float | None:
+        """The share of the steps above a limit in metres, P(|dh| > limit)."""
+        if not self.counts:
+            return None
+        above = sum(count for step, count in self.counts.items() if round((step * self.unit - limit) * NANOMETRES) > 0)
+        return above / sum(self.counts.values())
+
+
+def steps(field: StepField) -> Steps:
+    """The steps of a field; two blocks with a frame between them are not neighbours."""
+    found = np.bincount(differences(field))
+    if not len(found):
+        return Steps(unit=field.unit, counts={}, mean=None, rms=None, highest=None)
+    sizes, share = np.arange(len(found)), found / found.sum()
+    return Steps(
+        unit=field.unit,
+        counts={int(size): int(found[size]) for size in np.flatnonzero(found)},
+        mean=float(sizes @ share) * field.unit,
+        rms=float(np.sqrt(sizes**2 @ share)) * field.unit,
+        highest=float(sizes[-1]) * field.unit,
+    )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Spread:
+    """The distribution of the N heights h of the blocks, in metres; p is the share of a level.
+
+    deviation: sqrt(sum (h - mean)^2 / N)   variation: deviation / mean, None if flat   entropy: -sum p log2 p, bits
+    """
+
+    level_counts: dict[int, int]
+    lowest: float
+    highest: float
+    mean: float
+    deviation: float
+    variation: float | None
+    entropy: float
+
+
+def spread(field: StepField) -> Spread:
+    """The height distribution of a field's blocks."""
+    level_counts = field.level_counts()
+    levels, counts = (np.array(list(part), dtype=float) for part in (level_counts, level_counts.values()))
+    share = counts / counts.sum()
+    mean = float(levels @ share)
+    deviation = float(np.sqrt((levels - mean) ** 2 @ share))
+    return Spread(
+        level_counts=level_counts,
+        lowest=float(levels[0]) * field.unit,
+        highest=float(levels[-1]) * field.unit,
+        mean=mean * field.unit,
+        deviation=deviation * field.unit,
+        variation=deviation / mean if mean else None,
+        entropy=abs(float(share @ np.log2(share))),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Ruggedness:
+    """The ruggedness over the `cells` blocks with 8 neighbouring blocks, in metres; None if there are none.
+
+    tri: mean of sqrt(sum (h_k - h_0)^2 / 8), the root-mean form   riley: mean of sqrt(sum (h_k - h_0)^2), Riley's own
+    surface_ratio: area of tops and risers over that of the plan, 1 + sum |dh| / (N w), without the field's border
+    """
+
+    cells: int
+    tri: float | None
+    riley: float | None
+    surface_ratio: float
+
+
+def ruggedness(field: StepField) -> Ruggedness:
+    """The ruggedness and the surface ratio of a field."""
+    riley = _riley(field)
+    risers = int(differences(field).sum()) * field.unit
+    return Ruggedness(
+        cells=riley.size,
+        tri=float(riley.mean() / np.sqrt(8)) if riley.size else None,
+        riley=float(riley.mean()) if riley.size else None,
+        surface_ratio=1 + risers / (int((~field.frame).sum()) * field.block_width),
+    )
+
+
+def _riley(field: StepField) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """sqrt(sum (h_k - h_0)^2) of every block with 8 neighbouring blocks, metres, shape (n,)."""
+    n_x, n_y = field.shape
+    if min(n_x, n_y) < 3:
+        return np.empty(0)
+    levels = field.levels.astype(float)
+    middle = levels[1:-1, 1:-1]
+    squares = np.zeros(middle.shape)
+    for i, j in product(range(3), range(3)):
+        squares += (levels[i : n_x - 2 + i, j : n_y - 2 + j] - middle) ** 2
+    whole = ~sliding_window_view(field.frame, (3, 3)).any(axis=(2, 3))
+    return np.asarray(np.sqrt(squares[whole]) * field.unit)
+
+
+LAGS = 24
+"""The maximum number of lags, which are logarithmically spaced."""
+FEW = 10
+"""An exponent that is fitted to fewer lags is marked as weak."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Scale:
+    """The rms difference v(L) = sqrt(mean (h(x + L) - h(x))^2) of blocks L apart along x or y, in metres.
+
+    lags, rms: L and v(L)   hurst: H of v ~ L^H, by least squares on the logarithms; None for fewer than two lags
+    """
+
+    lags: tuple[float, ...]
+    rms: tuple[float, ...]
+    hurst: float | None
+    hurst_is_weak: bool
+
+
+def scale(field: StepField) -> Scale:
+    """The scale of a field: lags up to half of its shorter side, beyond which pairs are few and overlap."""
+    lags = _lags(min(field.blocks.shape) // 2)
+    found = [(int(lag), gaps) for lag in lags if len(gaps := differences(field, int(lag)))]
+    cells = np.array([lag for lag, _ in found], dtype=float)
+    rms = np.array([np.sqrt(np.mean(np.square(gaps, dtype=float))) for _, gaps in found])
+    return Scale(
+        lags=tuple((cells * field.block_width).tolist()),
+        rms=tuple((rms * field.unit).tolist()),
+        hurst=_exponent(cells, rms),
+        hurst_is_weak=len(cells) < FEW,
+    )
+
+
+def _lags(largest: int) -> Ints:
+    return np.unique(np.rint(np.geomspace(1, largest, LAGS)).astype(int)) if largest else np.array([], dtype=int)
+
+
+def _exponent(lags: Array, rms: Array) -> float | None:
+    """The slope of log v over log L."""
+    if len(lags) < 2 or not rms.all():
+        return None
+    x, y = np.log(lags) - np.log(lags).mean(), np.log(rms)
+    return float(x @ y / (x @ x))

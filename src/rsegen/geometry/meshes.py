@@ -1,0 +1,41 @@
+"""Meshes and boxes of a step field."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+
+from rsegen.errors import UnknownName
+from rsegen.field.stepfield import CellWindow, StepField
+from rsegen.geometry.label_grid import split_window
+from rsegen.geometry.mesh import Mesh
+from rsegen.geometry.surface import surface, unmerged
+from rsegen.geometry.watertight import closed, watertight
+
+PIECE = 512
+"""Side of the pieces, in cells, that large maps are split into, so that memory does not grow with the map."""
+
+
+MESHES: Mapping[str, Callable[[StepField], Mesh]] = {
+    "merged": surface,
+    "watertight": watertight,
+    "closed": closed,
+    "blocks": unmerged,
+}
+"""What makes a mesh of a field, by the name that a recipe's `mesh` gives it; `closed` is for programs alone."""
+
+
+def meshes(field: StepField, mesh: str, window: CellWindow | None = None) -> Iterator[Mesh]:
+    """A field, or a window of it, as the recipe's `mesh` says; large fields in pieces, except watertight ones."""
+    if mesh == "watertight":
+        yield watertight(field)
+        return
+    piece = {"merged": surface, "blocks": unmerged}[mesh]
+    for part in split_window(window or field.whole, PIECE):
+        yield piece(field, part)
+
+
+def whole_mesh(field: StepField, mesh: str) -> Mesh:
+    """A field as one mesh of the kind `mesh`, or an UnknownName that lists the kinds."""
+    if mesh not in MESHES:
+        raise UnknownName.among("mesh", "mesh", mesh, MESHES)
+    return MESHES[mesh](field)

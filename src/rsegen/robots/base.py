@@ -1,0 +1,193 @@
+"""The description of a robot: links, joints, a drive, sizes and limits.
+
+A robot is one file of this folder that makes one Robot and registers it.
+
+The sizes and speeds that a robot may have, whether a flag gives them or an SDF file.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from rsegen.errors import FileError, ParameterError, UnknownName, shown
+from rsegen.exporters.gazebo.sdf import FOOTER, HEADER, numbers
+from rsegen.field.robot_limits import RobotLimits
+from rsegen.params.registry import Contract, Registry
+from rsegen.params.sorts import Float, ListOf, Parameter
+from rsegen.robots.drives import BACKENDS, Command, Drive, Servo, element, pose_publisher, servo_plugins, system
+from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, PoseTuple, Vector
+
+
+class DrivableRobot(Protocol):
+    """The interface of a robot that can be driven over a map: an included one, or one from an SDF file.
+
+    size: overall length, width and height, metres; speed, turn: maximum speed and turn rate, m/s and rad/s.
+    """
+
+    @property
+    def kind(self) -> str: ...  # noqa: D102  # the class says it
+    @property
+    def size(self) -> Vector: ...  # noqa: D102  # the class says it
+    @property
+    def speed(self) -> float: ...  # noqa: D102  # the class says it
+    @property
+    def turn(self) -> float: ...  # noqa: D102  # the class says it
+    def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN) -> str:
+        """Its <model>, with its origin at a pose."""
+
+    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
+        """The command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Robot:
+    """A robot; the origin of its model is on the ground below its centre, and the first link is its body.
+
+    size, clearance: overall length, width and height, and ground clearance of the body, metres
+    climbs: the highest single step that it drives up in Gazebo Classic, measured, metres
+    crosses: the highest step of a way across a map up to which it mostly comes across, as a share of `climbs`, measured
+    source: the origin of its figures, and which are ours
+    """
+
+    kind: str
+    title: str
+    source: str
+    size: Vector
+    clearance: float
+    climbs: float
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+    drive: Drive
+    crosses: float = 1.0
+    servos: tuple[Servo, ...] = ()
+    lidar: Lidar | None = None
+
+    @property
+    def speed(self) -> float:
+        """Its maximum speed forward, m/s."""
+        return self.drive.speed
+
+    @property
+    def turn(self) -> float:
+        """Its maximum turn rate, rad/s."""
+        return self.drive.turn
+
+    @property
+    def climber(self) -> RobotLimits:
+        """The highest single step that it drives up, and its width."""
+        return RobotLimits.of(self.climbs, self.size[1])
+
+    @property
+    def limits(self) -> RobotLimits:
+        """Its limits for the metrics: on a map it meets several steps at once, and stands on them askew."""
+        return RobotLimits.of(self.climbs * self.crosses, self.size[1])
+
+    @property
+    def mass(self) -> float:
+        """The mass of all its links, kg."""
+        return sum(link.mass for link in self.links)
+
+    def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN, *, lidar: bool = False) -> str:
+        """Its <model> for a simulator, with its lidar if wanted; `at`: the pose of its origin."""
+        inside = (
+            f"      <pose>{numbers(at)}</pose>\n{_AWAKE}",
+            *(
+                link.sdf(sensors)
+                for link, sensors in zip(self.links, self._sensors(simulator, lidar=lidar), strict=True)
+            ),
+            *(joint.sdf for joint in self.joints),
+            self.drive.plugins(_known(simulator)),
+            servo_plugins(self.servos, simulator),
+            "" if simulator == "classic" else self._publishers(name, simulator),
+        )
+        return f'    <model name="{_named(name)}">\n' + "".join(inside) + "    </model>\n"
+
+    def file(self, name: str, simulator: str = "classic", *, lidar: bool = False) -> str:
+        """The text of an SDF file of it."""
+        return HEADER + self.model(name, simulator, lidar=lidar) + FOOTER
+
+    def holding(self, angles: Mapping[str, float]) -> Robot:
+        """The robot whose servos go to these angles, radians, as soon as the world runs."""
+        for joint in angles.keys() - {servo.joint for servo in self.servos}:
+            raise UnknownName.among("joint", "joint with a motor", joint, (servo.joint for servo in self.servos))
+        servos = (replace(servo, rest=angles.get(servo.joint, servo.rest)) for servo in self.servos)
+        return replace(self, servos=tuple(servos))
+
+    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
+        """The command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
+        for what, value, most, unit in (("v", v, self.drive.speed, "m/s"), ("w", w, self.drive.turn, "rad/s")):
+            if not abs(value) <= most:
+                raise ParameterError(what, f"{shown(value)} is outside -{numbers([most])}..{numbers([most])} {unit}")
+        return self.drive.command(name, v, w, _known(simulator))
+
+    def servo_command(self, name: str, joint: str, angle: float, simulator: str = "classic") -> Command:
+        """The command that turns a joint to an angle, radians."""
+        servos = {servo.joint: servo for servo in self.servos}
+        if joint not in servos:
+            raise UnknownName.among("joint", "joint with a motor", joint, servos)
+        return servos[joint].command(name, angle, _known(simulator))
+
+    def _sensors(self, simulator: str, *, lidar: bool) -> list[str]:
+        seeing = self.lidar.sdf(simulator) if self.lidar and lidar else ""
+        return [seeing, *[""] * (len(self.links) - 1)]
+
+    def _publishers(self, name: str, simulator: str) -> str:
+        """Plug-ins that publish odometry and poses in Gazebo Sim; Classic needs none."""
+        frames = element("odom_frame", f"{name}/odom") + element("robot_base_frame", self.links[0].name)
+        topic = element("odom_topic", f"/model/{name}/ground_truth")  # beside that of the drive's own odometry
+        odometry = system("OdometryPublisher", simulator, frames + topic + element("dimensions", 3))
+        return odometry + pose_publisher(simulator)
+
+
+_AWAKE = "      <allow_auto_disable>false</allow_auto_disable>\n"
+"""Gazebo Classic would put a robot to sleep that pushes against a wall, and no command wakes its tracks."""
+
+
+def _known(simulator: str) -> str:
+    if simulator not in BACKENDS:
+        raise UnknownName.among("simulator", "simulator", simulator, BACKENDS)
+    return simulator
+
+
+def _named(name: str) -> str:
+    """A name that can stand in a topic."""
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
+        raise ParameterError("name", f"{shown(name)} is not letters, digits and _, with no digit first")
+    return name
+
+
+ROBOTS: Registry[Robot] = Registry(
+    "robot",
+    package="rsegen.robots",
+    group="rsegen.robots",
+    contract=Contract(base=Robot, names=lambda robot: (robot.kind,), is_class=False),
+)
+"""Every robot by its kind."""
+
+
+def register(robot: Robot) -> Robot:
+    """Register a robot under its kind."""
+    ROBOTS.add(robot.kind, robot)
+    return robot
+
+
+SIDE = Float(0.01, 100, unit="m")
+
+SPEED, TURN = Float(0.001, 100, unit="m/s"), Float(0.001, 100, unit="rad/s")
+
+LIMITS: Mapping[str, Parameter] = {"size": ListOf(SIDE, 3), "speed": SPEED, "turn": TURN}
+"""By the names of the flags."""
+
+WHEEL = Float(0.001, SIDE.high, unit="m")
+"""Radius and separation of wheels and tracks, which no flag gives."""
+
+
+def refuse_outside(sort: Parameter, value: object, what: str) -> None:
+    """Raise a FileError if a value of a file is not what `sort` takes; `what` begins with the file."""
+    try:
+        sort.check("", value)
+    except ParameterError as error:
+        raise FileError(f"{what}: {error.problem}; lengths in SDF are metres") from None

@@ -1,0 +1,276 @@
+"""Drives of robots: the simulators' own plug-ins, their topics and their commands.
+
+Commands to robots: a topic, a message type, and the message as text.
+
+The text of a simulator's own plug-ins.
+
+Joints that are held at an angle: flippers and arms.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import cos, sin
+from typing import NamedTuple
+
+from rsegen.exporters.gazebo.sdf import numbers, system_name
+
+BACKENDS = ("classic", "sim", "fortress")
+"""Gazebo Classic 11; Gazebo Sim since Garden; Gazebo Sim up to Fortress, whose names begin with ignition."""
+
+
+class Command(NamedTuple):
+    """One message, and the shell command that publishes it once, which in Gazebo Sim may be lost: repeat it there."""
+
+    topic: str
+    type: str
+    text: str
+    shell: tuple[str, ...]
+
+
+def publish_command(topic: str, message: str, text: str, simulator: str) -> Command:
+    """A message to a topic by the simulator's own tool; `message` is a type without its package."""
+    kind = message_type(message, simulator)
+    if simulator == "classic":
+        return Command(topic, kind, text, ("gz", "topic", "-p", topic, "-m", text))
+    return Command(topic, kind, text, (_TOOLS[simulator], "topic", "-t", topic, "-m", kind, "-p", text))
+
+
+_TOOLS = {"sim": "gz", "fortress": "ign"}
+
+
+def pose_text(v: float, w: float) -> str:
+    """Speeds as Classic's wheeled drives take them: v as x, w as the yaw of an orientation, so |w| < pi."""
+    x, half = numbers([v]), w / 2
+    turned = f"x: 0 y: 0 z: {numbers([sin(half)])} w: {numbers([cos(half)])}"
+    return f"position {{ x: {x} y: 0 z: 0 }} orientation {{ {turned} }}"
+
+
+def twist_text(v: float, w: float) -> str:
+    """Speeds as every other drive takes them."""
+    return f"linear {{ x: {numbers([v])} y: 0 z: 0 }} angular {{ x: 0 y: 0 z: {numbers([w])} }}"
+
+
+def message_type(message: str, simulator: str) -> str:
+    """The full name of a message type, as in gazebo.msgs.Twist, gz.msgs.Twist or ignition.msgs.Twist."""
+    package = {"classic": "gazebo", "sim": "gz", "fortress": "ignition"}[simulator]
+    return f"{package}.msgs.{message}"
+
+
+def classic(library: str, name: str, inner: str) -> str:
+    """A plug-in of Gazebo Classic."""
+    return f'      <plugin filename="lib{library}Plugin.so" name="{name}">{inner}</plugin>\n'
+
+
+def system(kind: str, simulator: str, inner: str = "") -> str:
+    """A system of Gazebo Sim: `DiffDrive` is gz-sim-diff-drive-system, or ignition-gazebo-... in Fortress."""
+    name = system_name(kind, simulator)
+    return f'      <plugin filename="{name.library}" name="{name.class_name}">{inner}</plugin>\n'
+
+
+POSE_RATE = 20
+"""Poses of a robot in a simulated second, in Gazebo Sim."""
+
+
+def pose_publisher(simulator: str) -> str:
+    """The system of Gazebo Sim that publishes the pose of a model, from which drives are recorded.
+
+    It publishes a model's pose only if that of nested models is wanted too.
+    """
+    wanted = element("publish_nested_model_pose", "true") + element("publish_model_pose", "true")
+    what = wanted + element("publish_link_pose", "false") + element("update_frequency", POSE_RATE)
+    return system("PosePublisher", simulator, what)
+
+
+def element(tag: str, value: float | str) -> str:
+    """<tag>value</tag>."""
+    return f"<{tag}>{value if isinstance(value, str) else numbers([value])}</{tag}>"
+
+
+def elements(tag: str, values: tuple[str, ...]) -> str:
+    """The same tag with every value."""
+    return "".join(element(tag, value) for value in values)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Drive(ABC):
+    """What turns v, m/s, and w, rad/s, into motion; separation of wheels or tracks from middle to middle, metres."""
+
+    separation: float
+    radius: float
+    speed: float
+    turn: float
+
+    @abstractmethod
+    def plugins(self, simulator: str) -> str:
+        """Its plug-ins as SDF."""
+
+    @abstractmethod
+    def classic_command(self, name: str, v: float, w: float) -> Command:
+        """The command for Gazebo Classic's plug-in."""
+
+    def command(self, name: str, v: float, w: float, simulator: str) -> Command:
+        """The command for speed v and turn rate w, counterclockwise."""
+        if simulator == "classic":
+            return self.classic_command(name, v, w)
+        return publish_command(f"/model/{name}/cmd_vel", "Twist", twist_text(v, w), simulator)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Wheels(Drive):
+    """Wheels on hinges; radius of a wheel, metres.
+
+    left, right: hinges from front to rear, as many on either side
+    slip         how much faster skidding wheels must turn against each other than rolling ones, for the same turn rate
+    spread       by how much farther apart than the wheels the hinges' origins are, on the same axles: Classic's plug-in
+                 takes the distance between them for the separation, and no turn rate above pi
+    acceleration of the wheels' rims in Gazebo Sim, m/s^2, whose drive else changes speed at once, so that light robots
+                 tip over; Classic's has the limits of its motors
+    """
+
+    left: tuple[str, ...]
+    right: tuple[str, ...]
+    slip: float = 1
+    spread: float = 1
+    acceleration: float | None = None
+
+    def plugins(self, simulator: str) -> str:
+        """DiffDrive in both; Classic's knows one pair of wheels, and calls left what is right."""
+        if simulator != "classic":
+            return system("DiffDrive", simulator, self._system())
+        return "".join(
+            classic("DiffDrive", f"drive_{left}", element("left_joint", right) + element("right_joint", left))
+            for left, right in zip(self.left, self.right, strict=True)
+        )
+
+    def classic_command(self, name: str, v: float, w: float) -> Command:
+        """A Pose."""
+        return publish_command(f"~/{name}/vel_cmd", "Pose", pose_text(v, w * self.slip / self.spread), "classic")
+
+    def _system(self) -> str:
+        sides = elements("left_joint", self.left) + elements("right_joint", self.right)
+        sizes = element("wheel_separation", self.separation * self.slip) + element("wheel_radius", self.radius)
+        limits = _limits("linear", self.speed) + _limits("angular", self.turn)
+        return sides + sizes + limits + self._accelerations()
+
+    def _accelerations(self) -> str:
+        if self.acceleration is None:
+            return ""
+        turning = 2 * self.acceleration / self.separation
+        return _limits("linear", self.acceleration, "acceleration") + _limits("angular", turning, "acceleration")
+
+
+_MOVING = 0.1  # m/s, below which SimpleTrackedVehicle takes a turn for one in place
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Tracks(Drive):
+    """Belts on links; radius of a track's end, metres.
+
+    left, right: links, the main track before its flippers
+    mu, mu2: friction along and across a belt
+    efficiency: how much of the tracks' difference in speed becomes a turn; the rest is skidding
+    in_place: how much more Classic's plug-in must be told to turn on the spot than in an arc, for the same turn rate
+    """
+
+    body: str
+    left: tuple[str, ...]
+    right: tuple[str, ...]
+    mu: float
+    mu2: float
+    efficiency: float
+    in_place: float = 1
+
+    def plugins(self, simulator: str) -> str:
+        """SimpleTrackedVehicle in Classic; TrackedVehicle, and a TrackController for every belt, in Gazebo Sim.
+
+        Classic's calls left what is right.
+        """
+        if simulator == "classic":
+            return classic("SimpleTrackedVehicle", "drive", self._belts())
+        speeds = element("min_velocity", -2 * self.speed) + element("max_velocity", 2 * self.speed)
+        belts = (element("link", belt) + speeds for belt in (*self.left, *self.right))
+        return system("TrackedVehicle", simulator, self._system()) + "".join(
+            system("TrackController", simulator, belt) for belt in belts
+        )
+
+    def classic_command(self, name: str, v: float, w: float) -> Command:
+        """A Twist."""
+        gain = self.in_place if abs(v) < _MOVING else 1
+        return publish_command(f"~/{name}/cmd_vel_twist", "Twist", twist_text(v, w * gain), "classic")
+
+    def _belts(self) -> str:
+        sides = (("left", self.right), ("right", self.left))
+        links = "".join(element(f"{s}_track", b[0]) + elements(f"{s}_flipper", b[1:]) for s, b in sides)
+        most = element("max_linear_speed", 2 * self.speed) + element("max_angular_speed", self.in_place * self.turn)
+        friction = element("track_mu", self.mu) + element("track_mu2", self.mu2)
+        return element("body", self.body) + links + self._steering() + most + friction
+
+    def _system(self) -> str:
+        left = "".join(element("left_track", element("link", belt)) for belt in self.left)
+        right = "".join(element("right_track", element("link", belt)) for belt in self.right)
+        limits = _limited("linear_velocity", self.speed) + _limited("angular_velocity", self.turn)
+        return left + right + self._steering() + element("tracks_height", 2 * self.radius) + limits
+
+    def _steering(self) -> str:
+        return element("tracks_separation", self.separation) + element("steering_efficiency", self.efficiency)
+
+
+def _limits(kind: str, most: float, of: str = "velocity") -> str:
+    return element(f"max_{kind}_{of}", most) + element(f"min_{kind}_{of}", -most)
+
+
+def _limited(tag: str, most: float) -> str:
+    return element(tag, element("min_velocity", -most) + element("max_velocity", most))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Servo:
+    """A motor with a spring and a damper: gains in Nm/rad and Nm s/rad; rest: its angle at the start, radians."""
+
+    joint: str
+    stiffness: float
+    damping: float
+    effort: float
+    rest: float = 0
+
+    def command(self, name: str, angle: float, simulator: str) -> Command:
+        """The command that turns it to an angle, radians.
+
+        Classic 11 listens on a topic of Ignition Transport, which its own `gz joint` knows.
+        """
+        if simulator != "classic":
+            return publish_command(topic(name, self.joint), "Double", f"data: {numbers([angle])}", simulator)
+        text = f'name: "{name}::{self.joint}" position {{ target {{ data: {numbers([angle])} }} }}'
+        gains = ("--pos-p", numbers([self.stiffness]), "--pos-d", numbers([self.damping]))
+        shell = ("gz", "joint", "-m", name, "-j", self.joint, "--pos-t", numbers([angle]), *gains)
+        return Command(f"/{name}/joint_cmd", "ignition.msgs.JointCmd", text, shell)
+
+
+def topic(name: str, joint: str) -> str:
+    """The topic of Gazebo Sim's JointPositionController."""
+    return f"/model/{name}/joint/{joint}/0/cmd_pos"
+
+
+def servo_plugins(servos: tuple[Servo, ...], simulator: str) -> str:
+    """One JointControl in Classic, a JointPositionController for each in Gazebo Sim."""
+    if not servos:
+        return ""
+    if simulator == "classic":
+        return classic("JointControl", "servos", "\n" + "".join(_controllers(servos)) + "      ")
+    return "".join(system("JointPositionController", simulator, _gains(servo)) for servo in servos)
+
+
+def _controllers(servos: tuple[Servo, ...]) -> Iterable[str]:
+    for servo in servos:
+        gains = element("pid_gains", numbers([servo.stiffness, 0, servo.damping]))
+        inner = element("joint", servo.joint) + element("target", servo.rest) + gains
+        yield f'        <controller type="position">{inner}</controller>\n'
+
+
+def _gains(servo: Servo) -> str:
+    gains = element("p_gain", servo.stiffness) + element("i_gain", 0) + element("d_gain", servo.damping)
+    limits = element("cmd_max", servo.effort) + element("cmd_min", -servo.effort)
+    return element("joint_name", servo.joint) + gains + limits + element("initial_position", servo.rest)

@@ -1,0 +1,290 @@
+"""Links and joints as values, and their SDF text, which both Gazebos read alike.
+
+Solids of even density: their SDF geometry and their moments of inertia.
+
+Rotations as SDF gives them.
+
+A wheel that turns and skids as it should in Gazebo Classic.
+
+The collision shapes of a belt round two equal wheels.
+
+A lidar that is computed on the processor in Classic and by the renderer in Gazebo Sim.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import TypeAlias
+
+import numpy as np
+
+from rsegen.exporters.gazebo.sdf import material, numbers
+from rsegen.exporters.scene import Colour
+from rsegen.field.stepfield import Array
+from rsegen.robots.drives import element
+
+Vector: TypeAlias = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Box:
+    """A box along the axes, its sides in metres."""
+
+    size: Vector
+
+    @property
+    def geometry(self) -> str:
+        """Its <geometry>."""
+        return f"<geometry><box><size>{numbers(self.size)}</size></box></geometry>"
+
+    def moments(self, mass: float) -> Vector:
+        """Moments of inertia about x, y and z through its centre, kg m^2, for a mass in kg."""
+        x, y, z = (side**2 for side in self.size)
+        return mass * (y + z) / 12, mass * (x + z) / 12, mass * (x + y) / 12
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Cylinder:
+    """A cylinder along z, metres."""
+
+    radius: float
+    length: float
+
+    @property
+    def geometry(self) -> str:
+        """Its <geometry>."""
+        inner = f"<radius>{numbers([self.radius])}</radius><length>{numbers([self.length])}</length>"
+        return f"<geometry><cylinder>{inner}</cylinder></geometry>"
+
+    def moments(self, mass: float) -> Vector:
+        """Moments of inertia about x, y and z through its centre, kg m^2, for a mass in kg."""
+        across = mass * (3 * self.radius**2 + self.length**2) / 12
+        return across, across, mass * self.radius**2 / 2
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Sphere:
+    """A sphere, metres."""
+
+    radius: float
+
+    @property
+    def geometry(self) -> str:
+        """Its <geometry>."""
+        return f"<geometry><sphere><radius>{numbers([self.radius])}</radius></sphere></geometry>"
+
+    def moments(self, mass: float) -> Vector:
+        """Moments of inertia about x, y and z through its centre, kg m^2, for a mass in kg."""
+        moment = 0.4 * mass * self.radius**2
+        return moment, moment, moment
+
+
+Solid: TypeAlias = Box | Cylinder | Sphere
+
+PoseTuple: TypeAlias = tuple[float, float, float, float, float, float]
+"""x, y, z, metres, then roll, pitch, yaw, radians."""
+
+ORIGIN: PoseTuple = (0, 0, 0, 0, 0, 0)
+FIRM = "<kp>1000000</kp><kd>1000</kd>"
+"""Contact of ODE that neither sinks in visibly nor trembles under robots of 1 to 30 kg."""
+
+ALONG_Y: Vector = (-pi / 2, 0, 0)
+"""Roll, pitch and yaw that lay a cylinder's axis along y, its z to the left."""
+
+DARK: Colour = (0.12, 0.12, 0.13)
+GREY: Colour = (0.45, 0.46, 0.48)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Surface:
+    """Friction and contact parameters of a surface in Gazebo Classic's ODE; Gazebo Sim reads the friction.
+
+    mu along `along` (in the frame of its part; by default the engine's own choice), mu2 across it.
+    """
+
+    mu: float
+    mu2: float
+    along: Vector | None = None
+    soft: str = ""
+
+    @property
+    def sdf(self) -> str:
+        """Its <surface>."""
+        along = f"<fdir1>{numbers(self.along)}</fdir1>" if self.along else ""
+        friction = f"<mu>{numbers([self.mu])}</mu><mu2>{numbers([self.mu2])}</mu2>{along}"
+        contact = f"<contact><ode>{self.soft}</ode></contact>" if self.soft else ""
+        return f"<surface>{contact}<friction><ode>{friction}</ode></friction></surface>"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Part:
+    """A solid at its pose in a link; without a `surface` it is visual only, without collision."""
+
+    name: str
+    solid: Solid
+    pose: PoseTuple = ORIGIN
+    colour: Colour = GREY
+    surface: Surface | None = None
+
+    @property
+    def sdf(self) -> str:
+        """Its <collision> and <visual>."""
+        what = f"<pose>{numbers(self.pose)}</pose>{self.solid.geometry}"
+        visual = f'        <visual name="{self.name}_seen">{what}{material(self.colour)}</visual>\n'
+        if self.surface is None:
+            return visual
+        return f'        <collision name="{self.name}">{what}{self.surface.sdf}</collision>\n' + visual
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Link:
+    """A rigid body at its place in the model; its mass, kg, is that of the even `solid` at `centre`.
+
+    geared: what a geared motor adds to its moment of inertia about z, kg m^2: the rotor's times the ratio squared
+    """
+
+    name: str
+    mass: float
+    solid: Solid
+    parts: tuple[Part, ...]
+    pose: PoseTuple = ORIGIN
+    centre: PoseTuple = ORIGIN
+    geared: float = 0
+
+    @property
+    def moments(self) -> Vector:
+        """Moments of inertia about x, y and z at its centre of mass; with half of `geared` across, as a body must."""
+        ixx, iyy, izz = self.solid.moments(self.mass)
+        return ixx + self.geared / 2, iyy + self.geared / 2, izz + self.geared
+
+    def sdf(self, sensors: str = "") -> str:
+        """The link with its sensors."""
+        ixx, iyy, izz = self.moments
+        moments = f"<ixx>{ixx:.9g}</ixx><iyy>{iyy:.9g}</iyy><izz>{izz:.9g}</izz>"
+        return f"""\
+      <link name="{self.name}">
+        <pose>{numbers(self.pose)}</pose>
+        <inertial>
+          <pose>{numbers(self.centre)}</pose>
+          <mass>{numbers([self.mass])}</mass>
+          <inertia>{moments}<ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia>
+        </inertial>
+{"".join(part.sdf for part in self.parts)}{sensors}      </link>
+"""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Joint:
+    """A hinge about `axis` of its child's frame, or a fixed joint where there is none.
+
+    lower, upper: radians, none for a wheel; effort, rate: the most of its motor, Nm and
+    rad/s; anchor: its origin in the child, metres.
+    """
+
+    name: str
+    parent: str
+    child: str
+    axis: Vector | None = None
+    lower: float | None = None
+    upper: float | None = None
+    effort: float | None = None
+    rate: float | None = None
+    damping: float = 0
+    anchor: Vector = (0, 0, 0)
+
+    @property
+    def sdf(self) -> str:
+        """Its <joint>."""
+        kind = "revolute" if self.axis else "fixed"
+        return f"""\
+      <joint name="{self.name}" type="{kind}">
+        <pose>{numbers(self.anchor)} 0 0 0</pose>
+        <parent>{self.parent}</parent>
+        <child>{self.child}</child>
+{self._turning()}      </joint>
+"""
+
+    def _turning(self) -> str:
+        if self.axis is None:
+            return ""
+        ends = (("lower", self.lower), ("upper", self.upper), ("effort", self.effort), ("velocity", self.rate))
+        limits = "".join(f"<{tag}>{numbers([end])}</{tag}>" for tag, end in ends if end is not None)
+        limit = f"<limit>{limits}</limit>" if limits else ""
+        damping = f"<dynamics><damping>{numbers([self.damping])}</damping></dynamics>" if self.damping else ""
+        return f"        <axis><xyz>{numbers(self.axis)}</xyz>{limit}{damping}</axis>\n"
+
+
+def rotation(roll: float, pitch: float, yaw: float) -> Array:
+    """The matrix (3, 3) of a rotation about x, then y, then z, radians."""
+    (a, b, c), (p, q, r) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
+    about_x = np.array([[1, 0, 0], [0, a, -p], [0, p, a]])
+    about_y = np.array([[b, 0, q], [0, 1, 0], [-q, 0, b]])
+    about_z = np.array([[c, -r, 0], [r, c, 0], [0, 0, 1]])
+    return np.asarray(about_z @ about_y @ about_x)
+
+
+TREAD = 0.004
+"""Metres of a tyre's width that touch: in ODE a wider one stands on its outer edges, and turns too slowly."""
+
+_AXLE: Vector = (0, 0, 1)
+
+
+def wheel(  # noqa: PLR0913  # a wheel's six figures, by name
+    name: str, centre: Vector, *, radius: float, width: float, mass: float, geared: float, mu: float = 1
+) -> Link:
+    """A wheel with its axle along y, which is its own z; friction acts along and across it however it has turned."""
+    tyre, tread = Cylinder(radius=radius, length=width), Cylinder(radius=radius, length=TREAD)
+    parts = (
+        Part(name="tyre", solid=tyre, colour=DARK),
+        Part(name="tread", solid=tread, colour=DARK, surface=Surface(mu=mu, mu2=mu, along=_AXLE, soft=FIRM)),
+    )
+    return Link(name=name, mass=mass, solid=tyre, pose=(*centre, *ALONG_Y), parts=parts, geared=geared)
+
+
+SLACK = 0.001
+"""Metres by which the belt between its wheels lies inside them: on a floor only the wheels are in contact."""
+
+
+def belt(rear: float, front: float, *, radius: float, width: float, mu: float, mu2: float) -> tuple[Part, ...]:
+    """A belt round wheels of one radius at x = rear and x = front of its link; friction mu along it, mu2 across."""
+    surface = _grip(mu, mu2)
+    run = Box(size=(front - rear, width, 2 * (radius - SLACK)))
+    end = Cylinder(radius=radius, length=width)
+    return (
+        Part(name="run", solid=run, pose=((rear + front) / 2, 0, 0, 0, 0, 0), colour=DARK, surface=surface),
+        Part(name="rear", solid=end, pose=(rear, 0, 0, *ALONG_Y), colour=DARK, surface=surface),
+        Part(name="front", solid=end, pose=(front, 0, 0, *ALONG_Y), colour=DARK, surface=surface),
+    )
+
+
+def road(x: float, *, radius: float, width: float, mu: float, mu2: float) -> Part:
+    """A wheel inside the belt, at x; where it is lower than the ends the robot stands on it, and turns more easily."""
+    name = f"road_{'front' if x > 0 else 'rear'}"
+    wheel = Cylinder(radius=radius, length=width)
+    return Part(name=name, solid=wheel, pose=(x, 0, 0, *ALONG_Y), colour=DARK, surface=_grip(mu, mu2))
+
+
+def _grip(mu: float, mu2: float) -> Surface:
+    return Surface(mu=mu, mu2=mu2, along=(1, 0, 0), soft=FIRM)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Lidar:
+    """A plane of rays round its z axis; nearest and farthest, metres; rate in Hz; place in the robot's first link."""
+
+    pose: PoseTuple
+    rays: int
+    nearest: float
+    farthest: float
+    rate: float
+
+    def sdf(self, simulator: str) -> str:
+        """Its <sensor>: `ray` in Classic; `gpu_lidar`, the only one that Gazebo Sim computes, there."""
+        kind, tag = ("ray", "ray") if simulator == "classic" else ("gpu_lidar", "lidar")
+        circle = element("min_angle", 0) + element("max_angle", 2 * pi - 2 * pi / self.rays)
+        scan = element("scan", element("horizontal", element("samples", self.rays) + circle))
+        reach = element("range", element("min", self.nearest) + element("max", self.farthest))
+        pose = element("pose", " ".join(map(str, self.pose)))
+        inside = pose + element("always_on", "true") + element("update_rate", self.rate) + element(tag, scan + reach)
+        return f'        <sensor name="lidar" type="{kind}">{inside}</sensor>\n'

@@ -1,0 +1,239 @@
+"""Reads the drive of a model in an SDF file from its plug-in, be it one of a simulator or of ROS."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from rsegen.errors import FileError, ParameterError, UnknownName, shown
+from rsegen.params.sorts import Float
+from rsegen.robots.base import SPEED, TURN, refuse_outside
+from rsegen.robots.drives import Drive, Tracks, Wheels
+from rsegen.robots.sdf_shapes import Extents, Frames, floats
+
+DEFAULT_SPEED, DEFAULT_TURN = 0.2, 0.5
+"""m/s and rad/s of a robot whose model gives no limits."""
+
+KNOWN = {
+    "gazebo_ros_diff_drive": "wheels",
+    "gazebo_ros_skid_steer_drive": "wheels",
+    "DiffDrivePlugin": "wheels",
+    "SkidSteerDrivePlugin": "wheels",
+    "WheelTrackedVehiclePlugin": "wheels",
+    "SimpleTrackedVehiclePlugin": "belts",
+    "gz-sim-diff-drive-system": "wheels",
+    "gz-sim-mecanum-drive-system": "wheels",
+    "gz-sim-tracked-vehicle-system": "tracks",
+}
+"""Plug-ins of drives that are read, without lib and .so, and how they say what they drive."""
+
+_SIDES = ("left", "right")
+_JOINTS = ("{}_joint", "{}Joint", "{}_front", "{}FrontJoint", "front_{}_joint", "{}_front_joint")
+_REAR = ("{}_rear", "{}RearJoint", "back_{}_joint", "{}_rear_joint")
+"""What plug-ins call the joints of a side, from front to rear."""
+
+
+class Found(NamedTuple):
+    """A drive read from a model; plugin: its plug-in, by its key in KNOWN, empty if the user named the wheels.
+
+    sizes: the origin of separation and radius; limits: of the speed and the turn rate, None if the model has none
+    backwards: whether the wheels' axes point to the right, so that they roll backwards
+    """
+
+    plugin: str
+    drive: Drive
+    sizes: str
+    limits: tuple[float | None, float | None] = (None, None)
+    backwards: bool = False
+
+
+def plugin_key(file: str) -> str:
+    """The name of a plug-in's file as in KNOWN: without lib and .so, and Fortress's as later ones."""
+    name = file.strip().rpartition("/")[2].removeprefix("lib").removesuffix(".so")
+    return re.sub(r"^(gz-sim|ignition-gazebo)\d*-", "gz-sim-", name)
+
+
+def found_drive(model: Element, frames: Frames, shapes: Extents) -> Found | None:
+    """The drive of the first plug-in that is known and names what it drives; None if there is none.
+
+    Classic's DiffDrive knows one pair of wheels, so a model may have several: plug-ins of one kind are one drive.
+    """
+    merged: dict[str, Element] = {}
+    for plugin in model.iter("plugin"):
+        key = plugin_key(plugin.get("filename", ""))
+        if key in KNOWN:
+            merged.setdefault(key, Element("plugin")).extend(list(plugin))
+    readers = {"wheels": _wheels, "belts": _belts, "tracks": _tracks}
+    read = ((key, readers[KNOWN[key]](plugin, frames, shapes)) for key, plugin in merged.items())
+    return next((drive._replace(plugin=key) for key, drive in read if drive), None)
+
+
+def named_wheels(text: str, frames: Frames, shapes: Extents) -> Found:
+    """The drive of wheels whose joints the user names: LEFT,RIGHT, each side of several joined by +, front to rear."""
+    sides = [side.split("+") for side in text.split(",")]
+    if len(sides) != 2 or len(sides[0]) != len(sides[1]) or not all(joint for side in sides for joint in side):
+        raise ParameterError("wheels", f"{shown(text)} is not LEFT,RIGHT or FRONT+REAR,FRONT+REAR, joints of wheels")
+    joints = list(frames.joints)
+    for joint in (joint for side in sides for joint in side):
+        if joint not in joints:
+            raise UnknownName.among("wheels", "joint", joint, joints)
+    ways = {np.sign(frames.axis(joint)[1].round(3)) for side in sides for joint in side}
+    if len(ways) != 1 or 0 in ways:
+        raise ParameterError("wheels", f"{text}: their axes are not all along y, to the same side")
+    left, right = _by_side(sides[0], sides[1], frames, shapes)
+    drive = _made(left, right, _separation(left, right, frames, shapes), _radius(left, frames, shapes), frames)
+    if not drive.separation or not drive.radius:
+        problem = "their places or shapes are unknown; a wheel needs a collision shape such as a cylinder or sphere"
+        raise ParameterError("wheels", f"{text}: {problem}")
+    return Found("", drive, "its wheels", backwards=ways == {-1.0})
+
+
+def _wheels(plugin: Element, frames: Frames, shapes: Extents) -> Found | None:
+    left, right = (_named(plugin, [tag.format(side) for tag in (*_JOINTS, *_REAR)]) for side in _SIDES)
+    missing = [joint for joint in (*left, *right) if joint not in frames.joints]
+    if not left or len(left) != len(right) or missing:
+        return None
+    left, right = map(list, _by_side(left, right, frames, shapes))
+    separation = _number(plugin, frames, "wheel_separation", "wheelSeparation", "tracks_separation")
+    diameter = _number(plugin, frames, "wheel_diameter", "wheelDiameter")
+    radius = _number(plugin, frames, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
+    given = bool(separation and radius)
+    drive = _made(
+        left,
+        right,
+        separation or _separation(left, right, frames, shapes),
+        radius or _radius(left, frames, shapes),
+        frames,
+    )
+    if not drive.separation or not drive.radius:
+        return None
+    limits = _limits(plugin, frames, drive, left + right)
+    return Found("", drive, "its plug-in" if given else "its wheels", limits)
+
+
+def _made(left: Sequence[str], right: Sequence[str], separation: float, radius: float, frames: Frames) -> Wheels:
+    """Wheels; Classic's plug-in takes the distance between the joints for the separation."""
+    between = frames.joint(left[0])[:3, 3] - frames.joint(right[0])[:3, 3]
+    apart = float(np.linalg.norm(between))
+    spread = apart / separation if apart and separation else 1
+    return Wheels(
+        left=tuple(left),
+        right=tuple(right),
+        separation=separation,
+        radius=radius,
+        speed=DEFAULT_SPEED,
+        turn=DEFAULT_TURN,
+        spread=spread,
+    )
+
+
+def _belts(plugin: Element, frames: Frames, shapes: Extents) -> Found | None:
+    """Classic's SimpleTrackedVehicle."""
+    left, right = (_named(plugin, [f"{side}_track", f"{side}_flipper"]) for side in _SIDES)
+    return _tracked(plugin, left, right, frames, shapes, body=_text(plugin.find("body")))
+
+
+def _tracks(plugin: Element, frames: Frames, shapes: Extents) -> Found | None:
+    """Gazebo Sim's TrackedVehicle; its body is the first link of its model."""
+    left, right = ([_text(each.find("link")) for each in plugin.findall(f"{side}_track")] for side in _SIDES)
+    body = next((name for name, each in frames.elements.items() if each.tag == "link"), "")
+    return _tracked(plugin, left, right, frames, shapes, body=body)
+
+
+def _tracked(  # a plug-in, its links, and where they are
+    plugin: Element, left: Sequence[str], right: Sequence[str], frames: Frames, shapes: Extents, *, body: str
+) -> Found | None:
+    if not left or not right or any(link not in frames.elements for link in (*left, *right, body)):
+        return None
+    middles = [_middle(link, frames, shapes) for link in (left[0], right[0])]
+    if middles[0][1] < middles[1][1]:
+        left, right = right, left
+    track = shapes.of(left[0])
+    height = _number(plugin, frames, "tracks_height") or (float(track.high[2] - track.low[2]) if track else 0.2)
+    drive = Tracks(
+        body=body,
+        left=tuple(left),
+        right=tuple(right),
+        separation=_number(plugin, frames, "tracks_separation") or abs(float(middles[0][1] - middles[1][1])),
+        radius=height / 2,
+        speed=DEFAULT_SPEED,
+        turn=DEFAULT_TURN,
+        mu=_number(plugin, frames, "track_mu") or 2,
+        mu2=_number(plugin, frames, "track_mu2") or 0.5,
+        efficiency=_number(plugin, frames, "steering_efficiency") or 0.5,
+    )
+    return Found("", drive, "its plug-in", _limits(plugin, frames, drive, ()))
+
+
+def _by_side(
+    one: Sequence[str], other: Sequence[str], frames: Frames, shapes: Extents
+) -> tuple[Sequence[str], Sequence[str]]:
+    """The joints of the left side, then those of the right, by their places: Classic calls left what is right."""
+    first, second = (_middle(_child(side[0], frames), frames, shapes)[1] for side in (one, other))
+    return (other, one) if first < second else (one, other)
+
+
+def _separation(left: Sequence[str], right: Sequence[str], frames: Frames, shapes: Extents) -> float:
+    first, second = (_middle(_child(side[0], frames), frames, shapes)[1] for side in (left, right))
+    return float(abs(first - second))
+
+
+def _radius(joints: Sequence[str], frames: Frames, shapes: Extents) -> float:
+    """Half of the height of the first wheel; 0 if its shape is unknown."""
+    wheel = shapes.of(_child(joints[0], frames))
+    return float(wheel.high[2] - wheel.low[2]) / 2 if wheel else 0.0
+
+
+def _middle(link: str, frames: Frames, shapes: Extents) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """The middle of a link's shapes, else its origin."""
+    shape = shapes.of(link)
+    return np.asarray(frames.transform(link)[:3, 3] if shape is None else (shape.low + shape.high) / 2)
+
+
+def _child(joint: str, frames: Frames) -> str:
+    """The link that a joint turns."""
+    scope = joint.rpartition("::")[0]
+    child = _text(frames.joints[joint].find("child"))
+    return f"{scope}::{child}" if scope else child
+
+
+def _limits(plugin: Element, frames: Frames, drive: Drive, joints: Iterable[str]) -> tuple[float | None, float | None]:
+    """The greatest speed and turn rate by the plug-in, else the greatest speed by its wheels' joints."""
+    speed = _number(plugin, frames, "max_linear_velocity", "max_velocity", "max_linear_speed")
+    speed = speed or _number(plugin, frames, "linear_velocity/max_velocity")
+    turn = _number(plugin, frames, "max_angular_velocity", "max_angular_speed", "angular_velocity/max_velocity")
+    rates = [_number(frames.joints[joint], frames, "axis/limit/velocity") for joint in joints]
+    least = min((rate for rate in rates if rate), default=0) * drive.radius
+    speed = _limit(SPEED, speed, frames) or _limit(SPEED, least, frames)
+    return speed, _limit(TURN, turn, frames)
+
+
+def _limit(sort: Float, value: float | None, frames: Frames) -> float | None:
+    """A limit of a model; None for none, as numbers are that no robot reaches: SDF's own is 1e16."""
+    if not value or value > sort.high:
+        return None
+    refuse_outside(sort, value, f"{frames.where}: the limit of a velocity")
+    return value
+
+
+def _number(element: Element, frames: Frames, *paths: str) -> float | None:
+    """The first number that stands in one of these elements; None if there is none, or it is not positive."""
+    text = next((text for path in paths if (text := element.findtext(path))), None)
+    try:
+        number = floats(text, 1, frames.where)[0]
+    except FileError:
+        return None
+    return number if number > 0 else None
+
+
+def _named(plugin: Element, tags: Iterable[str]) -> list[str]:
+    """The texts of elements with these tags, in the order of the tags."""
+    return [_text(each) for tag in tags for each in plugin.findall(tag)]
+
+
+def _text(element: Element | None) -> str:
+    return "" if element is None else (element.text or "").strip()

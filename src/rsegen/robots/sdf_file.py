@@ -1,0 +1,415 @@
+"""A robot from an SDF file of the user, which is parsed as untrusted input.
+
+Makes a model of an SDF file drivable: its drive by a plug-in of the simulator, without what that cannot load.
+
+The files that an SDF file names, found beside it: meshes and textures of the robot's own package.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement, fromstring
+
+import numpy as np
+
+from rsegen.errors import FileError, ParameterError
+from rsegen.exporters.gazebo.sdf import numbers, prefixes
+from rsegen.io.input_files import elements, text_of
+from rsegen.robots.base import SIDE, WHEEL, refuse_outside
+from rsegen.robots.drives import Command, Drive, Wheels, pose_publisher
+from rsegen.robots.links import ORIGIN, PoseTuple, Vector
+from rsegen.robots.sdf_drives import DEFAULT_SPEED, DEFAULT_TURN, KNOWN, Found, found_drive, named_wheels, plugin_key
+from rsegen.robots.sdf_shapes import Extents, Frames, extents
+
+_ROS = re.compile(r"(?:^|_)ros\d?(?:_|$)|^hector_gazebo_")
+_LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
+
+
+TRACKS = "gz-sim-track-controller-system"
+"""Belongs to a drive of tracks."""
+
+
+class LeftOut(NamedTuple):
+    """The files of the plug-ins, and the names of the sensors, that were taken out of a model."""
+
+    plugins: tuple[str, ...]
+    sensors: tuple[str, ...]
+
+
+def make_drivable(model: Element, drive: Drive | None, own: str, name: str, backend: str) -> LeftOut:
+    """Give a model a drive of the simulator's own in place of all that it has; what else was taken out of it.
+
+    own: the key of the plug-in that the drive was read from; if it is the simulator's, the plug-in is kept, with its
+    limits of acceleration. ROS's plug-ins are taken out where their library is not in a folder of LD_LIBRARY_PATH or
+    of the simulator's plug-ins.
+    """
+    kept = [each for each in model.iter("plugin") if _is_own_drive(plugin_key(each.get("filename", "")), own, backend)]
+    left = _leave_out(model, backend)
+    for plugin in kept:
+        for topic in plugin.findall("topic"):
+            plugin.remove(topic)
+        if plugin_key(plugin.get("filename", "")) == own:
+            SubElement(plugin, "topic").text = f"/model/{name}/cmd_vel"
+    if drive and not kept:
+        kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
+    model.extend(kept)
+    _respell(model, backend)
+    return left
+
+
+def _is_own_drive(key: str, own: str, backend: str) -> bool:
+    """Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are."""
+    missing = ("classic",) if own != "gz-sim-mecanum-drive-system" else ("classic", "fortress")
+    return backend not in missing and own.startswith("gz-sim-") and key in (own, TRACKS)
+
+
+def _leave_out(model: Element, backend: str) -> LeftOut:
+    """Drives are not counted among what was left out: another one takes their place.
+
+    Sensors move nothing and need a screen or time: the rays of a lidar against a mesh cost more than the robot.
+    """
+    names = tuple(_without(model, "sensor", lambda _: True, "name"))
+    if backend != "classic":
+        list(_without(model, "script", lambda _: True, "name"))  # colours of Classic's, which later versions refuse
+    files = _without(model, "plugin", lambda each: not _is_loadable(each.get("filename", ""), backend), "filename")
+    return LeftOut(tuple(dict.fromkeys(file for file in files if plugin_key(file) not in (*KNOWN, TRACKS))), names)
+
+
+def _respell(model: Element, backend: str) -> None:
+    """Name the systems of Gazebo Sim in a model as its version does: ignition-gazebo-... up to Fortress."""
+    file, space = prefixes(backend)
+    for plugin in model.iter("plugin"):
+        key = plugin_key(plugin.get("filename", ""))
+        if key.startswith("gz-sim-"):
+            plugin.set("filename", file + key.removeprefix("gz-sim"))
+            plugin.set("name", f"{space}::systems::{plugin.get('name', '').rpartition('::')[2]}")
+
+
+def _is_loadable(file: str, backend: str) -> bool:
+    key = plugin_key(file)
+    if key in (*KNOWN, TRACKS):
+        return False
+    if key.startswith("gz-sim-"):
+        return backend != "classic"
+    if _ROS.search(key):
+        return _is_installed(file)
+    return backend == "classic" or not key.endswith("Plugin")
+
+
+def _is_installed(file: str) -> bool:
+    folders = [folder for variable in _LIBRARIES for folder in os.environ.get(variable, "").split(os.pathsep)]
+    names = {file, file if file.startswith("lib") else f"lib{file}.so"}
+    return any(Path(folder, name).is_file() for folder in folders if folder for name in names)
+
+
+def _without(model: Element, tag: str, is_out: Callable[[Element], bool], said: str) -> Iterator[str]:
+    """Take elements of a tag out, wherever they are, and give an attribute of each."""
+    for parent in list(model.iter()):
+        for element in parent.findall(tag):
+            if is_out(element):
+                parent.remove(element)
+                yield element.get(said, "")
+
+
+_PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "SDF_PATH")
+"""Variables that list the folders of models."""
+
+_HIGHEST = 6
+"""Folders above a file that are searched: a package holds models/NAME/model.sdf, or less deep."""
+
+
+def resolve_uris(model: Element, file: Path) -> None:
+    """Make the URIs of a model absolute paths where their files are found.
+
+    model://NAME/... and package://NAME/... are looked for in the folders above the file, next to these, and in the
+    folders of models that the simulators know; FileError if the mesh of a collision shape is not found.
+    """
+    for uri in model.iter("uri"):
+        path = _found((uri.text or "").strip(), file)
+        if path:
+            uri.text = str(path)
+    for mesh in model.iterfind(".//collision/geometry/mesh/uri"):
+        text = (mesh.text or "").strip()
+        if not text.startswith("/"):
+            advice = "put its package next to that of the file, or its folder into GAZEBO_MODEL_PATH"
+            raise FileError(f"{file}: the mesh {text} of a collision shape is not found; {advice}")
+
+
+def _found(uri: str, file: Path) -> Path | None:
+    scheme, separator, rest = uri.partition("://")
+    if not uri or "\0" in uri:
+        return None
+    if not separator:
+        candidates: Iterator[Path] = iter([file.absolute().parent / uri])
+    elif scheme == "file":
+        candidates = iter([Path("/", rest) if rest.startswith("/") else file.absolute().parent / rest])
+    elif scheme in ("model", "package"):
+        candidates = _of_package(rest, file)
+    else:
+        return None
+    return next((path for path in candidates if _exists(path)), None)
+
+
+def _of_package(rest: str, file: Path) -> Iterator[Path]:
+    """Where NAME/... may be."""
+    name, _, inner = rest.partition("/")
+    for folder in list(file.absolute().parents)[:_HIGHEST]:
+        if folder.name == name:
+            yield folder / inner
+        yield folder / rest
+    for variable in _PATHS:
+        yield from (Path(folder, rest) for folder in os.environ.get(variable, "").split(os.pathsep) if folder)
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # a name that is too long
+        return False
+
+
+MAX_MIB = 4
+"""The largest file that is read: a second's work for the parser."""
+
+_SUFFIXES = (".sdf", ".urdf", ".xacro")
+"""Endings of files that are taken for a robot; URDF is refused with a word on how to convert it."""
+
+_CLASSIC = "1.7"
+"""The latest version of SDF that Gazebo Classic reads."""
+
+_MOST_NAMES = 12
+"""Names of joints in a message."""
+
+_LARGEST_TURN = 3.0
+"""rad/s: the most that Classic's drive can be told, as an angle below pi."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SdfRobot:
+    """A robot from a file: its name, its <model> as text, its drive, and what of it was derived from the model.
+
+    backend: the simulator that its own plug-in is of, None if ROS's or none that is known; found: its drive, None if it
+    has none that is known: then it cannot be driven; joints: those that could be wheels; size: of a box around its
+    origin that holds its collision shapes; lift: how far its origin is above the lowest of them, metres; derived,
+    assumed: which of size, speed and turn are from the model, and which from nowhere.
+    """
+
+    kind: str
+    text: str
+    version: str = "1.6"
+    backend: str | None = None
+    found: Found | None = None
+    joints: tuple[str, ...] = ()
+    size: Vector = (0.5, 0.5, 0.5)
+    speed: float = DEFAULT_SPEED
+    turn: float = DEFAULT_TURN
+    lift: float = 0
+    derived: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
+
+    @property
+    def drive(self) -> Drive:
+        """Its drive with its maximum speed and turn rate; ParameterError if none is known."""
+        if self.found is None:
+            raise ParameterError(self.kind, _no_drive(self))
+        return replace(self.found.drive, speed=self.speed, turn=self.turn)
+
+    @property
+    def topic(self) -> str | None:
+        """The topic of its drive with {name} for its name, None if no drive is known."""
+        return self.command("{name}", 0, 0, self.backend or "classic").topic if self.found else None
+
+    def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN) -> str:
+        """Its <model> under a name, its lowest point at the height of a pose, driven by the simulator's own plug-in."""
+        model = self._placed(name, at)
+        self._make_drivable(model, name, simulator)
+        return _outer(model)
+
+    def file(self, name: str, simulator: str = "classic") -> str:
+        """The text of an SDF file of it with its own plug-ins, ROS's too."""
+        is_newer = simulator == "classic" and _minor(self.version) > _minor(_CLASSIC)
+        version = _CLASSIC if is_newer else self.version
+        return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(self._placed(name, ORIGIN))}</sdf>\n'
+
+    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
+        """The command for speed v forward, m/s, and turn rate w, rad/s."""
+        drive = self.drive
+        if self.found and self.found.backwards:
+            v, w = -v, -w
+        if simulator == "classic" and isinstance(drive, Wheels):
+            most = _LARGEST_TURN * drive.spread
+            w = max(-most, min(most, w))
+        return drive.command(name, v, w, simulator)
+
+    def notes(self, simulator: str) -> Iterator[str]:
+        """What was derived from its file, and what was left out of it for a drive, in a sentence each."""
+        yield f"{self.kind}: {_derived(self)}"
+        left = self._make_drivable(ElementTree.fromstring(self.text), self.kind, simulator)  # noqa: S314  # as above
+        if left.plugins:
+            yield f"{self.kind}: left out for the drive, as they are not here: {', '.join(left.plugins)}"
+        if left.sensors:
+            yield f"{self.kind}: left out for the drive, as sensors move nothing: {', '.join(left.sensors)}"
+
+    def given(self, values: Mapping[str, Any]) -> SdfRobot:
+        """The robot with the size, speed or turn rate that the user gives."""
+        derived, assumed = (
+            tuple(each for each in names if each not in values) for names in (self.derived, self.assumed)
+        )
+        return replace(self, derived=derived, assumed=assumed, **values)
+
+    def _make_drivable(self, model: ElementTree.Element, name: str, simulator: str) -> LeftOut:
+        if simulator == "classic" and model.find("allow_auto_disable") is None:
+            ElementTree.SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
+        drive = self.drive if self.found else None
+        left = make_drivable(model, drive, self.found.plugin if self.found else "", name, simulator)
+        if simulator != "classic":
+            model.append(ElementTree.fromstring(pose_publisher(simulator)))  # noqa: S314  # ours
+        return left
+
+    def _placed(self, name: str, at: PoseTuple) -> ElementTree.Element:
+        model = ElementTree.fromstring(self.text)  # noqa: S314  # was found to be plain elements
+        model.set("name", name)
+        for pose in model.findall("pose"):
+            model.remove(pose)
+        pose = ElementTree.Element("pose")
+        pose.text = numbers((at[0], at[1], at[2] + self.lift, *at[3:]))
+        model.insert(0, pose)
+        return model
+
+
+def is_robot_file(what: object) -> bool:
+    """Whether this is a path, or a text that ends as the name of a robot's file does."""
+    return isinstance(what, os.PathLike) or (isinstance(what, str) and what.endswith(_SUFFIXES))
+
+
+def from_file(path: str | os.PathLike[str], wheels: str | None = None) -> SdfRobot:
+    """The robot of the one model in an SDF file; FileError if the file has anything else.
+
+    wheels: the joints of its wheels as LEFT,RIGHT, several of a side joined by +, for a model without a drive that is
+    known.
+    """
+    return parsed(text_of(Path(path), MAX_MIB, "a robot"), str(path), wheels)
+
+
+def parsed(text: str, where: str, wheels: str | None = None) -> SdfRobot:
+    """The one model in a text of SDF; a document type and entities are refused, as bombs are made of them."""
+    root = elements(text, where)
+    model = _model(root, where)
+    resolve_uris(model, Path(where))
+    version = _version(root)
+    _modernize(model, version)
+    frames = Frames(model, where)
+    shapes = extents(frames)
+    found = named_wheels(wheels, frames, shapes) if wheels else found_drive(model, frames, shapes)
+    if found:
+        refuse_outside(WHEEL, found.drive.separation, f"{where}: the separation of its wheels or tracks")
+        refuse_outside(WHEEL, found.drive.radius, f"{where}: the radius of its wheels or tracks")
+    size, (speed, turn) = _size(shapes, where), found.limits if found else (None, None)
+    values = {"size": size, "speed": speed, "turn": turn}
+    return SdfRobot(
+        kind=re.sub(r"\W|^(?=\d)", "_", model.get("name", ""), flags=re.ASCII),
+        text=_outer(model),
+        version=version,
+        backend=_backend(model, found),
+        found=found,
+        joints=tuple(name for name, each in frames.joints.items() if each.get("type") in ("revolute", "continuous")),
+        size=size or (0.5, 0.5, 0.5),
+        speed=speed or DEFAULT_SPEED,
+        turn=turn or DEFAULT_TURN,
+        lift=-float(shapes.low[2]) if shapes.known else 0.0,
+        derived=tuple(name for name, value in values.items() if value is not None),
+        assumed=tuple(name for name, value in values.items() if value is None),
+    )
+
+
+def _model(root: ElementTree.Element, where: str) -> ElementTree.Element:
+    found = root.findall("model")
+    if root.tag == "robot":
+        raise FileError(f"{where}: URDF, not SDF; convert it: xacro FILE.xacro > r.urdf, gz sdf -p r.urdf > r.sdf")
+    if root.tag != "sdf" or len(found) != 1 or root.find("world") is not None:
+        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>")
+    if not found[0].get("name", "").strip():
+        raise FileError(f"{where}: the model has no name")
+    if found[0].find("link") is None and found[0].find("include") is None and found[0].find("model") is None:
+        raise FileError(f"{where}: the model has no <link>")
+    return found[0]
+
+
+def _version(root: ElementTree.Element) -> str:
+    """The version of SDF, 1.6 if it is none that there is."""
+    found = root.get("version", "").strip()
+    return found if re.fullmatch(r"1\.\d\d?", found, flags=re.ASCII) else "1.6"
+
+
+def _minor(version: str) -> int:
+    return int(version.partition(".")[2])
+
+
+def _modernize(model: ElementTree.Element, version: str) -> None:
+    """Say of the joints' axes what was the rule before SDF 1.5, for a world of a later version."""
+    if _minor(version) < 5:
+        for axis in model.iter("axis"):
+            if axis.find("use_parent_model_frame") is None:
+                ElementTree.SubElement(axis, "use_parent_model_frame").text = "true"
+
+
+def _size(shapes: Extents, where: str) -> Vector | None:
+    """The size of a box around the origin that holds all collision shapes; None if it is not known of all."""
+    if not shapes.known:
+        return None
+    low, high = shapes.low, shapes.high
+    sides = (*(2 * np.maximum(np.abs(low), np.abs(high))[:2]), high[2] - low[2])
+    x, y, z = (float(np.maximum(side, SIDE.low)) for side in sides)
+    for side in (x, y, z):
+        refuse_outside(SIDE, side, f"{where}: the box around its collision shapes, {x:.4g} x {y:.4g} x {z:.4g} m")
+    return None if shapes.unknown else (x, y, z)
+
+
+def _backend(model: ElementTree.Element, found: Found | None) -> str | None:
+    """The simulator that the plug-in of a drive is of."""
+    if not found or not found.plugin or _is_ros(found):
+        return None
+    if found.plugin.endswith("Plugin"):
+        return "classic"
+    files = (plugin.get("filename", "") for plugin in model.iter("plugin"))
+    return "fortress" if any("ignition" in file for file in files if plugin_key(file) == found.plugin) else "sim"
+
+
+def _is_ros(found: Found) -> bool:
+    return "_ros_" in found.plugin
+
+
+def _derived(robot: SdfRobot) -> str:
+    """What was taken from its file, and what was assumed."""
+    found, said = robot.found, []
+    if found:
+        origin = found.plugin or "the given wheels"
+        what = "wheels" if isinstance(found.drive, Wheels) else "tracks"
+        sizes = f"{found.drive.separation:.4g} m apart, radius {found.drive.radius:.4g} m"
+        said.append(f"its drive is read from {origin}, with {what} {sizes}, by {found.sizes}")
+    values = {
+        "size": f"size {' x '.join(f'{side:.3f}' for side in robot.size)} m around its origin",
+        "speed": f"speed {robot.speed:g} m/s",
+        "turn": f"turn rate {robot.turn:g} rad/s",
+    }
+    for origin, names in (("its model", robot.derived), ("assumption", robot.assumed)):
+        if names:
+            said.append(", ".join(values[name] for name in names) + f" by {origin}")
+    return "; ".join(said)
+
+
+def _no_drive(robot: SdfRobot) -> str:
+    joints = ", ".join(robot.joints[:_MOST_NAMES]) + (", ..." if len(robot.joints) > _MOST_NAMES else "")
+    wheels = f"name its wheels' joints with --wheels LEFT,RIGHT ({joints})" if joints else "it has no joint that turns"
+    return f"no drive that rsegen knows ({', '.join(KNOWN)}); {wheels}"
+
+
+def _outer(model: ElementTree.Element) -> str:
+    model.tail = "\n"
+    return ElementTree.tostring(model, encoding="unicode")

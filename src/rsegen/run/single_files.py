@@ -1,0 +1,178 @@
+"""Maps as a page for browsers: `rsegen.view` for notebooks, and what `rsegen view` writes.
+
+Scenes --page--> HTML --write_file--> a file
+
+Writes the build sheet of a map as PDF or CSV files.
+
+Scene --sheet--> the content of a file --write_file--> PDF or CSV
+
+Writes recipe files, and copies of the included examples.
+
+What is known of the tiles of a terrain, as the file next to its world.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+from math import prod
+from pathlib import Path
+
+from rsegen.errors import FileError, TooLarge
+from rsegen.exporters.browser.page import ShownMap, page
+from rsegen.exporters.scene import Scene, compose
+from rsegen.exporters.sheet import CutSettings, refuse_unbuildable, sheet, sheet_format
+from rsegen.field.stepfield import StepField
+from rsegen.io.recipe_file import to_yaml
+from rsegen.io.resources import refuse_too_large
+from rsegen.recipe.codec import to_json
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.terrain import Terrain
+from rsegen.recipe.tiles import tile_shape
+from rsegen.run.store import refuse_taken_file, write_file, write_paths
+
+MOST_CELLS = 1_500_000
+"""Of the largest map on a page, as of 1000 x 1000 blocks with frames: its faces need some 0.3 GB in a browser."""
+
+MOST_CELLS_TOGETHER = 5_000_000
+"""Of all maps on a page: 7 to 14 MB of HTML."""
+
+MOST_MAPS = 1000
+"""On a page: they are chosen from a list."""
+
+_LONG = 100_000
+"""Recipes of more letters are shown as JSON, which is quick to write and to read."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class View:
+    """A page that shows maps: in a notebook as it is, or saved as an HTML file."""
+
+    html: bytes
+
+    def save(self, path: str | Path, *, force: bool = False) -> Path:
+        """Write the HTML file, whole or not at all; an OutputError if it exists already, unless `force`."""
+        path = html_path(path)
+        write_file([self.html], path, force=force)
+        return path
+
+    def _repr_html_(self) -> str:
+        """The page in a frame of its own, which notebooks show; its scripts cannot reach the notebook."""
+        frame = 'width="100%" height="760" style="border: 0" sandbox="allow-scripts allow-downloads"'
+        return f'<iframe {frame} allow="clipboard-write" srcdoc="{escape(self.html.decode())}"></iframe>'
+
+
+def view(shown: Recipe | Scene | StepField, index: int | None = None) -> View:
+    """A page that shows a map in three dimensions and as a plan: `rsegen.view(recipe).save("map.html")`.
+
+    shown: a field, a scene, or a recipe, of which all maps are on the page, or map `index` alone. TooLarge if they are
+    more than a browser shows.
+    """
+    match shown:
+        case StepField():
+            _refuse_unshowable(shown.shape)
+            return View(html=page([ShownMap.of_field(shown)]))
+        case Scene():
+            _refuse_unshowable(shown.field.shape)
+            return View(html=page([_shown(shown)]))
+    return view_all([shown if index is None else shown.alone(index)])
+
+
+def view_all(recipes: Sequence[Recipe]) -> View:
+    """The page of all maps of some recipes, which are checked before the first map is made."""
+    maps = sum(recipe.maps for recipe in recipes)
+    if maps > MOST_MAPS:
+        raise TooLarge(f"{maps:,} maps are more than the {MOST_MAPS} of a page; select one with --map")
+    cells = 0
+    for recipe in recipes:
+        _refuse_unshowable(tile_shape(recipe))
+        refuse_too_large(recipe, "measure")
+        cells += recipe.maps * prod(tile_shape(recipe))
+    if cells > MOST_CELLS_TOGETHER:
+        most = f"the {MOST_CELLS_TOGETHER:,} of a page"
+        raise TooLarge(f"{maps} maps have {cells:,} cells, more than {most}; select one with --map")
+    return View(html=page([_shown(compose(recipe, index)) for recipe in recipes for index in recipe.indices]))
+
+
+def _refuse_unshowable(shape: tuple[int, int]) -> None:
+    """Raise a TooLarge for a map of these cells along x and y if a browser would not show it."""
+    n_x, n_y = shape
+    if n_x * n_y > MOST_CELLS:
+        raise TooLarge(f"{n_x} x {n_y} cells are more than the {MOST_CELLS:,} of a map that browsers show")
+
+
+def html_path(path: str | Path) -> Path:
+    """The path of a page; a FileError if it is not called .html or .htm."""
+    path = Path(path)
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise FileError(f"{path}: not a page's name; end it in .html")
+    return path
+
+
+def _shown(scene: Scene) -> ShownMap:
+    text = to_json(scene.alone)
+    if len(text) > _LONG:
+        return ShownMap.of(scene, text, ".json")
+    return ShownMap.of(scene, to_yaml(scene.alone), ".yaml")
+
+
+def write_sheets(
+    recipe: Recipe,
+    index: int,
+    paths: Iterable[Path],
+    saw: CutSettings | None = None,
+    *,
+    force: bool = False,
+    progress: Callable[[object], None] | None = None,
+) -> Scene:
+    """Write the build sheet of one map into files, each in the format that its name asks for; gives the map.
+
+    All are made before the first is written; `progress` is called after each page of a PDF. Raises an OutputError if a
+    file exists already, unless `force`; TooLarge or a ParameterError if the map cannot have a sheet.
+    """
+    saw = saw or CutSettings.default(recipe.units)
+    formats = {path: sheet_format(path) for path in paths}
+    for path in formats:
+        refuse_taken_file(path, force=force)
+    refuse_too_large(recipe)
+    refuse_unbuildable(recipe, saw)
+    scene = compose(recipe, index)
+    write_paths({path: sheet(scene, saw, format_, progress=progress) for path, format_ in formats.items()}, force=force)
+    return scene
+
+
+def save(recipe: Recipe, path: str | Path, *, force: bool = False, confirmed: bool = False) -> None:
+    """Write a recipe file, whole or not at all; an OutputError if it exists already.
+
+    force: replace it if rsegen wrote it and it is unchanged; confirmed: whoever wrote it, as a person was asked
+    """
+    path = Path(path)
+    text = to_json(recipe) if path.suffix.lower() == ".json" else to_yaml(recipe)
+    write_file([text.encode()], path, force=force, confirmed=confirmed)
+
+
+def copy_examples(folder: Path, *, force: bool = False) -> Sequence[Path]:
+    """Write the included recipes into a folder, all or none of them; return their paths."""
+    copies = {folder / path.name: path.read_bytes() for path in EXAMPLES.values()}
+    write_paths(copies, force=force)
+    return list(copies)
+
+
+def tiles_json(terrain: Terrain, robot_size: tuple[float, float] | None = None) -> bytes:
+    """Return the content of NAME_0000.json: difficulty, kind and origin of each tile; metres, radians.
+
+    robot_size: length and width of a robot, for which each tile gets an even place to start
+    """
+    spots = {} if robot_size is None else {"spots": terrain.spots(robot_size, evenest=True)[:, :, 0].tolist()}
+    known = {
+        "name": terrain.name,
+        "tile_size": list(terrain.tile_size),
+        "difficulty": terrain.difficulties.tolist(),
+        "kinds": list(terrain.kinds),
+        "origins": terrain.origins.tolist(),
+        **spots,
+    }
+    return json.dumps(known).encode() + b"\n"

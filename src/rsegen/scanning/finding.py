@@ -1,0 +1,214 @@
+"""From points to a field, every step in order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rsegen.errors import ScanError
+from rsegen.field.stepfield import Array, StepField
+from rsegen.params.sorts import Cell
+from rsegen.scanning.extent import Frames, KnownFrames, best_fit, extent_of, frames_of
+from rsegen.scanning.grid import Grid, find_grid, flat_heights, pixel_size, rasterized, refined
+from rsegen.scanning.ground import GroundFrame, level_frame, sample
+from rsegen.scanning.levels import Reading, find_unit, levelled, read_cells
+from rsegen.scanning.scan import Scan, ScanSettings, Transform
+
+_FEWEST_POINTS = 500
+_FEWEST_TOPS = 300
+_SMALLEST = 0.05
+_LARGEST = 200.0
+_LEAST_AGREEING = 0.5
+"""Of a known field's cells: two fields of five levels agree in a third of their cells by chance, at the best place."""
+
+
+_MOST_OUTSIDE = 0.1
+"""Of the raised cells, beside a field of a given size: things that stand next to it."""
+
+_NEARLY_A_UNIT = 0.06
+_NEARLY = 0.015
+
+
+def find_field(points: Array, settings: ScanSettings | None = None, known: StepField | None = None) -> Scan:
+    """The step field in a cloud.
+
+    points: (n, 3) [m], in any frame; those that are not finite are left out.
+    known: a field that should stand there; the scan is turned and moved to it, and has its cells.
+    A ScanError if there is no field in the cloud, or not the known one.
+    """
+    settings = settings or ScanSettings()
+    near, middle = _usable(points)
+    grid = _gridded(near, middle, settings, known)
+    return _known_field(grid, known) if known else _found_field(grid, settings)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Gridded:
+    """A cloud as heights of cells; unit and width as found in it [m], and as the map has them, if that is known."""
+
+    reading: Reading
+    transform: Transform
+    noise: float
+    unit: float
+    width: float
+    nominal_unit: float
+    nominal_width: float
+
+    def scan(self, part: Reading, frames: Frames, transform: Transform) -> Scan:
+        """The result for a part of the cells."""
+        return Scan(
+            levels=np.where(frames.cells, 0, part.levels(self.unit)),
+            heights=part.heights,
+            confidence=part.confidence(self.unit),
+            counts=part.counts,
+            frame=frames.cells,
+            boundary=frames.boundary,
+            chunk_size=frames.side,
+            block_width=self.nominal_width,
+            unit=self.nominal_unit,
+            measured_width=self.width,
+            measured_unit=self.unit,
+            frame_height=self._frame_height(frames),
+            noise=self.noise,
+            rotation=transform.rotation,
+            translation=transform.translation,
+        )
+
+    def lying_along(self, blocks: Cell) -> _Gridded:
+        """The same, or a quarter turn of it if a rectangle of so many blocks then holds more of what is raised."""
+        turned = replace(self, reading=self.reading.quarter_turned(1), transform=self.transform.quarter_turned(1))
+        return max((self, turned), key=lambda each: each._raised_in(blocks))
+
+    def _raised_in(self, shape: Cell) -> int:
+        part = self.reading.part(*extent_of(self.reading, self.unit, shape))
+        return int((part.levels(self.unit) > 0).sum())
+
+    def _frame_height(self, frames: Frames) -> float:
+        """In the map's lengths [m]; a whole number of units if it is nearly one."""
+        units = frames.height / self.unit
+        near = abs(units - round(units)) < _NEARLY_A_UNIT
+        return round(units) * self.nominal_unit if near else _rounded(frames.height)
+
+
+def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepField | None) -> _Gridded:
+    eye = None if settings.eye is None else np.asarray(settings.eye) - middle
+    ground = level_frame(points, settings.up, eye)
+    upright = ground.apply(points)
+    if settings.base:
+        upright[:, 2] = np.where(upright[:, 2] > settings.base / 2, upright[:, 2] - settings.base, 0)
+    width = known.block_width if known else settings.block_width
+    nominal_unit = known.unit if known else settings.unit
+    unit, grid = _unit_and_grid(upright, ground, nominal_unit, width)
+    reading, unit = levelled(read_cells(upright, grid, unit, ground.noise), unit)
+    return _Gridded(
+        reading=reading,
+        transform=Transform.of(ground, grid, reading, settings.base).after(middle),
+        noise=ground.noise,
+        unit=unit,
+        width=grid.width,
+        nominal_unit=nominal_unit or _rounded(unit),
+        nominal_width=width or _rounded(grid.width),
+    )
+
+
+def _usable(points: Array) -> tuple[Array, Array]:
+    """The points without far outliers, about their middle, and the middle (3,); a ScanError if there are too few."""
+    points = np.asarray(points, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ScanError(f"points have shape {points.shape}; give (n, 3)")
+    points = points[np.isfinite(points).all(axis=1)]
+    if len(points) < _FEWEST_POINTS:
+        raise ScanError(f"{len(points):,} points are too few for a field; give {_FEWEST_POINTS} or more")
+    low, high = np.quantile(sample(points), [0.02, 0.98], axis=0)
+    extent = float((high - low).max())
+    if not _SMALLEST < extent < _LARGEST:
+        raise ScanError(
+            f"the cloud is {extent:.3g} m wide, not {_SMALLEST:g} to {_LARGEST:g} m; give the unit of its numbers: "
+            "values m, cm, mm or in"
+        )
+    near = ((points > low - extent) & (points < high + extent)).all(axis=1)
+    return points[near] - (low + high) / 2, (low + high) / 2
+
+
+def _unit_and_grid(upright: Array, ground: GroundFrame, unit: float | None, width: float | None) -> tuple[float, Grid]:
+    few = sample(upright)
+    extent = float(np.ptp(np.quantile(few[:, :2], [0.02, 0.98], axis=0), axis=0).max())
+    pixel = pixel_size(few, width / 5 if width else extent / 60)
+    raster = rasterized(few, pixel)
+    tops = flat_heights(raster, max(3 * ground.noise, 0.003))
+    if len(tops) < _FEWEST_TOPS:  # of a sparse cloud
+        tops = raster.heights[np.isfinite(raster.heights)]
+    found = find_unit(tops, ground.noise, unit)
+    return found, refined(find_grid(upright, found, ground.noise, pixel, width), upright, found)
+
+
+def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:
+    """The field without a known one: its rectangle, and its frames if it has any."""
+    boundary = settings.boundary
+    grid = grid.lying_along(settings.blocks) if settings.blocks else grid
+    for wanted in _wanted(settings):
+        corner, shape = extent_of(grid.reading, grid.unit, wanted.shape if settings.blocks else None)
+        part = grid.reading.part(corner, shape)
+        frames = frames_of(part, grid.unit, wanted.boundary or None, wanted.side)
+        if frames and settings.blocks in (None, frames.blocks):
+            return grid.scan(part, frames, grid.transform.moved(corner, shape))
+    if boundary not in (None, "none"):
+        raise ScanError(f"no {boundary} frames of one height stand round the blocks; give boundary none, or size")
+    corner, shape = extent_of(grid.reading, grid.unit, settings.blocks)
+    _refuse_larger(grid, corner, shape)
+    none = Frames(boundary="none", side=settings.chunk_size, blocks=shape)
+    return grid.scan(grid.reading.part(corner, shape), none, grid.transform.moved(corner, shape))
+
+
+def _wanted(settings: ScanSettings) -> Iterator[Frames]:
+    """The frames to look for; without a boundary if any will do."""
+    blocks, side = settings.blocks or (1, 1), settings.chunk_size
+    if settings.blocks is None:
+        if settings.boundary != "none":
+            yield Frames(boundary=settings.boundary or "", side=side, blocks=blocks)
+        return
+    if settings.boundary in (None, "outer"):
+        yield Frames(boundary="outer", side=side, blocks=blocks)
+    if settings.boundary in (None, "divided"):
+        common = int(np.gcd(*blocks))
+        sides = [side] if side else [each for each in range(2, common + 1) if common % each == 0]
+        for each in sides:
+            yield Frames(boundary="divided", side=each, blocks=blocks)
+
+
+def _refuse_larger(grid: _Gridded, corner: Cell, shape: Cell) -> None:
+    """Raise a ScanError if much of what is raised is outside a rectangle of a given size."""
+    (low_x, low_y), (n_x, n_y) = extent_of(grid.reading, grid.unit)
+    raised = grid.reading.part((low_x, low_y), (n_x, n_y)).levels(grid.unit) > 0
+    inside = raised[
+        max(corner[0] - low_x, 0) : max(corner[0] + shape[0] - low_x, 0),
+        max(corner[1] - low_y, 0) : max(corner[1] + shape[1] - low_y, 0),
+    ]
+    if raised.sum() - inside.sum() > _MOST_OUTSIDE * raised.sum():
+        raise ScanError(
+            f"{n_x} x {n_y} cells are raised, not {shape[0]} x {shape[1]}; give another size, or cut the cloud"
+        )
+
+
+def _known_field(grid: _Gridded, known: StepField) -> Scan:
+    """The known field in a cloud, turned as it stands there; a ScanError if it does not stand there."""
+    stretch = grid.unit / known.unit
+    fit = best_fit(grid.reading, known.heights * stretch, grid.unit / 2)
+    if fit.agree < _LEAST_AGREEING * max(fit.seen, 1):
+        raise ScanError(
+            f"the scan shows another map: at the best place {fit.agree} of the {fit.seen} cells that were seen agree"
+        )
+    part = grid.reading.quarter_turned(fit.turns).part(fit.corner, known.shape)
+    transform = grid.transform.quarter_turned(fit.turns).moved(fit.corner, known.shape)
+    frames = KnownFrames(
+        boundary="known", side=None, blocks=known.shape, height=known.frame_height * stretch, field=known
+    )
+    return grid.scan(part, frames, transform)
+
+
+def _rounded(metres: float) -> float:
+    """To half a centimetre if that is nearly it, else to a millimetre."""
+    halves = round(metres * 200) / 200
+    return round(halves if abs(metres - halves) < _NEARLY * metres else metres, 3)

@@ -1,0 +1,148 @@
+"""What is known of a field before it is looked for in a cloud, and what was found.
+
+From the frame of a cloud to that of the map that was found in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.params.sorts import Cell
+from rsegen.scanning.grid import Grid
+from rsegen.scanning.ground import GroundFrame
+from rsegen.scanning.levels import Reading
+
+SURE = 0.95
+"""Levels of a lower confidence are named to the user."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ScanSettings:
+    """What is known of a field before it is looked for; None is found from the cloud.
+
+    block_width, unit: metres; blocks: along x and y, without frames; boundary: as in recipes; chunk_size: side of a
+    chunk in blocks; up: a direction that is nearly up; eye: the place of the camera [m]; base: thickness of a board
+    below the blocks [m].
+    """
+
+    block_width: float | None = None
+    unit: float | None = None
+    blocks: Cell | None = None
+    boundary: str | None = None
+    chunk_size: int | None = None
+    up: Sequence[float] | None = None
+    eye: Sequence[float] | None = None
+    base: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Scan:
+    """The field that stands in a cloud. Arrays (n_x, n_y) have all its cells, frames counted.
+
+    levels: -1 where a cell was not seen, 0 in frames; heights: of the tops as measured [m], nan where not seen;
+    confidence: the probability that a level is right, 0 where not seen; counts: points of each cell's top.
+    block_width, unit: as given, or found and rounded [m]; measured_width, measured_unit: as found [m].
+    frame_height: metres; noise: standard deviation of a point's height [m].
+    rotation (3, 3), translation (3,): `rotation @ point + translation` is the point in the map's frame [m].
+    """
+
+    levels: Ints
+    heights: Array
+    confidence: Array
+    counts: Ints
+    frame: Mask
+    boundary: str
+    chunk_size: int | None
+    block_width: float
+    unit: float
+    measured_width: float
+    measured_unit: float
+    frame_height: float
+    noise: float
+    rotation: Array
+    translation: Array
+
+    @property
+    def seen(self) -> Mask:
+        """Which cells were seen."""
+        return np.isfinite(self.heights)
+
+    @property
+    def errors(self) -> Array:
+        """By how much each top is above its level [m], nan where a cell was not seen."""
+        expected = np.where(self.frame, self.frame_height, np.maximum(self.levels, 0) * self.measured_unit)
+        return np.asarray(self.heights - expected)
+
+    @property
+    def blocks(self) -> Ints:
+        """The levels without frames, -1 where a block was not seen."""
+        return self.levels[np.ix_(~self.frame.all(axis=1), ~self.frame.all(axis=0))]
+
+    @property
+    def field(self) -> StepField:
+        """The field, with level 0 where a block was not seen."""
+        return StepField(
+            levels=np.maximum(self.levels, 0).astype(np.int16),
+            frame=self.frame.copy(),
+            block_width=self.block_width,
+            unit=self.unit,
+            frame_height=self.frame_height,
+        )
+
+    def placed(self, points: Array) -> Array:
+        """Points (n, 3) of the cloud in the map's frame [m]: the field is centred, z is the height above the ground."""
+        return np.asarray(points @ self.rotation.T + self.translation)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Transform:
+    """`rotation @ point + translation` is a point of the cloud in another frame; cells: of that frame along x and y.
+
+    rotation: (3, 3); translation: (3,) [m]; width: of a cell [m].
+    """
+
+    rotation: Array
+    translation: Array
+    cells: Cell
+    width: float
+
+    @classmethod
+    def of(cls, ground: GroundFrame, grid: Grid, reading: Reading, base: float) -> Transform:
+        """Into the frame of a reading, whose cell (0, 0) has its corner at the origin; base: height of level 0 [m]."""
+        about_z = np.eye(3)
+        about_z[:2, :2] = grid.rotation
+        corner = grid.origin + np.array(reading.first) * grid.width
+        n_x, n_y = reading.heights.shape
+        return cls(
+            rotation=about_z @ ground.rotation,
+            translation=-np.array([*corner, ground.offset + base]),
+            cells=(n_x, n_y),
+            width=grid.width,
+        )
+
+    def after(self, middle: Array) -> Transform:
+        """The same for points from which a middle (3,) was not yet subtracted."""
+        return replace(self, translation=self.translation - self.rotation @ middle)
+
+    def quarter_turned(self, turns: int) -> Transform:
+        """The same with the cells turned counterclockwise about their middle, which gets its corner at the origin."""
+        n_x, n_y = self.cells
+        cells = (n_x, n_y) if turns % 2 == 0 else (n_y, n_x)
+        c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[turns % 4]
+        about_z = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        old, new = (np.array([*half, 0]) * self.width / 2 for half in ((n_x, n_y), cells))
+        return replace(
+            self,
+            rotation=about_z @ self.rotation,
+            translation=about_z @ (self.translation - old) + new,
+            cells=cells,
+        )
+
+    def moved(self, corner: Cell, shape: Cell) -> Transform:
+        """Into the frame of a rectangle of the cells: its middle is the origin."""
+        shift = [(at + cells / 2) * self.width for at, cells in zip(corner, shape, strict=True)]
+        return replace(self, translation=self.translation - np.array([*shift, 0]), cells=shape)

@@ -1,0 +1,116 @@
+"""What every robot keeps to: a new file is tested here the moment it exists."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+import pytest
+
+from rsegen.errors import ParameterError, UnknownName
+from rsegen.robots import BACKENDS, ROBOTS, Robot, robot
+
+ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
+SIMULATOR = pytest.mark.parametrize("simulator", BACKENDS)
+
+
+def parsed(robot: Robot, simulator: str = "classic") -> ElementTree.Element:
+    return ElementTree.fromstring(robot.model("one", simulator, lidar=True))  # our own
+
+
+def number(element: ElementTree.Element, path: str) -> float:
+    return float(element.findtext(path, "nan"))
+
+
+@ROBOT
+def test_masses_add_up(robot: Robot) -> None:
+    masses = [number(link, "inertial/mass") for link in parsed(robot).findall("link")]
+    assert all(mass > 0 for mass in masses)
+    assert sum(masses) == pytest.approx(robot.mass)
+
+
+@ROBOT
+def test_inertias_are_those_of_bodies(robot: Robot) -> None:
+    for link in parsed(robot).findall("link"):
+        least, middle, most = sorted(number(link, f"inertial/inertia/{axis}") for axis in ("ixx", "iyy", "izz"))
+        assert least > 0
+        assert most <= least + middle + 1e-9, link.get("name")
+
+
+@ROBOT
+def test_every_collision_has_friction(robot: Robot) -> None:
+    collisions = list(parsed(robot).iter("collision"))
+    assert collisions
+    for collision in collisions:
+        assert number(collision, "surface/friction/ode/mu") >= 0
+        assert number(collision, "surface/friction/ode/mu2") >= 0
+
+
+@ROBOT
+def test_joints_join_links_in_a_tree(robot: Robot) -> None:
+    names = [link.name for link in robot.links]
+    assert sorted(joint.child for joint in robot.joints) == sorted(names[1:])
+    assert {joint.parent for joint in robot.joints} <= set(names)
+
+
+@ROBOT
+@SIMULATOR
+def test_plugins_are_the_simulators_own_and_name_what_is_there(robot: Robot, simulator: str) -> None:
+    model = parsed(robot, simulator)
+    beginning = {"classic": "lib", "sim": "gz-sim-", "fortress": "ignition-gazebo-"}[simulator]
+    names = {part.get("name") for part in (*model.findall("joint"), *model.findall("link"))}
+    plugins = model.findall("plugin")
+    assert plugins
+    assert all(plugin.get("filename", "").startswith(beginning) for plugin in plugins)
+    for tag in ("left_joint", "right_joint", "joint", "joint_name", "body", "link", "robot_base_frame"):
+        assert {found.text for plugin in plugins for found in plugin.iter(tag)} <= names, tag
+
+
+@ROBOT
+@pytest.mark.parametrize("simulator", ["sim", "fortress"])
+def test_odometry_in_gazebo_sim_names_both_its_frames(robot: Robot, simulator: str) -> None:
+    plugins = parsed(robot, simulator).findall("plugin")
+    (publisher,) = (each for each in plugins if each.get("name", "").endswith("::OdometryPublisher"))
+    assert publisher.findtext("odom_frame") == "one/odom"
+    assert publisher.findtext("odom_topic") == "/model/one/ground_truth"
+    assert publisher.findtext("robot_base_frame") == robot.links[0].name
+
+
+@ROBOT
+@SIMULATOR
+def test_commands_name_the_robot_and_its_speeds_are_bounded(robot: Robot, simulator: str) -> None:
+    command = robot.command("one", robot.drive.speed, -robot.drive.turn, simulator)
+    assert "/one/" in command.topic
+    assert command.topic in command.shell
+    assert command.text in command.shell
+    fast, sharp = 1.01 * robot.drive.speed, 1.01 * robot.drive.turn
+    for v, w, at_fault in ((fast, 0, "v"), (0, sharp, "w"), (float("nan"), 0, "v")):
+        with pytest.raises(ParameterError, match=rf"^{at_fault}: .* is outside"):
+            robot.command("one", v, w, simulator)
+
+
+@ROBOT
+def test_what_is_written_is_the_same_every_time(robot: Robot) -> None:
+    assert robot.file("one") == robot.file("one")
+
+
+@ROBOT
+def test_wrong_words_are_refused_in_one_line(robot: Robot) -> None:
+    with pytest.raises(UnknownName, match="unknown simulator 'clasic'; did you mean 'classic'"):
+        robot.model("one", "clasic")
+    with pytest.raises(ParameterError, match="name: "):
+        robot.model("one/two")
+    with pytest.raises(UnknownName, match="joint with a motor"):
+        robot.holding({"nose": 1})
+
+
+def test_an_unknown_robot_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(UnknownName, match=r"did you mean 'burger'.*burger, crawler, jackal"):
+        robot("burgr")
+
+
+def test_a_burger_s_wheels_gather_speed_in_gazebo_sim() -> None:
+    """Straight on as fast as on the spot: 1 m/s^2 at the wheels."""
+    plugin = next(each for each in parsed(robot("burger"), "sim").iter("plugin") if "DiffDrive" in each.get("name", ""))
+    assert number(plugin, "max_linear_acceleration") == -number(plugin, "min_linear_acceleration") == 1
+    assert number(plugin, "max_angular_acceleration") * 0.16 / 2 == pytest.approx(1)
+    assert "acceleration" not in robot("burger").model("one", "classic")

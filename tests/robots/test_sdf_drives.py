@@ -1,0 +1,223 @@
+"""The drive, the size and the speed of a user's robot are read from its file."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from rsegen.errors import FileError, ParameterError, UnknownName
+from rsegen.robots import BACKENDS, SdfRobot, from_file
+from rsegen.robots.drives import Tracks, Wheels
+from tests.robots.two_wheels import GZ, PLUGINS, RADIUS, ROS_1, SEPARATION, two_wheels
+
+MESH = "<collision name='m'><geometry><mesh><uri>{}</uri></mesh></geometry></collision>"
+
+
+def read(folder: Path, text: str, wheels: str | None = None) -> SdfRobot:
+    path = folder / "mine.sdf"
+    path.write_text(text, "utf-8")
+    return from_file(path, wheels)
+
+
+def plugins(robot: SdfRobot, backend: str) -> list[str]:
+    model = ElementTree.fromstring(robot.model("one", backend))
+    return [plugin.get("filename", "") for plugin in model.iter("plugin")]
+
+
+@pytest.mark.parametrize("name", [name for name in PLUGINS if name != "none"])
+def test_every_spelling_of_a_drive_gives_the_same_wheels(tmp_path: Path, name: str) -> None:
+    drive = read(tmp_path, two_wheels(PLUGINS[name])).drive
+    assert isinstance(drive, Wheels)
+    assert (drive.left, drive.right) == (("left_hub",), ("right_hub",))
+    assert (drive.separation, drive.radius) == pytest.approx((SEPARATION, RADIUS))
+    assert drive.spread == pytest.approx(1)
+
+
+@pytest.mark.parametrize("axis", [1, -1])
+def test_wheels_that_the_user_names_are_measured_on_the_model(tmp_path: Path, axis: int) -> None:
+    for text in ("left_hub,right_hub", "right_hub,left_hub"):
+        robot = read(tmp_path, two_wheels(axis=axis), text)
+        drive = robot.drive
+        assert isinstance(drive, Wheels)
+        assert drive.left == ("left_hub",)
+        assert (drive.separation, drive.radius) == pytest.approx((SEPARATION, RADIUS))
+        assert f"x: {0.2 * axis:g}" in robot.command("one", 0.2, 0).text
+
+
+@pytest.mark.parametrize("name", [name for name in PLUGINS if name != "none"])
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_simulator_gets_its_own_drive_on_a_topic_of_each_robot(tmp_path: Path, name: str, backend: str) -> None:
+    robot = read(tmp_path, two_wheels(PLUGINS[name]))
+    own = {"classic": "libDiffDrivePlugin.so", "sim": "gz-sim-", "fortress": "ignition-gazebo-"}[backend]
+    files = plugins(robot, backend)
+    assert files
+    assert all(file.startswith(own) for file in files)
+    assert "one" in robot.command("one", 0.1, 0, backend).topic
+    model = ElementTree.fromstring(robot.model("one", backend))
+    assert {topic.text for topic in model.iter("topic")} <= {"/model/one/cmd_vel"}
+    assert not list(model.iter("sensor"))
+
+
+def test_a_file_for_spawning_keeps_what_the_model_has(tmp_path: Path) -> None:
+    text = read(tmp_path, two_wheels(ROS_1, version="1.9")).file("two")
+    assert "libgazebo_ros_diff_drive.so" in text
+    assert "libgazebo_ros_camera.so" in text
+    assert '<sdf version="1.7">' in text  # the latest that Gazebo Classic reads
+    assert '<sdf version="1.10">' in read(tmp_path, two_wheels(version="1.10")).file("two", "sim")
+    assert '<sdf version="1.6">' in read(tmp_path, two_wheels(version="&quot;>")).file("two", "sim")
+
+
+def test_size_limits_and_height_are_those_of_the_model_and_the_user_s_go_first(tmp_path: Path) -> None:
+    robot = read(tmp_path, two_wheels(GZ))
+    assert robot.kind == "my_robot"
+    assert robot.size == pytest.approx((0.4, 0.32, 0.13))  # the hull reaches from -0.2 to 0.1
+    assert (robot.speed, robot.turn) == (0.3, 1.5)
+    assert robot.lift == pytest.approx(0.03)
+    pose = ElementTree.fromstring(robot.model("one", at=(1, 2, 3, 0, 0, 0.5))).findtext("pose", "")
+    assert [float(word) for word in pose.split()] == pytest.approx([1, 2, 3.03, 0, 0, 0.5])
+    given = robot.given({"speed": 0.1})
+    assert (given.speed, given.turn, given.drive.speed) == (0.1, 1.5, 0.1)
+    assert "speed" not in next(robot.given({"speed": 0.1, "turn": 1}).notes("classic")).split("by its model")[0]
+
+
+def test_notes_say_what_was_derived_and_what_was_left_out(tmp_path: Path) -> None:
+    derived, files, sensors = read(tmp_path, two_wheels(ROS_1)).notes("classic")
+    assert derived == (
+        "my_robot: its drive is read from gazebo_ros_diff_drive, with wheels 0.3 m apart, radius 0.05 m, by its"
+        " plug-in; size 0.400 x 0.320 x 0.130 m around its origin by its model; speed 0.2 m/s, turn rate 0.5"
+        " rad/s by assumption"
+    )
+    assert files.endswith("not here: libgazebo_ros_joint_state_publisher.so")
+    assert sensors.endswith(": eye")
+
+
+def test_a_library_of_ros_that_is_here_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "libgazebo_ros_joint_state_publisher.so").touch()
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", f"/nowhere:{tmp_path}")
+    robot = read(tmp_path, two_wheels(ROS_1))
+    assert plugins(robot, "classic") == ["libgazebo_ros_joint_state_publisher.so", "libDiffDrivePlugin.so"]
+
+
+def test_axes_of_old_files_are_those_of_the_model(tmp_path: Path) -> None:
+    text = two_wheels(version="1.4").replace("<xyz>0 0 1</xyz>", "<xyz>0 1 0</xyz>")
+    robot = read(tmp_path, text, "left_hub,right_hub")
+    assert robot.found is not None
+    assert not robot.found.backwards
+    assert robot.text.count("<use_parent_model_frame>true") == 2
+
+
+@pytest.mark.parametrize(
+    ("wheels", "says"),
+    [
+        ("left_hub", "'left_hub' is not LEFT,RIGHT"),
+        ("left_hub,", "is not LEFT,RIGHT"),
+        ("left_hub+a,right_hub", "is not LEFT,RIGHT"),
+        ("left_hub,right", "unknown joint 'right'; did you mean 'right_hub'"),
+    ],
+)
+def test_wheels_that_are_none_are_refused(tmp_path: Path, wheels: str, says: str) -> None:
+    with pytest.raises((ParameterError, UnknownName)) as caught:
+        read(tmp_path, two_wheels(), wheels)
+    assert says in str(caught.value)
+
+
+def test_wheels_without_a_shape_or_along_another_axis_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match="a wheel needs a collision shape"):
+        read(tmp_path, two_wheels().replace("cylinder>", "heightmap>"), "left_hub,right_hub")
+    with pytest.raises(ParameterError, match="not all along y"):
+        read(tmp_path, two_wheels().replace("<xyz>0 0 1</xyz>", "<xyz>1 0 0</xyz>"), "left_hub,right_hub")
+
+
+def test_a_model_without_a_drive_says_which_are_known_and_which_joints_could_be_wheels(tmp_path: Path) -> None:
+    robot = read(tmp_path, two_wheels())
+    assert (robot.found, robot.backend, robot.topic) == (None, None, None)
+    with pytest.raises(ParameterError) as caught:
+        robot.command("one", 0, 0)
+    line = str(caught.value)
+    assert line.startswith("my_robot: no drive that rsegen knows (gazebo_ros_diff_drive, ")
+    assert line.endswith("--wheels LEFT,RIGHT (left_hub, right_hub)")
+    assert "\n" not in line
+
+
+def test_tracks_of_either_gazebo_are_driven_in_both(tmp_path: Path) -> None:
+    box = "<collision name='c'><geometry><box><size>0.6 0.1 0.2</size></box></geometry></collision>"
+    belts = "".join(
+        f"<link name='{side}'><pose>0 {y} 0.1 0 0 0</pose>{box}</link>" for side, y in (("a", 1), ("b", -1))
+    )
+    sim = (
+        '<plugin filename="gz-sim-tracked-vehicle-system" name="gz::sim::systems::TrackedVehicle">'
+        "<left_track><link>a</link></left_track><right_track><link>b</link></right_track>"
+        "<tracks_separation>2</tracks_separation><linear_velocity><max_velocity>0.7</max_velocity></linear_velocity>"
+        "</plugin>"
+    )
+    classic = (
+        '<plugin filename="libSimpleTrackedVehiclePlugin.so" name="t"><body>base</body>'
+        "<left_track>b</left_track><right_track>a</right_track><max_linear_speed>0.7</max_linear_speed></plugin>"
+    )
+    for plugin in (sim, classic):
+        text = f'<sdf version="1.6"><model name="t"><link name="base"/>{belts}{plugin}</model></sdf>'
+        robot = read(tmp_path, text)
+        drive = robot.drive
+        assert isinstance(drive, Tracks)
+        assert (drive.body, drive.left, drive.right, drive.separation) == ("base", ("a",), ("b",), 2)
+        assert (robot.speed, drive.radius) == pytest.approx((0.7, 0.1))
+        assert plugins(robot, "classic") == ["libSimpleTrackedVehiclePlugin.so"]
+        assert plugins(robot, "sim")[0] == "gz-sim-tracked-vehicle-system"
+
+
+def test_meshes_are_found_next_to_the_package_of_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for folder in ("models/mine", "models/common/meshes", "elsewhere/far"):
+        (tmp_path / folder).mkdir(parents=True)
+    solid = "v 0 0 0\nv 0.3 0 0\nv 0 0.2 0\nv 0 0 0.1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
+    (tmp_path / "models/common/meshes/hull.obj").write_text(solid)
+    (tmp_path / "elsewhere/far/hull.obj").write_text(solid)
+    monkeypatch.setenv("GAZEBO_MODEL_PATH", str(tmp_path / "elsewhere"))
+    for uri in ("model://common/meshes/hull.obj", "../common/meshes/hull.obj", "model://far/hull.obj"):
+        text = f'<sdf version="1.6"><model name="m"><link name="l">{MESH.format(uri)}</link></model></sdf>'
+        robot = read(tmp_path / "models/mine", text)
+        found = ElementTree.fromstring(robot.model("m")).findtext(".//uri", "")
+        assert Path(found).is_absolute()
+        assert Path(found).samefile(tmp_path / "elsewhere/far/hull.obj") or "common" in found
+        assert robot.size == pytest.approx((0.6, 0.4, 0.1))
+
+
+def test_a_mesh_that_is_nowhere_and_a_file_of_urdf_are_refused_in_a_line(tmp_path: Path) -> None:
+    text = f'<sdf version="1.6"><model name="m"><link name="l">{MESH.format("model://no/h.stl")}</link></model></sdf>'
+    with pytest.raises(FileError, match=r"model://no/h\.stl of a collision shape is not found; put its package"):
+        read(tmp_path, text)
+    with pytest.raises(FileError, match=r"URDF, not SDF; convert it: .* gz sdf -p r\.urdf > r\.sdf$"):
+        read(tmp_path, "<robot name='r'><link name='l'/></robot>")
+
+
+@pytest.mark.parametrize("pose", ["1 2", "a b c d e f", "nan 0 0 0 0 0", "1e308 0 0 0 0 0"])
+def test_a_pose_that_is_no_pose_is_refused(tmp_path: Path, pose: str) -> None:
+    with pytest.raises(FileError, match="is not 6 numbers"):
+        read(tmp_path, two_wheels().replace("0 0 0.02 0 0 0", pose, 1))
+
+
+def test_links_and_joints_of_old_files_may_have_the_same_names(tmp_path: Path) -> None:
+    drive = read(tmp_path, two_wheels().replace("_hub", "_wheel"), "left_wheel,right_wheel").drive
+    assert (drive.separation, drive.radius) == pytest.approx((SEPARATION, RADIUS))
+
+
+def test_frames_that_go_round_in_a_circle_are_refused(tmp_path: Path) -> None:
+    text = two_wheels().replace("<pose>0 0 0.02", "<pose relative_to='base'>0 0 0.02", 1)
+    with pytest.raises(FileError, match="the pose of 'base' is relative to itself"):
+        read(tmp_path, text)
+
+
+def test_poses_may_be_in_degrees_quaternions_and_other_frames(tmp_path: Path) -> None:
+    half = math.sqrt(0.5)
+    pose = "<pose>0 {y} 0.02 -1.5707963267948966 0 0</pose>"
+    for other in (
+        '<pose degrees="true">0 {y} 0.02 -90 0 0</pose>',
+        f'<pose rotation_format="quat_xyzw">0 {{y}} 0.02 {-half} 0 0 {half}</pose>',
+        '<pose relative_to="base">0 {y} 0 -1.5707963267948966 0 0</pose>',
+    ):
+        text = two_wheels()
+        for y in (0.15, -0.15):
+            text = text.replace(pose.format(y=y), other.format(y=y))
+        assert read(tmp_path, text).size == pytest.approx((0.4, 0.32, 0.13))

@@ -1,0 +1,197 @@
+"""Fields found in clouds of a ray caster: the levels, the frames and the place, whatever the cloud's own frame is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rsegen
+from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned
+from rsegen import Matrix, Placement, Random, Recipe, StepField
+from rsegen.errors import ScanError
+from rsegen.field.stepfield import Array
+from rsegen.scanning import Scan, ScanSettings, find_field
+
+KINDS: Mapping[str, Mapping[str, Any]] = {
+    "cubes in a frame": {"boundary": "outer"},
+    "half-cubes": {"boundary": "none", "unit_cm": 5, "chunks": (1, 2), "chunk_size": 6},
+    "pallets of 3.5 inches": {
+        "boundary": "divided",
+        "chunks": (2, 1),
+        "chunk_size": 6,
+        "unit_cm": 8.89,
+        "block_width_cm": 8.89,
+        "frame_height_cm": 8.89,
+    },
+}
+TWO_VIEWS = (DepthCamera(place=(0.6, 0.2, 2.2)), DepthCamera(place=(-0.5, -0.4, 2.2)))
+
+
+def field_of(seed: int = 1, **values: Any) -> StepField:
+    recipe = Recipe(seed=seed, obstacles=(Placement(obstacle=Random(max_height=5)),), **values)
+    return rsegen.build(recipe, 0)
+
+
+def cloud_of(field: StepField, seed: int = 1, flaws: Flaws | None = None) -> Array:
+    usual = Flaws(noise=0.005, missing=0.2, outliers=0.02)
+    return scanned(field, TWO_VIEWS, flaws or usual, np.random.default_rng(seed))
+
+
+def right_turn(scan: Scan, field: StepField) -> int:
+    """By how many quarter turns the scan has to be turned so that all cells that were seen are right."""
+    for turns in range(4):
+        levels, seen = np.rot90(scan.levels, turns), np.rot90(scan.seen, turns)
+        if levels.shape == field.levels.shape and (levels == field.levels)[seen].all():
+            return turns
+    raise AssertionError(f"{scan.levels}\nis not\n{field.levels}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_block_that_is_seen_is_right_at_any_heading_and_tilt(kind: str, seed: int) -> None:
+    field = field_of(seed, **KINDS[kind])
+    scan = find_field(turned(cloud_of(field, seed), np.random.default_rng(seed)))
+    right_turn(scan, field)
+    assert scan.seen.mean() > 0.85
+    assert abs(scan.unit - field.unit) < 0.003
+    assert abs(scan.block_width - field.block_width) < 0.002
+    assert scan.boundary == KINDS[kind]["boundary"]
+    if scan.boundary != "none":
+        assert abs(scan.frame_height - field.frame_height) < 0.003
+
+
+@pytest.mark.slow
+def test_a_known_field_is_laid_on_the_scan_as_it_stands() -> None:
+    """Points of the cloud, however it was turned and moved, come back to where they are on the map."""
+    field = field_of(4, boundary="outer")
+    cloud = cloud_of(field, flaws=Flaws(noise=0.003))
+    scan = find_field(turned(cloud, np.random.default_rng(7)), known=field)
+    assert (scan.levels == field.levels)[scan.seen].all()
+    assert np.array_equal(scan.frame, field.frame)
+    placed = scan.placed(turned(cloud, np.random.default_rng(7)))
+    assert np.abs(placed - cloud).max() < 0.03
+    assert np.sqrt(((placed - cloud) ** 2).sum(axis=1).mean()) < 0.01
+
+
+@pytest.mark.slow
+def test_a_block_that_differs_from_the_known_field_is_seen() -> None:
+    field = field_of(4, boundary="none")
+    levels = field.levels.copy()
+    levels[3, 4] = (levels[3, 4] + 2) % 5
+    built = replace(field, levels=levels)
+    scan = find_field(turned(cloud_of(built), np.random.default_rng(3)), known=field)
+    assert (scan.levels == built.levels)[scan.seen].all()
+    assert scan.seen[3, 4]
+
+
+@pytest.mark.slow
+def test_a_rim_at_ground_level_is_found_by_the_size() -> None:
+    """Level ground beside a field looks like floor: only the number of blocks tells them apart."""
+    levels = np.zeros((10, 10), dtype=np.int16)
+    levels[2:8, 2:8] = field_of(2).blocks[:6, :6]
+    levels[[2, 7], [3, 3]] = 3
+    levels[[3, 3], [2, 7]] = 3
+    field = rsegen.build(Recipe(seed=1, boundary="none", obstacles=(Placement(obstacle=Matrix.of(levels)),)), 0)
+    cloud = cloud_of(field)
+    assert max(find_field(cloud).levels.shape) <= 6
+    scan = find_field(cloud, ScanSettings(blocks=(10, 10), boundary="none"))
+    assert right_turn(scan, field) in range(4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("boundary", "chunks", "side"), [("outer", (1, 1), 10), ("divided", (2, 1), 6)])
+def test_a_size_counts_the_blocks_and_not_their_frames(boundary: str, chunks: tuple[int, int], side: int) -> None:
+    field = field_of(2, boundary=boundary, chunks=chunks, chunk_size=side)
+    blocks = (chunks[0] * side, chunks[1] * side)
+    cloud = cloud_of(field)
+    for points in (cloud, cloud[:, [1, 0, 2]] * (-1, 1, 1)):
+        scan = find_field(points, ScanSettings(blocks=blocks))
+        right_turn(scan, field)
+        assert scan.boundary == boundary
+        assert scan.blocks.shape == blocks
+
+
+@pytest.mark.slow
+def test_a_board_below_the_blocks_is_no_part_of_their_height() -> None:
+    field = field_of(3, boundary="none")
+    cloud = cloud_of(field)
+    on_it = (np.abs(cloud[:, :2]) < np.array(field.extent) / 2 + 0.02).all(axis=1)
+    cloud[on_it, 2] += 0.03
+    right_turn(find_field(cloud, ScanSettings(base=0.03)), field)
+
+
+@pytest.mark.slow
+def test_the_camera_or_a_direction_says_where_up_is() -> None:
+    """A cloud of blocks alone, cut out of its floor and upside down."""
+    field = field_of(5, boundary="none")
+    cloud = cloud_of(field)
+    alone = cloud[(np.abs(cloud[:, :2]) < np.array(field.extent) / 2).all(axis=1)]
+    upside_down = alone * (1, -1, -1)
+    eye = ScanSettings(eye=(0.6, -0.2, -2.2))
+    for settings in (eye, ScanSettings(up=(0, 0, -1))):
+        right_turn(find_field(upside_down, settings), field)
+
+
+def test_confidence_is_lower_where_points_are_few_and_far_from_a_level() -> None:
+    from rsegen.scanning.levels import Reading
+
+    heights = np.array([[0.1, 0.1, 0.149], [np.nan, 0.2, 0.1]])
+    counts = np.array([[400, 5, 5], [0, 400, 400]])
+    reading = Reading(heights=heights, counts=counts, spread=0.02, first=(0, 0))
+    found = reading.confidence(0.1)
+    assert found[1, 0] == 0
+    assert found[0, 2] < 0.6 < found[0, 1]
+    assert ((found >= 0) & (found <= 1)).all()
+    assert reading.levels(0.1)[1, 0] == -1
+
+
+def points_of(**values: Any) -> Array:
+    return cloud_of(field_of(**values))
+
+
+BAD: Mapping[str, tuple[Any, ScanSettings, str]] = {
+    "few points": (lambda: np.zeros((20, 3)), ScanSettings(), "20 points are too few"),
+    "another shape": (lambda: np.zeros((900, 2)), ScanSettings(), r"shape \(900, 2\)"),
+    "no numbers": (lambda: np.full((900, 3), np.nan), ScanSettings(), "0 points are too few"),
+    "millimetres": (lambda: 1000 * points_of(), ScanSettings(), "give the unit of its numbers"),
+    "no plane": (lambda: np.random.default_rng(1).random((5000, 3)), ScanSettings(), "no ground plane"),
+    "a floor alone": (
+        lambda: np.random.default_rng(1).random((9000, 3)) * (2, 2, 0.004),
+        ScanSettings(),
+        "nothing is above the ground",
+    ),
+    "one point, many times": (lambda: np.ones((900, 3)), ScanSettings(), "the cloud is 0 m wide"),
+    "another unit": (points_of, ScanSettings(unit=0.07), "blocks rise by 10 cm in the cloud, not 7 cm"),
+    "another width": (points_of, ScanSettings(block_width=0.13), "no grid of blocks"),
+    "a smaller field": (
+        lambda: points_of(boundary="none"),
+        ScanSettings(blocks=(7, 7)),
+        "10 x 10 cells are raised, not 7 x 7",
+    ),
+    "no frames": (lambda: points_of(boundary="none"), ScanSettings(boundary="outer"), "no outer frames"),
+    "a direction along which nothing is level": (
+        points_of,
+        ScanSettings(up=(1, 0, 0)),
+        "no (ground )?plane|no grid|whole multiples|rise by|hardly",
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", BAD)
+def test_a_cloud_that_shows_no_such_field_is_refused(what: str) -> None:
+    points, settings, said = BAD[what]
+    with pytest.raises(ScanError, match=said) as refused:
+        find_field(points(), settings)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.slow
+def test_another_map_is_refused() -> None:
+    with pytest.raises(ScanError, match="shows another map"):
+        find_field(points_of(seed=1), known=field_of(2))
