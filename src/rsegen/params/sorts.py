@@ -12,16 +12,21 @@ Lengths with their unit, as in `3.5in`, `8ft`, `38mm`.
 
 from __future__ import annotations
 
+import builtins
 import math
 import operator
+import os
 import re
-from collections.abc import Mapping, Sequence
+import sys
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
+from inspect import get_annotations
+from pathlib import Path
 from types import MappingProxyType
-from typing import Any, ClassVar, Literal, Protocol, get_type_hints
+from typing import Any, ClassVar, Literal, Protocol
 
-from rsegen.errors import ParameterError, shown
+from rsegen.errors import ParameterError, nearest, shown
 
 Json = Any
 """What JSON and YAML can say: a dict, list, str, int, float, bool or None."""
@@ -132,7 +137,7 @@ class Choice:
     def check(self, where: str, value: object) -> str:
         if isinstance(value, str) and value in self.values:
             return value
-        raise ParameterError(where, f"{shown(value)} is not one of {self.describe()}")
+        raise ParameterError(where, f"{shown(value)} is not one of {self.describe()}{nearest(value, self.values)}")
 
     def parse(self, text: str) -> object:
         return text
@@ -231,6 +236,59 @@ class ListOf:
         return f"a list of {self.length} of {sort}" if self.length else f"{sort}, or a list of such"
 
 
+@dataclass(frozen=True)
+class Reference:
+    """A name, a path, or the thing itself in Python: whoever is called looks it up.
+
+    meaning: what it may be, in words
+    """
+
+    meaning: str = "a name or a path"
+    help: str = ""
+
+    def check(self, where: str, value: object) -> Any:
+        if value is None or value == "":
+            raise ParameterError(where, f"nothing is given; give {self.meaning}")
+        return value
+
+    def parse(self, text: str) -> object:
+        return text
+
+    def format(self, value: Any) -> str:
+        return str(value)
+
+    def schema(self) -> dict[str, Json]:
+        return {"type": "string", "minLength": 1}
+
+    def describe(self) -> str:
+        return self.meaning
+
+
+@dataclass(frozen=True)
+class FilePath:
+    """The path of a file or folder."""
+
+    meaning: str = "a folder"
+    help: str = ""
+
+    def check(self, where: str, value: object) -> Path:
+        if not isinstance(value, str | os.PathLike) or not str(value):
+            raise ParameterError(where, f"{shown(value) if value else 'nothing'} is given; give {self.meaning}")
+        return Path(value)
+
+    def parse(self, text: str) -> object:
+        return text
+
+    def format(self, value: Any) -> str:
+        return str(value)
+
+    def schema(self) -> dict[str, Json]:
+        return {"type": "string", "minLength": 1}
+
+    def describe(self) -> str:
+        return self.meaning
+
+
 def refuse_longer(where: str, values: Sequence[object], most: int) -> None:
     """Raise a ParameterError for a list of more than `most` values, before they are looked at."""
     if len(values) > most:
@@ -244,9 +302,25 @@ def parameters(owner: type) -> Mapping[str, Parameter]:
 
 @cache
 def _parameters(owner: Any) -> Mapping[str, Parameter]:
-    hints = get_type_hints(owner, include_extras=True)
-    found = {field.name: getattr(hints[field.name], "__metadata__", ()) for field in fields(owner)}
-    return MappingProxyType({name: marks[0] for name, marks in found.items() if marks})
+    known: dict[str, Any] = {}
+    for cls in reversed(owner.__mro__):
+        known |= hints(cls)
+    marks = {field.name: getattr(known.get(field.name), "__metadata__", ()) for field in fields(owner)}
+    return MappingProxyType({name: mark[0] for name, mark in marks.items() if mark})
+
+
+def hints(owner: Any) -> dict[str, Any]:
+    """Return the annotations of a function or of a class alone, without those that it inherits.
+
+    Names that only type checkers import stand for anything: they have no sort, and are not to be imported for it.
+    """
+    module = sys.modules[owner.__module__]
+    return get_annotations(owner, locals=_Known({**vars(builtins), **vars(module)}), eval_str=True)
+
+
+class _Known(dict[str, Any]):
+    def __missing__(self, name: str) -> Any:
+        return Any
 
 
 def validate(instance: object) -> None:
@@ -409,3 +483,16 @@ def _number(text: str, unit: str, where: str, units: str | None) -> str:
             where, f"{shown(text)} has no unit; with units in give {text.strip()}in or {text.strip()}{unit}"
         )
     return text
+
+
+def key_values(words: Iterable[str], known: Mapping[str, Parameter]) -> dict[str, object]:
+    """The values by key, each as its parameter reads it; not yet checked, and neither are the keys."""
+    values: dict[str, object] = {}
+    for word in words:
+        key, equals, value = word.partition("=")
+        if not equals:
+            raise ParameterError("", f"{shown(word)} is not KEY=VALUE")
+        if key in values:
+            raise ParameterError(key, "is given twice")
+        values[key] = known[key].parse(value) if key in known else value
+    return values
