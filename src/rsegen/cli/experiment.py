@@ -14,14 +14,12 @@ from rsegen.params.command import add_flags, flags_in_errors, given
 
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
-    epilog = (
-        "The folder gets table.md, trials.csv, summary.json, plot.png, and in tracks the trajectories of the robots. "
-    )
+    epilog = "The folder gets table.md, trials.csv, summary.json, plot.png, and the trajectories in tracks. "
     command = add_command(
         commands,
         "experiment",
         experiment,
-        epilog=f"{epilog}To continue a stopped experiment, run the same command again.",
+        epilog=f"{epilog}The same command continues a stopped experiment.",
     )
     names = "paper, quick, burgers, driven, frames, representations"
     command.add_argument("plan", metavar="PLAN", help=f"{names}, or a YAML file like these")

@@ -29,7 +29,7 @@ class _Drawing:
 
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
-    epilog = "Needs no screen. The plan counts the cells of recipes below and on the left, and metres above and on the right."
+    epilog = "Needs no screen. The plan counts cells below and on the left, and metres above and on the right."
     command = add_command(commands, "preview", _Drawing, epilog=epilog)
     add_target_flags(command)
     add_flags(command.add_argument_group("output"), _Drawing)

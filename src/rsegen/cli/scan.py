@@ -40,7 +40,7 @@ class _Fit:
 
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
-    epilog = "The cloud has some floor around the field; the ground, the grid of blocks and the level of every block are found. "
+    epilog = "The cloud has some floor around the field; ground, grid and the level of every block are found. "
     epilog += "Several files are views of one field in one common frame. PLY, PCD and mesh files need rsegen[scan]."
     command = add_command(commands, "scan", _Fit, epilog=epilog)
     command.add_argument("clouds", nargs="+", metavar="CLOUD", help=f"named {', '.join('*' + name for name in CLOUDS)}")

@@ -50,7 +50,7 @@ def is_of_flags(arguments: argparse.Namespace) -> bool:
 
 
 def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
-    """Yield each recipe of the target with the flags over it, and its file; that of the flags alone without a target."""
+    """Yield each recipe of the target with the flags over it, and its file; without a target that of the flags."""
     from rsegen.io.targets import recipe_files, recipe_in
 
     flags, target = is_of_flags(arguments), arguments.target
@@ -78,7 +78,7 @@ def maps_of_flags(arguments: argparse.Namespace) -> list[Recipe]:
 
 
 def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> Recipe | str:
-    """Return the target as it is given, or the recipe of one map if flags make one; some flags are the command's own."""
+    """Return the target as given, or the recipe of one map if flags make one; some flags are the command's own."""
     own = argparse.Namespace(**{name: value for name, value in vars(arguments).items() if name not in without})
     if not is_of_flags(own):
         return str(arguments.target)

@@ -96,10 +96,11 @@ def declared(owner: Callable[..., Any]) -> Mapping[str, Declared]:
 @cache
 def _declared(owner: Any) -> Mapping[str, Declared]:
     if is_dataclass(owner):
-        annotations = {name: hint for cls in reversed(owner.__mro__) for name, hint in hints(cls).items()}  # type: ignore[union-attr]  # a class
-        defaults = {
-            field.name: Argument.empty if field.default is MISSING else field.default for field in fields(owner)
-        }
+        annotations = {}
+        for cls in reversed(owner.__mro__):  # a field that is declared again is that of the last class
+            annotations |= hints(cls)
+        defaults = {field.name: field.default for field in fields(owner)}
+        defaults = {name: Argument.empty if value is MISSING else value for name, value in defaults.items()}
     else:
         annotations = hints(owner)
         defaults = {name: argument.default for name, argument in signature(owner).parameters.items()}
