@@ -26,15 +26,15 @@ CALLS: Mapping[str, tuple[Callable[[], object], str]] = {
     "a truth": (lambda: Recipe(maps=True), "maps: True is not a whole number"),
     "obstacles in a word": (lambda: Recipe(obstacles="peak"), "obstacles: 'peak' is not a list"),  # type: ignore[arg-type]
     "an obstacle without a place": (
-        lambda: Recipe(obstacles=[rsegen.Peak(max_height=5)]),  # type: ignore[list-item]
+        lambda: Recipe(obstacles=[rsegen.Peak(levels=5)]),  # type: ignore[list-item]
         r"obstacles\[0\]: Peak\(.* is not a placement",
     ),
-    "a place without an obstacle": (lambda: Placement(obstacle="peak"), "obstacle: 'peak' is not"),  # type: ignore[arg-type]
+    "a place without an obstacle": (lambda: "peak", "obstacle: 'peak' is not"),  # type: ignore[arg-type]
     "a barrier askew": (
-        lambda: Placement(obstacle=rsegen.HorizontalBarrier(max_height=5), first=(1, 2), last=(3, 4)),
+        lambda: rsegen.HorizontalBarrier(levels=5, first=(1, 2), last=(3, 4)),
         "share neither x nor y",
     ),
-    "a height of ground only": (lambda: rsegen.Peak(max_height=1), "max_height: 1 is outside 2..32767"),
+    "a height of ground only": (lambda: rsegen.Peak(levels=1), "levels: 1 is outside 2..32767"),
     "an index below 0": (lambda: rsegen.build(Recipe(), -1), "index: -1 is outside 0.."),
 }
 

@@ -29,8 +29,8 @@ def kind_of(owner: str) -> str:
 
 def in_a_file(refused: Refused, owner: str, name: str, value: object) -> str:
     """The complaint, after the name of the file, that a value in a recipe file gets."""
-    row = {"kind": kind_of(owner), "max_height": 5, name: value}
-    content = {name: value} if owner == "recipe" else {"obstacles": [{"kind": "peak", "max_height": 2}, row]}
+    row = {"kind": kind_of(owner), "levels": 5, name: value}
+    content = {name: value} if owner == "recipe" else {"obstacles": [{"kind": "peak", "levels": 2}, row]}
     line = refused("generate", recipe(json.dumps(content), "recipe.json"), "-o", "out")
     start = "rsegen: recipe.json: " + ("" if owner == "recipe" else "obstacles[1].")
     assert line.startswith(start)
@@ -39,7 +39,7 @@ def in_a_file(refused: Refused, owner: str, name: str, value: object) -> str:
 
 def as_a_flag(refused: Refused, owner: str, name: str, text: str) -> str:
     """The complaint that a value on the command line gets."""
-    given = "" if name == "max_height" else "max_height=5 "
+    given = "" if name == "levels" else "levels=5 "
     row = ["--obstacle", f"{kind_of(owner)} {given}'{name}={text}'"]
     line = refused("generate", *([f"--{name.replace('_', '-')}={text}"] if owner == "recipe" else row), "-o", "out")
     return re.sub(rf"^rsegen: (--obstacle .*: )?(?={name}\b)", "", line)
@@ -47,8 +47,8 @@ def as_a_flag(refused: Refused, owner: str, name: str, text: str) -> str:
 
 def in_python(owner: str, name: str, value: Any) -> str:
     """The complaint that a value in Python gets."""
-    given: dict[str, Any] = {"max_height": 5} if owner in KINDS else {}
-    given |= {"obstacle": KINDS["peak"](max_height=5)} if OWNERS[owner] is Placement else {}
+    given: dict[str, Any] = {"levels": 5} if owner in KINDS else {}
+    given |= {"obstacle": KINDS["peak"](levels=5)} if OWNERS[owner] is Placement else {}
     with pytest.raises(ParameterError) as caught:
         OWNERS[owner](**given | {name: value})
     return str(caught.value)

@@ -21,7 +21,7 @@ from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.strategies import recipes
 
-RECIPE = Recipe(seed=1, obstacles=(Placement(obstacle=Random(max_height=5)),))
+RECIPE = Recipe(seed=1, obstacles=(Random(levels=5),))
 
 
 def image(recipe: Recipe) -> Image.Image:

@@ -251,7 +251,7 @@ PLAN: dict[str, Any] = {
             "robot": "burger",
             "robots": 2,
             "sizes": [0, 10],
-            "max_height": 3,
+            "levels": 3,
             "unit_cm": 1.0,
             "recipe": {"mesh": "merged"},
         },
@@ -276,7 +276,7 @@ class Dune(Region):
     grain: Annotated[int, Integer(1, 9, help="size of its grains")] = 2
 
     def drawn(self, uniform):
-        return (uniform * self.max_height).astype("int16")
+        return (uniform * self.levels).astype("int16")
 '''
 
 

@@ -22,7 +22,7 @@ RECIPE = Recipe(
     boundary="none",
     level_friction=(0.2, 0.4, 0.6, 0.8, 0.9),
     level_colours=("#ff0000",),
-    obstacles=[Placement(obstacle=Random(max_height=6))],
+    obstacles=[Random(levels=6)],
 )
 RADIUS = 0.03
 

@@ -22,7 +22,7 @@ SCENE = compose(
         unit_cm=5,
         boundary="none",
         level_friction=(0.2, 0.4, 0.6),
-        obstacles=[Placement(obstacle=Random(max_height=4))],
+        obstacles=[Random(levels=4)],
     )
 )
 
@@ -68,7 +68,7 @@ GRID = BlockGrid(
         unit_cm=5,
         boundary="none",
         level_friction=(0.2, 0.4, 0.6),
-        obstacles=[Placement(obstacle=Random(max_height=4))],
+        obstacles=[Random(levels=4)],
     ),
     pos=(1, 2, 0.5),
 )

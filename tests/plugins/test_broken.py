@@ -25,7 +25,7 @@ class Dune(Region):
     kind: ClassVar[str] = "dune"
 
     def drawn(self, uniform):
-        return (uniform * self.max_height).astype("int16")
+        return (uniform * self.levels).astype("int16")
 '''
 BROKEN = {
     "ImportError: No module named 'sand'": "raise ImportError(\"No module named 'sand'\")",
@@ -68,7 +68,7 @@ def test_what_is_broken_is_named_in_a_line_each_and_the_other_kinds_work(tmp_pat
 
 def test_the_broken_package_itself_is_refused(tmp_path: Path) -> None:
     installed(tmp_path, BROKEN["does not define drawn"])
-    dune = ("--seed", "1", "--obstacle", "dune max_height=5")
+    dune = ("--seed", "1", "--obstacle", "dune levels=5")
     line = refused("generate", *dune, "-o", tmp_path / "worlds", packages=tmp_path)
     assert "plug-in 'dune' of sandbox 0.3 (dunes:Dune): does not define drawn" in line
     assert not (tmp_path / "worlds").exists()

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from rsegen import KINDS, Placement, Recipe, StepField
-from rsegen.recipe.codec import decode_placement
+from rsegen.recipe.codec import decode_obstacle
 
 SEEDS = st.integers(0, 2**63 - 1)
 
@@ -41,10 +41,10 @@ def placements(draw: st.DrawFn, cells_x: int = 8, cells_y: int = 8) -> Placement
     first, last = draw(_place(cells_x, cells_y)), draw(_place(cells_x, cells_y))
     if kind == "horizontal_barrier" and isinstance(first, list) and isinstance(last, list):
         last = [first[0], last[1]]
-    return decode_placement(
+    return decode_obstacle(
         {
             "kind": kind,
-            "max_height": draw(st.integers(2, 9)),
+            "levels": draw(st.integers(2, 9)),
             "softness": draw(st.integers(0, 100)),
             "first": first,
             "last": last,

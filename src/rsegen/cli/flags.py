@@ -13,12 +13,13 @@ from typing import Any, TypeAlias
 from rsegen.cli.key_values import key_values
 from rsegen.cli.parser import Parser
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.field.obstacles import kind
+from rsegen.field.obstacles import Obstacle, kind
+from rsegen.field.obstacles.base import row_parameters
 from rsegen.io.targets import recipe_in
 from rsegen.params.sorts import Choice, Flag, Parameter, parameters, with_lengths
-from rsegen.recipe.codec import OTHER_NAMES, decode_placement
+from rsegen.recipe.codec import decode_obstacle
 from rsegen.recipe.examples import or_example
-from rsegen.recipe.recipe import Placement, Recipe
+from rsegen.recipe.recipe import Recipe
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[Parser]"
 
@@ -123,7 +124,7 @@ def has_recipe_flags(arguments: argparse.Namespace) -> bool:
 
 def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
     """A recipe with the flags over it and their obstacles after its own."""
-    added = tuple(placement(text) for text in arguments.obstacle)
+    added = tuple(obstacle(text) for text in arguments.obstacle)
     said = _without_names(given(Recipe, arguments), start.unit_cm)
     return replace(start, **said, obstacles=(*start.obstacles, *added))
 
@@ -155,10 +156,10 @@ def given(owner: type, arguments: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def placement(text: str) -> Placement:
-    """The obstacle that a text such as `peak levels=5 first=2,2` stands for."""
+def obstacle(text: str) -> Obstacle:
+    """Return the obstacle that a text such as `peak levels=5 first=2,2` stands for."""
     try:
-        return decode_placement(_entry(text))
+        return decode_obstacle(_entry(text))
     except ParameterError as error:
         raise error.of(f"--obstacle {shown(text)}") from None
 
@@ -168,8 +169,7 @@ def _entry(text: str) -> dict[str, object]:
         name, *pairs = shlex.split(text)
     except ValueError:
         raise ParameterError("", "give a kind and then KEY=VALUE, as in 'peak levels=5'") from None
-    known = {**parameters(kind(name, "")), **parameters(Placement)}
-    values = key_values(pairs, {other: known[first] for other, first in OTHER_NAMES.items()} | known)
+    values = key_values(pairs, row_parameters(kind(name, "")))
     if "kind" in values:
         raise ParameterError("kind", "is given twice")
     return {"kind": name, **values}

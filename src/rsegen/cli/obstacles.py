@@ -8,10 +8,10 @@ from collections.abc import Iterator, Mapping
 
 from rsegen.cli.flags import Subparsers
 from rsegen.field.obstacles import KINDS
+from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.params.registry import summary
-from rsegen.params.sorts import Parameter, parameters
+from rsegen.params.sorts import Parameter
 from rsegen.recipe.codec import schema
-from rsegen.recipe.recipe import Placement
 
 
 def add(commands: Subparsers) -> None:
@@ -33,14 +33,13 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _report() -> Iterator[str]:
-    common = parameters(Placement)
     for name, cls in KINDS.items():
         source = KINDS.source(name)
         yield f"{name}\n    {summary(cls)}" + (f" From {source}." if source else "")
-        yield from _rows(parameters(cls))
+        yield from _rows(own_parameters(cls))
         yield ""
     yield "every kind"
-    yield from _rows(common)
+    yield from _rows(PLACING)
 
 
 def _rows(known: Mapping[str, Parameter]) -> Iterator[str]:

@@ -29,7 +29,7 @@ PIXELS = pytest.mark.parametrize("pixels", [1, 3])
 def of_levels(levels: list[list[int]], **recipe: float) -> Scene:
     matrix = Matrix.of(np.array(levels))
     size = {"chunk_size": 1, "chunks": matrix.size, "boundary": "none"}
-    return compose(replace(Recipe(seed=1, **size, obstacles=(Placement(obstacle=matrix),)), **recipe))  # type: ignore[arg-type]
+    return compose(replace(Recipe(seed=1, **size, obstacles=(matrix,)), **recipe))  # type: ignore[arg-type]
 
 
 def put(kind: Format, scene: Scene, folder: Path) -> None:

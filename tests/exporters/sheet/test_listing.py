@@ -19,7 +19,7 @@ from rsegen.io.importers.table import Table
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.strategies import recipes
 
-BLOCKS = (Placement(obstacle=Random(max_height=5)),)
+BLOCKS = (Random(levels=5),)
 RECIPE = Recipe(seed=7, chunk_size=2, chunks=(2, 1), obstacles=BLOCKS)
 
 

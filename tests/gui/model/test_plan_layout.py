@@ -15,7 +15,7 @@ BOUNDARIES = ("none", "divided", "outer")
 
 
 def field(boundary: str) -> StepField:
-    obstacles = [Placement(obstacle=Random(max_height=5))]
+    obstacles = [Random(levels=5)]
     return build(Recipe(seed=1, chunk_size=3, chunks=(3, 2), boundary=boundary, obstacles=obstacles), 0)
 
 

@@ -27,7 +27,7 @@ RECIPE = Recipe(
     maps=20,
     chunk_size=4,
     chunks=(2, 3),
-    obstacles=[Placement(obstacle=rsegen.Random(max_height=4)), Placement(obstacle=rsegen.Peak(max_height=6))],
+    obstacles=[rsegen.Random(levels=4), rsegen.Peak(levels=6)],
 )
 
 

@@ -20,7 +20,7 @@ def recipe(seed: int, climb: float) -> Recipe:
         boundary="none",
         inventory=STOCK,
         crossable_by=(climb, climb, 30),
-        obstacles=(Placement(obstacle=Random(max_height=5)),),
+        obstacles=(Random(levels=5),),
     )
 
 

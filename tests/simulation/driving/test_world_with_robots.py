@@ -18,7 +18,7 @@ NAMES = ("real_time_update_rate", "real_time_factor")
 
 @pytest.fixture
 def world(tmp_path: Path) -> Path:
-    random = Placement(obstacle=Random(max_height=5))
+    random = Random(levels=5)
     return generate(Recipe(seed=1, obstacles=(random,)), tmp_path).maps[0].world
 
 

@@ -36,7 +36,7 @@ def course(folder: Path, unit_cm: float) -> Path:
         boundary="none",
         unit_cm=unit_cm,
         seed=1,
-        obstacles=(Placement(obstacle=HILL),),
+        obstacles=(HILL,),
     )
     return generate(recipe, folder).maps[0].folder
 

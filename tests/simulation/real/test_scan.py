@@ -12,7 +12,7 @@ from rsegen import Placement, Random, Recipe
 from rsegen.scanning import find_field
 from rsegen.simulation.simulators import Installation
 
-RECIPE = Recipe(seed=5, boundary="outer", obstacles=(Placement(obstacle=Random(max_height=5)),))
+RECIPE = Recipe(seed=5, boundary="outer", obstacles=(Random(levels=5),))
 PLACES = ((0.6, 0.1, 2.2), (-0.5, -0.3, 2.2))
 
 
