@@ -10,7 +10,7 @@ import pytest
 
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, cast, scanned
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 
 
 @pytest.mark.parametrize("place", [(0.5, 0.2, 2.0), (1.6, -0.4, 0.7), (-0.2, 0.0, 1.5)])

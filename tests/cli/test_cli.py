@@ -17,11 +17,11 @@ import yaml
 import rsegen
 from rsegen import KINDS, Recipe
 from rsegen.cli import COMMANDS, main
+from rsegen.field.obstacles.base import own_parameters
 from rsegen.io.input_files import JOURNAL
 from rsegen.params.sorts import Flag, parameters
-from rsegen.recipe.codec import OTHER_NAMES, decode
+from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.recipe.recipe import Placement
 from tests.support.samples import sample
 
 COURSE = EXAMPLES["mixed-course"]
@@ -81,8 +81,8 @@ def test_obstacles_of_flags_come_after_those_of_the_file(tmp_path: Path, recipe_
     flags = [part for text in added for part in ("--obstacle", text)]
     assert generated(recipe_file, *flags, "-o", tmp_path / "out") == 0
     rows = rsegen.load(tmp_path / "out" / "rse_0001" / "recipe.json").obstacles
-    assert [row.obstacle.kind for row in rows] == ["peak", "random", "horizontal_barrier"]
-    assert rows[1].obstacle == rsegen.Random(levels=4, weights=(1, 0, 0, 2))
+    assert [row.kind for row in rows] == ["peak", "random", "horizontal_barrier"]
+    assert rows[1] == rsegen.Random(levels=4, weights=(1, 0, 0, 2), key=rows[1].key)
     assert (rows[2].first, rows[2].last) == ((0, 2), (3, 2))
 
 
@@ -218,15 +218,15 @@ def test_the_schema_refuses_what_rsegen_refuses(content: object, capsys: pytest.
 def test_obstacles_lists_every_kind_with_its_parameters(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     _, _, rest = f"\n{printed(capsys, 'obstacles')}".partition(f"\n{name}\n")
     own, _, _ = rest.partition("\n\n")
-    for parameter, sort in parameters(KINDS[name]).items():
+    for parameter, sort in own_parameters(KINDS[name]).items():
         assert parameter in own
         assert sort.describe() in own
 
 
 def test_obstacles_in_json_are_the_schemas_of_the_kinds(capsys: pytest.CaptureFixture[str]) -> None:
     rows = read(capsys, "obstacles")
-    assert {row["title"]: set(row["properties"]) - {*OTHER_NAMES} for row in rows} == {
-        name: {"kind", *parameters(cls), *parameters(Placement)} for name, cls in KINDS.items()
+    assert {row["title"]: set(row["properties"]) for row in rows} == {
+        name: {"kind", *parameters(cls)} for name, cls in KINDS.items()
     }
 
 

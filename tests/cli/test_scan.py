@@ -11,7 +11,7 @@ from PIL import Image
 
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, cast, scanned, turned
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.cli import main
 
 RECIPE = Recipe(seed=5, boundary="outer", obstacles=(Random(levels=5),))

@@ -6,9 +6,10 @@ import jsonschema
 import numpy as np
 import pytest
 
-from rsegen import KINDS, Obstacle, Placement, Recipe, build
+from rsegen import KINDS, Obstacle, Recipe, build
 from rsegen.field.obstacles import Grid
-from rsegen.params.registry import summary
+from rsegen.field.obstacles.base import PLACING, RESERVED
+from rsegen.params.registry import clash, summary
 from rsegen.params.sorts import parameters
 from rsegen.params.streams import generator
 from rsegen.recipe.codec import decode, encode, schema
@@ -22,14 +23,13 @@ GRID = Grid(20, 30, 10)
 
 def recipe_of(obstacle: Obstacle, grid: Grid = GRID) -> Recipe:
     chunks = grid.n_x // grid.chunk_size, grid.n_y // grid.chunk_size
-    placement = obstacle
-    return Recipe(chunk_size=grid.chunk_size, chunks=chunks, boundary="none", seed=5, obstacles=(placement,))
+    return Recipe(chunk_size=grid.chunk_size, chunks=chunks, boundary="none", seed=5, obstacles=(obstacle,))
 
 
 @KIND
 @GRIDS
 @pytest.mark.parametrize("softness", [0, 37.5, 100])
-def test_levels_are_of_the_set_that_levels_gives(cls: type[Obstacle], grid: Grid, softness: float) -> None:
+def test_levels_lie_below_the_number_of_levels(cls: type[Obstacle], grid: Grid, softness: float) -> None:
     recipe = recipe_of(cls(levels=5, softness=softness), grid)
     found = {level for index in range(20) for level in np.unique(build(recipe, index).levels).tolist()}
     assert found <= {0, 1, 2, 3, 4}
@@ -37,7 +37,7 @@ def test_levels_are_of_the_set_that_levels_gives(cls: type[Obstacle], grid: Grid
 
 @KIND
 @GRIDS
-def test_ends_left_to_chance_lie_on_the_map(cls: type[Obstacle], grid: Grid) -> None:
+def test_random_ends_lie_on_the_map(cls: type[Obstacle], grid: Grid) -> None:
     obstacle = cls(levels=5)
     for index in range(50):
         first, last = obstacle.ends(grid, ("random", "random"), ("random", "random"), generator(5, index, "k"))
@@ -45,7 +45,7 @@ def test_ends_left_to_chance_lie_on_the_map(cls: type[Obstacle], grid: Grid) -> 
 
 
 @KIND
-def test_ends_left_to_chance_differ_from_map_to_map(cls: type[Obstacle]) -> None:
+def test_random_ends_differ_from_map_to_map(cls: type[Obstacle]) -> None:
     obstacle = cls(levels=5)
     places = {
         obstacle.ends(Grid(20, 30, 10), ("random", "random"), ("random", "random"), generator(5, index, "k"))
@@ -94,5 +94,6 @@ def test_every_parameter_is_explained(cls: type[Obstacle]) -> None:
 
 
 @KIND
-def test_parameters_do_not_collide_with_those_of_a_placement(cls: type[Obstacle]) -> None:
-    assert not {"kind", *parameters(Placement)} & set(parameters(cls))
+def test_parameters_that_place_an_obstacle_are_the_same_for_every_kind(cls: type[Obstacle]) -> None:
+    assert clash(cls, RESERVED, Obstacle) == ""
+    assert {name: parameters(cls)[name] for name in PLACING} == PLACING

@@ -14,7 +14,7 @@ import trimesh
 from PIL import Image
 
 import rsegen
-from rsegen import Placement, Random, Recipe, Scene, compose
+from rsegen import Random, Recipe, Scene, compose
 from rsegen.cli import main
 from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.gazebo import export

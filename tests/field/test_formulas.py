@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from statistics import NormalDist
 
 import numpy as np
@@ -17,7 +18,6 @@ from rsegen import (
     NormalRandom,
     Obstacle,
     Peak,
-    Placement,
     Platform,
     Random,
     Recipe,
@@ -34,8 +34,8 @@ SOFTNESS = st.one_of(st.sampled_from([0, 50, 100]), st.floats(0, 100))
 
 
 def field_of(obstacle: Obstacle, first: Cell, last: Cell, chunks: int = 1) -> Levels:
-    placement = replace(obstacle, first=first, last=last)
-    return build(Recipe(chunk_size=L, chunks=(chunks, chunks), boundary="none", seed=1, obstacles=(placement,))).levels
+    placed = replace(obstacle, first=first, last=last)
+    return build(Recipe(chunk_size=L, chunks=(chunks, chunks), boundary="none", seed=1, obstacles=(placed,))).levels
 
 
 def shaped_levels(levels: int, profile: Callable[[int, int], float]) -> np.ndarray:
@@ -120,28 +120,28 @@ def test_least_distance_of_a_square_peak_is_as_the_method_says(side: int, least:
     assert min(math.dist((x, y), (centre, centre)) for x in range(side) for y in range(side)) == pytest.approx(least)
 
 
-def uniform_of(placement: Placement, seed: int, shape: tuple[int, int]) -> np.ndarray:
+def uniform_of(obstacle: Obstacle, seed: int, shape: tuple[int, int]) -> np.ndarray:
     """The numbers that a random obstacle over the whole map is made of."""
     from rsegen.params.streams import generator
 
-    recipe = Recipe(seed=seed, obstacles=(placement,))
+    recipe = Recipe(seed=seed, obstacles=(obstacle,))
     return generator(seed, 0, recipe.obstacles[0].key or "").random(shape)
 
 
 @given(HEIGHTS, SOFTNESS, st.integers(0, 1000))
 def test_random_is_floor_of_n_f(levels: int, softness: float, seed: int) -> None:
-    placement = Random(levels=levels, softness=softness)
-    found = build(Recipe(boundary="none", seed=seed, obstacles=(placement,))).levels
-    u = uniform_of(placement, seed, found.shape)
+    obstacle = Random(levels=levels, softness=softness)
+    found = build(Recipe(boundary="none", seed=seed, obstacles=(obstacle,))).levels
+    u = uniform_of(obstacle, seed, found.shape)
     expected = [[math.floor(levels * (each * (1 - softness / 100))) for each in row] for row in u.tolist()]
     np.testing.assert_array_equal(found, expected)
 
 
 @given(HEIGHTS, SOFTNESS, st.floats(0.01, 2), st.integers(0, 1000))
 def test_normal_random_is_floor_of_n_f(levels: int, softness: float, spread: float, seed: int) -> None:
-    placement = NormalRandom(levels=levels, softness=softness, spread=spread)
-    found = build(Recipe(boundary="none", seed=seed, obstacles=(placement,))).levels
-    u = uniform_of(placement, seed, found.shape)
+    obstacle = NormalRandom(levels=levels, softness=softness, spread=spread)
+    found = build(Recipe(boundary="none", seed=seed, obstacles=(obstacle,))).levels
+    u = uniform_of(obstacle, seed, found.shape)
 
     def level(each: float) -> int:
         f = min(max(0.5 + NormalDist().inv_cdf(each) * spread, 0.0), 1 - 1e-12) * (1 - softness / 100)

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rsegen import Placement, Random, Recipe, StepField, build
+from rsegen import Random, Recipe, StepField, build
 from rsegen.errors import ParameterError
 from rsegen.footprints import Footprint, Rectangle, Underside, even_spots, fits
 from rsegen.footprints.search import apart

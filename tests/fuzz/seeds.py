@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from rsegen import KINDS, Placement, Recipe
+from rsegen import KINDS, Recipe
 from rsegen.cli import main
 from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import encode
@@ -38,9 +38,7 @@ def recipes() -> tuple[dict[str, Any], ...]:
 def _obstacle(kind: str) -> dict[str, Any]:
     """An obstacle with every parameter that has an own value."""
     cls = KINDS[kind]
-    values = {"kind": kind, "levels": 3, "key": "k", "blend": "max"}
-    if "first" in parameters(Placement):
-        values |= {"first": [0, 0], "last": [3, 3]}
+    values = {"kind": kind, "levels": 3, "key": "k", "blend": "max", "first": [0, 0], "last": [3, 3]}
     return values | {name: 3 for name in parameters(cls) if name == "softness"}
 
 

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from hypothesis import example, given, settings
 
-from rsegen import Placement, Random, Recipe, StepField, build
+from rsegen import Random, Recipe, StepField, build
 from rsegen.geometry import Mesh, meshes, surface, unmerged, watertight
 from rsegen.params.sorts import parameters
 from tests.geometry.grids import GRIDS

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from hypothesis import given
 
-from rsegen import Placement, Random, Recipe, StepField, build
+from rsegen import Random, Recipe, StepField, build
 from rsegen.geometry import NORMALS, Mesh, split_window, surface
 from tests.support.strategies import fields
 

@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import DiagonalBarrier, HorizontalBarrier, Matrix, NormalRandom, Pallet, Peak, Placement, Random, Recipe
+from rsegen import DiagonalBarrier, HorizontalBarrier, Matrix, NormalRandom, Pallet, Peak, Random, Recipe
 
 FILE = Path(__file__).with_name("bytes.json")
 RECORDED: Mapping[str, str] = json.loads(FILE.read_text("utf-8")) if FILE.is_file() else {}

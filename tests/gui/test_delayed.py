@@ -151,7 +151,7 @@ def test_start_takes_over_a_text_that_is_not_finished(window: Window, tmp_path: 
     QTest.keyClick(active(window) and field, Qt.Key.Key_F5)
     until(lambda: window.forms.start_form.written is not None)
     assert window.session.draft.rows[1].entry["levels"] == 4
-    assert [placement.obstacle.levels for placement in window.session.recipe.obstacles] == [5, 4]
+    assert [obstacle.levels for obstacle in window.session.recipe.obstacles] == [5, 4]
     (written,) = tmp_path.rglob("recipe.json")
     assert load(written) == window.session.recipe
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.errors import TooLarge
 from rsegen.exporters.formats import FORMATS
 from rsegen.io import resources

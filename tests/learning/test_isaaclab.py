@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.errors import ParameterError
 
 trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.errors import ParameterError
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")

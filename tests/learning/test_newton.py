@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe, build_many, compose
+from rsegen import Random, Recipe, build_many, compose
 from rsegen.errors import ParameterError, UnknownName
 
 newton = pytest.importorskip("newton", reason="Newton is not installed")

@@ -139,11 +139,10 @@ def test_an_option_that_clashes_with_a_flag_is_named(option: str, complaint: str
 
 
 def test_reserved_names_are_those_of_rows_and_of_reading() -> None:
-    from rsegen import Placement
     from rsegen.exporters.formats.base import READING
     from rsegen.io.importers import IMPORTERS
     from rsegen.params.sorts import parameters
 
     obstacles = importlib.import_module("rsegen.field.obstacles.base")
-    assert {"kind", *parameters(Placement)} == obstacles.RESERVED
+    assert {"kind", "first", "last", "blend", "key"} == obstacles.RESERVED
     assert {name for cls in IMPORTERS.own() for name in parameters(cls)} == READING

@@ -172,7 +172,7 @@ def test_the_window_lists_it(packages: Path) -> None:
 
 def test_the_commands_that_need_none_look_for_none(packages: Path) -> None:
     script = (
-        "import sys, rsegen; from rsegen import KINDS, build, Recipe, Placement, Peak;"
+        "import sys, rsegen; from rsegen import KINDS, build, Recipe, Peak;"
         "build(Recipe(seed=1, obstacles=[KINDS['peak'](levels=3)]), 0);"
         "print([name for name in ('importlib.metadata', 'rsegen_demo') if name in sys.modules])"
     )

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Matrix, Placement, Random, Recipe
+from rsegen import Matrix, Random, Recipe
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles import Grid, Patch
 from rsegen.field.stepfield import Array, Levels

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import HorizontalBarrier, Peak, Placement, Random, Recipe, build
+from rsegen import HorizontalBarrier, Obstacle, Peak, Random, Recipe, build
 from rsegen.recipe.building import blocks
-from tests.support.strategies import placements, recipes
+from tests.support.strategies import obstacles, recipes
 
 
 @given(recipes(), st.integers(0, 5))
@@ -52,10 +52,10 @@ def test_frames_are_never_overwritten(recipe: Recipe) -> None:
     assert not field.levels[field.frame].any()
 
 
-@given(recipes(), placements(), st.integers(0, 4))
-def test_adding_an_obstacle_leaves_the_keys_of_the_others(recipe: Recipe, added: Placement, at: int) -> None:
-    before = [placement.key for placement in recipe.obstacles]
-    if added in [replace(placement, key=None) for placement in recipe.obstacles]:
+@given(recipes(), obstacles(), st.integers(0, 4))
+def test_adding_an_obstacle_leaves_the_keys_of_the_others(recipe: Recipe, added: Obstacle, at: int) -> None:
+    before = [obstacle.key for obstacle in recipe.obstacles]
+    if added in [replace(obstacle, key=None) for obstacle in recipe.obstacles]:
         return  # a twin of another row: which of two equal rows is the new one has no answer
     at = min(at, len(before))
     after = replace(recipe, obstacles=(*recipe.obstacles[:at], added, *recipe.obstacles[at:]))

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rsegen import KINDS, Peak, Placement, Random, Recipe, StepField, build, generate, load
+from rsegen import KINDS, Peak, Random, Recipe, StepField, build, generate, load
 from rsegen.errors import ParameterError
 from rsegen.field.metrics.roughness import steps
 from rsegen.params.sorts import parameters

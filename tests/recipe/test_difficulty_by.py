@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe, RobotLimits, StepField
+from rsegen import Random, Recipe, RobotLimits, StepField
 from rsegen.errors import ParameterError
 from rsegen.field.metrics.catalogue import metric_by
 from rsegen.recipe.tiles import Span, eased, mean_of, share_of, span_of

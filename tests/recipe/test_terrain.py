@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Peak, Placement, Random, Recipe, RobotLimits, Terrain
+from rsegen import Peak, Random, Recipe, RobotLimits, Terrain
 from rsegen.errors import ParameterError, UserError
 from rsegen.field.metrics.batch import batch_metrics
 from rsegen.field.metrics.catalogue import metric_by

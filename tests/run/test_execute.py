@@ -14,7 +14,7 @@ import psutil
 import pytest
 
 import rsegen
-from rsegen import GeneratedMap, Placement, Recipe
+from rsegen import GeneratedMap, Recipe
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import rsegen
-from rsegen import Placement, Recipe, Scene, export_maps
+from rsegen import Recipe, Scene, export_maps
 from rsegen.errors import OutputError, ParameterError, TooLarge, UserError, WriteError
 from rsegen.exporters.formats.arrays import Arrays
 from rsegen.exporters.formats.heightmap import Heightmap

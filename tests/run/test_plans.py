@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.errors import OutputError, ParameterError, TooLarge, UserError
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.stl import Stl

@@ -19,7 +19,7 @@ import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import Placement, Random, Recipe, RobotLimits, build, load, metrics, series
+from rsegen import Random, Recipe, RobotLimits, build, load, metrics, series
 from rsegen.cli import main
 from rsegen.errors import OutputError, ParameterError
 from rsegen.field.metrics.catalogue import metric_by

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe, StepField
+from rsegen import Random, Recipe, StepField
 from rsegen.errors import ParameterError
 from rsegen.scanning.comparison import Comparison, compared
 

@@ -11,7 +11,7 @@ import pytest
 
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned
-from rsegen import Matrix, Placement, Random, Recipe, StepField
+from rsegen import Matrix, Random, Recipe, StepField
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array
 from rsegen.scanning import Scan, ScanSettings, find_field

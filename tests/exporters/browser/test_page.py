@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Placement, Random, Recipe, StepField
+from rsegen import Random, Recipe, StepField
 from rsegen.exporters.browser.page import ShownMap, page
 from rsegen.exporters.levels import fingerprint
 from rsegen.recipe.examples import EXAMPLES

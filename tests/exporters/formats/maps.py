@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from rsegen import Matrix, Placement, Random, Recipe, Scene, compose
+from rsegen import Matrix, Random, Recipe, Scene, compose
 from rsegen.exporters.formats import Format
 
 RANDOM = Random(levels=5)

@@ -13,7 +13,7 @@ import pytest
 import yaml
 from PIL import Image
 
-from rsegen import Matrix, Placement, Recipe, Scene, build, compose, imported, load
+from rsegen import Matrix, Recipe, Scene, build, compose, imported, load
 from rsegen.cli import main
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats import Format

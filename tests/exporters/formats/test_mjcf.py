@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rsegen import Matrix, Placement, Recipe, Scene, StepField, compose
+from rsegen import Matrix, Recipe, Scene, StepField, compose
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.mjcf import Mjcf
 from tests.exporters.formats.maps import RECIPES, SCENES, made

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.io import loadmat
 
-from rsegen import DiagonalBarrier, HorizontalBarrier, Peak, Placement, Random, Recipe, Scene, StepField, build, compose
+from rsegen import DiagonalBarrier, HorizontalBarrier, Peak, Random, Recipe, Scene, StepField, build, compose
 from rsegen.exporters.formats.posture import COLUMNS, Posture, edges, peaks_and_pits
 from rsegen.recipe.codec import decode
 from tests.exporters.formats.maps import SCENES, made

@@ -13,7 +13,7 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 
-from rsegen import Placement, Random, Recipe, compose
+from rsegen import Random, Recipe, compose
 from rsegen.exporters.gazebo import MESH_TYPES, export, obj
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene

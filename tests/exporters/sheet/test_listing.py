@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from rsegen import CutSettings, Placement, Random, Recipe, build, compose, imported, load, sheet
+from rsegen import CutSettings, Random, Recipe, build, compose, imported, load, sheet
 from rsegen.cli import main
 from rsegen.errors import FileError, ParameterError
 from rsegen.exporters.levels import fingerprint

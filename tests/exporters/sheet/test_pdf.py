@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from pypdf import PageObject, PdfReader
 
-from rsegen import CutSettings, Placement, Random, Recipe, Scene, __version__, compose, load, sheet
+from rsegen import CutSettings, Random, Recipe, Scene, __version__, compose, load, sheet
 from rsegen.errors import ParameterError
 from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.sheet import page_count

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import Matrix, Placement, Random, Recipe, build
+from rsegen import Matrix, Obstacle, Random, Recipe, build
 from rsegen.errors import ParameterError
 from rsegen.gui.model.as_code import command_line
 from rsegen.recipe.codec import decode, decode_obstacle, encode
@@ -16,8 +18,8 @@ ROWS = ("0 1 2", "3 . 4")
 """3 x 2 cells; the upper row is the larger y."""
 
 
-def built(*placements: Placement, chunk_size: int = 6) -> np.ndarray:
-    return build(Recipe(chunk_size=chunk_size, boundary="none", seed=1, obstacles=placements)).levels
+def built(*obstacles: Obstacle, chunk_size: int = 6) -> np.ndarray:
+    return build(Recipe(chunk_size=chunk_size, boundary="none", seed=1, obstacles=obstacles)).levels
 
 
 def test_the_top_row_is_the_largest_y() -> None:
@@ -58,18 +60,18 @@ def test_softness_takes_as_much_off_it_as_off_a_random_kind() -> None:
 def test_any_levels_come_back_from_rows_from_a_file_and_from_a_flag(content: list[list[int]]) -> None:
     levels = np.array(content)
     matrix = Matrix.of(levels)
-    assert np.array_equal(matrix.levels(), levels)
+    assert np.array_equal(matrix.cell_levels(), levels)
     recipe = Recipe(seed=1, obstacles=(matrix,))
     assert decode(encode(recipe)) == recipe
     rows = command_line(recipe, "worlds").split("rows=")[1:]
     spelled = rows[0].split()[0].strip("'") if rows else "1"
     again = decode_obstacle({"kind": "matrix", "levels": matrix.levels, "rows": spelled.split("/")})
-    assert again.obstacle == matrix
+    assert again == matrix
 
 
 def test_rows_may_be_lists_of_numbers_in_which_null_is_a_dot() -> None:
     row = {"kind": "matrix", "levels": 5, "rows": [[0, 1, 2], [3, None, 4]]}
-    assert decode_obstacle(row).obstacle == Matrix(levels=5, rows=ROWS)
+    assert decode_obstacle(row) == Matrix(levels=5, rows=ROWS)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from PySide6.QtGui import QAction, QDropEvent, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox, QFileDialog, QLabel, QMessageBox, QSpinBox
 
-from rsegen import Dataset, Placement, Random, Recipe, build, compose, make_dataset
+from rsegen import Dataset, Random, Recipe, build, compose, make_dataset
 from rsegen.gui.dialogs.gallery import PICTURE_SIDE as SIDE
 from rsegen.gui.dialogs.gallery import DatasetDialog
 from rsegen.gui.model.session import Session

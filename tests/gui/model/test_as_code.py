@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from hypothesis import example, given, settings
 
-from rsegen import Peak, Placement, Recipe
+from rsegen import Peak, Recipe
 from rsegen.cli.commands import parser
 from rsegen.cli.flags import recipe_from
 from rsegen.gui.model.as_code import command_line, python_code

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 import rsegen
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.gui.model.solid import Shading, border, finest, shading, with_grain
 
 RECIPE = Recipe(seed=3, boundary="none", look="wood", obstacles=(Random(levels=5),))

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from rsegen import Peak, Placement, Random, Recipe, build, compose
+from rsegen import Peak, Random, Recipe, build, compose
 from rsegen.gui.model.document import Document
 from rsegen.gui.model.painting import cell_hit, is_inside
 from rsegen.gui.model.session import Session

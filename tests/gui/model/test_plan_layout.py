@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import Placement, Random, Recipe, StepField, build
+from rsegen import Random, Recipe, StepField, build
 from rsegen.gui.model.plan_layout import PlanLayout, fit, ticks
 
 BOUNDARIES = ("none", "divided", "outer")

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import Placement, Random, Recipe, build
+from rsegen import Random, Recipe, build
 from rsegen.gui.model.plan_layout import PlanLayout, fit, resized, shifted, visible, zoomed
 
 AREA = (30.0, 5.0, 300.0, 240.0)

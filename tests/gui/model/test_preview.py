@@ -9,7 +9,7 @@ import psutil
 import pytest
 from hypothesis import given, settings
 
-from rsegen import Peak, Placement, Random, Recipe, compose
+from rsegen import Peak, Random, Recipe, compose
 from rsegen.errors import TooLarge
 from rsegen.exporters.map_summary import map_summary
 from rsegen.gui.model.colours import GROUND, cells, palette

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe, compose
+from rsegen import Random, Recipe, compose
 from rsegen.field.metrics.traversability import traversability
 from rsegen.field.robot_limits import cells_to_each_side
 from rsegen.footprints import Rectangle, Spot

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe, compose
+from rsegen import Random, Recipe, compose
 from rsegen.footprints import Rectangle
 from rsegen.gui.model.reach import Reach, Way, dashes, draped, reach_shape
 from rsegen.gui.model.simulation import reach

@@ -106,7 +106,7 @@ def test_a_row_that_is_switched_off_is_not_in_the_recipe(session: Session) -> No
     session.add(PEAK)
     session.add(RANDOM)
     session.enable(0, enabled=False)
-    assert [placement.obstacle.kind for placement in session.recipe.obstacles] == ["random"]
+    assert [obstacle.kind for obstacle in session.recipe.obstacles] == ["random"]
 
 
 def test_parameters_may_change_while_what_was_drawn_stays(session: Session) -> None:

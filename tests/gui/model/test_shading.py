@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rsegen import Matrix, Placement, Random, Recipe, Scene, compose
+from rsegen import Matrix, Random, Recipe, Scene, compose
 from rsegen.field.stepfield import StepField
 from rsegen.gui.model.solid import SUN, Shading, border, foot, length_text, lit, round_length, shading
 

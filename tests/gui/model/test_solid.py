@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe, Scene, compose
+from rsegen import Random, Recipe, Scene, compose
 from rsegen.field.stepfield import Array, coarse, coarse_window, coarseness
 from rsegen.geometry import NORMALS, surface
 from rsegen.gui.model.colours import GROUND, bright, cells, legend, palette

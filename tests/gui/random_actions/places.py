@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from rsegen import Placement, Random, Recipe, make_dataset
+from rsegen import Random, Recipe, make_dataset
 
 _RECIPES = {
     "recipe.yaml": "chunks: [2, 1]\nobstacles:\n- {kind: peak, levels: 4, softness: 33.33333}\n"

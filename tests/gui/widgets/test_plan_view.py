@@ -19,7 +19,7 @@ from PySide6.QtGui import QColor, QImage, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QSignalSpy, QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QVBoxLayout, QWidget
 
-from rsegen import Placement, Random, Recipe, Scene, compose
+from rsegen import Random, Recipe, Scene, compose
 from rsegen.errors import UserError
 from rsegen.gui.model.obstacle_ends import Handle
 from rsegen.gui.model.painting import UNPAINTED, Brush, Tool, connected

@@ -13,7 +13,7 @@ from PySide6.QtGui import QColor, QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from rsegen import Placement, Random, Recipe, compose
+from rsegen import Random, Recipe, compose
 from rsegen.errors import FileError
 from rsegen.gui.model.simulation import reach, robot_shape
 from rsegen.gui.widgets.field_view import FieldView

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Dataset, Placement, Recipe, make_dataset
+from rsegen import Dataset, Recipe, make_dataset
 from rsegen.errors import DatasetDamaged, ParameterError
 from rsegen.field.metrics.batch import COLUMNS
 from rsegen.field.metrics.catalogue import flattened, nested

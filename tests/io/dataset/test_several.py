@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Dataset, Peak, Placement, Random, Recipe, make_dataset
+from rsegen import Dataset, Peak, Random, Recipe, make_dataset
 from rsegen.errors import DatasetDamaged, OutputError, UserError
 from rsegen.io.dataset.layout import MOST, ShardLayout
 from rsegen.run import dataset as dataset_module

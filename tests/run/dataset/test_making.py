@@ -14,7 +14,7 @@ import psutil
 import pytest
 
 import rsegen
-from rsegen import Dataset, Placement, Recipe, make_dataset
+from rsegen import Dataset, Recipe, make_dataset
 from rsegen.errors import OutputError, TooLarge
 from rsegen.io.input_files import JOURNAL
 from rsegen.recipe.codec import decode

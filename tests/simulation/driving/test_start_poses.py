@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe, StepField, build
+from rsegen import Random, Recipe, StepField, build
 from rsegen.errors import ParameterError
 from rsegen.footprints.footprint import TOUCHING
 from rsegen.robots import ROBOTS, Robot, SdfRobot

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rsegen import Placement, Random, Recipe, generate
+from rsegen import Random, Recipe, generate
 from rsegen.errors import FileError
 from rsegen.robots import robot
 from rsegen.simulation.driving.recording import time_step, world_with_robots

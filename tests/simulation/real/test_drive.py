@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import Matrix, Placement, Recipe, generate
+from rsegen import Matrix, Recipe, generate
 from rsegen.cli import main
 from rsegen.robots import ROBOTS
 from rsegen.simulation.experiment.plan import ExperimentPlan, TableRow

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Matrix, Placement, Recipe
+from rsegen import Matrix, Recipe
 
 BLOCKS = 8
 PLATEAU = Matrix.of(np.full((BLOCKS, BLOCKS), 2))

@@ -8,7 +8,7 @@ import pytest
 import rsegen
 from benchmarks.depth_camera import Flaws, turned, with_flaws
 from benchmarks.gazebo_depth import depth_clouds
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.scanning import find_field
 from rsegen.simulation.simulators import Installation
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Matrix, Placement, Recipe
+from rsegen import Matrix, Recipe
 from rsegen.exporters.gazebo import sdf
 from rsegen.robots import SdfRobot, from_file
 from rsegen.simulation.driving.recording import RobotRun, record_drive

@@ -92,7 +92,7 @@ class Matrix(Obstacle):
     def __post_init__(self) -> None:
         Obstacle.__post_init__(self)
         highest = int(self.cell_levels().max())
-        if self.levels is None:
+        if not self.levels:  # none was given
             object.__setattr__(self, "levels", min(max(highest + 1, 2), MOST_LEVELS))
         if highest >= self.levels:
             raise ParameterError(
