@@ -102,7 +102,7 @@ def test_an_example_is_named_after_its_file_described_and_seeded(path: Path) -> 
 
 
 def test_the_examples_use_every_kind() -> None:
-    used = {placement.obstacle.kind for path in EXAMPLES.values() for placement in rsegen.load(path).obstacles}
+    used = {obstacle.kind for path in EXAMPLES.values() for obstacle in rsegen.load(path).obstacles}
     assert used == set(KINDS) - {"platform"}  # the examples are those of the paper and of NIST, which have none
 
 

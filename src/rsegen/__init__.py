@@ -5,8 +5,8 @@ import rsegen
 recipe = rsegen.Recipe(
     seed=7,
     obstacles=[
-        rsegen.Placement(obstacle=rsegen.Random(max_height=5)),
-        rsegen.Placement(obstacle=rsegen.Peak(max_height=5, softness=50), first=(2, 2), last=(7, 7)),
+        rsegen.Random(levels=5),
+        rsegen.Peak(levels=5, softness=50, first=(2, 2), last=(7, 7)),
     ],
 )
 field = rsegen.build(recipe, 0)           # integer levels in cells
@@ -60,7 +60,6 @@ if TYPE_CHECKING:
     from rsegen.recipe.batch import build_many as build_many
     from rsegen.recipe.building import build as build
     from rsegen.recipe.codec import schema as schema
-    from rsegen.recipe.recipe import Placement as Placement
     from rsegen.recipe.recipe import Recipe as Recipe
     from rsegen.recipe.terrain import Terrain as Terrain
     from rsegen.run.dataset import make_dataset as make_dataset
@@ -119,7 +118,7 @@ _HOMES = {
     "rsegen.recipe.batch": ("build_many",),
     "rsegen.recipe.building": ("build",),
     "rsegen.recipe.codec": ("schema",),
-    "rsegen.recipe.recipe": ("Placement", "Recipe"),
+    "rsegen.recipe.recipe": ("Recipe",),
     "rsegen.recipe.terrain": ("Terrain",),
     "rsegen.run.dataset": ("make_dataset",),
     "rsegen.run.exports": ("Exported", "ExportedMap", "export", "export_maps"),

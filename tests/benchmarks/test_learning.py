@@ -8,9 +8,9 @@ import pytest
 
 import rsegen
 from benchmarks import engines, learning
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 
-RECIPE = Recipe(seed=7, chunk_size=8, boundary="none", unit_cm=5, obstacles=[Placement(obstacle=Random(max_height=5))])
+RECIPE = Recipe(seed=7, chunk_size=8, boundary="none", unit_cm=5, obstacles=[Random(levels=5)])
 
 
 @pytest.mark.slow

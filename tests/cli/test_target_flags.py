@@ -20,8 +20,8 @@ from rsegen.recipe.examples import EXAMPLES
 from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents
 
-RANDOM = ["--obstacle", "random max_height=5", "--chunk-size", "4", "--seed", "3"]
-ROW = [rsegen.Placement(obstacle=rsegen.Random(max_height=5))]
+RANDOM = ["--obstacle", "random levels=5", "--chunk-size", "4", "--seed", "3"]
+ROW = [rsegen.Random(levels=5)]
 RECIPE = rsegen.Recipe(seed=3, chunk_size=4, obstacles=ROW)
 
 COMMANDS = {

@@ -18,9 +18,7 @@ from rsegen.errors import UnknownName, UserError
 from rsegen.geometry import boxes, surface, unmerged, watertight
 from rsegen.recipe.examples import EXAMPLES
 
-RECIPE = Recipe(
-    seed=7, chunk_size=6, boundary="divided", obstacles=[rsegen.Placement(obstacle=rsegen.Random(max_height=5))]
-)
+RECIPE = Recipe(seed=7, chunk_size=6, boundary="divided", obstacles=[rsegen.Random(levels=5)])
 
 
 @pytest.fixture

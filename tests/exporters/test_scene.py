@@ -14,7 +14,7 @@ import trimesh
 from PIL import Image
 
 import rsegen
-from rsegen import Placement, Random, Recipe, Scene, compose
+from rsegen import Random, Recipe, Scene, compose
 from rsegen.cli import main
 from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.gazebo import export
@@ -23,7 +23,7 @@ from rsegen.exporters.scene import FRAME_COLOUR, Colour, level_colour
 from rsegen.exporters.sheet.page import block_colour
 from rsegen.gui.model.colours import cells, legend
 
-PLAIN = Recipe(seed=1, chunk_size=4, obstacles=(Placement(obstacle=Random(max_height=4)),))
+PLAIN = Recipe(seed=1, chunk_size=4, obstacles=(Random(levels=4),))
 PAINTED = replace(PLAIN, frame_colour="#336699", level_colours=("#ff0000", "#00FF33"))
 OWN: dict[int, Colour] = {0: (0.2, 0.4, 0.6), 1: (1.0, 0.0, 0.0), 2: (0.0, 1.0, 0.2)}
 GONE = {FRAME_COLOUR, level_colour(1, 3), level_colour(2, 3)}

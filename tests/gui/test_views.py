@@ -21,7 +21,7 @@ from tests.support.clicking import active, click, find, shown, typed
 from tests.support.waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
-STEPS = {"kind": "matrix", "max_height": 4, "rows": ["0 0 3 3", "0 0 3 1"], "first": [2, 2], "last": [5, 3]}
+STEPS = {"kind": "matrix", "levels": 4, "rows": ["0 0 3 3", "0 0 3 1"], "first": [2, 2], "last": [5, 3]}
 
 
 @pytest.fixture

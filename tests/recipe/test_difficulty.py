@@ -12,7 +12,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rsegen import KINDS, Peak, Placement, Random, Recipe, StepField, build, generate, load
+from rsegen import KINDS, Peak, Random, Recipe, StepField, build, generate, load
 from rsegen.errors import ParameterError
 from rsegen.field.metrics.roughness import steps
 from rsegen.params.sorts import parameters
@@ -24,14 +24,14 @@ SHARES = st.floats(0, 1, exclude_max=True)
 RISE = [number / 20 for number in range(21)]
 
 
-def recipe_of(kind: str, max_height: int = 5, softness: float = 0) -> Recipe:
-    return Recipe(seed=3, obstacles=(Placement(obstacle=KINDS[kind](max_height=max_height, softness=softness)),))
+def recipe_of(kind: str, levels: int = 5, softness: float = 0) -> Recipe:
+    return Recipe(seed=3, obstacles=(KINDS[kind](levels=levels, softness=softness),))
 
 
 SMALL: Mapping[str, Recipe] = {
     "random": recipe_of("random"),
-    "random in 40 levels": recipe_of("random", max_height=40),
-    "random in 2 levels": recipe_of("random", max_height=2),
+    "random in 40 levels": recipe_of("random", levels=40),
+    "random in 2 levels": recipe_of("random", levels=2),
     "normal random": recipe_of("normal_random"),
     "table": recipe_of("peak"),
     "cone": recipe_of("peak", softness=100),
@@ -108,8 +108,8 @@ def test_an_eased_map_is_the_same_alone(recipe: Recipe, share: float, index: int
 
 
 @given(recipes(), SHARES)
-@example(Recipe(seed=1, obstacles=(Placement(obstacle=Random(max_height=4, weights=(0, 0, 0, 1))),)), 0.5)
-@example(Recipe(seed=1, chunk_size=1, chunks=(3, 3), obstacles=(Placement(obstacle=Random(max_height=5)),)), 0.5)
+@example(Recipe(seed=1, obstacles=(Random(levels=4, weights=(0, 0, 0, 1)),)), 0.5)
+@example(Recipe(seed=1, chunk_size=1, chunks=(3, 3), obstacles=(Random(levels=5),)), 0.5)
 def test_a_field_without_steps_is_lowered_as_one(recipe: Recipe, share: float) -> None:
     whole = build(recipe)
     if not any(steps(whole).counts):
@@ -119,9 +119,7 @@ def test_a_field_without_steps_is_lowered_as_one(recipe: Recipe, share: float) -
 
 def test_a_floor_is_in_two_parts_at_the_most() -> None:
     """A block of a plateau rises beside one that has risen already."""
-    recipe = Recipe(
-        seed=1, boundary="none", obstacles=(Placement(obstacle=Peak(max_height=5), first=(2, 2), last=(7, 7)),)
-    )
+    recipe = Recipe(seed=1, boundary="none", obstacles=(Peak(levels=5, first=(2, 2), last=(7, 7)),))
     table = build(recipe).levels > 0
     for share in RISE[1:-1]:
         levels = build(replace(recipe, difficulty=share)).levels[table]

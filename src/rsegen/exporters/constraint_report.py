@@ -71,7 +71,7 @@ def _counts_are_kept(scene: Scene) -> bool:
     """Whether the map has the blocks that its random obstacles count, as it would have without constraints."""
     from rsegen.field.obstacles.random import Random
 
-    counting = (isinstance(each.obstacle, Random) and each.obstacle.counts for each in scene.recipe.obstacles)
+    counting = (isinstance(obstacle, Random) and obstacle.counts for obstacle in scene.recipe.obstacles)
     if not any(counting):
         return True
     design = build(replace(scene.recipe, max_step=None, crossable_by=None), scene.index)

@@ -87,9 +87,16 @@ class Contract:
             return failure(error)
 
 
-def clash(cls: type, reserved: Collection[str], others: Iterable[type] = ()) -> str:
-    """What is wrong with the names of a class's parameters: reserved, unexplained, or of another meaning elsewhere."""
+def clash(cls: type, reserved: Collection[str], base: type = object, others: Iterable[type] = ()) -> str:
+    """Return what is wrong with the parameters that a class declares; an empty text if nothing is.
+
+    A name may be reserved, without help, or have another meaning in one of the `others`. Parameters that only `base`
+    or an ancestor of it declares are not looked at.
+    """
+    declared = {name for part in cls.__mro__ if not issubclass(base, part) for name in inspect.get_annotations(part)}
     for name, parameter in parameters(cls).items():
+        if name not in declared:
+            continue
         if name in reserved:
             return f"the parameter {name!r} has a reserved name; give it another one"
         if not parameter.help:

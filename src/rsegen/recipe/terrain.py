@@ -23,7 +23,6 @@ from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
 from rsegen.footprints import Footprint, even_spots
 from rsegen.params.sorts import Float, Integer, ListOf, parameters, validate
 from rsegen.params.streams import generator
-from rsegen.recipe.placement import Placement
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import (
     Span,
@@ -219,7 +218,7 @@ class Terrain:
             max_step=None,
             crossable_by=None,
             inventory=None,
-            obstacles=(Placement(obstacle=Matrix.of(self.field.levels), key="terrain"),),
+            obstacles=(Matrix.of(self.field.levels, key="terrain"),),
         )
 
     @property

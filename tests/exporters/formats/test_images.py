@@ -13,7 +13,7 @@ import pytest
 import yaml
 from PIL import Image
 
-from rsegen import Matrix, Placement, Recipe, Scene, build, compose, imported, load
+from rsegen import Matrix, Recipe, Scene, build, compose, imported, load
 from rsegen.cli import main
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats import Format
@@ -29,7 +29,7 @@ PIXELS = pytest.mark.parametrize("pixels", [1, 3])
 def of_levels(levels: list[list[int]], **recipe: float) -> Scene:
     matrix = Matrix.of(np.array(levels))
     size = {"chunk_size": 1, "chunks": matrix.size, "boundary": "none"}
-    return compose(replace(Recipe(seed=1, **size, obstacles=(Placement(obstacle=matrix),)), **recipe))  # type: ignore[arg-type]
+    return compose(replace(Recipe(seed=1, **size, obstacles=(matrix,)), **recipe))  # type: ignore[arg-type]
 
 
 def put(kind: Format, scene: Scene, folder: Path) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from pypdf import PageObject, PdfReader
 
-from rsegen import CutSettings, Placement, Random, Recipe, Scene, __version__, compose, load, sheet
+from rsegen import CutSettings, Random, Recipe, Scene, __version__, compose, load, sheet
 from rsegen.errors import ParameterError
 from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.sheet import page_count
@@ -22,7 +22,7 @@ from rsegen.field.stepfield import Ints
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
 
-BLOCKS = (Placement(obstacle=Random(max_height=5)),)
+BLOCKS = (Random(levels=5),)
 POINTS_A_MM = 72 / 25.4
 
 
@@ -190,7 +190,7 @@ def test_every_pallet_has_its_fingerprint_on_its_page() -> None:
 
 
 def test_a_long_name_and_a_long_way_to_cut_stay_on_the_page() -> None:
-    recipe = Recipe(seed=3, name="n" * 64, unit_cm=0.125, obstacles=(Placement(obstacle=Random(max_height=12)),))
+    recipe = Recipe(seed=3, name="n" * 64, unit_cm=0.125, obstacles=(Random(levels=12),))
     first = read(recipe).pages[0]
     counts = {level: count for level, count in compose(recipe).field.level_counts().items() if level}
     parts = " + ".join(f"{count} x {level / 8:g}" for level, count in reversed(counts.items()))
@@ -225,7 +225,7 @@ def test_the_first_page_says_which_blocks_each_pallet_needs_where_there_is_room(
 
 
 def test_many_lengths_are_listed_in_narrow_columns_and_what_is_left_out_is_counted() -> None:
-    recipe = Recipe(seed=2, chunk_size=20, unit_cm=1, obstacles=(Placement(obstacle=Random(max_height=31)),))
+    recipe = Recipe(seed=2, chunk_size=20, unit_cm=1, obstacles=(Random(levels=31),))
     counts = compose(recipe).field.level_counts()
     first, second, *_ = map(words, read(recipe).pages)
     for level in range(1, 31):

@@ -16,13 +16,13 @@ PATTERN = pytest.mark.parametrize("pattern", ["flat", "hill", "diagonal"])
 
 
 def made(chunks: tuple[int, int] = (1, 1), side: int = 10, height: int = 5, **values: object) -> rsegen.Recipe:
-    obstacle = rsegen.Pallet(max_height=height, **values)  # type: ignore[arg-type]
+    obstacle = rsegen.Pallet(levels=height, key="k", **values)  # type: ignore[arg-type]
     return rsegen.Recipe(
         seed=3,
         chunk_size=side,
         chunks=chunks,
         boundary="none",
-        obstacles=[rsegen.Placement(obstacle=obstacle, key="k")],
+        obstacles=[obstacle],
     )
 
 
@@ -110,12 +110,12 @@ def test_every_chunk_is_another_one_and_made_of_the_same_blocks() -> None:
 
 
 def test_one_lies_in_a_rectangle() -> None:
-    obstacle = rsegen.Pallet(max_height=5, pattern=("diagonal",))
+    obstacle = rsegen.Pallet(levels=5, pattern=("diagonal",), first=(12, 3), last=(2, 8))
     recipe = rsegen.Recipe(
         seed=1,
         chunk_size=20,
         boundary="none",
-        obstacles=[rsegen.Placement(obstacle=obstacle, first=(12, 3), last=(2, 8))],
+        obstacles=[obstacle],
     )
     found = levels(recipe)
     assert found[2, 3] == found[12, 8] == 4

@@ -15,9 +15,8 @@ COUNTS = (9, 27, 33, 21, 10)
 
 
 def made(place: Mapping[str, object] | None = None, side: int = 10, **values: object) -> rsegen.Recipe:
-    obstacle = rsegen.Random(**{"max_height": 5, **values})  # type: ignore[arg-type]
-    placed = rsegen.Placement(obstacle=obstacle, key="k", **place or {})  # type: ignore[arg-type]
-    return rsegen.Recipe(seed=3, chunk_size=side, boundary="none", obstacles=[placed])
+    obstacle = rsegen.Random(**{"levels": 5, "key": "k", **values, **(place or {})})  # type: ignore[arg-type]
+    return rsegen.Recipe(seed=3, chunk_size=side, boundary="none", obstacles=[obstacle])
 
 
 def test_there_are_just_so_many_blocks() -> None:

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Matrix, Placement, Recipe
+from rsegen import Matrix, Recipe
 
 BLOCKS = 8
-PLATEAU = Placement(obstacle=Matrix.of(np.full((BLOCKS, BLOCKS), 2)))
+PLATEAU = Matrix.of(np.full((BLOCKS, BLOCKS), 2))
 LEAST = {"levels": 4, "wood": 4}
 """Corners per block."""
 

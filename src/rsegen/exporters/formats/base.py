@@ -98,7 +98,7 @@ RESERVED = frozenset(
 
 READING = frozenset(
     {"values", "rounded", "any_heights", "datum_cm", "fill_holes", "size", "cells_per_block", "origin", "rotation"}
-    | {"max_height", "invert", "threshold", "camera_cm", "unknown"}
+    | {"levels", "invert", "threshold", "camera_cm", "unknown"}
 )
 """The flags of `rsegen import`, which writes formats too."""
 
@@ -107,7 +107,7 @@ def _problem(cls: type[Format]) -> str:
     """What is wrong with the name and the options of a plug-in's format."""
     if not (cls.name.isidentifier() and cls.name.islower()):
         return f"has the name {cls.name!r}; give one of small letters, digits and _, as its folder is called so"
-    return clash(cls, RESERVED | READING, FORMATS.own()) or ("" if cls() else "cannot be made without options")
+    return clash(cls, RESERVED | READING, others=FORMATS.own()) or ("" if cls() else "cannot be made without options")
 
 
 FORMATS: Registry[type[Format]] = Registry(

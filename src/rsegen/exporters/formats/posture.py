@@ -60,14 +60,14 @@ def obstacle_cells(scene: Scene) -> Iterator[ObstacleCells]:
     """The cells of every barrier and peak of the recipe; a matrix and random kinds have none."""
     field, recipe = scene.field, scene.recipe
     inside = np.ix_(field.inside(0), field.inside(1))
-    for number, placement in enumerate(recipe.obstacles):
-        if isinstance(placement.obstacle, Shaped):
-            first, last, patch = placed(recipe, placement, scene.index)
+    for number, obstacle in enumerate(recipe.obstacles):
+        if isinstance(obstacle, Shaped):
+            first, last, patch = placed(recipe, obstacle, scene.index)
             blocks = np.zeros(recipe.grid.shape, dtype=bool)
             blocks[patch.window] = patch.footprint
             cells = np.zeros(field.shape, dtype=bool)
             cells[inside] = blocks
-            yield ObstacleCells(number, placement.obstacle.kind, placement.key or "", first, last, cells)
+            yield ObstacleCells(number, obstacle.kind, obstacle.key or "", first, last, cells)
 
 
 def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:

@@ -12,9 +12,9 @@ import numpy as np
 
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Colour, Scene
+from rsegen.field.obstacles import Obstacle
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.recipe.building import placed
-from rsegen.recipe.placement import Placement
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -112,21 +112,21 @@ def draw_outlines(axes: Axes, scene: Scene) -> list[tuple[str, str]]:
     edges = scene.field.edges()
     width = float(np.clip(120 / max(scene.field.shape), 0.8, 3))
     shown = []
-    for number, placement in enumerate(scene.recipe.obstacles):
+    for number, obstacle in enumerate(scene.recipe.obstacles):
         colour = _COLOURS[number % len(_COLOURS)]
-        cells = covered(scene, placement)
+        cells = covered(scene, obstacle)
         lines = boundary(cells, *edges)
         for line, drawn in ((width + 1.6, "white"), (width, colour)):
             axes.add_collection(LineCollection(list(lines), colors=drawn, linewidths=line, capstyle="projecting"))
         if cells.any():
             _write_number(axes, cells, edges, str(number), colour)
-        shown.append((colour, f"{number}  {placement.obstacle.kind}"))
+        shown.append((colour, f"{number}  {obstacle.kind}"))
     return shown
 
 
-def covered(scene: Scene, placement: Placement) -> Mask:
+def covered(scene: Scene, obstacle: Obstacle) -> Mask:
     """The cells that an obstacle covers, with the frames between them, (n_x, n_y); later ones may replace it there."""
-    _, _, patch = placed(scene.recipe, placement, scene.index)
+    _, _, patch = placed(scene.recipe, obstacle, scene.index)
     found = np.zeros(scene.field.shape, dtype=bool)
     i, j = (np.flatnonzero(scene.field.inside(axis))[patch.window[axis]] for axis in (0, 1))
     found[np.ix_(i, j)] = patch.footprint

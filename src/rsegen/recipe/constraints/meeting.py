@@ -154,7 +154,7 @@ def _with_all_counted(found: StepField, designed: StepField, like: Array, design
 
 
 def _counts_blocks(design: MapDesign) -> bool:
-    return any(isinstance(each.obstacle, Random) and each.obstacle.counts for each in design.obstacles)
+    return any(isinstance(obstacle, Random) and obstacle.counts for obstacle in design.obstacles)
 
 
 def _arranged(fitted: StepField, like: Array, design: MapDesign, index: int, inventory: Sequence[int]) -> StepField:
