@@ -35,7 +35,7 @@ class _Drawing:
 
     output: Annotated[
         str | None,
-        FilePath("png, svg or pdf, by its ending", help="draw what to change"),
+        FilePath("a picture", help="draw what to change: png, svg or pdf, by its ending"),
         Shell(("-o", "--output"), "PICTURE"),
     ] = None
     force: Force = False

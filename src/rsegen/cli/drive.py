@@ -20,7 +20,7 @@ def add(commands: Subparsers) -> None:
     epilog = "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also that of the map."
     command = add_command(commands, "drive", drive, epilog=epilog)
     add_target(command, "WORLD-or-DIR-or-RECIPE", "a world made by rsegen, its folder, or a recipe")
-    add_flags(command, drive)
+    add_flags(command.add_argument_group("drive"), drive)
     add_target_recipe_flags(command, ("seed", *_OWN))
     command.set_defaults(run=run)
 

@@ -23,7 +23,7 @@ def add(commands: Subparsers) -> None:
     )
     names = "paper, quick, burgers, driven, frames, representations"
     command.add_argument("plan", metavar="PLAN", help=f"{names}, or a YAML file like these")
-    add_flags(command, experiment)
+    add_flags(command.add_argument_group("output"), experiment)
     command.set_defaults(run=run)
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rsegen.cli.parser import HelpRow, Parser
+from rsegen.params.registry import offered_names
 
 
 def add_format_rows(command: Parser, flag: str = "--formats") -> None:
     """Add the names of formats and of their options to the help."""
-    from rsegen.exporters.formats import names
 
     def rows() -> Iterator[HelpRow]:
-        yield HelpRow(", ".join(names()), "")
+        yield HelpRow(", ".join(offered_names("rsegen.exporters.formats", "rsegen.formats")), "")
 
     command.add_rows(f"formats for {flag} (rsegen export --list explains them and their options)", rows)
 

@@ -94,7 +94,7 @@ def _add_reading_flags(command: argparse.ArgumentParser) -> None:
     for name, option in _options().items():
         text = "; ".join(f"{', '.join(kinds)}: {said}" for said, kinds in _meanings(name).items()).replace("%", "%%")
         switch: dict[str, Any] = {"action": "store_const", "const": True} if isinstance(option.sort, Flag) else {}
-        metavar = {} if switch else {"metavar": name.upper()}
+        metavar: dict[str, Any] = {} if switch else {"metavar": name.upper()}
         group.add_argument(*option.flags, dest=name, help=text, **switch, **metavar)
 
 

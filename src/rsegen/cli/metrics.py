@@ -36,7 +36,7 @@ class _Drawing:
     output: Annotated[
         str | None,
         FilePath(
-            "png, svg, pdf, jpg or webp, by its ending",
+            "a picture",
             help="draw the robot's cheapest paths over the first map, and the area that it can reach",
         ),
         Shell(("-o", "--output"), "PICTURE"),

@@ -26,8 +26,9 @@ def add(commands: Subparsers) -> None:
     command = add_command(commands, "open", open_world, epilog=epilog)
     where = "a world file, the folder of a map or of maps, or a recipe (a temporary world is made)"
     add_target(command, "WORLD-or-DIR-or-RECIPE", where)
-    add_flags(command, open_world)
-    command.add_argument("--print", action="store_true", help="print the shell command and open nothing")
+    group = command.add_argument_group("open")
+    add_flags(group, open_world)
+    group.add_argument("--print", action="store_true", help="print the shell command and open nothing")
     add_target_recipe_flags(command, _OWN)
     command.set_defaults(run=run)
 
@@ -40,11 +41,10 @@ def run(arguments: argparse.Namespace) -> Report:
     with flags_in_errors(open_world):
         target = target_of(arguments, _OWN)
         if arguments.print:
-            world, given = world_of(target, arguments.map), {"headless": bool(arguments.headless)}
-            line = launch_command(
-                world, str(target), arguments.simulator, **given, shared=bool(arguments.shared)
-            ).shell_line
-            return Report(lines=[line], content={"command": line})
+            here, shared = world_of(target, arguments.map), bool(arguments.shared)
+            headless = bool(arguments.headless)
+            launch = launch_command(here, str(target), arguments.simulator, headless=headless, shared=shared)
+            return Report(lines=[launch.shell_line], content={"command": launch.shell_line})
 
     def started(world: OpenedWorld) -> None:
         address = " ".join(f"{name}={value}" for name, value in world.address)
@@ -52,12 +52,9 @@ def run(arguments: argparse.Namespace) -> Report:
             print(f"{world.simulator}: {world.file}" + (f", at {address}" if address else ""), flush=True)
 
     result = call(open_world, arguments, target, on_start=started, on_error=_print_error)
-    world = {
-        "simulator": result.world.simulator,
-        "world": str(result.world.file),
-        "address": dict(result.world.address),
-    }
-    return Report(lines=[], content={**world, "exit_code": result.exit_code, "errors": list(result.errors)})
+    opened = {"simulator": result.world.simulator, "world": str(result.world.file)}
+    ended = {"address": dict(result.world.address), "exit_code": result.exit_code, "errors": list(result.errors)}
+    return Report(lines=[], content=opened | ended)
 
 
 def _print_error(line: str) -> None:

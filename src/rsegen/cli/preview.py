@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
@@ -19,7 +20,9 @@ class _Drawing:
     """Draw a map: its plan with the heights, and a view in three dimensions."""
 
     output: Annotated[
-        str, FilePath("png, svg, pdf, jpg or webp, by its ending"), Shell(("-o", "--output"), "FILE", required=True)
+        str,
+        FilePath("a picture", help="picture: png, svg, pdf, jpg or webp, by its ending"),
+        Shell(("-o", "--output"), "FILE", required=True),
     ]
     outlines: Annotated[
         bool, Flag(help="draw on the plan which cells each obstacle covers, numbered from 0 as in error messages")
@@ -42,7 +45,7 @@ def run(arguments: argparse.Namespace) -> Report:
     from rsegen.exporters.pictures.preview import image_format, preview_image
     from rsegen.run.store import write_file
 
-    path = picture_path(arguments.output, force=arguments.force)
+    path = picture_path(arguments.output, force=bool(arguments.force)) or Path()
     scene = scene_of(arguments)
     picture = preview_image(scene, image_format(path), outlines=bool(arguments.outlines))
     write_file([picture], path, force=bool(arguments.force))

@@ -12,7 +12,7 @@ from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.cli.targets import add_target_flags, map_of_flags
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
-from rsegen.exporters.sheet.settings import CutSettings
+from rsegen.exporters.cut_settings import CutSettings
 from rsegen.params.command import Shell, add_flags, given
 from rsegen.params.sorts import FilePath
 
@@ -21,7 +21,11 @@ from rsegen.params.sorts import FilePath
 class _Files:
     """Write the build sheet of a map: its pallets, what timber to buy and how to cut it, and a page for each pallet."""
 
-    output: Annotated[str, FilePath("pdf or csv, by its ending"), Shell(("-o", "--output"), "FILE", required=True)]
+    output: Annotated[
+        str,
+        FilePath("a file", help="build sheet: pdf or csv, by its ending"),
+        Shell(("-o", "--output"), "FILE", required=True),
+    ]
     csv: Annotated[
         str | None,
         FilePath("a name that ends in .csv", help="also write it as CSV, one row per cell"),

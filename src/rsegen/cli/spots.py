@@ -26,7 +26,7 @@ class _Drawing:
 
     output: Annotated[
         str | None,
-        FilePath("png, svg, pdf, jpg or webp, by its ending", help="draw the footprints on the plan"),
+        FilePath("a picture", help="draw the footprints on the plan: png, svg, pdf, jpg or webp, by its ending"),
         Shell(("-o", "--output"), "PICTURE"),
     ] = None
     force: Force = False

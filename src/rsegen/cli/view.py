@@ -18,7 +18,7 @@ from rsegen.params.sorts import FilePath
 class _Page:
     """Write maps as one HTML file with a 3D view, the plan, heights, metrics and the recipe; it needs no internet."""
 
-    output: Annotated[str, FilePath("a name that ends in .html"), Shell(("-o", "--output"), "FILE", required=True)]
+    output: Annotated[str, FilePath("a file", help="HTML file"), Shell(("-o", "--output"), "FILE", required=True)]
     force: Force = False
 
 

@@ -24,7 +24,7 @@ def export_maps(  # noqa: PLR0913  # each is a flag
     folder: OutputFolder,
     formats: Annotated[
         Sequence[Format],
-        FormatList("--to", help="formats with their options, as in stl,'mjcf shape=hfield'; may be repeated"),
+        FormatList("--to", help="formats; may be repeated"),
         Shell(("--to",), "'FORMAT KEY=VALUE ...'", required=True),
     ],
     *,

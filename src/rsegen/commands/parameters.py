@@ -36,8 +36,8 @@ Scheduler = Annotated[
     str | None,
     Reference(
         "tcp://HOST:PORT, or local",
-        help="make it on a Dask cluster whose workers see the same folder, or on a local one of --workers processes; "
-        "needs rsegen[cluster]",
+        help="make it on a Dask cluster whose workers see the same folder, as tcp://HOST:PORT, or local for one of "
+        "--workers processes; needs rsegen[cluster]",
     ),
     Shell(metavar="ADDRESS"),
 ]
@@ -58,7 +58,9 @@ Preview = Annotated[bool, Flag(help="add a picture, preview.png, to every map")]
 Sheet = Annotated[bool, Flag(help="add a build sheet, sheet.pdf and sheet.csv, to every map (see rsegen sheet)")]
 
 MapReference = Annotated[
-    int | str | None, Reference("an index or a name", help="which map"), Shell(metavar="INDEX", default="the first")
+    int | str | None,
+    Reference("an index or a name", help="which map, by its index or its name"),
+    Shell(metavar="INDEX", default="the first"),
 ]
 
 SimulatorName = Annotated[
@@ -126,12 +128,12 @@ class FormatList:
 
     def describe(self) -> str:
         """Return how they are written."""
-        return "formats with their options, separated by commas"
+        return "separated by commas, with options as in stl,'mjcf shape=hfield'"
 
 
 Formats = Annotated[
     "Sequence[Format]",
-    FormatList(help="add files for other programs to every map, as in stl,'mjcf shape=hfield'; may be repeated"),
+    FormatList(help="add files for other programs to every map; may be repeated"),
     Shell(metavar="'FORMAT KEY=VALUE ...'"),
 ]
 

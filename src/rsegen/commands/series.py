@@ -63,7 +63,7 @@ def series(  # noqa: PLR0913  # each is a flag
     from rsegen.run.worlds import Sidecars
 
     recipe = recipe if maps is None else replace(recipe, maps=maps)
-    series_plan = SeriesPlan(recipe=recipe, from_=from_, to=to, same_field=same_field, by=by, robot=robot)
+    series_plan = SeriesPlan(recipe=recipe, from_=from_, to=to, same_field=same_field, by=by, robot=robot)  # type: ignore[arg-type]  # checked
     sidecars = Sidecars(preview=preview, sheet=sheet, formats=formats)
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
     plan = plan_series(series_plan, folder, sidecars, OnExisting.of(force=force, resume=resume), execution)

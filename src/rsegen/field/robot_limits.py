@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from math import ceil
+from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
-
-from rsegen.field.stepfield import StepField
 from rsegen.params.sorts import Float, validate
+
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import StepField
 
 NANOMETRES = 10**9
 """Nanometres per metre: heights are compared with limits as whole nanometres."""
@@ -60,5 +61,5 @@ class RobotLimits:
 
 def cells_to_each_side(field: StepField, width: float) -> int:
     """The number of cells under a robot of that width to each side of the cell that it is centred on."""
-    aside = np.ceil(round((width / field.block_width - 1) / 2, 6))
-    return int(np.clip(aside, 0, max(field.shape)))
+    aside = ceil(round((width / field.block_width - 1) / 2, 6))
+    return min(max(aside, 0), max(field.shape))

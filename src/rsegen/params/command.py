@@ -25,7 +25,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from rsegen.errors import ParameterError
-from rsegen.params.sorts import Choice, Flag, Json, Parameter, hints, with_lengths
+from rsegen.params.sorts import Choice, FilePath, Flag, Json, Parameter, Reference, hints, with_lengths
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -76,10 +76,12 @@ class Declared(NamedTuple):
     @property
     def help(self) -> str:
         """Its meaning, then the values that it takes and its default, each where it is not plain already."""
-        text = self.shell.help or self.sort.help
+        text = self.shell.help or self.sort.help or self.sort.describe()
         if self.is_switch:
             return text
-        is_listed = isinstance(self.sort, Choice | Flag) and not self.shell.metavar
+        is_listed = isinstance(self.sort, FilePath | Reference) or (
+            isinstance(self.sort, Choice | Flag) and not self.shell.metavar
+        )
         default = self.shell.default or _shown_default(self.default)
         notes = [
             note for note in ("" if is_listed else self.sort.describe(), default and f"default: {default}") if note
@@ -96,8 +98,8 @@ def declared(owner: Callable[..., Any]) -> Mapping[str, Declared]:
 @cache
 def _declared(owner: Any) -> Mapping[str, Declared]:
     if is_dataclass(owner):
-        annotations = {}
-        for cls in reversed(owner.__mro__):  # a field that is declared again is that of the last class
+        annotations: dict[str, Any] = {}
+        for cls in reversed(owner.__mro__):  # type: ignore[union-attr]  # a class; a field that is declared again is that of the last class
             annotations |= hints(cls)
         defaults = {field.name: field.default for field in fields(owner)}
         defaults = {name: Argument.empty if value is MISSING else value for name, value in defaults.items()}
@@ -186,7 +188,7 @@ def given(owner: Callable[..., Any], arguments: Any, units: str | None = None) -
 
 def _parsed(parameter: Declared, text: Any, units: str | None) -> Any:
     """What a text stands for, or the texts of a flag that may be repeated."""
-    sort = parameter.sort
+    sort: Any = parameter.sort
     return sort.parse(text if isinstance(text, list) else with_lengths(text, sort, parameter.name, units=units))
 
 

@@ -352,6 +352,18 @@ def _loaded(offer: EntryPoint) -> Any:
         raise PluginError(f"{offer}: {failure(error)}") from None
 
 
+def offered_names(package: str, group: str) -> list[str]:
+    """Return the names of files of a package that register something, and of plug-ins that offer it; none is imported.
+
+    For helps, which are to come at once; a file is called like what it registers.
+    """
+    spec = find_spec(package)
+    folders = [] if spec is None else list(spec.submodule_search_locations or ())
+    files = [path for folder in folders for path in Path(folder).glob("*.py")]
+    own = {path.stem for path in files if "\n@register\n" in path.read_text("utf-8")}
+    return sorted(own.union(offer.name for offer in entry_points() if offer.group == group))
+
+
 def summary(cls: type) -> str:
     """What a class is, in one line: the first of its docstring."""
     return (cls.__doc__ or "").strip().splitlines()[0]

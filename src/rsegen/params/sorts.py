@@ -32,6 +32,10 @@ Json = Any
 """What JSON and YAML can say: a dict, list, str, int, float, bool or None."""
 
 
+MOST_LEVELS = 32767
+"""Levels of an obstacle, and of an inventory: the heights of blocks are 16-bit integers."""
+
+
 class Parameter(Protocol):
     """The sort of value that a field takes."""
 

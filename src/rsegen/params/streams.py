@@ -15,10 +15,13 @@ import hashlib
 import secrets
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import cycle
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Words = NDArray[np.uint32]
 
 SEEDS = 2**63
 
@@ -30,6 +33,8 @@ def fresh_seed() -> int:
 
 def generator(seed: int, index: int, key: str) -> np.random.Generator:
     """The generator of the obstacle `key` in map `index`: no other obstacle or map has a say in it."""
+    import numpy as np
+
     return np.random.Generator(np.random.PCG64(np.frombuffer(digest(seed, index, key), "<u4")))
 
 
@@ -43,8 +48,6 @@ def randint(rng: np.random.Generator, low: int, high: int) -> int:
     return low + int(rng.random() * (high - low + 1))
 
 
-Words = NDArray[np.uint32]
-
 _WORDS = 4
 """32-bit words of a digest, and of the pool into which they are mixed."""
 
@@ -56,13 +59,15 @@ _MULTIPLIER = 0x2360ED051FC65DA44385DF649FCCF645
 
 _BITS_128 = (1 << 128) - 1
 
-_MIX_LEFT, _MIX_RIGHT = np.uint32(0xCA01F9DD), np.uint32(0x4973F715)
+_MIX_LEFT, _MIX_RIGHT = 0xCA01F9DD, 0x4973F715
 _ENTROPY, _STATE = (0x43B0D7E5, 0x931E8875), (0x8B51F9DD, 0x58F38DED)
 """First constant and multiplier of the two hashes of a SeedSequence."""
 
 
 def generators(seed: int, indices: Sequence[int], key: str) -> Iterator[np.random.Generator]:
     """Of the obstacle `key`, for each of these maps: always the same object in another state, so use one at a time."""
+    import numpy as np
+
     bits = np.random.PCG64(0)
     rng = np.random.Generator(bits)
     inner: dict[str, int] = {}
@@ -75,6 +80,8 @@ def generators(seed: int, indices: Sequence[int], key: str) -> Iterator[np.rando
 
 def _digests(seed: int, indices: Iterable[int], key: str) -> Words:
     """(maps, 4): what `streams.generator` seeds each generator with."""
+    import numpy as np
+
     found = b"".join(digest(seed, index, key) for index in indices)
     return np.frombuffer(found, "<u4").reshape(-1, _WORDS).astype(np.uint32)
 
@@ -90,30 +97,38 @@ def _states(digests: Words) -> Iterator[tuple[int, int]]:
 
 def _pooled(entropy: Words) -> list[Words]:
     """The pool of a SeedSequence, word by word."""
+    import numpy as np
+
     constant = _constants(*_ENTROPY)
     pool = [_hashed(entropy[:, word], constant) for word in range(_WORDS)]
     for source in range(_WORDS):
         for target in range(_WORDS):
             if source != target:
-                mixed = _MIX_LEFT * pool[target] - _MIX_RIGHT * _hashed(pool[source], constant)
+                mixed = np.uint32(_MIX_LEFT) * pool[target] - np.uint32(_MIX_RIGHT) * _hashed(pool[source], constant)
                 pool[target] = mixed ^ mixed >> np.uint32(16)
     return pool
 
 
 def _generated(pool: Sequence[Words]) -> Words:
     """(maps, 8): the words of state that a SeedSequence generates."""
+    import numpy as np
+
     constant = _constants(*_STATE)
     words = cycle(pool)
     return np.stack([_hashed(next(words), constant) for _ in range(2 * _WORDS)], axis=1)
 
 
 def _hashed(value: Words, constant: Iterator[np.uint32]) -> Words:
+    import numpy as np
+
     value = (value ^ next(constant)) * next(constant)
     return np.asarray(value ^ value >> np.uint32(16))
 
 
 def _constants(first: int, multiplier: int) -> Iterator[np.uint32]:
     """Those of a hash in the order in which it needs them: each but the first twice, before and after one value."""
+    import numpy as np
+
     while True:
         yield np.uint32(first)
         first = first * multiplier & 0xFFFFFFFF

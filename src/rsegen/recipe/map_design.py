@@ -12,14 +12,15 @@ from collections.abc import Iterator, Sequence, Set
 from copy import copy
 from dataclasses import dataclass, field, replace
 from itertools import count
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.obstacles import Grid, Obstacle
-from rsegen.field.obstacles.base import MOST_LEVELS
 from rsegen.field.robot_limits import RobotLimits
-from rsegen.params.sorts import Cell, Choice, Float, Integer, Json, ListOf, Size2D, validate
+from rsegen.params.sorts import MOST_LEVELS, Cell, Choice, Float, Integer, Json, ListOf, Size2D, validate
 from rsegen.params.streams import SEEDS, fresh_seed, generator
+
+if TYPE_CHECKING:
+    from rsegen.field.obstacles import Grid, Obstacle
 
 Difficulty = float | tuple[float, float] | tuple[float, float, int]
 """One number for all maps; or (least, most), drawn for each map; or (least, most, steps), rising from map to map."""
@@ -144,6 +145,8 @@ class MapDesign:
     @property
     def grid(self) -> Grid:
         """The block cells of a map."""
+        from rsegen.field.obstacles import Grid
+
         m_x, m_y = self.chunks
         return Grid(m_x * self.chunk_size, m_y * self.chunk_size, self.chunk_size)
 
@@ -187,6 +190,8 @@ class MapDesign:
 
     def _check_obstacle(self, where: str, obstacle: object) -> None:
         """Raise a ParameterError for what is no obstacle, or lies outside the map."""
+        from rsegen.field.obstacles import Obstacle
+
         if not isinstance(obstacle, Obstacle):
             raise ParameterError(where, f"{shown(obstacle)} is not an obstacle, such as rsegen.Peak(levels=5)")
         for end in ("first", "last"):

@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import gcd
-from typing import Annotated
 
 import numpy as np
 
@@ -21,9 +20,10 @@ from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.robot_limits import RobotLimits
 from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
 from rsegen.footprints import Footprint, even_spots
-from rsegen.params.sorts import Float, Integer, ListOf, parameters, validate
+from rsegen.params.sorts import Float, Integer, ListOf, validate
 from rsegen.params.streams import generator
 from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.terrain_design import TerrainDesign
 from rsegen.recipe.tiles import (
     Span,
     amid,
@@ -52,7 +52,7 @@ _ENVIRONMENTS = Integer(1, 10_000_000)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Terrain:
+class Terrain(TerrainDesign):
     """Maps of one or several recipes as one field, harder from row to row.
 
     recipes: its kinds, each in as many neighbouring columns as the others; all tiles are of the same size.
@@ -66,14 +66,6 @@ class Terrain:
     """
 
     recipes: Recipe | Sequence[Recipe]
-    rows: Annotated[int, Integer(1, 1000, help="tiles along x, from the easiest to the hardest")] = 10
-    columns: Annotated[int, Integer(1, 1000, help="tiles along y")] = 20
-    difficulty: Annotated[
-        tuple[float, float], ListOf(Float(0, 1), 2, help="difficulty of the first row and of the last: 0 flat, 1 full")
-    ] = (0.0, 1.0)
-    gap: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground between tiles")] = 0
-    border: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground around all tiles")] = 10
-    name: Annotated[str, replace(parameters(Recipe)["name"], help="name of the terrain as a map")] = "terrain"
     by: By = RMS
     robot: RobotLimits | None = None
     progress: Callable[[], object] | None = None

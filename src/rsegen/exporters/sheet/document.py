@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rsegen.errors import FileError, ParameterError, UnknownName
+from rsegen.exporters.cut_settings import CutSettings
 from rsegen.exporters.pictures.preview import pdf_bytes
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.listing import listing
-from rsegen.exporters.sheet.timber import CutSettings, building_order
+from rsegen.exporters.sheet.timber import building_order
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from rsegen import __version__
+from rsegen.exporters.cut_settings import CutSettings
 from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.timber import (
-    CutSettings,
     CuttingPlan,
     NumberedPallet,
     building_order,

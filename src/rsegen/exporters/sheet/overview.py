@@ -11,12 +11,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 
 from rsegen import __version__
+from rsegen.exporters.cut_settings import CutSettings, nanometres
 from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.page import EMPTY, GREY, POINT, ROW, Page, PlanView, draw_run
 from rsegen.exporters.sheet.timber import (
-    CutSettings,
     CuttingPlan,
     Frames,
     Materials,
@@ -26,7 +26,6 @@ from rsegen.exporters.sheet.timber import (
     length,
     length_counts,
     materials,
-    nanometres,
     plan_cuts,
 )
 from rsegen.field.stepfield import StepField

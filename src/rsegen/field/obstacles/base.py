@@ -22,6 +22,7 @@ from rsegen.field.stepfield import Array, Levels, Mask
 from rsegen.params.registry import Contract, Registry, clash
 from rsegen.params.sorts import (
     ANYWHERE,
+    MOST_LEVELS,
     Cell,
     CellRef,
     Choice,
@@ -37,9 +38,6 @@ from rsegen.params.sorts import (
     validate,
 )
 from rsegen.params.streams import randint
-
-MOST_LEVELS = 32767
-"""Largest number of levels of an obstacle: the heights of blocks are 16-bit integers."""
 
 SLACK = 1e-9
 """Added before a product of floats is rounded down: (n - 1) f of 2.9999999999999996 is level 3, as in exact numbers."""

@@ -14,9 +14,9 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.obstacles.base import MOST_LEVELS, SLACK, Grid, Obstacle, Patch, random_ends, register
+from rsegen.field.obstacles.base import SLACK, Grid, Obstacle, Patch, random_ends, register
 from rsegen.field.stepfield import Ints
-from rsegen.params.sorts import ANYWHERE, Cell, Json, Place, as_int, parameters, refuse_longer
+from rsegen.params.sorts import ANYWHERE, MOST_LEVELS, Cell, Json, Place, as_int, parameters, refuse_longer
 
 _ROW = r"([0-9]{1,5}|\.)( ([0-9]{1,5}|\.))*"
 """A row in its canonical form. Five digits hold every level; a larger number is refused by the bounds of `levels`."""

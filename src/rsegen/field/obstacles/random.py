@@ -16,10 +16,10 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.obstacles.base import MOST_LEVELS, Grid, Obstacle, Patch, Region, register
+from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Region, register
 from rsegen.field.obstacles.rearranged import rearranged
 from rsegen.field.stepfield import Array, Levels
-from rsegen.params.sorts import Cell, Float, Integer, Json, parse_int, refuse_longer
+from rsegen.params.sorts import MOST_LEVELS, Cell, Float, Integer, Json, parse_int, refuse_longer
 
 
 @dataclass(frozen=True)

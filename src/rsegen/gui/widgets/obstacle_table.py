@@ -40,11 +40,11 @@ from PySide6.QtWidgets import (
 
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles import KINDS, Grid
-from rsegen.field.obstacles.base import MOST_LEVELS
 from rsegen.gui.model.obstacle_ends import cell_text, kind_words, with_typed, wrong_cell
 from rsegen.gui.model.session import ObstacleRow
 from rsegen.gui.widgets.editors import DecimalBox, IntegerBox
 from rsegen.gui.widgets.layouts import ink, named, tooltip
+from rsegen.params.sorts import MOST_LEVELS
 
 PROBLEM = Qt.ItemDataRole.UserRole
 """The role of a cell's data that says what is wrong with it."""
