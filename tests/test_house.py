@@ -23,7 +23,7 @@ from rsegen.recipe.examples import EXAMPLES
 
 ROOT = Path(__file__).parents[1]
 HOUSE = ROOT / "src" / "rsegen"
-ENTRIES = 17
+ENTRIES = 18
 PICTURES_OF_A_SCENE = {
     "rsegen.exporters.scene -> rsegen.exporters.pictures.preview",
 }

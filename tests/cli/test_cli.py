@@ -333,7 +333,7 @@ def test_help_of_generate_says_of_every_parameter_what_it_takes(
         ("sheet", ["--kerf-mm MM", "(0..100 mm; default: 3)", "(0.001..100000 cm; default: 240)"]),
         ("dataset", ["--shard-maps MAPS", "--metrics {npy,parquet,none}", "(default: npy)", "--workers"]),
         ("metrics", ["--climb-cm CM", "highest step that the robot can climb (0..100000 cm)", "--width-cm CM"]),
-        ("export", ["RECIPE-or-DIR", "--to", "--output", "--map", "--force", "--json", "--workers", "pixels=1..100"]),
+        ("export", ["RECIPE-or-DIR", "--to", "--output", "--map", "--force", "--json", "--workers", "heightmap"]),
         ("info", ["RECIPE-or-DIR", "--map", "--json"]),
         ("obstacles", ["--json"]),
         ("schema", ["JSON Schema"]),

@@ -6,6 +6,7 @@ import argparse
 import json
 import shutil
 from dataclasses import replace
+from functools import wraps
 from pathlib import Path
 
 import pytest
@@ -102,6 +103,7 @@ def test_commands_of_the_simulation_take_a_recipe_of_flags_alone_or_over_one(com
 def test_the_seed_of_a_drive_leaves_the_map_of_a_recipe_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple[object, int]] = []
 
+    @wraps(rsegen.drive)
     def drive(target: object, *, seed: int, **_: object) -> None:
         asked.append((target, seed))
         raise rsegen.UserError("that is enough")
@@ -115,6 +117,7 @@ def test_the_seed_of_a_drive_leaves_the_map_of_a_recipe_alone(monkeypatch: pytes
 def test_the_name_of_a_spawned_model_and_the_simulator_are_not_the_recipe_s(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[object] = []
 
+    @wraps(rsegen.spawn)
     def spawn(target: object, *, name: str, simulator: str, **_: object) -> None:
         asked.extend([target, name, simulator])
         raise rsegen.UserError("that is enough")

@@ -125,7 +125,7 @@ def _report(measured: Iterable[Measured]) -> Iterator[str]:
     """The lines of a page for one map, of a table for more of them."""
     maps = iter(measured)
     first, second = next(maps), next(maps, None)
-    return _table(chain([first, second], maps)) if second else _page(*first)
+    yield from _table(chain([first, second], maps)) if second else _page(*first)
 
 
 def _table(measured: Iterable[Measured]) -> Iterator[str]:

@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> Report:
     fit = picture_path(arguments.fit, force=bool(arguments.force))
     scanned = scan(arguments.clouds, options)
     recipe = with_flags(scanned.recipe, arguments)
-    name = f"{recipe.name}_Fit.png"
+    name = f"{recipe.name}_fit.png"
     pallets = recipe.chunks[0] * recipe.chunks[1]
     arguments.sheet = arguments.sheet or pallets <= _MOST_PALLETS
     report = produce(recipe, arguments, {} if fit else {name: scanned.picture})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.commands.parameters import Force, OutputFolder, Resume, Scheduler, Sync, Workers
@@ -46,4 +47,6 @@ def make_dataset(  # noqa: PLR0913  # each is a flag
 
     layout = ShardLayout(recipes=recipes_of(recipe), shard_maps=shard_maps, metrics=metrics)
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
-    return make_shards(plan_dataset(layout, folder, OnExisting.of(force=force, resume=resume), execution), progress)
+    return make_shards(
+        plan_dataset(layout, Path(folder), OnExisting.of(force=force, resume=resume), execution), progress
+    )

@@ -62,7 +62,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     duration: Annotated[float, Float(0.1, 1e5, unit="s", help="simulation time"), Shell(metavar="S")] = 30.0,
     seed: Seed = None,
     output: Annotated[
-        Path | None,
+        str | Path | None,
         FilePath(help="folder for trajectories, metrics and a picture"),
         Shell(("-o", "--output"), "DIR"),
     ] = None,
@@ -91,7 +91,7 @@ def drive(  # noqa: PLR0913  # each is a flag
 
     model = drivable(robot, wheels, size=size, speed=speed, turn=turn)
     seed = fresh_seed() if seed is None else seed
-    refuse_output(output, picture=picture, force=force)
+    refuse_output(None if output is None else Path(output), picture=picture, force=force)
     world = world_of(target, map)
     here, scene = choose_installation(world.made_for, simulator), world.scene()
     runs = robot_runs(scene.field, model, route, count=robots, seed=seed)

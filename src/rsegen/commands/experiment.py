@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.commands.parameters import Force, OutputFolder
@@ -21,7 +22,7 @@ def experiment(
     output: OutputFolder,
     *,
     simulator: Annotated[
-        Sequence[str] | None,
+        str | Sequence[str] | None,
         ListOf(
             Reference("sim or classic"),
             help="Gazebo Sim (sim), Gazebo Classic (classic), or both as sim,classic, which are compared",
@@ -42,4 +43,4 @@ def experiment(
     """
     from rsegen.simulation.experiment.run import run_experiment
 
-    return run_experiment(plan, output, simulator, force=force, progress=progress, watch=watch)
+    return run_experiment(plan, Path(output), simulator, force=force, progress=progress, watch=watch)

@@ -49,15 +49,15 @@ def export_maps(  # noqa: PLR0913  # each is a flag
 
     on_existing = OnExisting.of(force=force, resume=resume)
     if together := joining(formats):
-        return export_joined(recipes, folder, together, on_existing, progress, sync=sync)
+        return export_joined(recipes, Path(folder), together, on_existing, progress, sync=sync)
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
-    return run(plan_exports(recipes, folder, formats, on_existing, execution), progress)
+    return run(plan_exports(recipes, Path(folder), formats, on_existing, execution), progress)
 
 
 @command
 def export(
     map: Recipe | Scene,  # noqa: A002  # the field's word
-    path: Annotated[Path, FilePath("a file or folder", help="file if it has a suffix, else a folder")],
+    path: Annotated[str | Path, FilePath("a file or folder", help="file if it has a suffix, else a folder")],
     format: Annotated[  # noqa: A002  # the command line's word
         str | None, Reference("a name in rsegen.FORMATS", help="format; default: named by the suffix of the path")
     ] = None,
@@ -74,4 +74,4 @@ def export(
     """
     from rsegen.run.exports import export_one
 
-    return export_one(map, path, format, index=index, force=force, options=options)
+    return export_one(map, Path(path), format, index=index, force=force, options=options)

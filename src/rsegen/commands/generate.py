@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rsegen.commands.parameters import Force, Formats, OutputFolder, Preview, Resume, Scheduler, Sheet, Sync, Workers
@@ -41,5 +42,5 @@ def generate(  # noqa: PLR0913  # each is a flag
 
     sidecars = Sidecars(preview=preview, sheet=sheet, formats=formats)
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
-    plan = plan_worlds(recipe, folder, sidecars, OnExisting.of(force=force, resume=resume), execution)
+    plan = plan_worlds(recipe, Path(folder), sidecars, OnExisting.of(force=force, resume=resume), execution)
     return make_worlds(recipe, plan, progress)

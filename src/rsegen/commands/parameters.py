@@ -51,7 +51,9 @@ Sync = Annotated[
     ),
 ]
 
-OutputFolder = Annotated[Path, FilePath(help="folder to write into"), Shell(("-o", "--output"), "DIR", required=True)]
+OutputFolder = Annotated[
+    str | Path, FilePath(help="folder to write into"), Shell(("-o", "--output"), "DIR", required=True)
+]
 
 Preview = Annotated[bool, Flag(help="add a picture, preview.png, to every map")]
 
@@ -76,7 +78,7 @@ RunningSimulator = Annotated[
 ]
 
 MapsFolder = Annotated[
-    Path,
+    str | Path,
     FilePath(help="folder for maps that are made of recipes, which are kept there"),
     Shell(("-o", "--output"), "DIR"),
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.commands.parameters import (
@@ -66,5 +67,5 @@ def series(  # noqa: PLR0913  # each is a flag
     series_plan = SeriesPlan(recipe=recipe, from_=from_, to=to, same_field=same_field, by=by, robot=robot)  # type: ignore[arg-type]  # checked
     sidecars = Sidecars(preview=preview, sheet=sheet, formats=formats)
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
-    plan = plan_series(series_plan, folder, sidecars, OnExisting.of(force=force, resume=resume), execution)
+    plan = plan_series(series_plan, Path(folder), sidecars, OnExisting.of(force=force, resume=resume), execution)
     return make_series(series_plan, plan, progress)

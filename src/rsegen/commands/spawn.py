@@ -73,7 +73,7 @@ def spawn(
     """
     from rsegen.simulation.spawning.spawn import spawn_model
 
-    return spawn_model(target, map, name, at, output, simulator)
+    return spawn_model(target, map, name, at, Path(output), simulator)
 
 
 @command
@@ -92,7 +92,7 @@ def respawn(
     """
     from rsegen.simulation.spawning.respawn import replace_map
 
-    return replace_map(target, map, name, output, simulator)
+    return replace_map(target, map, name, Path(output), simulator)
 
 
 @command

@@ -131,8 +131,6 @@ class Scene:
         **options: Any,
     ) -> Exported:
         """Write the map in another format, as `rsegen.export` does: `scene.export("map.glb")`."""
-        from rsegen.run.exports import export_one
-
         return export(self, path, format, force=force, **options)
 
 

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen.cli import main
-from rsegen.cli.inventory import inventory_in
 from rsegen.exporters.constraint_report import block_warnings, constraint_report
 from rsegen.exporters.pictures.preview import preview_image
 from rsegen.field.metrics.roughness import differences
 from rsegen.field.metrics.traversability import crossing
+from rsegen.io.inventory import inventory_in
 from rsegen.params.streams import generator
 from rsegen.recipe.constraints import meeting
 from rsegen.recipe.constraints.inventory import fitted_to_inventory
