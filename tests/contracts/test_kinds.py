@@ -8,7 +8,7 @@ import pytest
 
 from rsegen import KINDS, Obstacle, Recipe, build
 from rsegen.field.obstacles import Grid
-from rsegen.field.obstacles.base import PLACING, RESERVED
+from rsegen.field.obstacles.base import PLACING, RESERVED, own_parameters, row_parameters
 from rsegen.params.registry import clash, summary
 from rsegen.params.sorts import parameters
 from rsegen.params.streams import generator
@@ -73,7 +73,7 @@ def test_patch_fits_its_window(cls: type[Obstacle]) -> None:
 
 
 @KIND
-def test_round_trip_through_a_file(cls: type[Obstacle]) -> None:
+def test_every_kind_round_trips_through_a_file(cls: type[Obstacle]) -> None:
     recipe = recipe_of(cls(levels=7, softness=12.5))
     assert decode(encode(recipe)) == recipe
 
@@ -97,3 +97,12 @@ def test_every_parameter_is_explained(cls: type[Obstacle]) -> None:
 def test_parameters_that_place_an_obstacle_are_the_same_for_every_kind(cls: type[Obstacle]) -> None:
     assert clash(cls, RESERVED, Obstacle) == ""
     assert {name: parameters(cls)[name] for name in PLACING} == PLACING
+
+
+@KIND
+def test_a_row_has_the_kind_its_own_parameters_and_then_those_of_its_place(cls: type[Obstacle]) -> None:
+    obstacle = cls(key="k", blend="max", last=(4, 3), first=(2, 3), softness=10, levels=5)
+    row = list(obstacle.entry())
+    assert row[:3] == ["kind", "levels", "softness"]
+    assert row[-4:] == ["first", "last", "blend", "key"]
+    assert [*own_parameters(cls), *PLACING] == list(row_parameters(cls))

@@ -16,7 +16,7 @@ from tests.support.strategies import obstacles, recipes
 
 
 @given(recipes(), st.integers(0, 5))
-def test_same_recipe_same_map(recipe: Recipe, index: int) -> None:
+def test_the_same_recipe_gives_the_same_map(recipe: Recipe, index: int) -> None:
     assert build(recipe, index) == build(replace(recipe), index)
 
 
@@ -26,14 +26,14 @@ def test_a_map_does_not_depend_on_how_many_are_made(recipe: Recipe, index: int, 
 
 
 @given(recipes())
-def test_levels_stay_below_the_largest_levels(recipe: Recipe) -> None:
+def test_levels_stay_below_the_largest_number_of_levels(recipe: Recipe) -> None:
     levels = build(recipe).levels
     assert levels.min() >= 0
     assert levels.max() <= recipe.top_level
 
 
 @given(recipes())
-def test_size_is_that_of_the_method(recipe: Recipe) -> None:
+def test_a_map_has_the_size_of_its_chunks_and_frames(recipe: Recipe) -> None:
     around = {"none": (0, 0), "divided": (2 * recipe.chunks[0], 2 * recipe.chunks[1]), "outer": (2, 2)}[recipe.boundary]
     expected = tuple(m * recipe.chunk_size + more for m, more in zip(recipe.chunks, around, strict=True))
     assert build(recipe).shape == expected
@@ -95,7 +95,7 @@ def test_seeds_and_maps_give_different_fields() -> None:
     ("blend", "ridge", "beside"),
     [("replace", 2, 3), ("max", 3, 3), ("min", 2, 3), ("add", 4, 3)],
 )
-def test_blends(blend: str, ridge: int, beside: int) -> None:
+def test_blends_replace_raise_lower_and_add(blend: str, ridge: int, beside: int) -> None:
     plain = Random(levels=5, weights=(0, 0, 0, 1, 0))
     barrier = HorizontalBarrier(levels=3, first=(0, 4), last=(9, 4), blend=blend)
     levels = build(Recipe(boundary="none", obstacles=(plain, barrier))).levels
@@ -134,7 +134,7 @@ def test_a_random_peak_is_a_square_inside_the_map_of_half_a_chunk_to_a_chunk() -
     assert sides == {5, 6, 7, 8, 9, 10}
 
 
-def test_the_method_s_two_ways_to_twenty_by_twenty() -> None:
+def test_four_small_chunks_and_one_large_chunk_have_equal_size() -> None:
     four, one = (
         build(Recipe(chunk_size=chunk_size, chunks=(m, m), boundary="none")) for chunk_size, m in ((10, 2), (20, 1))
     )

@@ -20,13 +20,15 @@ from tests.support.strategies import recipes
 
 
 @given(recipes())
-def test_json_round_trip(recipe: Recipe) -> None:
+def test_recipes_round_trip_through_json(recipe: Recipe) -> None:
     assert decode(json.loads(to_json(recipe))) == recipe
 
 
 @pytest.mark.parametrize("suffix", [".yaml", ".yml", ".json", ""])
 @given(recipe=recipes())
-def test_file_round_trip(tmp_path_factory: pytest.TempPathFactory, suffix: str, recipe: Recipe) -> None:
+def test_recipes_round_trip_through_files(
+    tmp_path_factory: pytest.TempPathFactory, suffix: str, recipe: Recipe
+) -> None:
     path = tmp_path_factory.mktemp("recipe") / f"recipe{suffix}"
     rsegen.save(recipe, path)
     assert rsegen.load(path) == recipe
@@ -54,7 +56,7 @@ def test_a_recipe_without_a_seed_gets_one_that_its_file_keeps() -> None:
     assert decode(encode(drawn)).seed == drawn.seed
 
 
-def test_comments_and_a_schema_line_are_no_trouble(tmp_path: Path) -> None:
+def test_comments_and_a_schema_line_are_read_over(tmp_path: Path) -> None:
     path = tmp_path / "a.yaml"
     path.write_text("# for the small robot\n$schema: recipe.schema.json\nseed: 3 # drawn by dice\nobstacles: []\n")
     assert rsegen.load(path) == Recipe(seed=3)

@@ -73,7 +73,7 @@ def test_forty_blocks_a_side_come_within_three_hundredths(recipe: Recipe, share:
 
 
 @given(recipes(), SHARES)
-def test_any_recipe_comes_near(recipe: Recipe, share: float) -> None:
+def test_any_recipe_comes_near_the_asked_roughness(recipe: Recipe, share: float) -> None:
     whole = build(recipe)
     full = squares(whole) ** 0.5
     reached = squares(build(replace(recipe, difficulty=share))) ** 0.5
@@ -96,13 +96,13 @@ def test_a_higher_block_stays_as_high_or_higher(recipe: Recipe, share: float) ->
 
 
 @given(recipes())
-def test_no_difficulty_is_level_ground_and_all_of_it_the_recipe_as_it_is(recipe: Recipe) -> None:
+def test_difficulty_0_is_level_ground_and_1_the_recipe_as_it_is(recipe: Recipe) -> None:
     assert not build(replace(recipe, difficulty=0)).levels.any()
     assert build(replace(recipe, difficulty=1)) == build(recipe)
 
 
 @given(recipes(), SHARES, st.integers(0, 5))
-def test_an_eased_map_is_the_same_alone(recipe: Recipe, share: float, index: int) -> None:
+def test_a_map_of_lower_difficulty_is_the_same_alone(recipe: Recipe, share: float, index: int) -> None:
     recipe = replace(recipe, difficulty=share)
     assert build(recipe, index) == build(replace(recipe, first_map=index, maps=3), index)
 
@@ -159,7 +159,7 @@ def test_a_range_with_steps_rises_from_map_to_map_and_begins_again() -> None:
     [(0.5, 0.5, "0.5"), ([0, 1], (0.0, 1.0), "0,1"), ([0.25, 1, 9], (0.25, 1.0, 9), "0.25,1,9")],
     ids=str,
 )
-def test_it_is_a_number_or_a_range_in_files_and_flags(given: object, kept: object, text: str) -> None:
+def test_difficulties_are_read_from_files_and_flags(given: object, kept: object, text: str) -> None:
     recipe, sort = decode({"seed": 1, "difficulty": given}), parameters(Recipe)["difficulty"]
     assert recipe.difficulty == kept
     assert recipe.entry()["difficulty"] == given
@@ -170,6 +170,6 @@ def test_it_is_a_number_or_a_range_in_files_and_flags(given: object, kept: objec
 @pytest.mark.parametrize(
     "given", [-0.1, [1, 0], [0.5], [0, 1, 1], [0, 1, 2, 3], [0, "x"], "hard", None, [0, 1, 2.5]], ids=str
 )
-def test_what_is_no_difficulty_is_refused(given: object) -> None:
+def test_an_invalid_difficulty_is_refused(given: object) -> None:
     with pytest.raises(ParameterError, match="difficulty"):
         decode({"seed": 1, "difficulty": given})

@@ -75,7 +75,7 @@ def test_frames_are_blocks_of_their_height() -> None:
     assert np.allclose(terrain.levels[0, 1] * 0.05, field.heights)
 
 
-def test_its_recipe_is_the_same_field() -> None:
+def test_the_recipe_of_a_terrain_builds_the_same_field() -> None:
     terrain = Terrain(recipes=[ROUGH, HILL], rows=2, columns=3, gap=1, border=4)
     assert rsegen.build(terrain.recipe, 0) == terrain.field
     assert rsegen.compose(terrain.recipe).name == "terrain_0000"
@@ -148,7 +148,7 @@ def _alone(terrain: Terrain, levels: Any) -> rsegen.StepField:
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_what_cannot_be_is_said(given: Mapping[str, Any], message: str) -> None:
+def test_invalid_terrains_are_refused(given: Mapping[str, Any], message: str) -> None:
     with pytest.raises(UserError, match=message):
         Terrain(**{"recipes": ROUGH, **given})
 

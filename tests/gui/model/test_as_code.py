@@ -41,5 +41,5 @@ def test_the_python_code_imports_kinds_of_other_packages() -> None:
     recipe = Recipe(seed=1, obstacles=[Hill(levels=3), Peak(levels=5)])
     code = python_code(recipe, "worlds").splitlines()
     assert code[:2] == ["import rsegen", f"from {Hill.__module__} import Hill"]
-    assert any("obstacle=Hill(levels=3" in line for line in code)
-    assert any("obstacle=rsegen.Peak(" in line for line in code)
+    assert any(line.startswith("        Hill(levels=3, key=") for line in code)
+    assert any(line.startswith("        rsegen.Peak(levels=5, key=") for line in code)

@@ -134,10 +134,10 @@ def test_a_kind_that_there_is_not_is_an_error_and_can_be_corrected(window: Windo
     [
         (1, "peek", "type: unknown obstacle kind 'peek'; did you mean 'peak'?"),
         (1, "", "type: unknown obstacle kind ''"),
-        (2, "abc", "height: 'abc' is not a whole number; give 2..32767 units"),
-        (2, "5.5", "height: '5.5' is not a whole number; give 2..32767 units"),
-        (2, "9" * 30, f"height: {'9' * 30} is outside 2..32767 units"),
-        (2, "", "height: is missing; give 2..32767 units"),
+        (2, "abc", "levels: 'abc' is not a whole number; give 2..32767 units"),
+        (2, "5.5", "levels: '5.5' is not a whole number; give 2..32767 units"),
+        (2, "9" * 30, f"levels: {'9' * 30} is outside 2..32767 units"),
+        (2, "", "levels: is missing; give 2..32767 units"),
         (3, "a,b", "softness: 'a,b' is not a number; give 0..100 %"),
         (3, "nan", "softness: nan is not a finite number; give 0..100 %"),
         (3, "<b>7</b>", "softness: '<b>7</b>' is not a number; give 0..100 %"),
@@ -202,10 +202,10 @@ def test_the_form_keeps_what_is_wrong_until_it_is_changed_there(window: Window) 
     find(window.forms.obstacle, QDoubleSpinBox, "softness_field").setValue(40)
     entry = window.session.draft.rows[1].entry
     assert (entry["levels"], entry["last"], entry["softness"]) == ("abc", [99, "random"], 40)
-    height = find(window.forms.obstacle, QSpinBox, "levels_field")
-    assert height.text() == "abc"
-    height.setValue(4)
-    assert height.text() == "4 units"
+    levels = find(window.forms.obstacle, QSpinBox, "levels_field")
+    assert levels.text() == "abc"
+    levels.setValue(4)
+    assert levels.text() == "4 units"
     find(window.forms.obstacle, QSlider, "x_last").setValue(3)
     assert window.session.problem is None
     entry = window.session.draft.rows[1].entry

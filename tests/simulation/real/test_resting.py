@@ -32,7 +32,7 @@ def test_bodies_rest_on_heights_from_elsewhere(name: str, gazebo: Installation, 
     Image.fromarray((HEIGHTS * 257 * 255 // 40).astype(np.uint16)).save(tmp_path / "heights.png")
     Image.fromarray(walls).save(tmp_path / "map.pgm")
     (tmp_path / "map.yaml").write_text("image: map.pgm\nresolution: 0.2\norigin: [0, 0, 0]\nnegate: 0\n")
-    how = {"heights.csv": ["--unit-cm", "5"], "heights.png": ["--unit-cm", "5", "--max-height", "9"], "map.yaml": []}
+    how = {"heights.csv": ["--unit-cm", "5"], "heights.png": ["--unit-cm", "5", "--levels", "9"], "map.yaml": []}
 
     made = from_command(tmp_path / "worlds", "import", tmp_path / name, *how[name])
 
