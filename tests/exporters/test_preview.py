@@ -15,7 +15,7 @@ from PIL import Image
 import rsegen
 from rsegen import Placement, Random, Recipe, compose
 from rsegen.exporters.pictures.plan import boundary, covered
-from rsegen.exporters.pictures.preview import DRAWN, FORMATS, WIDTH, layout, preview_figure, preview_image
+from rsegen.exporters.pictures.preview import DRAWN, FORMATS, WIDTH, layout, preview, preview_figure
 from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
@@ -25,7 +25,7 @@ RECIPE = Recipe(seed=1, obstacles=(Placement(obstacle=Random(max_height=5)),))
 
 
 def image(recipe: Recipe) -> Image.Image:
-    return Image.open(io.BytesIO(preview_image(compose(recipe))))
+    return Image.open(io.BytesIO(preview(compose(recipe))))
 
 
 def share(found: Image.Image, colour: tuple[float, float, float]) -> float:
@@ -51,7 +51,7 @@ def test_a_picture_carries_its_recipe() -> None:
 
 @pytest.mark.parametrize("format_", FORMATS)
 def test_same_map_same_bytes_in_every_format(format_: str) -> None:
-    assert preview_image(compose(RECIPE), format_) == preview_image(compose(RECIPE), format_)
+    assert preview(compose(RECIPE), format_) == preview(compose(RECIPE), format_)
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_outlines_are_those_of_the_cells_that_obstacles_cover(recipe: Recipe, in
 
 def test_outlines_are_drawn_on_request() -> None:
     course = compose(rsegen.load(EXAMPLES["mixed-course"]))
-    with_them, without = (preview_image(course, "svg", outlines=outlines).decode() for outlines in (True, False))
+    with_them, without = (preview(course, "svg", outlines=outlines).decode() for outlines in (True, False))
     for number, placement in enumerate(course.recipe.obstacles):
         assert f"<!-- {number}  {placement.obstacle.kind} -->" in with_them
     assert "peak -->" not in without

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rsegen.cli.flags import Subparsers, add_force_flag, add_target_recipe_flags
 from rsegen.cli.targets import add_target_flags, scene_of
-from rsegen.exporters.pictures.preview import image_format, preview_image
+from rsegen.exporters.pictures.preview import image_format, preview
 from rsegen.run.store import refuse_taken_file, write_file
 
 
@@ -35,5 +35,5 @@ def run(arguments: argparse.Namespace) -> None:
     format_ = image_format(path)
     refuse_taken_file(path, force=arguments.force)
     scene = scene_of(arguments)
-    write_file([preview_image(scene, format_, outlines=arguments.outlines)], path, force=arguments.force)
+    write_file([preview(scene, format_, outlines=arguments.outlines)], path, force=arguments.force)
     print(f"{path}: {scene.name}, seed {scene.recipe.seed}")

@@ -7,16 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TypeVar
 
 from rsegen.exporters.textures.looks import mean_colour
 from rsegen.field.stepfield import NANOMETRE_DIGITS, CellWindow, StepField
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
-
-if TYPE_CHECKING:
-    from rsegen.run.exports import Exported
 
 Colour = tuple[float, float, float]
 _Value = TypeVar("_Value")
@@ -106,34 +102,6 @@ class Scene:
         for material in field.materials(window):
             found.setdefault(round(self.friction_of(material), NANOMETRE_DIGITS), []).append(material)
         return sorted(found.items()) if len(found) > 1 else [(next(iter(found), self.friction), None)]
-
-    def preview(self, format: str = "png", *, outlines: bool = False) -> bytes:  # noqa: A002  # matplotlib's word
-        """The plan and a 3D view of the map as the bytes of an image file, PNG by default.
-
-        outlines: the cells of each obstacle are outlined on the plan.
-        """
-        from rsegen.exporters.pictures.preview import preview_image
-
-        return preview_image(self, format, outlines=outlines)
-
-    def _repr_png_(self) -> bytes:
-        """A small plan, which notebooks show."""
-        from rsegen.exporters.pictures.preview import thumbnail
-
-        return thumbnail(self)
-
-    def export(
-        self,
-        path: str | Path,
-        format: str | None = None,  # noqa: A002  # the command line's word
-        *,
-        force: bool = False,
-        **options: Any,
-    ) -> Exported:
-        """Write the map in another format, as `rsegen.export` does: `scene.export("map.glb")`."""
-        from rsegen.run.exports import export
-
-        return export(self, path, format, force=force, **options)
 
 
 def compose(recipe: Recipe, index: int = 0) -> Scene:

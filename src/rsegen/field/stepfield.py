@@ -11,14 +11,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from rsegen.geometry import Boxes, Mesh
-
 
 Levels = NDArray[np.int16]
 Mask = NDArray[np.bool_]
@@ -132,32 +128,6 @@ class StepField:
             for j, y in enumerate(middle_y):
                 part = slice(cuts_x[i], cuts_x[i + 1]), slice(cuts_y[j], cuts_y[j + 1])
                 yield Pallet(chunk=(i, j), centre=(float(x), float(y)), field=self._part(part))
-
-    def mesh(self, kind: str = "merged") -> Mesh:
-        """The field as a mesh: `merged`, its visible surface in few faces; `watertight`, closed, in few faces;
-        `closed`, in many squares and a fraction of the time; or `blocks`, six faces for each.
-        """
-        from rsegen.geometry import whole_mesh
-
-        return whole_mesh(self, kind)
-
-    def boxes(self) -> Boxes:
-        """The field as few axis-aligned boxes that fill its blocks and frames and do not overlap."""
-        from rsegen.geometry import boxes
-
-        return boxes(self)
-
-    def preview(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-        """The plan and a 3D view of the field as the bytes of an image file, PNG by default."""
-        from rsegen.exporters.pictures.preview import field_preview
-
-        return field_preview(self, format)
-
-    def _repr_png_(self) -> bytes:
-        """A small plan, which notebooks show."""
-        from rsegen.exporters.pictures.preview import ColouredField, thumbnail
-
-        return thumbnail(ColouredField(field=self))
 
     def _frame_stands(self, part: CellWindow) -> bool:
         return bool(round(self.frame_height, NANOMETRE_DIGITS) and self.frame[part].any())

@@ -34,8 +34,12 @@ def meshes(field: StepField, mesh: str, window: CellWindow | None = None) -> Ite
         yield piece(field, part)
 
 
-def whole_mesh(field: StepField, mesh: str) -> Mesh:
-    """A field as one mesh of the kind `mesh`, or an UnknownName that lists the kinds."""
-    if mesh not in MESHES:
-        raise UnknownName.among("mesh", "mesh", mesh, MESHES)
-    return MESHES[mesh](field)
+def mesh(field: StepField, kind: str = "merged") -> Mesh:
+    """Return a field as one mesh; an UnknownName, which lists the kinds, for another `kind`.
+
+    `merged` is the visible surface in few faces; `watertight` is closed, in few triangles; `closed` is closed too, in
+    many squares and a fraction of the time; `blocks` has six faces for each block.
+    """
+    if kind not in MESHES:
+        raise UnknownName.among("mesh", "mesh", kind, MESHES)
+    return MESHES[kind](field)

@@ -19,6 +19,7 @@ from rsegen.errors import ParameterError, UnknownName
 from rsegen.exporters.formats.parts import columns
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints
+from rsegen.geometry.watertight import watertight
 from rsegen.learning.blocks import BlockArrays
 
 SHAPES = ("boxes", "mesh")
@@ -64,7 +65,7 @@ def _add_meshes(builder: Any, scene: Scene, at: np.ndarray) -> list[int]:
     found = []
     for friction, materials in scene.by_friction(scene.field):
         field = scene.field if materials is None else scene.field.only(materials)
-        mesh = field.mesh("watertight")
+        mesh = watertight(field)
         if len(mesh.faces):
             shape = newton.Mesh(mesh.vertices.astype(np.float32), mesh.triangles.ravel().astype(np.int32))
             place = wp.transform(wp.vec3(*at), wp.quat_identity())

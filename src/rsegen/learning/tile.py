@@ -12,6 +12,7 @@ import numpy as np
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.parts import Column, columns
 from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.geometry.meshes import mesh
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import amid, check_tile, eased, tile_levels, tile_shape
@@ -34,8 +35,8 @@ class Tile:
 
     def mesh(self, kind: str = "merged") -> tuple[Array, Ints]:
         """Vertices (n, 3) in metres and triangles (m, 3) of its surface; `watertight`: closed."""
-        mesh = self.raised.mesh(kind)
-        return mesh.vertices + self._corner, mesh.triangles
+        surface = mesh(self.raised, kind)
+        return surface.vertices + self._corner, surface.triangles
 
     def columns(self) -> Iterator[Column]:
         """Few boxes of one level each that fill it, metres; their material is the level, 0 for the ground."""

@@ -185,9 +185,16 @@ def _mean_side(drawn: Drawable) -> float:
 FORMATS = ("png", "svg", "pdf", "jpg", "webp")
 
 
-def preview_image(scene: Scene, format: str = "png", *, outlines: bool = False) -> bytes:  # noqa: A002  # matplotlib's word
-    """The plan and the 3D view of a map as the bytes of an image file; outlines: of its obstacles, on the plan."""
-    return figure_bytes(preview_figure(scene, _title(scene), outlined=scene if outlines else None), scene, format)
+def preview(shown: StepField | Scene, format: str = "png", *, outlines: bool = False) -> bytes:  # noqa: A002  # matplotlib's word
+    """Return the plan and a 3D view of a field or a scene as the bytes of an image file: png, svg, pdf, jpg or webp.
+
+    outlines: draw the outline of every obstacle on the plan; a field has none. The file of a scene carries its recipe.
+    """
+    if isinstance(shown, Scene):
+        return figure_bytes(preview_figure(shown, _title(shown), outlined=shown if outlines else None), shown, format)
+    (n_x, n_y), (along_x, along_y) = shown.shape, map(decimal, shown.extent)
+    title = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
+    return encoded(preview_figure(ColouredField(field=shown), title), format)
 
 
 def preview_figure(drawn: Drawable, title: str, *, outlined: Scene | None = None) -> Figure:
@@ -303,17 +310,11 @@ class ColouredField:
         return self.colour(material)
 
 
-def field_preview(field: StepField, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """The plan and the 3D view of a field as the bytes of an image file."""
-    (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
-    title = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
-    return encoded(preview_figure(ColouredField(field=field), title), format)
-
-
-def thumbnail(drawn: Drawable) -> bytes:
-    """A small plan as the bytes of a PNG file, north up; large fields show the highest of several cells."""
+def thumbnail(shown: StepField | Scene) -> bytes:
+    """Return a small plan as the bytes of a PNG file, north up; large fields show the highest of several cells."""
     from PIL import Image
 
+    drawn: Drawable = ColouredField(field=shown) if isinstance(shown, StepField) else shown
     field = coarse(drawn.field, coarseness(drawn.field, THUMBNAIL))
     pixels = max(THUMBNAIL // max(field.shape), 1)
     colours = np.rint(255 * cell_colours(drawn.colour, field)).astype(np.uint8).transpose(1, 0, 2)[::-1]
