@@ -15,7 +15,7 @@ from PIL import Image
 import rsegen
 from rsegen import Placement, Random, Recipe, compose
 from rsegen.exporters.pictures.plan import boundary, covered
-from rsegen.exporters.pictures.preview import DRAWN, FORMATS, WIDTH, layout, preview, preview_figure
+from rsegen.exporters.pictures.preview import DRAWN, IMAGE_FORMATS, WIDTH, layout, preview, preview_figure
 from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
@@ -49,7 +49,7 @@ def test_a_picture_carries_its_recipe() -> None:
     assert decode(json.loads(image(RECIPE).info["Description"])) == RECIPE
 
 
-@pytest.mark.parametrize("format_", FORMATS)
+@pytest.mark.parametrize("format_", IMAGE_FORMATS)
 def test_same_map_same_bytes_in_every_format(format_: str) -> None:
     assert preview(compose(RECIPE), format_) == preview(compose(RECIPE), format_)
 

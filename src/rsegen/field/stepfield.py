@@ -120,14 +120,14 @@ class StepField:
         counts = np.bincount(self.levels[~self.frame])
         return {int(level): int(counts[level]) for level in np.flatnonzero(counts)}
 
-    def pallets(self, chunk_size: int) -> Iterator[Pallet]:
+    def chunks(self, chunk_size: int) -> Iterator[Chunk]:
         """The chunks of the field, each with its adjacent frame cells."""
         cuts_x, cuts_y = (_cuts(self.inside(axis), chunk_size) for axis in (0, 1))
         middle_x, middle_y = ((cuts[1:] + cuts[:-1] - cuts[-1]) / 2 * self.block_width for cuts in (cuts_x, cuts_y))
         for i, x in enumerate(middle_x):
             for j, y in enumerate(middle_y):
                 part = slice(cuts_x[i], cuts_x[i + 1]), slice(cuts_y[j], cuts_y[j + 1])
-                yield Pallet(chunk=(i, j), centre=(float(x), float(y)), field=self._part(part))
+                yield Chunk(index=(i, j), centre=(float(x), float(y)), field=self._part(part))
 
     def _frame_stands(self, part: CellWindow) -> bool:
         return bool(round(self.frame_height, NANOMETRE_DIGITS) and self.frame[part].any())
@@ -143,10 +143,10 @@ class StepField:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Pallet:
+class Chunk:
     """One chunk of a map as a field of its own, with its chunk indices and its centre in metres."""
 
-    chunk: tuple[int, int]
+    index: tuple[int, int]
     centre: tuple[float, float]
     field: StepField
 

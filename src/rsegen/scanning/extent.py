@@ -104,7 +104,7 @@ _MOST_OTHERS = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
-class Frames:
+class FrameLayout:
     """boundary and side of a chunk as in recipes; blocks: along x and y without frames; height: metres."""
 
     boundary: str
@@ -125,7 +125,7 @@ class Frames:
 
 
 @dataclass(frozen=True, kw_only=True)
-class KnownFrames(Frames):
+class KnownFrameLayout(FrameLayout):
     """The frames of a field that is known."""
 
     field: StepField
@@ -136,7 +136,9 @@ class KnownFrames(Frames):
         return self.field.frame
 
 
-def frames_of(reading: Reading, unit: float, boundary: str | None = None, side: int | None = None) -> Frames | None:
+def frames_of(
+    reading: Reading, unit: float, boundary: str | None = None, side: int | None = None
+) -> FrameLayout | None:
     """The frames that a field has if all cells of them are equally high; None if it has none.
 
     unit: of heights [m]; boundary, side: those to look for; else frames round every chunk are tried first, from small
@@ -145,11 +147,11 @@ def frames_of(reading: Reading, unit: float, boundary: str | None = None, side: 
     n_x, n_y = reading.heights.shape
     sides = [side] if side else range(2, min(n_x, n_y) - 1)
     divided = [
-        Frames(boundary="divided", side=own, blocks=(n_x // (own + 2) * own, n_y // (own + 2) * own))
+        FrameLayout(boundary="divided", side=own, blocks=(n_x // (own + 2) * own, n_y // (own + 2) * own))
         for own in sides
         if n_x % (own + 2) == 0 and n_y % (own + 2) == 0 and (n_x, n_y) != (own + 2, own + 2)
     ]
-    outer = [Frames(boundary="outer", side=side or int(np.gcd(n_x - 2, n_y - 2)), blocks=(n_x - 2, n_y - 2))]
+    outer = [FrameLayout(boundary="outer", side=side or int(np.gcd(n_x - 2, n_y - 2)), blocks=(n_x - 2, n_y - 2))]
     tried = divided * (boundary != "outer") + outer * (boundary != "divided" and min(n_x, n_y) > 3)
     for frames in tried:
         height = _height(reading, unit, frames.cells)

@@ -10,8 +10,8 @@ import numpy as np
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, StepField
 from rsegen.params.sorts import Cell
-from rsegen.scanning.extent import Frames, KnownFrames, best_fit, extent_of, frames_of
-from rsegen.scanning.grid import Grid, find_grid, flat_heights, pixel_size, rasterized, refined
+from rsegen.scanning.extent import FrameLayout, KnownFrameLayout, best_fit, extent_of, frames_of
+from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, pixel_size, rasterized, refined
 from rsegen.scanning.ground import GroundFrame, level_frame, sample
 from rsegen.scanning.levels import Reading, find_unit, levelled, read_cells
 from rsegen.scanning.scan import Scan, ScanSettings, Transform
@@ -56,7 +56,7 @@ class _Gridded:
     nominal_unit: float
     nominal_width: float
 
-    def scan(self, part: Reading, frames: Frames, transform: Transform) -> Scan:
+    def scan(self, part: Reading, frames: FrameLayout, transform: Transform) -> Scan:
         """The result for a part of the cells."""
         return Scan(
             levels=np.where(frames.cells, 0, part.levels(self.unit)),
@@ -85,7 +85,7 @@ class _Gridded:
         part = self.reading.part(*extent_of(self.reading, self.unit, shape))
         return int((part.levels(self.unit) > 0).sum())
 
-    def _frame_height(self, frames: Frames) -> float:
+    def _frame_height(self, frames: FrameLayout) -> float:
         """In the map's lengths [m]; a whole number of units if it is nearly one."""
         units = frames.height / self.unit
         near = abs(units - round(units)) < _NEARLY_A_UNIT
@@ -132,7 +132,9 @@ def _usable(points: Array) -> tuple[Array, Array]:
     return points[near] - (low + high) / 2, (low + high) / 2
 
 
-def _unit_and_grid(upright: Array, ground: GroundFrame, unit: float | None, width: float | None) -> tuple[float, Grid]:
+def _unit_and_grid(
+    upright: Array, ground: GroundFrame, unit: float | None, width: float | None
+) -> tuple[float, CloudGrid]:
     few = sample(upright)
     extent = float(np.ptp(np.quantile(few[:, :2], [0.02, 0.98], axis=0), axis=0).max())
     pixel = pixel_size(few, width / 5 if width else extent / 60)
@@ -158,24 +160,24 @@ def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:
         raise ScanError(f"no {boundary} frames of one height stand round the blocks; give boundary none, or size")
     corner, shape = extent_of(grid.reading, grid.unit, settings.blocks)
     _refuse_larger(grid, corner, shape)
-    none = Frames(boundary="none", side=settings.chunk_size, blocks=shape)
+    none = FrameLayout(boundary="none", side=settings.chunk_size, blocks=shape)
     return grid.scan(grid.reading.part(corner, shape), none, grid.transform.moved(corner, shape))
 
 
-def _wanted(settings: ScanSettings) -> Iterator[Frames]:
+def _wanted(settings: ScanSettings) -> Iterator[FrameLayout]:
     """The frames to look for; without a boundary if any will do."""
     blocks, side = settings.blocks or (1, 1), settings.chunk_size
     if settings.blocks is None:
         if settings.boundary != "none":
-            yield Frames(boundary=settings.boundary or "", side=side, blocks=blocks)
+            yield FrameLayout(boundary=settings.boundary or "", side=side, blocks=blocks)
         return
     if settings.boundary in (None, "outer"):
-        yield Frames(boundary="outer", side=side, blocks=blocks)
+        yield FrameLayout(boundary="outer", side=side, blocks=blocks)
     if settings.boundary in (None, "divided"):
         common = int(np.gcd(*blocks))
         sides = [side] if side else [each for each in range(2, common + 1) if common % each == 0]
         for each in sides:
-            yield Frames(boundary="divided", side=each, blocks=blocks)
+            yield FrameLayout(boundary="divided", side=each, blocks=blocks)
 
 
 def _refuse_larger(grid: _Gridded, corner: Cell, shape: Cell) -> None:
@@ -202,7 +204,7 @@ def _known_field(grid: _Gridded, known: StepField) -> Scan:
         )
     part = grid.reading.quarter_turned(fit.turns).part(fit.corner, known.shape)
     transform = grid.transform.quarter_turned(fit.turns).moved(fit.corner, known.shape)
-    frames = KnownFrames(
+    frames = KnownFrameLayout(
         boundary="known", side=None, blocks=known.shape, height=known.frame_height * stretch, field=known
     )
     return grid.scan(part, frames, transform)

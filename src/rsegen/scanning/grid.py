@@ -99,7 +99,7 @@ _SPLIT = 0.75
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Grid:
+class CloudGrid:
     """heading: by how much the grid's x is turned from the cloud's [radians]; width: of a block [m];
     origin: where a crossing of lines is along the grid's own x and y [m].
     """
@@ -115,7 +115,7 @@ class Grid:
         return np.array([[c, s], [-s, c]])
 
 
-def find_grid(points: Array, unit: float, noise: float, pixel: float, width: float | None = None) -> Grid:
+def find_grid(points: Array, unit: float, noise: float, pixel: float, width: float | None = None) -> CloudGrid:
     """The grid of points (n, 3): x, y and height above the ground [m].
 
     unit: height of a unit [m]; noise: standard deviation of heights [m]; pixel: side of a pixel of the raster [m];
@@ -188,7 +188,7 @@ def _power(lines: list[Array], widths: Array) -> Array:
     return total / sum(len(line) for line in lines)
 
 
-def _fitted(lines: list[Array], heading: float, width: float) -> Grid:
+def _fitted(lines: list[Array], heading: float, width: float) -> CloudGrid:
     """The grid through the edges by least squares: both origins, the width and the heading together.
 
     An edge at s across and t along its line is on line i: s = origin + i width + slope t; slope is the heading's rest.
@@ -213,7 +213,7 @@ def _fitted(lines: list[Array], heading: float, width: float) -> Grid:
             raise ScanError("no grid of blocks: the steps in the cloud are not on evenly spaced lines")
         origin, width, slope = solved[:2], float(solved[2]), float(solved[3])
     turn = -float(np.arctan(slope))
-    return Grid(heading=heading + turn, width=width * cos(turn), origin=origin * cos(turn))
+    return CloudGrid(heading=heading + turn, width=width * cos(turn), origin=origin * cos(turn))
 
 
 def _phase(across: Array, width: float) -> float:
@@ -235,7 +235,7 @@ _MOST_LEFT = 0.6
 """Of the points that are not at their cell's level in a grid half a block away, so many may be left at most."""
 
 
-def refined(grid: Grid, points: Array, unit: float) -> Grid:
+def refined(grid: CloudGrid, points: Array, unit: float) -> CloudGrid:
     """The grid whose cells are of one level each as nearly as can be, near the one that is given.
 
     points: (n, 3), x, y and height above the ground [m]; unit: height of a unit [m]. The sum of the points at each
@@ -286,13 +286,13 @@ def _tops(points: Array, unit: float) -> tuple[Ints, Array]:
     return levels[near].astype(np.int64), few[near, :2]
 
 
-def _moved(grid: Grid, pivot: Array, change: Array) -> Grid:
+def _moved(grid: CloudGrid, pivot: Array, change: Array) -> CloudGrid:
     """A grid turned and stretched about a point (x, y) of the cloud, and moved."""
     turned = replace(grid, heading=grid.heading + change[0], width=grid.width * (1 + change[1]))
     return replace(turned, origin=turned.rotation @ pivot + change[2:] * grid.width)
 
 
-def _one_level(places: Array, levels: Ints, grid: Grid) -> int:
+def _one_level(places: Array, levels: Ints, grid: CloudGrid) -> int:
     """The number of points at the most frequent level of their cell."""
     cells = np.floor((places @ grid.rotation.T - grid.origin) / grid.width).astype(np.int64)
     cells -= cells.min(axis=0)

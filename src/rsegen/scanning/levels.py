@@ -13,7 +13,7 @@ import numpy as np
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.params.sorts import Cell
-from rsegen.scanning.grid import Grid
+from rsegen.scanning.grid import CloudGrid
 
 _CORE = 0.3
 """Points up to this share of a width from a cell's middle count: those of its sides are at 0.5."""
@@ -83,7 +83,7 @@ class Reading:
         return replace(self, heights=np.rot90(self.heights, turns), counts=np.rot90(self.counts, turns))
 
 
-def read_cells(points: Array, grid: Grid, unit: float, noise: float) -> Reading:
+def read_cells(points: Array, grid: CloudGrid, unit: float, noise: float) -> Reading:
     """The heights of all cells of a grid that the points (n, 3) are in; unit and noise in metres."""
     across = (points[:, :2] @ grid.rotation.T - grid.origin) / grid.width
     cells = np.floor(across).astype(np.int64)

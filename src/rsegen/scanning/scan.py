@@ -12,7 +12,7 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.sorts import Cell
-from rsegen.scanning.grid import Grid
+from rsegen.scanning.grid import CloudGrid
 from rsegen.scanning.ground import GroundFrame
 from rsegen.scanning.levels import Reading
 
@@ -111,7 +111,7 @@ class Transform:
     width: float
 
     @classmethod
-    def of(cls, ground: GroundFrame, grid: Grid, reading: Reading, base: float) -> Transform:
+    def of(cls, ground: GroundFrame, grid: CloudGrid, reading: Reading, base: float) -> Transform:
         """Into the frame of a reading, whose cell (0, 0) has its corner at the origin; base: height of level 0 [m]."""
         about_z = np.eye(3)
         about_z[:2, :2] = grid.rotation

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from rsegen.exporters.gazebo import sdf, shapes
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Pallet
+from rsegen.field.stepfield import Chunk
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
@@ -34,13 +34,13 @@ def _models(scene: Scene) -> Iterator[str]:
         yield from sdf.model(_name(pallet), visuals, collisions, sdf.numbers((*pallet.centre, 0)))
 
 
-def _pallets(scene: Scene) -> Iterator[Pallet]:
-    return (pallet for pallet in scene.field.pallets(scene.recipe.chunk_size) if pallet.field.stands())
+def _pallets(scene: Scene) -> Iterator[Chunk]:
+    return (pallet for pallet in scene.field.chunks(scene.recipe.chunk_size) if pallet.field.stands())
 
 
-def _name(pallet: Pallet) -> str:
-    return "pallet_{}_{}".format(*pallet.chunk)
+def _name(chunk: Chunk) -> str:
+    return "pallet_{}_{}".format(*chunk.index)
 
 
-def _stem(scene: Scene, pallet: Pallet) -> str:
-    return f"{scene.name}_{_name(pallet)}"
+def _stem(scene: Scene, chunk: Chunk) -> str:
+    return f"{scene.name}_{_name(chunk)}"

@@ -182,7 +182,7 @@ def _mean_side(drawn: Drawable) -> float:
     return float(np.sqrt(along_x * along_y))
 
 
-FORMATS = ("png", "svg", "pdf", "jpg", "webp")
+IMAGE_FORMATS = ("png", "svg", "pdf", "jpg", "webp")
 
 
 def preview(shown: StepField | Scene, format: str = "png", *, outlines: bool = False) -> bytes:  # noqa: A002  # matplotlib's word
@@ -244,8 +244,8 @@ def pdf_bytes(figures: Iterable[Figure], scene: Scene) -> bytes:
 def image_format(path: Path) -> str:
     """The image format of a file name, or a FileError that lists the known ones."""
     name = path.suffix.lower().removeprefix(".").replace("jpeg", "jpg")
-    if name not in FORMATS:
-        raise FileError(f"{path}: not a picture's name; end it in one of .{', .'.join(FORMATS)}")
+    if name not in IMAGE_FORMATS:
+        raise FileError(f"{path}: not a picture's name; end it in one of .{', .'.join(IMAGE_FORMATS)}")
     return name
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-FORMATS = ("pdf", "csv")
+SHEET_FORMATS = ("pdf", "csv")
 MOST_PALLETS = 400
 LARGEST_PALLET = 60
 """Blocks per side: more of them are not legible on A4."""
@@ -40,8 +40,8 @@ def sheet(
     saw: kerf and stock length, by default those of the recipe's units. `progress` is called with each page of a PDF.
     """
     saw = saw or CutSettings.default(scene.recipe.units)
-    if format not in FORMATS:
-        raise UnknownName.among("format", "format", format, FORMATS)
+    if format not in SHEET_FORMATS:
+        raise UnknownName.among("format", "format", format, SHEET_FORMATS)
     refuse_unbuildable(scene.recipe, saw)
     if format == "csv":
         return "".join(listing(scene, saw)).encode()
@@ -79,7 +79,7 @@ def page_count(recipe: Recipe) -> int:
 def sheet_format(path: Path) -> str:
     """The sheet format of a file name, or a FileError that lists the known ones."""
     name = path.suffix.lower().removeprefix(".")
-    if name not in FORMATS:
+    if name not in SHEET_FORMATS:
         raise FileError(f"{path}: not a name of a build sheet; end it in .pdf or .csv")
     return name
 

@@ -14,11 +14,11 @@ from rsegen import __version__
 from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.scene import Scene
-from rsegen.exporters.sheet.page import EMPTY, GREY, POINT, ROW, Page, PlanView, draw_run
+from rsegen.exporters.sheet.page import EMPTY, GREY, POINT, ROW, Page, PrintedPlan, draw_run
 from rsegen.exporters.sheet.timber import (
     CutSettings,
     CuttingPlan,
-    Frames,
+    FrameBoards,
     Materials,
     NumberedPallet,
     Pattern,
@@ -136,9 +136,9 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> fl
     left, bottom = page.left + (page.across - n_x * cell) / 2, 43 + n_y * cell
     side = scene.field.block_width
     for each in pallets:
-        field = each.pallet.field
-        (cells_x, cells_y), (x, y) = field.shape, each.pallet.centre
-        plan = PlanView(
+        field = each.chunk.field
+        (cells_x, cells_y), (x, y) = field.shape, each.chunk.centre
+        plan = PrintedPlan(
             page=page,
             scene=scene,
             field=field,
@@ -158,7 +158,7 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> fl
     return bottom
 
 
-def _draw_name(plan: PlanView, each: NumberedPallet) -> None:
+def _draw_name(plan: PrintedPlan, each: NumberedPallet) -> None:
     """Draw the name of a pallet on a white card in its middle, with the number if there is room."""
     n_x, n_y = plan.field.shape
     x, y = plan.middle((n_x - 1) / 2, (n_y - 1) / 2)
@@ -229,7 +229,7 @@ def stock_length(scene: Scene, settings: CutSettings) -> str:
     return f"{lengths_in(scene.recipe.units).short(settings.stock)} {lengths_in(scene.recipe.units).unit}"
 
 
-def _stock(scene: Scene, known: Frames, settings: CutSettings) -> str:
+def _stock(scene: Scene, known: FrameBoards, settings: CutSettings) -> str:
     """The pieces of stock for the boards, if it is long enough for them."""
     return "too short" if max(known.boards) > settings.usable else _pieces(plan_cuts(known.all_boards, settings).pieces)
 
@@ -258,7 +258,7 @@ def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: 
     ]
     y = page.table(y, columns, [("", "pallet", *heads)], size=8, color=GREY)
     for each in pallets:
-        counts = each.pallet.field.level_counts()
+        counts = each.chunk.field.level_counts()
         row = (str(each.number), each.name, *(str(counts.get(level, 0)) for level in levels))
         y = page.table(y, columns, [row])
 

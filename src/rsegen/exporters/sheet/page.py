@@ -105,7 +105,7 @@ _MARKED = 0.28
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class PlanView:
+class PrintedPlan:
     """A field from above on a page: its upper left corner and the side of a cell in millimetres."""
 
     page: Page

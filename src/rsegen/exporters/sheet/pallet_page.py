@@ -13,7 +13,7 @@ from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.overview import COLUMN, draw_cut_list
-from rsegen.exporters.sheet.page import GREY, INK, POINT, Page, PlanView, block_colour, ink
+from rsegen.exporters.sheet.page import GREY, INK, POINT, Page, PrintedPlan, block_colour, ink
 from rsegen.exporters.sheet.timber import NumberedPallet, length, placing_order
 
 ORDERED = 12
@@ -44,10 +44,10 @@ _RULE = (
 def draw_pallet(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int) -> None:
     """Draw the whole page."""
     _draw_head(page, scene, numbered, pallets)
-    field = numbered.pallet.field
+    field = numbered.chunk.field
     cell = _SIDE / max(field.shape)
     left = page.left + (page.across - field.shape[0] * cell) / 2
-    plan = PlanView(page=page, scene=scene, field=field, left=left, top=_TOP, cell=cell)
+    plan = PrintedPlan(page=page, scene=scene, field=field, left=left, top=_TOP, cell=cell)
     plan.draw(0.5)
     _draw_rulers(plan, numbered)
     notes = _draw_blocks(plan, numbered)
@@ -71,7 +71,7 @@ def _draw_head(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int)
 def _draw_position(page: Page, scene: Scene, numbered: NumberedPallet) -> None:
     """Draw the position of the pallet among the others, next to the compass."""
     m_x, m_y = scene.recipe.chunks
-    i, j = numbered.pallet.chunk
+    i, j = numbered.chunk.index
     cell = min(36 / m_x, 18 / m_y, 6)
     left, top, right, bottom = page.right - 12 - m_x * cell, 29 - m_y * cell, page.right - 12, 29.0
     if cell > _LINED:
@@ -83,7 +83,7 @@ def _draw_position(page: Page, scene: Scene, numbered: NumberedPallet) -> None:
     page.rectangle((left + i * cell, bottom - (j + 1) * cell), (cell, cell), facecolor=INK)
 
 
-def _draw_rulers(plan: PlanView, numbered: NumberedPallet) -> None:
+def _draw_rulers(plan: PrintedPlan, numbered: NumberedPallet) -> None:
     """Draw cell numbers on all four sides: all of them, or every fifth if they would overlap."""
     cells_x, cells_y = (plan.field.inside(axis).nonzero()[0].tolist() for axis in (0, 1))
     far_x, far_y = (cells * plan.cell for cells in plan.field.shape)
@@ -101,7 +101,7 @@ def _draw_rulers(plan: PlanView, numbered: NumberedPallet) -> None:
     plan.page.text(plan.left - 10, plan.top + far_y / 2, "y", 9, color=GREY, ha="center", va="center")
 
 
-def _draw_blocks(plan: PlanView, numbered: NumberedPallet) -> tuple[str, ...]:
+def _draw_blocks(plan: PrintedPlan, numbered: NumberedPallet) -> tuple[str, ...]:
     """Draw the height of every block, and its placing order if there is room; returns notes that explain them."""
     levels, order = numbered.levels, placing_order(numbered.levels)
     texts, notes = _labels(plan)
@@ -118,7 +118,7 @@ def _draw_blocks(plan: PlanView, numbered: NumberedPallet) -> tuple[str, ...]:
     return (*notes, last)
 
 
-def _labels(plan: PlanView) -> tuple[dict[int, str], tuple[str, ...]]:
+def _labels(plan: PrintedPlan) -> tuple[dict[int, str], tuple[str, ...]]:
     """The text of each level in the cells, and the notes that explain it."""
     field, written = plan.field, lengths_in(plan.scene.recipe.units)
     heights = {level: written.short(length(level, field)) for level in field.level_counts()}

@@ -24,7 +24,7 @@ import numpy as np
 from rsegen.errors import ParameterError
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Ints, Levels, Pallet, StepField
+from rsegen.field.stepfield import Chunk, Ints, Levels, StepField
 from rsegen.params.sorts import Cell, Float, validate
 from rsegen.recipe.recipe import Recipe
 
@@ -186,26 +186,26 @@ class NumberedPallet:
     number: int
     name: str
     corner: Cell
-    pallet: Pallet
+    chunk: Chunk
 
     @property
     def levels(self) -> Levels:
         """The levels of its blocks, shape (n_x, n_y)."""
-        return self.pallet.field.blocks
+        return self.chunk.field.blocks
 
 
 def building_order(scene: Scene) -> tuple[NumberedPallet, ...]:
     """The pallets of a map in build order."""
     side = scene.recipe.chunk_size
-    pallets = sorted(scene.field.pallets(side), key=lambda pallet: (-pallet.chunk[1], pallet.chunk[0]))
+    chunks = sorted(scene.field.chunks(side), key=lambda chunk: (-chunk.index[1], chunk.index[0]))
     return tuple(
         NumberedPallet(
             number=number,
-            name=name(pallet.chunk),
-            corner=(pallet.chunk[0] * side, pallet.chunk[1] * side),
-            pallet=pallet,
+            name=name(chunk.index),
+            corner=(chunk.index[0] * side, chunk.index[1] * side),
+            chunk=chunk,
         )
-        for number, pallet in enumerate(pallets, 1)
+        for number, chunk in enumerate(chunks, 1)
     )
 
 
@@ -237,7 +237,7 @@ def length(level: int, field: StepField) -> int:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Frames:
+class FrameBoards:
     """Equal frames: their number, and the number of boards of each length [nm] per frame, the longest first."""
 
     number: int
@@ -254,7 +254,7 @@ class Frames:
         return sum(length * count for length, count in self.all_boards.items())
 
 
-def frames(recipe: Recipe, play: int = 0) -> Frames | None:
+def frames(recipe: Recipe, play: int = 0) -> FrameBoards | None:
     """The frames of a map, or None if it has none above the ground; play: of the blocks inside, in nanometres."""
     if recipe.boundary == "none" or not recipe.frame_height_cm:
         return None
@@ -265,7 +265,7 @@ def frames(recipe: Recipe, play: int = 0) -> Frames | None:
     width = nanometres(recipe.block_width_cm)
     boards = Counter({(n_x + 2) * width + play: 2})
     boards[n_y * width + play] += 2
-    return Frames(number=number, boards=dict(sorted(boards.items(), reverse=True)))
+    return FrameBoards(number=number, boards=dict(sorted(boards.items(), reverse=True)))
 
 
 _METRE = 10**9
@@ -279,7 +279,7 @@ class Materials:
     """
 
     blocks: CuttingPlan
-    frames: Frames | None
+    frames: FrameBoards | None
     boards: CuttingPlan | None
     bases: int
     base: tuple[int, int]
@@ -317,7 +317,7 @@ def _bases(recipe: Recipe, settings: CutSettings) -> tuple[int, tuple[int, int]]
 
 
 def _price(
-    blocks: CuttingPlan, boards: CuttingPlan | None, known: Frames | None, settings: CutSettings
+    blocks: CuttingPlan, boards: CuttingPlan | None, known: FrameBoards | None, settings: CutSettings
 ) -> float | None:
     """The price of all timber whose price is given; None if that of some is missing."""
     if settings.price is None or (known and (boards is None or settings.frame_price is None)):
