@@ -11,9 +11,8 @@ TILT = radians(3)
 which are the gaps and tolerances of sawn blocks; a whole unit tilts it by far more."""
 
 TOUCHING = 0.0005
-"""Metres above level ground up to which a part counts as standing on it: models place wheels to about a tenth of
-this.
-"""
+"""Metres above level ground up to which a part counts as standing on it: less than the 2 mm by which the crawler's
+tracks are higher than its road wheels, which are its supports."""
 
 
 class Rectangle(NamedTuple):
