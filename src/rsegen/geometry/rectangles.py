@@ -4,9 +4,9 @@ labels of shape (n_u, n_v): adjacent squares of one label are one polygon, 0 is 
 its concave corners, and a cut that joins two of them, a good chord, saves a rectangle. The fewest rectangles result
 from a maximum set of chords of which no two intersect (Ohtsuki 1982; Ferrari, Sankar and Sklansky 1984). It is found
 greedily, by fewest intersections, then by length, and is maximum or nearly so (a maximum matching would be exact; the
-number of rectangles is within 3 % of the minimum, decision 7). Corners without a chord are cut in the direction of the shorter cut; all
-that `cuts_along_u` does not cut along u is cut along v, and the parts between the cuts are rectangles. Short seams
-leave large rectangles whole:
+number of rectangles is within 3 % of the minimum, decision 7). Corners without a chord are cut in the direction of the
+shorter cut; all that `cuts_along_u` does not cut along u is cut along v, and the parts between the cuts are rectangles.
+Short seams leave large rectangles whole:
 
        _    _              _    _                  _    _
      _| |__| |_          _|_|__|_|_              _| |__| |_
