@@ -211,7 +211,7 @@ class ListOf:
         if not isinstance(value, (list, tuple)) or len(value) != (self.length or max(len(value), 1)):
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
         refuse_longer(where, value, self.most)
-        return tuple(self.sort.check(f"{where}[{number}]", one) for number, one in enumerate(value))
+        return tuple(self.sort.check(f"{where}[{index}]", entry) for index, entry in enumerate(value))
 
     def parse(self, text: str) -> object:
         return [self.sort.parse(part) for part in text.split(",")]

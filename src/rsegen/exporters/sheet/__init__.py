@@ -1,8 +1,4 @@
-"""The build sheet: instructions for building a map in wood, as PDF or CSV.
-
-Scene --pages--> a page for the map, and one for each pallet --> PDF
-Scene --listing--> a row for each cell --> CSV, which `rsegen import` reads
-"""
+"""The build sheet: instructions for building a map in wood, as PDF or CSV."""
 
 from rsegen.exporters.sheet.document import SHEET_FORMATS, page_count, pages, refuse_unbuildable, sheet, sheet_format
 from rsegen.exporters.sheet.timber import CutSettings
