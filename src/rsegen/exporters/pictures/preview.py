@@ -37,7 +37,7 @@ Box = tuple[float, float, float, float]
 """Left, low, width and height of a part of the picture; inches, or shares of the picture."""
 
 WIDTH = 16.0
-"""Width of a picture in inches, at the most: 1600 pixels, as wide as a page of the manual in twice its resolution."""
+"""Width of a picture in inches, at the most: 1600 pixels."""
 
 _TALLEST = 8.5
 """Height of a plan or view in inches, at the most, so that the picture of a tall map fits on a screen."""
@@ -300,7 +300,7 @@ def _metadata(scene: Scene, format: str) -> dict[str, Any] | None:  # noqa: A002
 
 
 THUMBNAIL = 320
-"""Pixels along the longer side of a small plan, at most: a third of the width of a notebook."""
+"""Pixels along the longer side of a small plan, at most."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

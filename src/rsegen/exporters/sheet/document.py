@@ -30,7 +30,7 @@ LARGEST_PALLET = 60
 """Blocks per side of a pallet, at the most: more are not legible on A4."""
 
 MOST_BLOCKS = 40_000
-"""Blocks of a sheet, at the most: nobody places more by hand, and a PDF of so many numbers takes a minute."""
+"""Blocks of a sheet, at the most: nobody places more by hand, and each is a text of the PDF."""
 
 
 def sheet(
