@@ -18,7 +18,7 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import amid, check_tile, eased, tile_levels, tile_shape
 
 _SAME = 1e-6
-"""Metres below which lengths count as equal."""
+"""Metres below which lengths count as equal: a size of 8 m is not exactly 80 times 0.1 m."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -47,7 +47,7 @@ class Tile:
 
     @property
     def _corner(self) -> Array:
-        """From the middle of the field to the corner of the tile, and from its raised ground to z = 0."""
+        """Origin of the raised field in the frame of the tile, metres."""
         return np.array([self.size[0] / 2, self.size[1] / 2, -self.raised.unit])
 
 
@@ -65,6 +65,7 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
         raise ParameterError("size", f"{problem}; give {m_x * width:g} x {m_y * width:g} m or more, or smaller maps")
     low_x, low_y = (n_x - m_x) // 2, (n_y - m_y) // 2
     levels = np.zeros((n_x, n_y), dtype=np.int16)
+    # Everything is a unit higher than it is, so that the ground is a block too and has a surface.
     own = tile_levels(eased(recipe, difficulty), index)
     levels[low_x : low_x + m_x, low_y : low_y + m_y] = own
     raised = StepField(
@@ -79,8 +80,8 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
 
 
 def index_of(*numbers: float | None) -> int:
-    """The index of a map that follows from some numbers, so that the same ones always give the same map."""
-    words = b"".join(struct.pack("<d", np.nan if number is None else number) for number in numbers)
+    """Return the index of a map by a hash of some numbers, so that equal ones always give the same map."""
+    words = b"".join(struct.pack("<d", np.nan if value is None else value) for value in numbers)
     return int.from_bytes(hashlib.blake2b(words, digest_size=8).digest(), "little") % SEEDS
 
 

@@ -11,10 +11,10 @@ from rsegen.field.stepfield import Chunk
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
     """The world of pallets and a mesh for each; pallets without a block above the ground are left out."""
-    found: dict[str, Iterable[bytes]] = {f"{scene.name}.world": sdf.utf8(sdf.world(scene, _models(scene)))}
+    contents: dict[str, Iterable[bytes]] = {f"{scene.name}.world": sdf.utf8(sdf.world(scene, _models(scene)))}
     for pallet in _pallets(scene):
-        found |= shapes.mesh_files(scene, pallet.field, _stem(scene, pallet))
-    return found
+        contents |= shapes.mesh_files(scene, pallet.field, _stem(scene, pallet))
+    return contents
 
 
 def model_count(scene: Scene) -> int:
