@@ -7,6 +7,10 @@ unit, edges on evenly spaced lines, one height per cell. Nothing is random (seed
 field. The searches take at most 200,000 points; the levels are read from all of them. The time is about a second per
 cloud of a depth camera, most of it in the fit of the ground plane and of the grid. It fails if few tops are seen, if
 the cloud is mostly something else, or if edges of other things lie on a finer grid; docs/scan.md has the figures.
+
+The numbers of these modules were halved, and raised by 60 %, on nine clouds of benchmarks/scan (three kinds of fields;
+one camera above with 10 mm of noise, two with 15 mm, one aside with 5 mm; 7 fields are found). Where nothing else is
+said, the result stays the same.
 """
 
 from __future__ import annotations

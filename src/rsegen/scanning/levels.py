@@ -26,8 +26,9 @@ from rsegen.params.sorts import Cell
 from rsegen.scanning.grid import CloudGrid
 
 _CORE = 0.3
-"""Points up to this share of a width from a cell's middle count. Those of sides are at 0.5; the rest is room for a grid
-that is off, and for blocks that stand crooked, and with less of it there are fewer points."""
+"""Points up to this share of a width from a cell's middle count. Points of sides are at 0.5; the rest is room for a
+grid that is off, and for blocks that stand crooked. With 0.48 some levels of nine fields are wrong, with less there are
+fewer points."""
 
 _FEWEST_POINTS = 5
 """Points of a height, at the least: the median of five stands two outliers."""
