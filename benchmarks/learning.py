@@ -83,16 +83,16 @@ def rows() -> Iterator[Row]:
         200,
         "tiles",
         "its merged mesh",
-        terrain.field.mesh,
+        lambda: rsegen.mesh(terrain.field),
     )
     large = rsegen.build(_recipe(200), 0)
     yield _compared(
-        '`field.mesh("closed")`, random 200 x 200',
-        lambda: large.mesh("closed"),
+        '`rsegen.mesh(field, "closed")`, random 200 x 200',
+        lambda: rsegen.mesh(large, "closed"),
         200**2,
         "blocks",
-        '`field.mesh("watertight")`',
-        lambda: large.mesh("watertight"),
+        '`rsegen.mesh(field, "watertight")`',
+        lambda: rsegen.mesh(large, "watertight"),
     )
     yield from _in_place()
     yield from _worlds()

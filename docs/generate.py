@@ -36,7 +36,7 @@ from rsegen import (
     schema,
     series,
 )
-from rsegen.exporters.pictures.preview import figure_bytes, preview_image
+from rsegen.exporters.pictures.preview import figure_bytes, preview
 from rsegen.exporters.pictures.robot_plots import path_plot
 from rsegen.exporters.sheet import pages
 from rsegen.field.obstacles.base import PLACING, own_parameters
@@ -140,7 +140,7 @@ def main(arguments: list[str]) -> int:
         path.write_text(text, "utf-8", newline="\n")
     for path, scene in pictures().items():
         path.parent.mkdir(exist_ok=True)
-        path.write_bytes(_DRAWN.get(path, preview_image)(scene))
+        path.write_bytes(_DRAWN.get(path, preview)(scene))
     for path in gallery.pictures():
         path.write_bytes(gallery.picture(path))
     for path, same_field in rising().items():

@@ -15,6 +15,7 @@ rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
 A name is imported when it is first used (PEP 562), so `import rsegen` takes no time.
 """
 
+import sys
 from importlib import import_module
 
 TYPE_CHECKING = False
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from rsegen.errors import UserError as UserError
     from rsegen.exporters.cut_settings import CutSettings as CutSettings
     from rsegen.exporters.formats import FORMATS as FORMATS
+    from rsegen.exporters.pictures.preview import preview as preview
     from rsegen.exporters.scene import Scene as Scene
     from rsegen.exporters.scene import compose as compose
     from rsegen.exporters.sheet import sheet as sheet
@@ -57,8 +59,10 @@ if TYPE_CHECKING:
     from rsegen.field.obstacles.random import Random as Random
     from rsegen.field.stepfield import StepField as StepField
     from rsegen.footprints.sampling import Spot as Spot
-    from rsegen.geometry import Boxes as Boxes
-    from rsegen.geometry import Mesh as Mesh
+    from rsegen.geometry.boxes import Boxes as Boxes
+    from rsegen.geometry.boxes import boxes as boxes
+    from rsegen.geometry.mesh import Mesh as Mesh
+    from rsegen.geometry.meshes import mesh as mesh
     from rsegen.io.dataset.reading import Dataset as Dataset
     from rsegen.io.dataset.tiles import Tiles as Tiles
     from rsegen.io.importers import imported as imported
@@ -105,6 +109,7 @@ _HOMES = {
     "rsegen.commands.spots": ("spots",),
     "rsegen.errors": ("RsegenError", "UserError"),
     "rsegen.exporters.formats": ("FORMATS",),
+    "rsegen.exporters.pictures.preview": ("preview",),
     "rsegen.exporters.scene": ("Scene", "compose"),
     "rsegen.exporters.sheet": ("sheet",),
     "rsegen.exporters.cut_settings": ("CutSettings",),
@@ -119,7 +124,9 @@ _HOMES = {
     "rsegen.field.obstacles.random": ("NormalRandom", "Random"),
     "rsegen.field.stepfield": ("StepField",),
     "rsegen.footprints.sampling": ("Spot",),
-    "rsegen.geometry": ("Boxes", "Mesh"),
+    "rsegen.geometry.boxes": ("Boxes", "boxes"),
+    "rsegen.geometry.mesh": ("Mesh",),
+    "rsegen.geometry.meshes": ("mesh",),
     "rsegen.io.dataset.reading": ("Dataset",),
     "rsegen.io.dataset.tiles": ("Tiles",),
     "rsegen.io.importers": ("imported",),
@@ -159,3 +166,7 @@ if not TYPE_CHECKING:  # type checkers take what the block above imports, and kn
 
     def __dir__() -> list[str]:
         return sorted({*globals(), *_HOME_OF})
+
+
+if "IPython" in sys.modules:  # a notebook, perhaps: fields and scenes are shown as small plans
+    import_module("rsegen.exporters.pictures.notebook").register_formatters()

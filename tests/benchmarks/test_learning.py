@@ -20,7 +20,7 @@ def test_every_shape_of_every_engine_has_a_row(monkeypatch: pytest.MonkeyPatch) 
     for name, value in (("TURNS", 1), ("STEPS", 3), ("SETTLING", 3)):
         monkeypatch.setattr(engines, name, value)
     rows = list(engines.rows(RECIPE))
-    boxes = len(rsegen.build(RECIPE).boxes().centres)
+    boxes = len(rsegen.boxes(rsegen.build(RECIPE)).centres)
     assert [(row.engine.partition(" ")[0], row.shape) for row in rows] == [
         *(("MuJoCo", shape) for shape in ("boxes", "a box per block", "hfield", "mesh")),
         *(("Newton", shape) for shape in ("boxes", "mesh")),

@@ -15,7 +15,7 @@ from PIL import Image
 import rsegen
 from rsegen import Random, Recipe, compose
 from rsegen.exporters.pictures.plan import boundary, covered
-from rsegen.exporters.pictures.preview import DRAWN, FORMATS, WIDTH, layout, preview_figure, preview_image
+from rsegen.exporters.pictures.preview import DRAWN, IMAGE_FORMATS, WIDTH, layout, preview, preview_figure
 from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
@@ -25,7 +25,7 @@ RECIPE = Recipe(seed=1, obstacles=(Random(levels=5),))
 
 
 def image(recipe: Recipe) -> Image.Image:
-    return Image.open(io.BytesIO(preview_image(compose(recipe))))
+    return Image.open(io.BytesIO(preview(compose(recipe))))
 
 
 def share(found: Image.Image, colour: tuple[float, float, float]) -> float:
@@ -49,9 +49,9 @@ def test_a_picture_carries_its_recipe() -> None:
     assert decode(json.loads(image(RECIPE).info["Description"])) == RECIPE
 
 
-@pytest.mark.parametrize("format_", FORMATS)
+@pytest.mark.parametrize("format_", IMAGE_FORMATS)
 def test_same_map_same_bytes_in_every_format(format_: str) -> None:
-    assert preview_image(compose(RECIPE), format_) == preview_image(compose(RECIPE), format_)
+    assert preview(compose(RECIPE), format_) == preview(compose(RECIPE), format_)
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_outlines_are_those_of_the_cells_that_obstacles_cover(recipe: Recipe, in
 
 def test_outlines_are_drawn_on_request() -> None:
     course = compose(rsegen.load(EXAMPLES["mixed-course"]))
-    with_them, without = (preview_image(course, "svg", outlines=outlines).decode() for outlines in (True, False))
+    with_them, without = (preview(course, "svg", outlines=outlines).decode() for outlines in (True, False))
     for number, obstacle in enumerate(course.recipe.obstacles):
         assert f"<!-- {number}  {obstacle.kind} -->" in with_them
     assert "peak -->" not in without

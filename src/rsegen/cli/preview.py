@@ -42,12 +42,12 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> Report:
     """Draw, and write the picture."""
-    from rsegen.exporters.pictures.preview import image_format, preview_image
+    from rsegen.exporters.pictures.preview import image_format, preview
     from rsegen.run.store import write_file
 
     path = picture_path(arguments.output, force=bool(arguments.force)) or Path()
     scene = scene_of(arguments)
-    picture = preview_image(scene, image_format(path), outlines=bool(arguments.outlines))
+    picture = preview(scene, image_format(path), outlines=bool(arguments.outlines))
     write_file([picture], path, force=bool(arguments.force))
     content = {"file": str(path), "map": scene.name, "seed": scene.recipe.seed}
     return Report(lines=[f"{path}: {scene.name}, seed {scene.recipe.seed}"], content=content)

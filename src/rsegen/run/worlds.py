@@ -77,9 +77,9 @@ class Sidecars:
         """The function that makes each file except those of formats, by its name."""
         found: dict[str, Callable[[Scene], bytes]] = {}
         if self.preview:
-            from rsegen.exporters.pictures.preview import preview_image
+            from rsegen.exporters.pictures.preview import preview
 
-            found["preview.png"] = preview_image
+            found["preview.png"] = preview
         if self.sheet:
             from rsegen.exporters.sheet import sheet
 

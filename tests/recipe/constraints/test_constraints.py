@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen.cli import main
 from rsegen.exporters.constraint_report import block_warnings, constraint_report
-from rsegen.exporters.pictures.preview import preview_image
+from rsegen.exporters.pictures.preview import preview
 from rsegen.field.metrics.roughness import differences
 from rsegen.field.metrics.traversability import crossing
 from rsegen.io.inventory import inventory_in
@@ -204,7 +204,7 @@ def test_a_map_of_blocks_higher_than_its_obstacles_is_drawn_and_coloured(tmp_pat
     assert (made.top_level, made.highest_level) == (4, 5)
     assert set(scene.field.level_counts()) == {0, 5}
     assert scene.colour(5) == scene.colour(4)
-    assert len(preview_image(scene)) > 10_000
+    assert len(preview(scene)) > 10_000
     (one,) = rsegen.generate(made, tmp_path).maps
     text = (one.folder / "meshes" / f"{scene.name}.obj").read_text()
     used = {line.split()[1] for line in text.splitlines() if line.startswith("usemtl")}

@@ -52,7 +52,7 @@ def seen_in_gazebo(look: str, folder: Path) -> np.ndarray:
 
 def seen_in_mujoco(look: str, folder: Path) -> np.ndarray:
     scene = rsegen.compose(plateau(look))
-    scene.export(folder / look, "mjcf")
+    rsegen.export(scene, folder / look, "mjcf")
     picture = folder / f"{look}.npy"
     model = next((folder / look).rglob("scene.xml"))
     subprocess.run([sys.executable, "-c", RENDER, str(model), str(picture)], check=True)

@@ -20,7 +20,7 @@ from rsegen.commands.export import export_maps
 from rsegen.commands.generate import generate
 from rsegen.errors import OutputError
 from rsegen.exporters.formats import Format, refuse_unready
-from rsegen.exporters.sheet import FORMATS, CutSettings, page_count, refuse_unbuildable
+from rsegen.exporters.sheet import SHEET_FORMATS, CutSettings, page_count, refuse_unbuildable
 from rsegen.gui.model.simulation import (
     PlanSummary,
     drive_map,
@@ -179,7 +179,7 @@ class SheetJob(MapsJob):
 
     def paths(self) -> Iterator[Path]:
         """The PDF and CSV file."""
-        return (self.folder / f"{self._name}.{format_}" for format_ in FORMATS)
+        return (self.folder / f"{self._name}.{format_}" for format_ in SHEET_FORMATS)
 
     def cancelled(self, steps: int) -> str:
         """The message if it is cancelled: files are written when all pages are drawn."""

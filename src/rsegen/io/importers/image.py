@@ -133,7 +133,7 @@ _USUAL = {"negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.25}
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Occupancy(Importer):
+class OccupancyImage(Importer):
     """A map of ROS (map_server, Nav2): occupied cells become walls of one unit, 100 cm if none is said."""
 
     name: ClassVar[str] = "occupancy map"
