@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-from rsegen.field.stepfield import NANOMETRE_DIGITS
+from rsegen.params.sorts import NANOMETRE_DIGITS
 
 
 @lru_cache(maxsize=2**14)

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from rsegen.exporters.textures.looks import mean_colour
-from rsegen.field.stepfield import NANOMETRE_DIGITS, CellWindow, StepField
+from rsegen.field.stepfield import CellWindow, StepField
+from rsegen.params.sorts import NANOMETRE_DIGITS
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 

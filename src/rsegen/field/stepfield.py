@@ -29,10 +29,6 @@ Ints = NDArray[np.integer]
 CellWindow = tuple[slice, slice]
 """A rectangle of cells of a field as slices along x and y, frames counted."""
 
-NANOMETRE_DIGITS = 9
-"""Decimals to which metres are rounded, so that 3 * 0.1 m and 0.3 m are equal: sums of lengths up to 100 km are exact
-to a nanometre in double precision."""
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class StepField:

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, CellWindow, Ints, StepField
+from rsegen.field.stepfield import Array, CellWindow, Ints, StepField
 from rsegen.geometry.mesh import Lattice
+from rsegen.params.sorts import NANOMETRE_DIGITS
 
 
 class LabelGrid(NamedTuple):

@@ -458,6 +458,10 @@ class Size2D:
         return f"a whole number in 1..{self.high}, or one for each of x and y, as in [2, 3]"
 
 
+NANOMETRE_DIGITS = 9
+"""Decimals to which metres are rounded, so that 3 * 0.1 m and 0.3 m are equal: sums of lengths up to 100 km are exact
+to a nanometre in double precision."""
+
 CENTIMETRES = {"cm": 1.0, "mm": 0.1, "m": 100.0, "in": 2.54, "ft": 30.48}
 """Centimetres of each unit of length."""
 

@@ -18,9 +18,9 @@ from rsegen.errors import ParameterError, TooLarge, inside
 from rsegen.field.metrics.catalogue import RMS, By, metric_by
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.robot_limits import RobotLimits
-from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
+from rsegen.field.stepfield import Array, Levels, StepField
 from rsegen.footprints import Footprint, even_spots
-from rsegen.params.sorts import Float, Integer, ListOf, validate
+from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Integer, ListOf, validate
 from rsegen.params.streams import generator
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.terrain_design import TerrainDesign

@@ -13,8 +13,8 @@ from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
-from rsegen.params.sorts import Float, Integer
+from rsegen.field.stepfield import StepField
+from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Integer
 
 _OCCUPIED, _FREE = 0, 254
 """Grey values of occupied and free cells, as map_server writes them."""

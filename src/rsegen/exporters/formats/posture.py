@@ -29,8 +29,8 @@ from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics.graphs import connected, neighbours
 from rsegen.field.obstacles.base import Shaped
-from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Ints, Mask, StepField
-from rsegen.params.sorts import Cell, Float, Integer, Json
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.params.sorts import NANOMETRE_DIGITS, Cell, Float, Integer, Json
 from rsegen.recipe.building import placed
 
 _BLOCK, _FRAME, _GROUND = range(3)

@@ -14,8 +14,8 @@ from rsegen.exporters.formats.urdf import urdf_files
 from rsegen.exporters.gazebo import sdf, single
 from rsegen.exporters.ros2.package import common_files
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
-from rsegen.params.sorts import Float, Json, Text
+from rsegen.field.stepfield import StepField
+from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Json, Text
 
 _DROP_HEIGHT = 0.1
 """Metres above the ground at which robots are spawned: the origin of many is at the height of their axles."""

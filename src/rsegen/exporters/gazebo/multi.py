@@ -11,8 +11,9 @@ from rsegen.exporters.gazebo import sdf, shapes
 from rsegen.exporters.gazebo.obj import material_name, obj
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
+from rsegen.field.stepfield import StepField
 from rsegen.geometry import surface
+from rsegen.params.sorts import NANOMETRE_DIGITS
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:

@@ -27,9 +27,10 @@ from rsegen.field.metrics.traversability import (
     traversability,
 )
 from rsegen.field.robot_limits import RobotLimits
-from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
+from rsegen.field.stepfield import StepField
 from rsegen.params.plugins import failure
 from rsegen.params.registry import Contract, Registry
+from rsegen.params.sorts import NANOMETRE_DIGITS
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
