@@ -21,6 +21,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from rsegen.params.sorts import NANOMETRE_DIGITS
+
 Levels = NDArray[np.int16]
 Mask = NDArray[np.bool_]
 Array = NDArray[np.float64]
