@@ -50,8 +50,8 @@ def _alone(chunks: int) -> dict[str, Recipe]:
     for name, (kind, levels, softness) in _KINDS.items():
         ends = ((0, 0), (10 * chunks - 1, 10 * chunks - 1)) if kind == "peak" else (None, None)
         obstacle = KINDS[kind](levels=levels, softness=softness)
-        placement = replace(obstacle, first=ends[0], last=ends[1])
-        found[name] = Recipe(seed=5, boundary="none", chunks=(chunks, chunks), obstacles=(placement,))
+        placed = replace(obstacle, first=ends[0], last=ends[1])
+        found[name] = Recipe(seed=5, boundary="none", chunks=(chunks, chunks), obstacles=(placed,))
     return found
 
 
