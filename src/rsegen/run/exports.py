@@ -16,7 +16,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from rsegen.errors import OutputError, ParameterError, UnknownName, UserError
-from rsegen.exporters.formats import FORMATS, Format, exported, format_named, options, refuse_unready
+from rsegen.exporters.formats import FORMATS, Format, exported, format_named, recorded_options, refuse_unready
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene, compose
 from rsegen.io.input_files import JOURNAL, Checksum
@@ -207,7 +207,7 @@ class _Exports:
 
 def _added(bundle: Bundle, home: Path, formats: Sequence[Format]) -> Bundle:
     """Return what is added to a map that exists: its recipe.json stays, and formats.json lists the new formats too."""
-    listed = {**(listed_formats(str(home)) or {}), **options(formats)}
+    listed = {**(listed_formats(str(home)) or {}), **recorded_options(formats)}
     text = json.dumps(listed, indent=2) + "\n"
     added = {path: content for path, content in bundle.items() if path != PurePosixPath(_RECIPE)}
     return {**added, PurePosixPath(FORMATS_FILE): [text.encode()]}
@@ -252,7 +252,7 @@ def _missing_formats(
         refuse_loss_below(home, one.name, journal)
         if on_existing is OnExisting.REFUSE:
             raise OutputError(f"{place}: exists already; give --force to replace it, or another folder")
-        same = listed.get(one.name) == options([one])[one.name]
+        same = listed.get(one.name) == recorded_options([one])[one.name]
         is_complete = journal is not None and compare(home, journal, one.name).is_intact
         if not (on_existing is OnExisting.KEEP and same and is_complete):
             missing.append(one)
@@ -359,4 +359,4 @@ def _recipe_file(recipe: Recipe, index: int) -> str:
 
 
 def _formats_file(chosen: Format) -> bytes:
-    return (json.dumps(options([chosen]), indent=2) + "\n").encode()
+    return (json.dumps(recorded_options([chosen]), indent=2) + "\n").encode()

@@ -16,7 +16,7 @@ from functools import partial
 from pathlib import Path, PurePosixPath
 
 from rsegen.errors import ParameterError
-from rsegen.exporters.formats import Format, added, options, refuse_unready
+from rsegen.exporters.formats import Format, added, recorded_options, refuse_unready
 from rsegen.exporters.gazebo import Bundle, export
 from rsegen.exporters.map_summary import warnings
 from rsegen.exporters.scene import Scene, compose
@@ -66,7 +66,7 @@ class Sidecars:
         if not all(os.path.isfile(os.path.join(home, name)) for name in names):
             return False
         listed = (listed_formats(home) or {}) if self.formats else {}
-        return all(listed.get(name) == wanted for name, wanted in options(self.formats).items())
+        return all(listed.get(name) == wanted for name, wanted in recorded_options(self.formats).items())
 
     def seconds(self, cells: int) -> float:
         """About how long they take for a map with this many cells."""
