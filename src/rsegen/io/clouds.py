@@ -21,11 +21,11 @@ from rsegen.params.extras import SCAN
 from rsegen.params.sorts import CENTIMETRES
 
 MOST_POINTS = 20_000_000
-"""Of a file: some 2 GB of memory while it is read."""
+"""Points of a file at most: some 2 GB of memory while it is read."""
 
 _MOST_MIB = 1024
 _MOST_VALUES = 1000
-"""Of a point in a PCD file, for each of which pypcd4 makes a name before it reads them."""
+"""Values of a point in a PCD file at most: pypcd4 makes a name for each before it reads them."""
 
 _SAMPLED = 400_000
 """Points on the surface of a mesh, spread evenly."""
@@ -38,7 +38,7 @@ Intrinsics = tuple[float, float, float, float]
 
 
 def is_cloud(path: Path) -> bool:
-    """Whether a file is one of those that a cloud can be read from, by its name."""
+    """Return whether a file is a point cloud, by its name."""
     return path.suffix.lower() in READERS
 
 
@@ -111,7 +111,7 @@ def _text(path: Path) -> tuple[Array, str]:
 
 
 def _mib(path: Path) -> int:
-    """How many MiB of a file to read: no more than it has, for so much memory is taken at once."""
+    """Return how many MiB of a file to read: no more than it has, as that much memory is taken at once."""
     try:
         with open_regular(path) as file:
             return min(os.fstat(file.fileno()).st_size // 2**20 + 1, _MOST_MIB)
@@ -190,4 +190,4 @@ READERS: dict[str, Callable[[Path], tuple[Array, str]]] = {
     ".npy": _array,
     **dict.fromkeys((".png", ".tif", ".tiff", ".pgm"), _image),
 }
-"""What reads a file by its suffix: its points (n, 3), or its depths (rows, columns), and their usual unit."""
+"""Readers of files by their suffix: they return points (n, 3) or depths (rows, columns), and their usual unit."""

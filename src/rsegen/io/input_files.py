@@ -54,7 +54,7 @@ def open_regular(path: str | Path) -> BufferedReader:
 
 
 def read_start(path: str | Path, most: int) -> bytes:
-    """Up to `most` bytes of a file, a device, or a pipe that somebody writes to; OSError if it cannot be read."""
+    """Return up to `most` bytes of a file, a device, or a pipe that somebody writes to; OSError if it is unreadable."""
     with _opened(path) as file:
         descriptor = file.fileno()
         kind = os.fstat(descriptor).st_mode
@@ -66,7 +66,7 @@ def read_start(path: str | Path, most: int) -> bytes:
 
 
 def regular_content(path: str | Path, most: int) -> bytes | None:
-    """Up to `most` bytes of a regular file; None if there is none at the path, or it cannot be read."""
+    """Return up to `most` bytes of a regular file; None if there is none at the path, or it cannot be read."""
     try:
         with open_regular(path) as file:
             return file.read(most)
@@ -75,12 +75,12 @@ def regular_content(path: str | Path, most: int) -> bytes | None:
 
 
 def _opened(path: str | Path) -> BufferedReader:
-    """Opened at once: without O_NONBLOCK the system waits until somebody writes to a pipe."""
+    """Open a file at once: without O_NONBLOCK the system waits until somebody writes to a pipe."""
     return open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0)))
 
 
 def _read_pipe(descriptor: int, most: int) -> bytes:
-    """Until `most` bytes are read or every writer has closed it."""
+    """Read a pipe until `most` bytes are read or every writer has closed it."""
     found, had_a_writer = bytearray(), False
     while len(found) < most:
         try:
@@ -140,7 +140,7 @@ def elements(text: str, where: str) -> ET.Element:
 
 
 def _is_deeper(root: ET.Element, most: int) -> bool:
-    """Whether an element has more than `most` levels of others in it, which ElementTree could not write again."""
+    """Return whether elements are nested in more than `most` levels, which ElementTree could not write again."""
     level = [root]
     for _ in range(most):
         level = [child for element in level for child in element]
@@ -158,7 +158,7 @@ _Content = TypeVar("_Content")
 
 
 def read_by_library(path: Path, read: Callable[[], _Content]) -> _Content:
-    """What `read` makes of a file; FileError for all that a library raises, but an ImportError is the caller's."""
+    """Return the result of `read`; a FileError for all that a library raises, but an ImportError is the caller's."""
     try:
         with silent_libraries():
             return read()
@@ -172,7 +172,7 @@ def read_by_library(path: Path, read: Callable[[], _Content]) -> _Content:
 
 @contextmanager
 def silent_libraries() -> Iterator[None]:
-    """Nothing of what libraries warn of, log, or write to file descriptor 2 (as libtiff does) inside is shown.
+    """Hide what libraries warn of, log, or write to file descriptor 2 (as libtiff does) inside.
 
     Whoever has set up logging still gets the records. Numbers that numpy could not read are an error.
     """
@@ -197,7 +197,7 @@ def _restore(before: int) -> None:
 
 
 FORMATS = ("PNG", "JPEG", "PPM", "TIFF", "BMP")
-"""Those of the names that an image may have, in Pillow's words; it knows fifty more, by their first bytes."""
+"""Formats of images that are read, as Pillow names them; it would open fifty more, by their first bytes."""
 
 
 @contextmanager

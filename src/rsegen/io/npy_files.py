@@ -24,7 +24,7 @@ _SIZE_BYTES = {(1, 0): 2, (2, 0): 4}
 
 
 class NpyHeader(NamedTuple):
-    """What the header of a file says of its array."""
+    """The header of a file: shape, order and type of its array."""
 
     shape: tuple[int, ...]
     is_fortran: bool

@@ -21,7 +21,7 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import tile_shape
 
 BYTES_PER_CELL: Mapping[Step, int] = {"build": 50, "measure": 300, "surface": 2000, "mesh": 4000}
-"""Of memory for every cell, by the step.
+"""Memory per cell, by the step that makes something of a map.
 
 Measured as the peak of a process less that for a map of 20 x 20, on random maps of 5 levels and, after the slash, of
 100, which is the most: bytes per cell of 1000 x 1000 and, in brackets, of 2000 x 2000 or (*) 500 x 500 cells.
@@ -39,16 +39,18 @@ _COLLISION: Mapping[str, Step] = {"mesh": "build", "blocks": "measure", "boxes":
 """The step that needs about as much memory as the collision shapes of a world, which are a list of the whole map."""
 
 _ARRAY_COPIES = 4
-"""Of an array with several values per cell: between 1.1 (heightmap) and 5 (posture), measured at 10 and 20 per side."""
+"""Copies in memory of an array with several values per cell.
+
+Measured between 1.1 (heightmap) and 5 (posture) at 10 and 20 values per side: the mean, rounded up."""
 
 BYTES_PER_MAP = 1500
-"""Of memory for the result of each map until the run ends: measured on thousands of maps, rounded down."""
+"""Memory for the result of each map until the run ends: measured on thousands of maps, rounded down."""
 
 BYTES_PER_WORKER = 50_000_000
-"""Of memory for a worker that has not begun: measured with numpy 2.4, rounded up."""
+"""Memory of a worker that has not begun: measured with numpy 2.4, rounded up."""
 
 DISK_BYTES_PER_MAP = 3 * 4096
-"""Of disk for a map at the very least: three files of one block each."""
+"""Disk space of a map at the very least: three files of one block each."""
 
 MOST_WORK = 2 * 10**10
 """Obstacles times cells of one map: some minutes, if each obstacle covers the map."""
@@ -72,7 +74,7 @@ class Needs:
 def check_needs(
     recipes: Sequence[Recipe], maps: int, folder: Path, step: Step = "build", formats: Collection[Format] = ()
 ) -> Needs:
-    """What a run needs that makes this number of maps of some recipes in a folder; TooLarge if less is free.
+    """Return what a run of so many maps of some recipes needs; TooLarge if less memory or disk space is free.
 
     step: the one of all that are made of a map which needs the most memory, besides its formats
     """
@@ -108,7 +110,7 @@ def refuse_many_heights(where: str, n_x: int, n_y: int) -> None:
 
 
 def maps_in_memory(recipe: Recipe) -> int:
-    """How many of its maps fit into memory at the same time."""
+    """Return how many maps of a recipe fit into memory at the same time."""
     return max(1, _free_memory() // (_memory(recipe, "build", ()) + BYTES_PER_WORKER))
 
 
@@ -179,7 +181,7 @@ def _free_memory() -> int:
 
 
 def _free_disk(folder: Path) -> float:
-    """Of the disk that the folder is on, or will be; no limit if the disk has no size, as in /proc."""
+    """Return the free bytes of the folder's disk, infinitely many if the disk has no size, as in /proc."""
     nearest = next(above for above in (folder.absolute(), *folder.absolute().parents) if above.exists())
     usage = shutil.disk_usage(nearest)
     return usage.free if usage.total else math.inf

@@ -36,7 +36,7 @@ _DESIGN = parameters(MapDesign)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ScanOptions:
-    """How clouds are read, and what is known of the field in them; what is not given is found."""
+    """Options of reading clouds, and what is known of the field in them; what is not given is found."""
 
     values: Annotated[
         str | None,
@@ -69,7 +69,7 @@ class ScanOptions:
 
     @property
     def settings(self) -> ScanSettings:
-        """What is known of the field, in metres."""
+        """The known values of the field, in metres."""
         return ScanSettings(
             block_width=self.block_width_cm / 100 if self.block_width_cm else None,
             unit=self.unit_cm / 100 if self.unit_cm else None,
@@ -84,7 +84,7 @@ class ScanOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class ScannedMap:
-    """What a scan shows: the field as a Scan and as a recipe of one map, and the points that it was read from.
+    """The result of `scan`: the field as a Scan and as a recipe of one map, and the points that it was read from.
 
     points: (n, 3), metres, in the frame of the clouds.
     """
@@ -108,7 +108,7 @@ class ScannedMap:
 
 @dataclass(frozen=True, kw_only=True)
 class ComparedMap:
-    """What differs between a map and what stands; with a scan, also how that was read."""
+    """The result of `compare`: the differences between a map and a built field, and the scan of that, if any."""
 
     comparison: Comparison
     scan: Scan | None = None

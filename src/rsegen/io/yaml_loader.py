@@ -11,7 +11,7 @@ from rsegen.errors import FileError, shown
 from rsegen.io.input_files import refuse_duplicates
 
 _MOST_DIGITS = 4300
-"""Of a number to the base of 60 (1:30:00), as in Python of one to the base of 10: the work grows with their square."""
+"""Digits of a number in base 60 (1:30:00) at most, as in Python in base 10: the work grows with their square."""
 
 _DEEPEST = 100
 """Lists and mappings in each other: PyYAML's work grows with the square of them; a recipe has five."""
@@ -55,7 +55,7 @@ class Loader(yaml.SafeLoader):
         return node
 
     def flatten_mapping(self, node: Any) -> None:
-        """Nothing: merge keys are refused."""
+        """Refuse merge keys."""
         for key in (key for key, _ in node.value if key.tag == "tag:yaml.org,2002:merge"):
             raise FileError(f"{self._at(key)}: merge keys ('<<') are not supported; write the keys out")
 

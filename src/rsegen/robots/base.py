@@ -1,8 +1,7 @@
 """The description of a robot: links, joints, a drive, sizes and limits.
 
-A robot is one file of this folder that makes one Robot and registers it.
-
-The sizes and speeds that a robot may have, whether a flag gives them or an SDF file.
+A robot is one file of this folder that makes one Robot and registers it; its SDF text, for either Gazebo, and its
+commands follow from that value. LIMITS bounds sizes and speeds, whether a flag gives them or an SDF file.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from rsegen.field.robot_limits import RobotLimits
 from rsegen.params.registry import Contract, Registry
 from rsegen.params.sorts import Float, ListOf, Parameter
 from rsegen.robots.drives import BACKENDS, Command, Drive, Servo, element, pose_publisher, servo_plugins, system
-from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, PoseTuple, Vector
+from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
 
 
 class DrivableRobot(Protocol):
@@ -35,8 +34,8 @@ class DrivableRobot(Protocol):
     def speed(self) -> float: ...  # noqa: D102  # the class says it
     @property
     def turn(self) -> float: ...  # noqa: D102  # the class says it
-    def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN) -> str:
-        """Its <model>, with its origin at a pose."""
+    def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
+        """Return its <model>, with its origin at a pose."""
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
         """The command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
@@ -67,12 +66,12 @@ class Robot:
 
     @property
     def speed(self) -> float:
-        """Its maximum speed forward, m/s."""
+        """The maximum speed forward, m/s."""
         return self.drive.speed
 
     @property
     def turn(self) -> float:
-        """Its maximum turn rate, rad/s."""
+        """The maximum turn rate, rad/s."""
         return self.drive.turn
 
     @property
@@ -82,7 +81,7 @@ class Robot:
 
     @property
     def limits(self) -> RobotLimits:
-        """Its limits for the metrics: on a map it meets several steps at once, and stands on them askew."""
+        """The limits for the metrics: on a map it meets several steps at once, and stands on them askew."""
         return RobotLimits.of(self.climbs * self.crosses, self.size[1])
 
     @property
@@ -90,8 +89,8 @@ class Robot:
         """The mass of all its links, kg."""
         return sum(link.mass for link in self.links)
 
-    def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN, *, lidar: bool = False) -> str:
-        """Its <model> for a simulator, with its lidar if wanted; `at`: the pose of its origin."""
+    def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN, *, lidar: bool = False) -> str:
+        """Return its <model> for a simulator, with its lidar if wanted; `at`: the pose of its origin."""
         inside = (
             f"      <pose>{numbers(at)}</pose>\n{_AWAKE}",
             *(
@@ -137,7 +136,7 @@ class Robot:
     def _publishers(self, name: str, simulator: str) -> str:
         """Plug-ins that publish odometry and poses in Gazebo Sim; Classic needs none."""
         frames = element("odom_frame", f"{name}/odom") + element("robot_base_frame", self.links[0].name)
-        topic = element("odom_topic", f"/model/{name}/ground_truth")  # beside that of the drive's own odometry
+        topic = element("odom_topic", f"/model/{name}/ground_truth")  # /model/NAME/odometry is that of the drive
         odometry = system("OdometryPublisher", simulator, frames + topic + element("dimensions", 3))
         return odometry + pose_publisher(simulator)
 
@@ -174,8 +173,8 @@ def register(robot: Robot) -> Robot:
     return robot
 
 
+# Centimetres to a hundred metres, and a millimetre per second to 360 km/h: all robots, and no model in millimetres.
 SIDE = Float(0.01, 100, unit="m")
-
 SPEED, TURN = Float(0.001, 100, unit="m/s"), Float(0.001, 100, unit="rad/s")
 
 LIMITS: Mapping[str, Parameter] = {"size": ListOf(SIDE, 3), "speed": SPEED, "turn": TURN}

@@ -1,10 +1,9 @@
 """Drives of robots: the simulators' own plug-ins, their topics and their commands.
 
-Commands to robots: a topic, a message type, and the message as text.
-
-The text of a simulator's own plug-ins.
-
-Joints that are held at an angle: flippers and arms.
+A drive is a value that turns speed v [m/s] and turn rate w [rad/s], counterclockwise, into one message for the plug-in
+of a backend, so that neither ROS nor a plug-in of our own is needed. The backends differ in names, in message types,
+and in what their plug-ins make of a command; each correction for that is a field of the drive, measured in the
+simulator (docs/robots.md). Servos hold other joints, such as flippers and arms, at an angle.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ BACKENDS = ("classic", "sim", "fortress")
 
 
 class Command(NamedTuple):
-    """One message, and the shell command that publishes it once, which in Gazebo Sim may be lost: repeat it there."""
+    """A message, and the shell command that publishes it once, which in Gazebo Sim may be lost: repeat it there."""
 
     topic: str
     type: str
@@ -71,7 +70,7 @@ def system(kind: str, simulator: str, inner: str = "") -> str:
 
 
 POSE_RATE = 20
-"""Poses of a robot in a simulated second, in Gazebo Sim."""
+"""Poses of a robot in a simulated second, in Gazebo Sim: a row of a trajectory every 0.05 s, as in Gazebo Classic."""
 
 
 def pose_publisher(simulator: str) -> str:
@@ -79,9 +78,9 @@ def pose_publisher(simulator: str) -> str:
 
     It publishes a model's pose only if that of nested models is wanted too.
     """
-    wanted = element("publish_nested_model_pose", "true") + element("publish_model_pose", "true")
-    what = wanted + element("publish_link_pose", "false") + element("update_frequency", POSE_RATE)
-    return system("PosePublisher", simulator, what)
+    models = element("publish_nested_model_pose", "true") + element("publish_model_pose", "true")
+    publishing = models + element("publish_link_pose", "false") + element("update_frequency", POSE_RATE)
+    return system("PosePublisher", simulator, publishing)
 
 
 def element(tag: str, value: float | str) -> str:
@@ -90,13 +89,16 @@ def element(tag: str, value: float | str) -> str:
 
 
 def elements(tag: str, values: tuple[str, ...]) -> str:
-    """The same tag with every value."""
+    """Return an element of a tag for every value."""
     return "".join(element(tag, value) for value in values)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Drive(ABC):
-    """What turns v, m/s, and w, rad/s, into motion; separation of wheels or tracks from middle to middle, metres."""
+    """A drive for speed v, m/s, and turn rate w, rad/s.
+
+    separation: of wheels or tracks, from middle to middle, metres   speed, turn: the maximum v and w
+    """
 
     separation: float
     radius: float
@@ -105,7 +107,7 @@ class Drive(ABC):
 
     @abstractmethod
     def plugins(self, simulator: str) -> str:
-        """Its plug-ins as SDF."""
+        """Return its plug-ins as SDF."""
 
     @abstractmethod
     def classic_command(self, name: str, v: float, w: float) -> Command:
@@ -146,7 +148,7 @@ class Wheels(Drive):
         )
 
     def classic_command(self, name: str, v: float, w: float) -> Command:
-        """A Pose."""
+        """Return the command as a Pose."""
         return publish_command(f"~/{name}/vel_cmd", "Pose", pose_text(v, w * self.slip / self.spread), "classic")
 
     def _system(self) -> str:
@@ -158,11 +160,12 @@ class Wheels(Drive):
     def _accelerations(self) -> str:
         if self.acceleration is None:
             return ""
-        turning = 2 * self.acceleration / self.separation
+        turning = 2 * self.acceleration / self.separation  # the wheels turn against each other
         return _limits("linear", self.acceleration, "acceleration") + _limits("angular", turning, "acceleration")
 
 
-_MOVING = 0.1  # m/s, below which SimpleTrackedVehicle takes a turn for one in place
+_MOVING = 0.1
+"""Speed, m/s, below which Gazebo Classic's SimpleTrackedVehicle takes a turn for one in place."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -190,6 +193,7 @@ class Tracks(Drive):
         """
         if simulator == "classic":
             return classic("SimpleTrackedVehicle", "drive", self._belts())
+        # Twice the speed, as in a turn the outer belt is faster than the robot.
         speeds = element("min_velocity", -2 * self.speed) + element("max_velocity", 2 * self.speed)
         belts = (element("link", belt) + speeds for belt in (*self.left, *self.right))
         return system("TrackedVehicle", simulator, self._system()) + "".join(
@@ -197,7 +201,7 @@ class Tracks(Drive):
         )
 
     def classic_command(self, name: str, v: float, w: float) -> Command:
-        """A Twist."""
+        """Return the command as a Twist."""
         gain = self.in_place if abs(v) < _MOVING else 1
         return publish_command(f"~/{name}/cmd_vel_twist", "Twist", twist_text(v, w * gain), "classic")
 
@@ -255,7 +259,7 @@ def topic(name: str, joint: str) -> str:
 
 
 def servo_plugins(servos: tuple[Servo, ...], simulator: str) -> str:
-    """One JointControl in Classic, a JointPositionController for each in Gazebo Sim."""
+    """Return a JointControl for all in Classic, a JointPositionController for each in Gazebo Sim."""
     if not servos:
         return ""
     if simulator == "classic":

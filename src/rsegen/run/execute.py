@@ -43,7 +43,7 @@ MOST = 61 if sys.platform == "win32" else 1024
 
 LOCAL = "local"
 PATIENCE = "10s"
-"""How long to wait for the scheduler of a cluster."""
+"""Time to wait for the scheduler of a cluster, as Dask takes it: long enough for one that is just starting."""
 
 WORKERS = Integer(1, help="processes that make maps at the same time")
 
@@ -58,7 +58,7 @@ def cores() -> int:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Execution:
-    """Where a run is made, and whether it waits for the disk: what every command that makes many items can be told.
+    """Workers or cluster of a run, and whether it waits for the disk: options of every command that makes many items.
 
     workers: processes at the most, if they are quicker   scheduler: the address of a Dask cluster whose workers see the
     same folder, or `local` for one of `workers` processes   sync: wait until the disk has the files

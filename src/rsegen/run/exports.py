@@ -113,7 +113,7 @@ def _only_file(chosen: Format, scene: Scene, path: Path) -> Iterable[bytes]:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ExportedMap:
-    """One map in other formats on disk: its folder, and the names of the files that were written into it."""
+    """A map in other formats on disk: its folder, and the names of the files that were written into it."""
 
     folder: Path
     names: tuple[str, ...]

@@ -29,7 +29,7 @@ from rsegen.params.sorts import Json
 from rsegen.run.swap import put, sync_folder
 
 HIDDEN = ".rsegen"
-"""How the names of rsegen's own folders begin, which no journal lists: staging, and a folder that is being replaced."""
+"""Start of the names of rsegen's own folders, which no journal lists: staging, and a folder being replaced."""
 
 _FORMAT = 1
 _LARGEST = 256 * 2**20
@@ -46,7 +46,7 @@ _LOST = "and would be lost; move it away, or give another folder"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Journal:
-    """What a folder holds, of what it was made, and rsegen's files in it by their paths, `/` between folders.
+    """The content of a journal: what the folder holds, of what it was made, and rsegen's files in it by their paths.
 
     holds: map, drive, data set, experiment, or files: files of rsegen among others
     files: every checksum that a file may have, the last one what it should be   size: bytes of the complete lines
@@ -264,7 +264,7 @@ class Comparison:
 
     @property
     def is_intact(self) -> bool:
-        """Whether every file of the journal is as it was written; there may be others."""
+        """Return whether every file of the journal is as it was written; there may be other files."""
         return not self.changed and not self.missing
 
 
@@ -285,7 +285,7 @@ def compare(folder: Path, journal: Journal, below: str = "") -> Comparison:
 
 
 def is_intact(folder: Path, name: str, journal: Journal | None) -> bool:
-    """Whether a file exists as rsegen wrote it; OutputError if it was changed since, or written by somebody else."""
+    """Return whether a file exists as rsegen wrote it; OutputError if it was changed, or written by somebody else."""
     path = folder / name
     with read_errors(folder):
         status = os.lstat(path) if os.path.lexists(path) else None
@@ -337,12 +337,12 @@ def refuse_link(path: Path) -> None:
 
 
 def is_empty(folder: Path) -> bool:
-    """Whether a folder does not exist, or has nothing in it but what a killed run of rsegen leaves."""
+    """Return whether a folder does not exist, or has only what a killed run of rsegen leaves."""
     return not folder.is_dir() or next(_files(folder), None) is None
 
 
 def _is_own(name: str, path: str) -> bool:
-    """Whether a folder is what a run keeps in a folder while it writes: not all that only has such a name."""
+    """Return whether a folder is a hidden one of a run, and does not only have such a name."""
     if name == f"{HIDDEN}.next":
         return os.path.lexists(os.path.join(path, JOURNAL))
     return name in (f"{HIDDEN}/new", f"{HIDDEN}/old") or (name == HIDDEN and not os.listdir(path))
@@ -391,7 +391,7 @@ def read_errors(folder: Path) -> Iterator[None]:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Verified:
-    """How many folders with a journal and files were compared, and the files that no journal lists."""
+    """The result of `verify`: the numbers of folders and files compared, and the files that no journal lists."""
 
     folders: int
     files: int

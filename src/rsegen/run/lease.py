@@ -107,13 +107,13 @@ def refuse_leased(home: Path) -> None:
 
 
 def _is_own(held: Path) -> bool:
-    """Whether a lease is of this process, which may write below the folder too."""
+    """Return whether a lease is of this process, which may write below the folder too."""
     entry = _read(held) or {}
     return entry.get("pid") == os.getpid() and {key: entry.get(key) for key in _place()} == _place()
 
 
 def is_alive(path: Path) -> bool:
-    """Whether the run of a lease is alive."""
+    """Return whether the run of a lease is alive."""
     entry = _read(path)
     if entry is not None and {key: entry.get(key) for key in _place()} == _place():
         return entry.get("started") == _started(entry.get("pid"))

@@ -55,11 +55,11 @@ class Output(Generic[Made]):
 
 
 class Product(Protocol[Item_contra, Made]):
-    """How each of many items is made: all that a worker needs to know, except which items are its own."""
+    """A picklable task that makes each of many items; the items are passed to each call."""
 
     @property
     def seconds(self) -> float:
-        """About how long one item takes; decides how the items are divided among workers, never the result."""
+        """About how long an item takes; decides how the items are divided among workers, never the result."""
 
     def __call__(self, item: Item_contra, /) -> Output[Made]:
         """Return the files of an item."""
@@ -118,7 +118,7 @@ Item = TypeVar("Item")
 
 
 class OnExisting(Enum):
-    """What a run does with what exists in its folder already."""
+    """The treatment of items that exist in the folder of a run already."""
 
     REFUSE = "refuse it, and make nothing"
     REPLACE = "replace it"
@@ -134,7 +134,7 @@ class OnExisting(Enum):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RunPlan(Generic[Item, Made]):
-    """What a run will make, how, and what exists already and stays; nothing prevents it any more.
+    """A run that was checked: the items to make, how, and those that exist already and stay.
 
     product: how an item is made   to_make: the items, in order   existing: items that exist and are kept
     replaces: whether folders that exist are replaced, if rsegen wrote them and they are unchanged

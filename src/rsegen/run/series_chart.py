@@ -80,7 +80,7 @@ def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: S
 
 
 def _line_text(plan: SeriesPlan, full: Array) -> str:
-    """What the straight line is."""
+    """Return the legend of the straight line."""
     if plan.by != RMS:
         return f"from level to as designed{'' if plan.same_field else ', in the mean of the fields'}"
     of = "the rms step of the field as it is" if plan.same_field else "the mean rms step of the fields as they are"

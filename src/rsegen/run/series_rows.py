@@ -31,7 +31,7 @@ DIGITS = 6
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SeriesPlan:
-    """As many maps as the recipe has, of difficulty `from_` to `to` in equal steps.
+    """A series of as many maps as the recipe has, of difficulty `from_` to `to` in equal steps.
 
     Their target rms steps lie on a straight line: difficulty * the mean rms step of all their fields as designed. So a
     field that is rougher than others is flattened more, and one that is less rough less. by, robot: another metric that
@@ -59,7 +59,7 @@ class SeriesPlan:
 
     @property
     def metric(self) -> Metric:
-        """What rises from map to map."""
+        """The metric that rises from map to map."""
         return metric_by(self.by, self.robot)
 
     @property
@@ -81,7 +81,7 @@ class SeriesPlan:
         return self.recipe.alone(self.recipe.first_map + number)
 
     def map_name(self, number: int) -> str:
-        """What map `number` is called."""
+        """Return the name of map `number`."""
         recipe = self.recipe
         if self.same_field:
             return f"{recipe.name}-{number:04d}_{recipe.first_map:04d}"
@@ -89,7 +89,7 @@ class SeriesPlan:
 
 
 _HALVINGS = 12
-"""Of the interval 0..1 in the search for the difficulty of a constrained map: finer than one block changes it."""
+"""Halvings of 0..1 in the search for the difficulty of a constrained map: finer than one block changes it."""
 
 
 class MapTarget(NamedTuple):

@@ -35,13 +35,13 @@ from rsegen.recipe.tiles import tile_shape
 from rsegen.run.store import refuse_taken_file, write_file, write_paths
 
 MOST_CELLS = 1_500_000
-"""Of the largest map on a page, as of 1000 x 1000 blocks with frames: its faces need some 0.3 GB in a browser."""
+"""Cells of a map on a page at most, as of 1000 x 1000 blocks with frames: its faces need 0.3 GB in a browser."""
 
 MOST_CELLS_TOGETHER = 5_000_000
-"""Of all maps on a page: 7 to 14 MB of HTML."""
+"""Cells of all maps on a page at most: 7 to 14 MB of HTML."""
 
 MOST_MAPS = 1000
-"""On a page: they are chosen from a list."""
+"""Maps on a page at most: they are chosen from a list."""
 
 _LONG = 100_000
 """Recipes of more letters are shown as JSON, which is quick to write and to read."""

@@ -19,7 +19,7 @@ from typing import Any
 _NOREPLACE, _EXCHANGE = 1, 2  # of renameat2(2)
 _AT_FDCWD = -100
 _UNABLE = frozenset({errno.ENOSYS, errno.EINVAL, errno.EOPNOTSUPP, errno.EXDEV, errno.EPERM})
-"""What systems and disks answer that cannot do it; of EXDEV also overlays, whose folders are moved by copying."""
+"""Errors of systems and disks that cannot do it; EXDEV also of overlays, whose folders are moved by copying."""
 
 _FEW = 16
 """Files that are synced one by one; more of them are quicker with the whole disk at once, where the system can."""

@@ -35,7 +35,7 @@ FORMATS_FILE = "formats.json"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sidecars:
-    """Which optional files maps get: a picture, a build sheet, formats of other programs with their options."""
+    """Optional files of maps: a picture, a build sheet, formats of other programs with their options."""
 
     preview: bool = False
     sheet: bool = False
@@ -54,14 +54,14 @@ class Sidecars:
             refuse_unbuildable(recipe, CutSettings.default(recipe.units))
 
     def files(self, scene: Scene) -> Bundle:
-        """Their content, by path in the map's folder."""
+        """Return their content, by path in the map's folder."""
         found = dict(added(scene, self.formats))
         for name, make in self._makers.items():
             found[PurePosixPath(name)] = [make(scene)]
         return found
 
     def complete_in(self, home: str) -> bool:
-        """Whether a map's folder has its world, and all of them."""
+        """Return whether a map's folder has its world, and all of these files."""
         names = [f"{os.path.basename(home)}.world", *self._makers]
         if not all(os.path.isfile(os.path.join(home, name)) for name in names):
             return False
@@ -69,7 +69,7 @@ class Sidecars:
         return all(listed.get(name) == wanted for name, wanted in options(self.formats).items())
 
     def seconds(self, cells: int) -> float:
-        """About how long they take for a map with this many cells."""
+        """Return about how long they take for a map with this many cells."""
         return 0.5 * len(self._makers) + (5e-3 + cells * 3e-5) * len(self.formats)
 
     @property
@@ -101,7 +101,7 @@ def listed_formats(home: str) -> dict[str, Json] | None:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class GeneratedMap:
-    """One map on disk: its files, size (cells with frames, metres), number of blocks of each level, and warnings.
+    """A map on disk: its files, size (cells with frames, metres), number of blocks of each level, and warnings.
 
     `home` is the folder that all maps are in, `names` are those of the files in this map's own.
     """

@@ -30,7 +30,7 @@ class OpenedWorld:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class OpenResult:
-    """What `rsegen.open` gives: the world, the simulator's exit code, None if it was stopped, and its error lines.
+    """The result of `rsegen.open`: the world, the simulator's exit code, None if it was stopped, and its error lines.
 
     Error lines that differ in numbers alone are one, with their count.
     """
@@ -122,7 +122,7 @@ def _run(
     *,
     headless: bool,
 ) -> OpenResult:
-    """Run it until it ends; Ctrl-C is an ordinary end.
+    """Run a simulator until it ends; Ctrl-C is an ordinary end.
 
     A closed window is no failure, though Gazebo Classic may then exit with 255; nor are error lines of a window.
     """
@@ -141,7 +141,7 @@ def _run(
 
 
 def _why_ended(world: Path, code: int) -> str:
-    """Fortress ends without a word if its file is a model's, or of anything but a world."""
+    """Return why a simulator ended: Fortress ends silently if its file is not a world's."""
     if code == 0 and world.is_file() and b"<world" not in world.read_bytes():
         return f"because there is no <world> in {world}"
     return f"with exit code {code}"

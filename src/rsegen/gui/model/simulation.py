@@ -18,7 +18,7 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.robots import ROBOTS
 from rsegen.robots.base import Robot
 from rsegen.robots.footprint import footprint_of
-from rsegen.robots.links import Box, Cylinder, PoseTuple, Solid, rotation
+from rsegen.robots.links import Box, Cylinder, SdfPose, Solid, rotation
 from rsegen.run.worlds import generate
 from rsegen.simulation.driving.drive import drive
 from rsegen.simulation.driving.robot_runs import ROUTES, spot_generator, spots_on_map
@@ -80,7 +80,7 @@ def _sizes(solid: Solid) -> tuple[float, ...]:
     return (solid.radius, solid.length) if isinstance(solid, Cylinder) else (solid.radius,)
 
 
-def _transform(pose: PoseTuple) -> Array:
+def _transform(pose: SdfPose) -> Array:
     found = np.eye(4)
     found[:3, :3], found[:3, 3] = rotation(*pose[3:]), pose[:3]
     return found

@@ -84,12 +84,12 @@ class ShardLayout:
 
     @property
     def maps(self) -> int:
-        """How many maps there are."""
+        """The number of maps."""
         return self._first_places[-1]
 
     @property
     def shards(self) -> int:
-        """How many shards there are."""
+        """The number of shards."""
         return self._first_shards[-1]
 
     @cached_property
@@ -145,7 +145,7 @@ class ShardLayout:
         return self.recipes[kind], self.recipes[kind].indices[place - self._first_places[kind]]
 
     def kind_at(self, place: int) -> int:
-        """Which of the recipes a map is of."""
+        """Return the number of the recipe of a map."""
         return bisect_right(self._first_places, place) - 1
 
     def row_at(self, place: int) -> tuple[int, int]:
@@ -161,7 +161,7 @@ class ShardLayout:
         return numbers + np.array(self._first_shards)[kinds], rows
 
     def _kind(self, number: int) -> int:
-        """Which of the recipes a shard is of."""
+        """Return the number of the recipe of a shard."""
         return bisect_right(self._first_shards, number) - 1
 
     def shape(self, number: int) -> tuple[int, int, int]:
@@ -291,7 +291,7 @@ def _shards(layout: ShardLayout, entries: object) -> list[Shard]:
 
 
 def _shard(layout: ShardLayout, number: object, entry: object) -> Shard:
-    """One shard; ParameterError if a file has a wrong name or an impossible size."""
+    """Return a shard of a manifest; ParameterError if a file has a wrong name or an impossible size."""
     number = Integer(0, layout.shards - 1).check("shard", number)
     where, names = f"shards[{number}]", layout.names(number)
     files = {}

@@ -131,7 +131,7 @@ class LevelsOfMaps:
             yield from self._shard(number)
 
     def __getitem__(self, maps: int | slice | Ints | Mask | list[int]) -> Ints:
-        """One map (n_x, n_y); or several, (maps, n_x, n_y): a slice, a list of places, or a mask."""
+        """Return a map (n_x, n_y), or several, (maps, n_x, n_y), for a slice, a list of places, or a mask."""
         if isinstance(maps, slice):
             return self._several(np.arange(*maps.indices(len(self))))
         if isinstance(maps, (list, np.ndarray)):
@@ -201,7 +201,7 @@ class Dataset:
 
     @property
     def recipes(self) -> tuple[Recipe, ...]:
-        """All of its recipes, in the order of their maps."""
+        """The recipes, in the order of their maps."""
         return tuple(self.layout.recipes)
 
     def recipe_of(self, place: int) -> Recipe:
@@ -211,7 +211,7 @@ class Dataset:
 
     @cached_property
     def recipe_numbers(self) -> NDArray[np.int16]:
-        """Which of the recipes each map is of, counted from 0: (maps,)."""
+        """The number of the recipe of each map, counted from 0: (maps,)."""
         return np.repeat(np.arange(len(self.recipes), dtype=np.int16), [recipe.maps for recipe in self.recipes])
 
     @property
@@ -239,7 +239,7 @@ class Dataset:
         return iter(self.levels)
 
     def field(self, place: int) -> StepField:
-        """One map with its frames and metres: what `build` gives for it."""
+        """Return a map with its frames and metres, as `build` makes it."""
         return self.layout.field(self[place])
 
     def heights(self, place: int) -> Array:

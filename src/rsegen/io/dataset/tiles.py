@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 SPACING = Choice(("value", "rank"))
-"""Whether the metric rises evenly from row to row, or its rank among all maps."""
+"""Spacing of the rows: even in the metric itself, or in its rank among all maps."""
 
 
 class Tiles(NamedTuple):
@@ -85,7 +85,7 @@ def tiles(  # noqa: PLR0913  # as Dataset.tiles
 
 
 def _kinds(dataset: Dataset, names: Sequence[str] | None, columns: int) -> NDArray[np.intp]:
-    """Which of the recipes each column has."""
+    """Return the number of the recipe of each column."""
     known = {recipe.name: kind for kind, recipe in enumerate(dataset.recipes)}
     wanted = list(known) if names is None else names
     if isinstance(wanted, str) or not isinstance(wanted, Sequence):
@@ -111,7 +111,7 @@ def _by_rank(ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.in
 
 
 def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
-    """For each of evenly spaced values the maps that are nearest to it and in no other row, from least to greatest."""
+    """Return row by row the unused maps nearest to evenly spaced values, from the least to the greatest."""
     values, free = figures[ranked], np.ones(len(ranked), dtype=bool)
     found = np.empty((rows, columns), dtype=np.intp)
     for row, wanted in enumerate(np.linspace(values[0], values[-1], rows)):

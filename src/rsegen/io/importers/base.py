@@ -42,7 +42,7 @@ CENTIMETRES = {name: UNITS[name] for name in ("cm", "mm", "m", "in")}
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Rounding:
-    """How far heights were rounded: the largest error and its cell x, y, and the mean, in cm; how many were filled.
+    """The rounding of heights: the largest error and its cell x, y, and the mean, in cm; the number of filled holes.
 
     As text it is one line, empty if there is nothing to say.
     """
@@ -68,7 +68,7 @@ class Rounding:
 
 
 def are_not_blocks(units: Array, levels: Ints) -> bool:
-    """Whether heights in units, not rounded, are too far from the whole ones for measured blocks of that unit."""
+    """Return whether heights, in units, are too far from whole units to be measured blocks of that unit."""
     errors = np.abs(units - levels)
     halfway = int((errors > _HALFWAY).sum())
     lost = bool(units.max(initial=0) > 1e-3) and not levels.any()
@@ -76,7 +76,7 @@ def are_not_blocks(units: Array, levels: Ints) -> bool:
 
 
 def advice(heights_cm: Array, unit_cm: float) -> str:
-    """What heights [cm] may be that are no whole units: above another ground, or of another unit."""
+    """Return advice on heights [cm] that are no whole units: another ground, or another unit."""
     heights = heights_cm[np.isfinite(heights_cm) & (heights_cm >= 0)]
     if not heights.any():
         return "give other values (cm, m, in, ...)"
@@ -156,7 +156,7 @@ class Heights:
 
     @property
     def rounding(self) -> Rounding | None:
-        """How far the heights were rounded, if that is known."""
+        """The rounding of the heights, None if it is unknown."""
         return None if self.errors_cm is None or self.holes is None else Rounding.of(self.errors_cm, self.holes)
 
 
@@ -229,7 +229,7 @@ def _others(count: int) -> str:
 
 
 def _problem(cls: type[Importer]) -> str:
-    """What is wrong with the suffixes and the options of a plug-in's importer."""
+    """Return the problem of a plug-in's importer: a suffix or an option; empty if there is none."""
     for suffix in cls.suffixes:
         if not (suffix.startswith(".") and suffix.islower()):
             return f"reads files named *{suffix}; give a suffix such as .asc, in small letters"

@@ -62,7 +62,7 @@ class Picture(Measured):
             raise ParameterError(given[0], "is for values: mm and depth; grey values have no unit")
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """Its size is looked at before it is decoded."""
+        """Return the heights of an image, whose size is checked before it is decoded."""
         if self.values != "grey":
             return self.measured(path, self._heights_cm(path), unit_cm or USUAL_UNIT_CM)
         grey = brightness(path, self.size)
@@ -142,7 +142,7 @@ class Occupancy(Importer):
     unknown: Annotated[bool, Flag(help="also make walls of unknown cells")] = False
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """A cell is occupied where its probability, dark being likely, is above `occupied_thresh`."""
+        """Return walls for cells whose probability, high for dark pixels, is above `occupied_thresh`."""
         metadata = _metadata(path)
         bright = brightness(path.parent / metadata["image"])
         probability = bright if metadata["negate"] else 1 - bright

@@ -32,7 +32,7 @@ _MOST_ROWS = 1_000_000
 
 
 def is_build_sheet(text: str) -> bool:
-    """Whether a text has the header of a build sheet."""
+    """Return whether a text has the header of a build sheet."""
     return bool(_HEAD.search(text))
 
 
@@ -194,7 +194,7 @@ def _lines(path: Path, text: str) -> list[tuple[int, str]]:
 
 
 def _delimiter(line: str) -> str | None:
-    """What separates the cells of a line; None for blanks."""
+    """Return the delimiter of the cells of a line, None for blanks."""
     return next((delimiter for delimiter in ";,\t" if delimiter in line), None)
 
 

@@ -43,7 +43,7 @@ from rsegen.simulation.simulators.server import choose_installation, has_screen
 from rsegen.simulation.worlds import Target, world_of
 
 _RIM, _MARGIN = 0.1, 1.5
-"""Metres around the map that are drawn at least, and at most."""
+"""Width, metres, of the ground around the map that is drawn at least, and at most."""
 
 
 def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way: PlannedWay | None = None) -> bytes:
@@ -90,7 +90,7 @@ _PARTS = 5
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class DrivenRobot:
-    """One robot of a drive: its name in the world, kind, start pose, metrics and trajectory."""
+    """A robot of a drive: its name in the world, kind, start pose, metrics and trajectory."""
 
     name: str
     kind: str
@@ -101,7 +101,7 @@ class DrivenRobot:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class DriveResult:
-    """What `rsegen.drive` gives.
+    """The result of `rsegen.drive`.
 
     scene: the map; simulator: title and version; errors: the simulator's error lines; notes: what it does not give;
     contact_samples: simulated seconds and the contacts at that time; way: the one that the robots followed, on that
@@ -137,7 +137,7 @@ class DriveResult:
         }
 
     def report(self) -> Iterator[str]:
-        """What `rsegen drive` prints: a line per robot, its contacts, notes and warnings."""
+        """Yield the lines that `rsegen drive` prints: robots, their contacts, notes and warnings."""
         yield f"{self.scene.name} in {self.simulator}, {self.route}, seed {self.seed}:"
         if self.way:
             yield f"  {_foreseen(self.way)}"
@@ -172,7 +172,7 @@ class DriveResult:
 
 
 def _foreseen(way: PlannedWay) -> str:
-    """What the metrics say of the way that the robots follow."""
+    """Return the metrics' forecast for the way that the robots follow."""
     said = {True: "; the robot can climb it", False: "; the robot cannot climb it", None: ""}
     return f"the way across needs a step of {way.least_step * 100:g} cm{said[way.crosses]}"
 
@@ -276,7 +276,7 @@ def _check_output(output: str | Path | None, *, picture: bool, force: bool) -> N
 def _notes(
     here: Installation, runs: Sequence[RobotRun], recording: DriveRecording, *, contacts: bool, picture: bool
 ) -> Iterator[str]:
-    """What was derived from a robot's file, and what the simulator does not give, in a sentence each."""
+    """Yield what was derived from a robot's file, and what the simulator does not give, in a sentence each."""
     if isinstance(runs[0].robot, SdfRobot):
         yield from runs[0].robot.notes(here.backend)
     if contacts and not recording.samples:

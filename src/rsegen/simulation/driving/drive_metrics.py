@@ -17,7 +17,8 @@ SLOW = 0.1
 """A robot is stuck during a second in which it moves by less than this share of its speed."""
 
 STILL = 0.01
-"""Metres."""
+"""Distance from its first place, metres, up to which a robot counts as still: ten times the
+resolution of Gazebo Classic's record."""
 
 FALL = 0.3
 """Seconds at the start in which a robot falls to the ground; it falls 0.4 m in them."""
@@ -38,12 +39,12 @@ class Trajectory:
 
     @property
     def has_tipped(self) -> bool:
-        """Whether the robot has tipped over at the end."""
+        """Return whether the robot has tipped over at the end."""
         return bool(self.tilt[-1] > TIPPED)
 
     @property
     def is_still(self) -> bool:
-        """Whether the robot has stayed within a centimetre of its first place."""
+        """Return whether the robot has stayed within a centimetre of its first place."""
         return bool(np.hypot(*(self.rows[:, 1:3] - self.rows[0, 1:3]).T).max() < STILL)
 
     def csv(self) -> Iterator[str]:
@@ -93,7 +94,7 @@ def drive_metrics(
 
 
 def _climbed(t: Array, z: Array) -> float:
-    """Metres from the lowest height during the fall at the start to the highest one after it."""
+    """Return the rise from the lowest height during the fall at the start to the highest one after it, metres."""
     ground = int(z[t <= t[0] + FALL].argmin())
     return float(z[ground:].max() - z[ground])
 

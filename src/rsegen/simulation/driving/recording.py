@@ -186,7 +186,7 @@ def robot_contacts(samples: ContactSamples, robots: Iterable[str]) -> Iterator[R
 
 
 def contact_shares(samples: ContactSamples, robot: str) -> Mapping[str, float]:
-    """For each part of a robot, the share of samples in which it had contact, 0..1, the largest first."""
+    """Return the share of samples in which each part of a robot had contact, 0..1, the largest first."""
     found = {(contact.t, contact.part) for contact in robot_contacts(samples, [robot])}
     counts = Counter(part for _, part in sorted(found))
     return {part: round(count / len(samples), 3) for part, count in counts.most_common()}

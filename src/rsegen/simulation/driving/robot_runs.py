@@ -22,10 +22,10 @@ from rsegen.simulation.driving.routes import AlongWay, PlannedWay, Route, Straig
 from rsegen.simulation.simulators.live_world import Pose
 
 GAP = 0.1
-"""Metres between a robot and the map next to it, and between two robots."""
+"""Gap, metres, between a robot and the map next to it, and between two robots."""
 
 DROP_HEIGHT = 0.005
-"""Metres above the ground at which robots start, so that they do not start inside it."""
+"""Height, metres, above the ground at which robots start, so that they do not start inside it."""
 
 
 def adjacent_pose(field: StepField, footprint: Footprint, aside: float = 0.0) -> Pose:
@@ -114,7 +114,7 @@ def _one_behind_the_other(field: StepField, robot: DrivableRobot, count: int) ->
 
 
 def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
-    """Straight on from the end of the way until the whole robot is beyond the map."""
+    """Return the route along a way, and straight on from its end until the whole robot is beyond the map."""
     ahead, goal = max(field.block_width, robot.size[0] / 2), finish_x(field, robot) + GAP
     points = [(x, y) for x, y in way.points.tolist()]
     points.append((goal + ahead, points[-1][1]))
@@ -127,7 +127,7 @@ def driving_speed(robot: DrivableRobot) -> float:
 
 
 def _randomly_placed(field: StepField, robot: DrivableRobot, count: int, seed: int, *, evenest: bool) -> list[RobotRun]:
-    """On the map if a robot fits there, else in a row west of it."""
+    """Return runs on the map if a robot fits there, else in a row west of it."""
     footprint = footprint_of(robot)
     if fits(field, footprint):
         try:

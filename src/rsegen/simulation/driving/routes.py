@@ -52,13 +52,13 @@ class Route(ABC):
         """The motion for the next period."""
 
     def is_done(self, at: Pose) -> bool:
-        """Whether the route has ended."""
+        """Return whether the route has ended."""
         return False
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Straight(Route):
-    """Eastward along the line y = line, back to it where the ground turns the robot, as far as x = goal; metres."""
+    """A drive eastward along the line y = line, and back to it if the ground turns the robot, to x = goal; metres."""
 
     name: ClassVar[str] = "straight"
     period: ClassVar[float] = 0.5
@@ -69,7 +69,7 @@ class Straight(Route):
     goal: float
 
     def motion(self, at: Pose) -> Motion:
-        """Along an arc to a point of the line ahead (pure pursuit, Coulter 1992)."""
+        """Return an arc to a point of the line ahead (pure pursuit, Coulter 1992)."""
         if at.x >= self.goal:
             return STOP
         ahead = max(_AHEAD, 3 * self.speed * self.period)
@@ -83,7 +83,7 @@ class Straight(Route):
 
 @dataclass(kw_only=True, slots=True)
 class AlongWay(Route):
-    """Along a way of points x and y, at first on the spot to where it leads, as far as x = goal; metres.
+    """A drive along a way of points x and y, at first on the spot to where it leads, to x = goal; metres.
 
     ahead: how far before it the robot heads for a point of the way; passed: the number of the point that it is at
     """
@@ -99,7 +99,7 @@ class AlongWay(Route):
     passed: int = 0
 
     def motion(self, at: Pose) -> Motion:
-        """Along an arc to a point of the way ahead; on the spot where it is too far to the side."""
+        """Return an arc to a point of the way ahead; a turn on the spot if that is too far to the side."""
         if self.is_done(at):
             return STOP
         x, y = self._target(at)
@@ -124,7 +124,7 @@ class AlongWay(Route):
 
 @dataclass(kw_only=True, slots=True)
 class Wandering(Route):
-    """At random over a rectangle about the origin, of half a length and a width in metres; at its rim back in.
+    """A random drive over a rectangle about the origin, half its length and width in metres; at its rim back in.
 
     Speeds are uniform between a half and the whole, turn rates up to a half of what the robot can. Where it has hardly
     come on since the last decision, it backs away.
@@ -140,7 +140,7 @@ class Wandering(Route):
     before: Pose | None = None
 
     def motion(self, at: Pose) -> Motion:
-        """Two numbers are drawn each time, whether they count or not."""
+        """Return a random motion; two numbers are drawn each time, whether they count or not."""
         quick, aside = self.rng.random(2)
         v, w = self.speed * (0.5 + 0.5 * quick), self.turn * (aside - 0.5)
         before, self.before = self.before, at
@@ -154,7 +154,7 @@ class Wandering(Route):
 
 
 def _turned(angle: float) -> float:
-    """The same angle between -pi and pi."""
+    """Return the angle between -pi and pi."""
     return (angle + pi) % (2 * pi) - pi
 
 
@@ -178,7 +178,7 @@ class PlannedWay:
         self.points.setflags(write=False)
 
     def as_json(self) -> dict[str, object]:
-        """What drive.json has of it."""
+        """Return the entry of drive.json."""
         return {"crosses": self.crosses, "least_step": round(self.least_step, 9)}
 
     def csv(self) -> Iterator[str]:

@@ -71,7 +71,7 @@ def _processor() -> str:
 
 
 def _counted_twice(times: Any) -> float:
-    """What Linux counts as the time of a guest is in that of its user too."""
+    """Return the time of guests, which Linux counts as time of their users too."""
     return float(getattr(times, "guest", 0.0) + getattr(times, "guest_nice", 0.0))
 
 
@@ -88,7 +88,7 @@ def _nvidia() -> str:
 
 
 def _amd() -> str:
-    """The same from the driver's files."""
+    """Return the loads in percent, a line each, from the files of AMD's driver."""
     files = sorted(Path("/sys/class/drm").glob("card*/device/gpu_busy_percent"))
     with suppress(OSError):
         return "".join(file.read_text() for file in files)

@@ -20,7 +20,7 @@ from rsegen.robots import ROBOTS
 from rsegen.simulation.simulators import SIMULATORS
 
 PACES = ("real", "free", "beside", "camera", "window")
-"""In real time, as people simulate; as fast as the processor can, which shows what a map costs; so in turns, second by
+"""Paces of a trial: in real time; as fast as the processor can, which shows what a map costs; so in turns, second by
 second, with an empty world, which tells the two apart on a noisy machine too; in real time with a camera in the server;
 in real time with the simulator's own window."""
 
@@ -78,13 +78,13 @@ class TableRow:
 
     @property
     def label(self) -> str:
-        """In a few words."""
+        """The row in a few words."""
         shape = ", ".join(f"{key} {_in_words(value)}" for key, value in (self.recipe or {}).items())
         what = f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm, {self.max_height} levels"
         return what + (f", {shape}" if shape else "")
 
     def differs_by_simulator(self, other: TableRow) -> bool:
-        """Whether both differ, and only by the simulator."""
+        """Return whether both differ, and only by the simulator."""
         return self.simulator != other.simulator and replace(self, simulator=other.simulator) == other
 
 
@@ -99,7 +99,7 @@ def _in_words(value: Json) -> str:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Cell:
-    """One field of the table: a row at a size and a pace."""
+    """A field of the table: a row at a size and a pace."""
 
     row: int
     size: int
@@ -107,13 +107,13 @@ class Cell:
 
     @property
     def name(self) -> str:
-        """Of it among those of its plan."""
+        """The name of the cell in its plan."""
         return f"row {self.row + 1}, {self.size or 'empty'}, {self.pace}"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ExperimentPlan:
-    """What an experiment tries, and how often; `seconds` by the clock on the wall each, whatever the pace."""
+    """The trials of an experiment, and their repeats; each takes `seconds` of wall time, whatever the pace."""
 
     name: Annotated[str, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="name of the experiment")]
     rows: tuple[TableRow, ...]
@@ -135,7 +135,7 @@ class ExperimentPlan:
 
     @property
     def cells(self) -> tuple[Cell, ...]:
-        """All fields of the table, row by row."""
+        """The fields of the table, row by row."""
         return tuple(
             Cell(row=number, size=size, pace=pace)
             for pace, (number, row) in product(self.paces, enumerate(self.rows))
@@ -162,7 +162,7 @@ class ExperimentPlan:
         return found
 
     def order(self) -> Iterator[tuple[Cell, int]]:
-        """Each cell and the number of its repeat, mixed, so that a noisy hour does not favour one cell."""
+        """Yield each cell and the number of its repeat, mixed, so that a noisy hour does not favour one cell."""
         for repeat in range(self.repeats):
             cells = list(self.cells)
             random.Random(f"{self.seed}/{repeat}").shuffle(cells)  # noqa: S311  # an order, no secret

@@ -35,7 +35,7 @@ class PublishedFigures(NamedTuple):
 
 
 class PublishedRow(NamedTuple):
-    """What the paper's maps and robots were."""
+    """The maps and robots of a row of the paper."""
 
     robot: str
     robots: int
@@ -67,7 +67,8 @@ FIGURES: Mapping[PublishedRow, Mapping[int, PublishedFigures]] = {
     PublishedRow("crawler", 1, 10, 10): {size: _CRAWLER[size] for size in (0, 40, 60, 80)},
     PublishedRow("burger", 3, 1, 5): _BURGERS,
 }
-"""By robots and maps, and by the side of the map in blocks. Its tracked robot had an arm, five cameras and a lidar."""
+"""Figures by robots and maps, and by the side of the map in blocks. The tracked robot had an arm, five cameras
+and a lidar."""
 
 
 def published_figures(row: TableRow) -> Mapping[int, PublishedFigures]:
@@ -116,12 +117,12 @@ def standard_error(values: Sequence[float]) -> float:
 
 
 def rested(outcomes: Sequence[Outcome]) -> bool:
-    """Whether the robots rested for most of the time."""
+    """Return whether the robots rested for most of the time."""
     return (mean_of(outcomes, "stuck") or 0.0) > RESTING
 
 
 MARK = "†"
-"""Of rows whose robots rested."""
+"""Mark of rows whose robots rested."""
 
 _TITLES = {
     "real": "in real time",
@@ -257,7 +258,7 @@ def _full_speed(found: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]
 
 
 def _robots(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
-    """What the robots did, at one pace after the other."""
+    """Return the cells of what the robots did, at one pace after the other."""
     told = [each for each in found.values() if known(each, "driven")]
     ways = [f"{_plain(mean_of(each, 'driven'), 2)} m in {_plain(mean_of(each, 'simulated'), 0)} s" for each in told]
     stuck, covered = ([_percent(mean_of(each, name)) for each in told] for name in ("stuck", "covered"))
@@ -266,7 +267,7 @@ def _robots(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
 
 
 def _share(beside: Sequence[Outcome]) -> str:
-    """Of the speed of the empty world in turns with which it was simulated, and how far that is sure."""
+    """Return the share of the empty world's speed, simulated in turns with it, and its standard error."""
     shares = known(beside, "share")
     if len(shares) < 2:
         return "".join(f"{share:.2f}" for share in shares)
@@ -278,7 +279,7 @@ def _quotient(speed: float | None, usual: float | None) -> str:
 
 
 def _empty(plan: ExperimentPlan, results: Results, row: TableRow) -> Sequence[Outcome]:
-    """The same robots in an empty world at full speed, in this row or, if it has none, in whichever they were."""
+    """Return the outcomes of these robots in an empty world at full speed, of this row or else of a similar one."""
     alike = (
         number
         for number, each in sorted(enumerate(plan.rows), key=lambda numbered: numbered[1] is not row)
@@ -292,7 +293,7 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def _percent(share: float | None) -> str:
-    """Whole percents, or tenths of small ones."""
+    """Return a share as whole percents, or as tenths if it is small."""
     return "" if share is None else f"{share * 100:.{0 if share >= 0.1 or not share else 1}f} %"
 
 

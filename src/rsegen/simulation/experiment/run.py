@@ -42,7 +42,7 @@ REPORT_FILES = ("table.md", "trials.csv", "summary.json", "plot.png")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ExperimentResult:
-    """What `rsegen.experiment` gives: the plan, every cell's outcomes, the machine, and the folder of the files.
+    """The result of `rsegen.experiment`: the plan, every cell's outcomes, the machine, and the folder of the files.
 
     command: the command line, or the call in Python, that gives them
     """

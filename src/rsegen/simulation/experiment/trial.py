@@ -135,7 +135,7 @@ class Outcome:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Trial:
-    """One trial: its outcome, the map, and the trajectory of every robot by its name."""
+    """A trial: its outcome, the map, and the trajectory of every robot by its name."""
 
     outcome: Outcome
     scene: Scene
@@ -149,7 +149,7 @@ def run_trial(
     here: Installation,
     watch: Callable[[], None] = lambda: None,
 ) -> Trial:
-    """One trial; each repeat has its own map and start poses. A failed server is tried again.
+    """Run a trial; each repeat has its own map and start poses. A failed server is tried again.
 
     `watch` is called several times per second; what it raises ends the trial and its servers.
     """

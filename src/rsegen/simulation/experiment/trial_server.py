@@ -235,6 +235,6 @@ def trial_server(setup: Setup, here: Installation, watch: Callable[[], None]) ->
 
 
 def _paused() -> float:
-    """A window draws a paused world too."""
+    """Wait a little while the world is paused: a window draws it too."""
     time.sleep(REST)
     return REST

@@ -131,7 +131,7 @@ class Simulator(ABC):
 
     @abstractmethod
     def is_loaded(self, home: Path, log: str) -> bool:
-        """Whether a server that was started by `paused` has loaded its world, by its home and log."""
+        """Return whether a server that was started by `paused` has loaded its world, by its home and log."""
 
     @abstractmethod
     def backend(self, here: Installation) -> str:
@@ -163,7 +163,7 @@ class Simulator(ABC):
         return [line for line in found if not any(known in line for known in self.harmless_messages)]
 
     def load_failed(self, log: str) -> bool:
-        """Whether a log says that the world was not loaded."""
+        """Return whether a log says that the world was not loaded."""
         plain = plain_text(log)
         return any(words in plain for words in self.load_failures)
 

@@ -126,7 +126,7 @@ class TransportClient:
         self._send_to_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
 
     def is_subscribed(self, topic: str) -> bool:
-        """Whether a topic was ever subscribed."""
+        """Return whether a topic was ever subscribed."""
         return self._full_topic(topic) in self._types
 
     def publish(self, topic: str, type_name: str, message: Message) -> None:

@@ -27,7 +27,7 @@ _POSES = "pose/info"
 """The topic of the poses of models that have moved, and of their links, with the simulation time."""
 
 _LINK = b"::"
-"""What only the names of links have in them."""
+"""Separator of names, which the names of links have and those of models have not."""
 
 _FRAMES = {"camera": ("eye/link/camera/image", "ImageStamped"), "window": ("user_camera/pose", "Pose")}
 """The topic of each source of frames, a message a frame; the window sends at most thirty messages per second."""
@@ -35,7 +35,7 @@ _FRAMES = {"camera": ("eye/link/camera/image", "ImageStamped"), "window": ("user
 _START = {"sec": 0, "nsec": 0}
 
 _HIDDEN_HEIGHT = 10_000.0
-"""Metres above the ground at which a model is hidden."""
+"""Height, metres, at which a model is hidden: out of sight, and above all models that are not."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -58,7 +58,7 @@ class ClassicWorld(LiveWorld):
         self._wait_for(target)
 
     def step_with_contacts(self, steps: int) -> Sequence[Contact]:
-        """The first step is done alone: of many in a row the server reports contacts late, and not all."""
+        """Do the first step alone: of many in a row the server reports contacts late, and not all."""
         target = self.clock().steps + steps
         with self.client.subscribed("physics/contacts", "Contacts"):
             self._step(1)
@@ -95,7 +95,7 @@ class ClassicWorld(LiveWorld):
         return {name: pose_of(model["pose"]) for name, model in self._models().items()}
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
-        """From a topic that the server publishes sixty times a second at most, while it is subscribed."""
+        """Return the last message of a topic that a server publishes at most sixty times a second."""
         if not self.client.is_subscribed(_POSES):
             self.client.subscribe(_POSES, "PosesStamped")
         found = self.client.last(_POSES) or {}
@@ -115,11 +115,11 @@ class ClassicWorld(LiveWorld):
         return {link["name"]: pose_of(link["pose"]) for link in links}
 
     def mesh_files(self) -> Mapping[str, str]:
-        """The same answer as that about poses has them; of a map in a world file relative to the world."""
+        """Return the files in the answer about poses; those of a map in a world file are relative to the world."""
         return {name: file for name, model in self._models().items() if (file := mesh_file(model))}
 
     def movable(self) -> Set[str]:
-        """Each model says whether it is static."""
+        """Return the models that do not say that they are static."""
         return frozenset(name for name, model in self._models().items() if not model.get("is_static"))
 
     def move(self, name: str, pose: Pose) -> None:
@@ -162,7 +162,7 @@ class ClassicWorld(LiveWorld):
             self.client.publish("world_control", "WorldControl", {"multi_step": steps})
 
     def _wait_for(self, target: int) -> None:
-        """As long as steps are being done."""
+        """Wait until a number of steps is done; SimulatorFailed if no further ones are done."""
         done = self.clock().steps
         while done < target:
             done = int(self._statistics(after=done)["iterations"])
@@ -191,7 +191,7 @@ class ClassicWorld(LiveWorld):
         return {"name": name, "id": models[name]["id"], "pose": pose_message(pose)}
 
     def _models(self, *, hidden: bool = False) -> dict[str, dict[str, Any]]:
-        """All models, without or with hidden ones."""
+        """Return the models by name, without or with hidden ones."""
         content = self._asked("entity_list", "")["serialized_data"]
         models = CLASSIC.decode("Model_V", content).get("models", [])
         return {model["name"]: model for model in models if hidden or model["pose"]["position"]["z"] < _HIDDEN_HEIGHT}

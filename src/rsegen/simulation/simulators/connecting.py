@@ -35,7 +35,7 @@ def _first(stack: ExitStack, simulators: list[Simulator]) -> tuple[Simulator, Li
 
 
 def _world_or_reason(stack: ExitStack, simulator: Simulator, timeout: float) -> LiveWorld | str:
-    """Its world, or the reason why there is none."""
+    """Return the world of a simulator, or the reason why there is none."""
     try:
         return stack.enter_context(simulator.connect(os.environ, timeout))
     except SimulatorFailed as error:

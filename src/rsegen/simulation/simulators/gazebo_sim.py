@@ -26,10 +26,10 @@ _SETTINGS = MappingProxyType(
         "ign gazebo": (Path(".ignition", "gazebo"), "IGN_GAZEBO_SERVER_CONFIG_PATH"),
     }
 )
-"""Where its settings are below the user's home, and the variable that names another file of its default plug-ins."""
+"""The folder of its settings in the user's home, and the variable that names another file of default plug-ins."""
 
 _LOADED = "Publishing dynamic pose messages on ["
-"""What its scene broadcaster says last, in a message of level 3, in the first update after all entities are made."""
+"""The last message, of level 3, of its scene broadcaster in the first update after all entities are made."""
 
 _NO_MESSAGE_IS_DROPPED = MappingProxyType({"GZ_TRANSPORT_SNDHWM": "0", "IGN_TRANSPORT_SNDHWM": "0"})
 """The length of the queue of messages to send, 0 for any. By default a server drops what is beyond 1000 messages, which
@@ -42,7 +42,7 @@ that are spawned come from other files of its source.)"""
 
 @register
 class GazeboSim(Simulator):
-    """Fortress and all later ones."""
+    """Gazebo Sim from Fortress on."""
 
     name: ClassVar[str] = "sim"
     title: ClassVar[str] = "Gazebo Sim"
@@ -66,7 +66,7 @@ class GazeboSim(Simulator):
     )
 
     def installation(self) -> Installation | None:
-        """The newest of all that are on PATH; it tells its versions one a line."""
+        """Return the newest of all that are on PATH; each prints its versions, one per line."""
         told = ((number, words) for words in COMMANDS for number in _versions(words))
         newest = max(told, key=lambda each: _order(each[0]), default=None)
         if not newest:
@@ -76,38 +76,38 @@ class GazeboSim(Simulator):
         return Installation(simulator=self, version=version, commands=MappingProxyType({f"{program} {verb}": where}))
 
     def with_gui(self, here: Installation, opening: OpenRequest) -> LaunchCommand | None:
-        """Server and window, which start to simulate at once."""
+        """Return the command of server and window, which start to simulate at once."""
         return _launch(here, opening).with_options("-r")
 
     def headless(self, here: Installation, opening: OpenRequest) -> LaunchCommand:
-        """The server alone; in a home of its own with the default plug-ins that the user has chosen in theirs."""
+        """Return the command of the server alone; in a home of its own with the default plug-ins of the user's."""
         launch = _launch(here, opening).with_options("-s", "-r")
         chosen = _server_config(here) if opening.home else {}
         return replace(launch, environment=MappingProxyType({**launch.environment, **chosen}))
 
     def paused(self, here: Installation, opening: OpenRequest, home: Path) -> LaunchCommand:
-        """The server alone, which is not told to run, says what it has loaded, and drops no message."""
+        """Return the command of a paused server, which says what it has loaded, and drops no message."""
         launch = _launch(here, replace(opening, home=home)).with_options("-s", "-v", "3")
         return replace(launch, environment=MappingProxyType({**launch.environment, **_NO_MESSAGE_IS_DROPPED}))
 
     def is_loaded(self, home: Path, log: str) -> bool:
-        """It says so; in its own log in its home at once, in what it prints perhaps 4096 bytes later."""
+        """Return whether it says so: at once in its own log in its home, perhaps 4096 bytes later in what it prints."""
         return _LOADED in log or any(_LOADED in text for text in _console_logs(home))
 
     def load_failed(self, log: str) -> bool:
-        """Whether its log has such a message, or an error in the world's SDF."""
+        """Return whether its log has such a message, or an error in the world's SDF."""
         return super().load_failed(log) or any(_SDF_ERROR.search(line) for line in self.error_lines(log))
 
     def backend(self, here: Installation) -> str:
-        """Up to Fortress, names begin with ignition."""
+        """Return `fortress` up to that version, whose names begin with ignition, else `sim`."""
         return "fortress" if "ign gazebo" in here.commands else "sim"
 
     def with_contact_sensors(self, model: str) -> str:
-        """A server knows the contacts of collisions that a sensor names, and of no others."""
+        """Return the model with sensors: a server gives only contacts of collisions that a sensor names."""
         return with_contact_sensors(model)
 
     def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
-        """Through its own transport, so it may run on another machine, and need not be installed on this one."""
+        """Connect through its own transport, so it may run on another machine, and need not be installed here."""
         return sim_world(environment, timeout)
 
 

@@ -81,7 +81,7 @@ class LiveWorld(ABC):
         """Record the poses of these robots from now on, as `recorded` gives them."""
 
     def watch_contacts(self) -> bool:
-        """Whether `step_with_contacts` gives contacts, which it may do only after this was called."""
+        """Return whether `step_with_contacts` gives contacts, which it may do only after this was called."""
         return True
 
     def recorded(self) -> Record:

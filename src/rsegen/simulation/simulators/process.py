@@ -45,7 +45,7 @@ class RunningProgram:
 
     @property
     def exit_code(self) -> int | None:
-        """Its exit code; None while it runs."""
+        """The exit code; None while it runs."""
         return self.process.poll()
 
     def end(self) -> None:
@@ -150,7 +150,7 @@ class OutputFiles:
 
     @property
     def text(self) -> str:
-        """What has been printed until now: stdout, perhaps to the middle of a line, then stderr from a new line on."""
+        """The output until now: stdout, perhaps to the middle of a line, then stderr from a new line on."""
         return "\n".join(path.read_text(errors="replace") for path in self.paths)
 
     @contextmanager

@@ -32,7 +32,10 @@ TIMEOUT = 20.0
 """Seconds for a world to load, and for a server to answer."""
 
 ATTEMPTS = 4
-"""Gazebo 11.1's server now and then dies or hangs."""
+"""Servers that are tried, as Gazebo 11.1's now and then dies or hangs.
+
+With fewer, long experiments stop sooner; with more, a world that cannot be loaded is reported later.
+"""
 
 Result = TypeVar("Result")
 
@@ -58,7 +61,7 @@ class Server:
 
     @property
     def log(self) -> str:
-        """What it has printed until now, errors last."""
+        """The output until now, errors last."""
         return OutputFiles(folder=self.home).text
 
     @property
@@ -153,7 +156,7 @@ def choose_installation(made_for: str, name: str | None) -> Installation:
 
 
 def has_screen() -> bool:
-    """Whether a window can be shown; only on Linux can it be known that there is no screen."""
+    """Return whether a window can be shown; only on Linux can it be known that there is no screen."""
     return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
 
 

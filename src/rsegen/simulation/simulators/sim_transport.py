@@ -127,7 +127,7 @@ class Sockets:
 
     @property
     def all(self) -> tuple[Any, ...]:
-        """All of them."""
+        """The four sockets."""
         return self.subscriber, self.publisher, self.requester, self.responder
 
     def subscribe(self, topic: str) -> None:
@@ -159,7 +159,7 @@ class Sockets:
 
 
 HEARTBEAT_PERIOD = 1.0
-"""Seconds."""
+"""Seconds between two heartbeats, as in Gazebo Transport itself, which gives a program up after three."""
 
 TOPICS, SERVICES = "MSG", "SRV"
 """The two sorts of what is discovered, as in the names of variables."""
@@ -345,7 +345,7 @@ class TransportClient:
         self._do(lambda: self._sockets.publisher.send_multipart([*parts, content, type_name.encode()]))
 
     def offers(self, service: str, timeout: float = TIMEOUT) -> list[Message]:
-        """Who offers a service: the publications of all programs that answer; SimulatorFailed if none does."""
+        """Return the publications of all programs that offer a service; SimulatorFailed if none answers."""
         full, end = self._full_name(service), time.monotonic() + timeout
         while not self._services.get(full):
             if time.monotonic() > end:
@@ -356,7 +356,7 @@ class TransportClient:
         return list(self._services[full].values())
 
     def all_offers(self, service: str) -> list[Message]:
-        """The same of all programs that answer within a moment, once one has answered."""
+        """Return the publications of all programs that offer a service and answer within a moment after the first."""
         self._ask(self._offers, self._full_name(service))
         time.sleep(_ASK_AGAIN / 2)
         return self.offers(service)
@@ -472,7 +472,7 @@ class TransportClient:
         self._inbox.update(lambda: self._services.setdefault(found["topic"], {}).update({found["process_uuid"]: found}))
 
     def _forget(self, process: str) -> None:
-        """Nothing more comes from a program that has said goodbye."""
+        """Drop the services and topics of a program that has said goodbye."""
         if process == self._attended:
             self._inbox.fail("the server has ended")
         self._inbox.update(lambda: [offers.pop(process, None) for offers in self._services.values()])
@@ -489,7 +489,7 @@ class TransportClient:
                 self._takers[topic](SIM.decode(name, content))
 
     def _read_subscription(self) -> None:
-        """A first byte of 1 says that somebody has subscribed, of 0 that nobody is left."""
+        """Note a subscription: a first byte of 1 says that somebody has subscribed, of 0 that nobody is left."""
         content = self._sockets.publisher.recv()
         change = self._subscribed.add if content[:1] == b"\1" else self._subscribed.discard
         self._inbox.update(lambda: change(content[1:].decode(errors="replace")))

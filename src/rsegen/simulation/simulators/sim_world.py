@@ -107,7 +107,7 @@ _SENSORS_TIME = 2.0
 """Seconds in which the sensors of a world that is loaded are found."""
 
 _CLIENTS, _FIRST_RESPONSE = 5, 1.0
-"""How many clients are tried, and seconds within which a server must answer one."""
+"""Clients that are tried, and seconds within which a server must answer one (decision 16)."""
 
 _MODEL = 2
 """The type of a model in a message Entity."""
@@ -156,7 +156,7 @@ class SimWorld(LiveWorld):
         return self._sample is not None
 
     def step_with_contacts(self, steps: int) -> Sequence[Contact]:
-        """Sensors give the contacts of every step; those of the first have its time."""
+        """Step, and return the contacts of the first step: sensors give those of every step, with its time."""
         if self._sample is None or not steps:
             self.step(steps)
             return ()
@@ -192,7 +192,7 @@ class SimWorld(LiveWorld):
         return {name: pose_of(poses[number]) for number, name in self._names.items() if number in poses}
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
-        """From the topic of poses; the names are those of the last `poses`."""
+        """Return the last message of the topic of poses; the names are those of the last `poses`."""
         found = self.client.last(self._topic("pose/info")) or {}
         poses = {pose["id"]: pose for pose in found.get("pose", []) if "id" in pose}
         return _stamp(found) / 1e9, {name: pose_of(poses[one]) for one, name in self._names.items() if one in poses}
@@ -216,11 +216,11 @@ class SimWorld(LiveWorld):
         return [(at / 1e9, states[at]) for at in sorted(states)]
 
     def mesh_files(self) -> Mapping[str, str]:
-        """The scene has them, absolute."""
+        """Return the files in the scene, which are absolute."""
         return {model["name"]: file for model in self._scene() if (file := mesh_file(model))}
 
     def movable(self) -> Set[str]:
-        """The models in the topic of poses that are not static."""
+        """Return the models in the topic of moving poses."""
         moving = self._poses("dynamic_pose/info")
         return frozenset(name for number, name in self._models().items() if number in moving)
 
@@ -261,7 +261,7 @@ class SimWorld(LiveWorld):
         return done, now
 
     def _wait_for_time(self, target: int) -> None:
-        """As long as poses of later times come."""
+        """Wait until poses of a time are published; SimulatorFailed if no later ones come."""
         now = -1
         while now < target:
             now = _stamp(self._message("pose/info", lambda message: _stamp(message) > now))  # noqa: B023

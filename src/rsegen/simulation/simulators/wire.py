@@ -29,7 +29,7 @@ Fields: TypeAlias = Mapping[str, tuple[int, Kind]]
 """Number and kind of each field of a message type, by its name."""
 
 NO_MESSAGE = (AttributeError, IndexError, TypeError, ValueError, struct.error)
-"""What `decode` raises for bytes that are no message of the type."""
+"""Errors that `decode` raises for bytes that are no message of the type."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +97,7 @@ def parse_text(text: str) -> Message:
 
 
 def _fields(content: bytes) -> Iterator[tuple[int, Any]]:
-    """Number and raw value of each field, in order."""
+    """Yield number and raw value of each field, in order."""
     at = 0
     while at < len(content):
         key, at = _number(content, at)
@@ -113,7 +113,7 @@ def _fields(content: bytes) -> Iterator[tuple[int, Any]]:
 
 
 def _varint(number: int) -> bytes:
-    """Seven bits a byte, the lowest first; a negative number as if it had 64 bits."""
+    """Return a number as seven bits a byte, the lowest first; a negative one as if it had 64 bits."""
     number &= 2**64 - 1
     content = bytearray()
     while number > 127:
@@ -164,7 +164,7 @@ def pose_of(message: PoseMessage) -> Pose:
 
 
 def is_nearer(at: Pose, wanted: Pose, before: Pose) -> bool:
-    """Whether a model is nearer to its wanted pose than to the one before."""
+    """Return whether a model is closer to its target pose than to its previous one."""
     return _distance(at, wanted) <= _distance(at, before)
 
 

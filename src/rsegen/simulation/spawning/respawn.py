@@ -33,7 +33,7 @@ from rsegen.simulation.worlds import Target
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RespawnResult:
-    """What `rsegen.respawn` gives: the new map's name and the old one's, the simulator, the pose, the models on top."""
+    """The result of `rsegen.respawn`: names of the new and the old map, simulator, pose, and models put on top."""
 
     name: str
     instead_of: str
@@ -132,7 +132,7 @@ def _field(recipe: Recipe, name: str) -> StepField:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RemoveResult:
-    """What `rsegen.remove` gives: the names of the deleted models, and the simulator's."""
+    """The result of `rsegen.remove`: the names of the deleted models, and the simulator's."""
 
     removed: tuple[str, ...]
     simulator: str

@@ -47,7 +47,7 @@ _Spawnable: TypeAlias = Robot | SdfRobot | MapModel
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SpawnResult:
-    """What `rsegen.spawn` gives: the model's name, the simulator's, the pose, and the models put on top of the map.
+    """The result of `rsegen.spawn`: the names of model and simulator, the pose, and the models put on top of the map.
 
     notes: what could not be known, in a sentence each
     """
@@ -161,7 +161,7 @@ def _checked_name(given: str | None, what: _Spawnable) -> str:
 
 
 def _checked_place(at: Sequence[float] | None) -> list[float]:
-    """x, y and perhaps z and yaw; empty if none is given."""
+    """Return x, y and perhaps z and yaw; nothing if no place is given."""
     if at is None:
         return []
     if not 2 <= len(at) <= 4:

@@ -34,7 +34,7 @@ from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.worlds import Target, write_world
 
 GAP = 0.5
-"""Metres between a new model and those that are there."""
+"""Gap, metres, between a new model and those that are there: a small robot passes between them."""
 
 
 class Rectangle(NamedTuple):
@@ -46,7 +46,7 @@ class Rectangle(NamedTuple):
     half_y: float = 0.0
 
     def is_clear_of(self, other: Rectangle) -> bool:
-        """Whether there is a gap between both."""
+        """Return whether there is a gap between both."""
         return (
             abs(self.x - other.x) > self.half_x + other.half_x + GAP - 1e-3
             or abs(self.y - other.y) > self.half_y + other.half_y + GAP - 1e-3
@@ -84,7 +84,7 @@ class SpawnedMap:
         return Rectangle(self.at.x, self.at.y, (x * c + y * s) / 2, (x * s + y * c) / 2)
 
     def covers(self, at: Pose, reach: float) -> bool:
-        """Whether a model at a pose, with this radius, is above the map."""
+        """Return whether a model at a pose, with this radius, is above the map."""
         return all(abs(x) <= along / 2 + reach for x, along in zip(self._seen(at), self.field.extent, strict=True))
 
     def top(self, at: Pose, reach: float = 0.0) -> float:
@@ -113,7 +113,7 @@ GROUND = "ground_plane"
 """The name of the ground in Gazebo's worlds, on which everything may be placed."""
 
 RADIUS = 0.3
-"""Metres: the assumed radius of a model that is not one of rsegen's robots."""
+"""The assumed radius, metres, of a model that is not one of rsegen's robots."""
 
 
 def occupied(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> list[Rectangle]:
@@ -139,14 +139,14 @@ def spawn_map(live: LiveWorld, sdf: str, new: SpawnedMap, old: SpawnedMap | None
 
 
 def model_radius(name: str) -> float:
-    """Metres around its origin that a model covers; rsegen's robots are known by the beginning of their names."""
+    """Return the radius, metres, of a model; rsegen's robots are known by the beginning of their names."""
     kind = next((robot for kind, robot in ROBOTS.items() if name.startswith(kind)), None)
     return hypot(*kind.size[:2]) / 2 if kind else RADIUS
 
 
 @contextmanager
 def _paused(live: LiveWorld) -> Iterator[None]:
-    """The world is paused inside; afterwards it runs only if it ran before."""
+    """Pause the world inside; afterwards it runs only if it ran before."""
     if live.clock().paused:
         yield
         return
@@ -209,7 +209,7 @@ class MapModel:
             raise ParameterError("mesh_type", problem)
 
     def sdf(self, name: str) -> str:
-        """Its model file under a name, with absolute paths of meshes; the map is written first if it does not exist."""
+        """Return its model file under a name, with absolute paths of meshes; the map is written first if need be."""
         if not self.folder.is_dir():
             write_world(self.scene, self.folder.parent)
         file = self.folder / _MODEL_FILE
@@ -261,7 +261,7 @@ def known_recipes(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Pa
 
 
 def known_maps(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> list[SpawnedMap]:
-    """Of the models in a simulation, the maps whose recipe is known."""
+    """Return the maps among the models of a simulation whose recipe is known."""
     found = known_recipes(live, poses, homes)
     return [
         SpawnedMap(name=name, field=compose(recipe, recipe.first_map).field, at=poses[name])
