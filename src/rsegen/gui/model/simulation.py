@@ -26,7 +26,7 @@ from rsegen.simulation.driving.routes import planned_way
 from rsegen.simulation.experiment.plan import PLANS, load_plan
 from rsegen.simulation.experiment.run import experiment
 from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest
-from rsegen.simulation.simulators.connecting import connected
+from rsegen.simulation.simulators.base import connected
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.spawning import SpawnedMap, at_free_place, map_model, spawn_map
 

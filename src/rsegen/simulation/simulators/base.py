@@ -1,7 +1,8 @@
-"""The interface of a simulator: how to find and install it, and the commands that open a world in it.
+"""The interface of a simulator: how to find and install it, the commands that open a world in it, and how to connect.
 
 A simulator is one file of this folder with one class under `@register`. It starts nothing itself: it gives a
-`LaunchCommand`, which can be printed, tested, or run by `process`.
+`LaunchCommand`, which can be printed, tested, or run by `process`. The installed ones are found by `installations`, the
+running one, at the address in the user's environment variables, by `connected`.
 """
 
 from __future__ import annotations
@@ -12,11 +13,12 @@ import shlex
 import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, TypeVar
 
+from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.params.registry import Contract, Registry
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
 
@@ -24,6 +26,14 @@ _MARKS = ("[Err]", "[error]", "Error [", "Error Code")
 """Marks of error lines: of Gazebo up to Harmonic, and since Ionic; of libsdformat up to 9, and later."""
 
 _COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
+"""An escape sequence of a terminal, by which Gazebo colours its lines."""
+
+_TIMEOUTS = 0.3, 2.0
+"""Seconds in which a running server must answer.
+
+First each simulator is asked for a moment, as most do not run; a busy server gets more time then. With more, a command
+without any simulation takes longer to say so.
+"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -159,8 +169,8 @@ class Simulator(ABC):
 
     def error_lines(self, log: str) -> list[str]:
         """The error lines of a log, without harmless ones."""
-        found = (line.strip() for line in plain_text(log).splitlines() if any(mark in line for mark in _MARKS))
-        return [line for line in found if not any(known in line for known in self.harmless_messages)]
+        errors = (line.strip() for line in plain_text(log).splitlines() if any(mark in line for mark in _MARKS))
+        return [line for line in errors if not any(harmless in line for harmless in self.harmless_messages)]
 
     def load_failed(self, log: str) -> bool:
         """Return whether a log says that the world was not loaded."""
@@ -198,6 +208,26 @@ def register(cls: _Kind) -> _Kind:
 
 
 def installations(first: str = "") -> Iterator[Installation]:
-    """The installed simulators, that of a name first, else the newest; each is searched when it is its turn."""
+    """Return the installed simulators, that of a name first, else the newest; each is searched when it is its turn."""
     ordered = sorted(SIMULATORS.values(), key=lambda simulator: simulator.name != first)
     return (here for simulator in ordered if (here := simulator.installation()))
+
+
+@contextmanager
+def connected(name: str | None) -> Iterator[tuple[Simulator, LiveWorld]]:
+    """Connect to the running simulator, of that name if given, and its world; NothingRuns if none runs."""
+    simulators = list(SIMULATORS.values()) if name is None else [SIMULATORS.named(name, "simulator")]
+    with ExitStack() as stack:
+        yield _first_running(stack, simulators)
+
+
+def _first_running(stack: ExitStack, simulators: list[Simulator]) -> tuple[Simulator, LiveWorld]:
+    reasons: list[str] = []
+    for timeout in _TIMEOUTS:
+        reasons.clear()
+        for simulator in simulators:
+            try:
+                return simulator, stack.enter_context(simulator.connect(os.environ, timeout))
+            except SimulatorFailed as error:  # noqa: PERF203  # there are two simulators
+                reasons.append(str(error))
+    raise NothingRuns(f"no simulation runs ({'; '.join(reasons)}); start one, as with rsegen open --shared")

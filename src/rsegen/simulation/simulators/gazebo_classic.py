@@ -1,6 +1,8 @@
 """Gazebo Classic 11: gzserver, gzclient, and gazebo that starts both.
 
-The record of a Gazebo Classic server: where models were, to three digits, which is all that Gazebo writes.
+Two servers need two ports of GAZEBO_MASTER_URI, and the internet's database of models is switched off, or they wait for
+it. A paused server begins its record when its world is complete, which tells that it has loaded; the record later tells
+where models were, to three digits, which is all that Gazebo writes.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ def parse_record(text: str) -> Record:
     return [
         (
             int(seconds) + int(nanos) / 1e9,
-            {name: [float(number) for number in pose.split()] for name, pose in _MODEL.findall(models)},
+            {name: [float(value) for value in pose.split()] for name, pose in _MODEL.findall(models)},
         )
         for seconds, nanos, models in _STATE.findall(text)
     ]
@@ -84,8 +86,8 @@ class GazeboClassic(Simulator):
         if not server or not version:
             return None
         names = ("gzserver", "gz", "gazebo", "gzclient")
-        there = {name: server.with_name(name) for name in names if server.with_name(name).exists()}
-        return Installation(simulator=self, version=version[1], commands=MappingProxyType(there))
+        commands = {name: server.with_name(name) for name in names if server.with_name(name).exists()}
+        return Installation(simulator=self, version=version[1], commands=MappingProxyType(commands))
 
     def with_gui(self, here: Installation, opening: OpenRequest) -> LaunchCommand | None:
         """Return the command `gazebo`, which starts server and window."""
@@ -133,10 +135,10 @@ class GazeboClassic(Simulator):
 
 def _address(master: str) -> tuple[str, int]:
     """Host and port of a GAZEBO_MASTER_URI."""
-    found = re.fullmatch(r"(?:http://)?([^/:]+):(\d{1,5})/?", master)
-    if not found:
+    parts = re.fullmatch(r"(?:http://)?([^/:]+):(\d{1,5})/?", master)
+    if not parts:
         raise ParameterError("GAZEBO_MASTER_URI", f"{shown(master)} is not a host and a port, as in {MASTER}")
-    return found[1], int(found[2])
+    return parts[1], int(parts[2])
 
 
 def _launch(command: Path, opening: OpenRequest, more: Mapping[str, str]) -> LaunchCommand:

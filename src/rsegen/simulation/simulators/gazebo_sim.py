@@ -1,4 +1,9 @@
-"""Gazebo Sim, once Ignition: `ign gazebo` up to Fortress, `gz sim` from Garden on."""
+"""Gazebo Sim, once Ignition: `ign gazebo` up to Fortress, `gz sim` from Garden on.
+
+Every variable is set by both of its names, old and new. A partition of its own keeps a server apart from others. It
+prints in blocks of 4096 bytes, so whether it has loaded its world is read from its own log, which is flushed by line;
+its exit code is 0 whatever fails.
+"""
 
 from __future__ import annotations
 
@@ -67,7 +72,7 @@ class GazeboSim(Simulator):
 
     def installation(self) -> Installation | None:
         """Return the newest of all that are on PATH; each prints its versions, one per line."""
-        told = ((number, words) for words in COMMANDS for number in _versions(words))
+        told = ((version, words) for words in COMMANDS for version in _versions(words))
         newest = max(told, key=lambda each: _order(each[0]), default=None)
         if not newest:
             return None
@@ -151,4 +156,4 @@ def _versions(words: Sequence[str]) -> Iterator[str]:
 
 
 def _order(version: str) -> list[int]:
-    return [int(number) for number in re.findall(r"\d+", version)[:3]]
+    return [int(part) for part in re.findall(r"\d+", version)[:3]]

@@ -12,7 +12,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.robots.drives import Command
 
 TIMEOUT = 20.0
-"""Seconds in which a change that was ordered must be done."""
+"""Seconds in which a change that was ordered must be done: a map of 320 x 320 blocks takes 5 to 8 to load."""
 
 Record = list[tuple[float, dict[str, list[float]]]]
 """Simulated seconds, and the poses (x, y, z, roll, pitch, yaw) of models at that time, state by state."""
@@ -51,7 +51,7 @@ class Contact:
 class LiveWorld(ABC):
     """A world in a running simulator. SimulatorFailed if the simulator has ended or does not answer.
 
-    dialect: the name of its message and plug-in types, one of `rsegen.robots.BACKENDS`.
+    backend: the name of its message and plug-in types, one of `rsegen.robots.BACKENDS`.
     """
 
     backend: str
@@ -111,7 +111,7 @@ class LiveWorld(ABC):
         raise SimulatorFailed(f"the frames of a {source} cannot be counted here")
 
     def mesh_files(self) -> Mapping[str, str]:
-        """The file of the first mesh that is seen of each model, as its SDF names it, by the model's name."""
+        """Return the URI of the first visual mesh of each model, as its SDF has it, by the model's name."""
         return {}
 
     @abstractmethod
@@ -132,11 +132,11 @@ class LiveWorld(ABC):
 
 
 def model_name(sdf: str) -> str:
-    """The name of the model of an SDF text."""
-    found = re.search(r"<model\s+name=['\"]([^'\"]+)['\"]", sdf)
-    if not found:
+    """Return the name of the model of an SDF text."""
+    start = re.search(r"<model\s+name=['\"]([^'\"]+)['\"]", sdf)
+    if not start:
         raise SimulatorFailed("no <model> in the SDF text to spawn")
-    return found[1]
+    return start[1]
 
 
 def wait_until(done: Callable[[], bool], failure: str, pause: float) -> None:

@@ -1,4 +1,4 @@
-r"""Programs in sessions of their own, which end with all that they have started, however rsegen itself ends.
+r"""Programs in sessions of their own, which end with all that they have started, and what they print.
 
     rsegen --starts--> program (and what it starts)
        |  \--starts--> watchdog.py
@@ -6,11 +6,10 @@ r"""Programs in sessions of their own, which end with all that they have started
 
 There is one way to end a program: the pipe closes, and the watch ends the program's session. The program is started by
 a shell that names itself to the watch through the same pipe before it becomes the program, so there is no moment in
-which anything runs that the watch will not end.
+which anything runs that the watch will not end (decision 9). Cost: 0.1 s of CPU time per program.
 
-What a program prints, in two files: a simulator writes stdout in blocks, which would cut lines of stderr in one.
-
-Error lines that are passed on once each: an old Gazebo Sim prints some at every step.
+stdout and stderr go into two files: a simulator writes stdout in blocks, which would cut lines of stderr in one. Error
+lines that differ in numbers alone are passed on once, as an old Gazebo Sim prints some at every step.
 """
 
 from __future__ import annotations
@@ -34,6 +33,10 @@ from rsegen.simulation.simulators.base import LaunchCommand
 
 _WATCH = Path(__file__).with_name("watchdog.py")
 _NAMED = ("/bin/sh", "-c", 'echo $$ >&0; exec "$@" </dev/null', "sh")
+"""A shell that writes its id, which is that of the session, into the watch's pipe, and becomes the program."""
+
+_SHORT_COMMAND = 30
+"""Seconds for a short command, such as one that prints a version: on a cold disk Gazebo's take some seconds."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -90,14 +93,16 @@ def output_of(launch: LaunchCommand, timeout: float) -> str:
 def command_output(command: Sequence[str | Path]) -> str:
     """stdout and stderr of a short command, also if it does not end; empty if there is no such command."""
     try:
-        return _printed(LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd()), 30)[0]
+        launch = LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd())
+        return _printed(launch, _SHORT_COMMAND)[0]
     except OSError:
         return ""
 
 
 def _printed(launch: LaunchCommand, timeout: float) -> tuple[str, bool]:
-    """What a program prints in some seconds, and whether it has ended: its end counts, not that of a pipe, which any
-    process that it has started may keep open.
+    """Return what a program prints in some seconds, and whether it has ended.
+
+    Its own end counts, not that of a pipe, which any process that it has started may keep open.
     """
     with TemporaryFile("w+", encoding="utf-8", errors="replace") as file, running(launch, file) as started:
         with suppress(subprocess.TimeoutExpired):
@@ -134,7 +139,7 @@ def _closed_at_end(watch: subprocess.Popen[str]) -> Iterator[None]:
 
 
 PAUSE = 0.1
-"""Seconds between two looks into the files."""
+"""Seconds between two looks into the files: soon enough for a person who watches, at no cost."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

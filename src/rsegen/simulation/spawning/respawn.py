@@ -17,7 +17,7 @@ from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
 from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.simulators.connecting import connected
+from rsegen.simulation.simulators.base import connected
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.spawning import (
     MapModel,

@@ -19,7 +19,7 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.robots import ROBOTS, Robot, SdfRobot, from_file, is_robot_file
 from rsegen.robots.footprint import footprint_of
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, spots_on_map
-from rsegen.simulation.simulators.connecting import connected
+from rsegen.simulation.simulators.base import connected
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.spawning.spawning import (
     GROUND,
