@@ -17,7 +17,7 @@ from rsegen.exporters.pictures.preview import image_format
 from rsegen.io.clouds import is_cloud
 from rsegen.io.resources import refuse_too_large
 from rsegen.io.scans import ComparedMap, ScanOptions, compare
-from rsegen.io.targets import found
+from rsegen.io.targets import chosen_map
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.store import write_file
@@ -78,7 +78,7 @@ def _compared(stands: list[str], arguments: argparse.Namespace, recipe: Recipe) 
         return compare(clouds, recipe, ScanOptions(**options))
     if len(stands) > 1:
         raise ParameterError("SCAN-or-MAP", "give clouds of one field and a map, or two maps")
-    _, other, index = found(stands[0], arguments.map)
+    _, other, index = chosen_map(stands[0], arguments.map)
     refuse_too_large(other)
     return compare(other.alone(index), recipe)
 

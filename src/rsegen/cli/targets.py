@@ -11,7 +11,7 @@ from rsegen.errors import ParameterError
 from rsegen.exporters.formats import Step
 from rsegen.exporters.scene import Scene, compose
 from rsegen.io.resources import refuse_too_large
-from rsegen.io.targets import Found, one_of, recipe_files, recipe_in
+from rsegen.io.targets import ChosenMap, one_of, recipe_files, recipe_in
 from rsegen.recipe.recipe import Recipe
 
 _WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a folder of maps, or DIR#17 of a data set"
@@ -48,7 +48,7 @@ def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
         yield file, with_flags(recipe, arguments) if flags else recipe
 
 
-def map_of_flags(arguments: argparse.Namespace) -> Found:
+def map_of_flags(arguments: argparse.Namespace) -> ChosenMap:
     """One map of them: the one that --map names, or the first."""
     return one_of(recipes_of(arguments), arguments.map, arguments.target or "the recipe of the flags")
 

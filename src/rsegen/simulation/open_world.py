@@ -1,4 +1,9 @@
-"""`rsegen.open`: a world opened in a simulator, until the simulator ends."""
+"""`rsegen.open`: a world opened in a simulator, until the simulator ends.
+
+The exit code of a simulator tells little: Gazebo Sim's is 0 whatever fails, and Gazebo Classic goes on with an empty
+world. So its lines are read: one that says that no world was loaded ends it, and error lines of a server alone are a
+failure, except for harmless ones (docs/gazebo.md).
+"""
 
 from __future__ import annotations
 
@@ -126,7 +131,7 @@ def _run(
 
     A closed window is no failure, though Gazebo Classic may then exit with 255; nor are error lines of a window.
     """
-    relay = ErrorRelay(on_error)
+    relay = ErrorRelay(on_error)  # the caller hears each sort of error once
     try:
         code = run_until_end(here, launch, seconds=seconds, on_error=relay.add)
     except KeyboardInterrupt:

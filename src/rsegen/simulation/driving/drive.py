@@ -59,9 +59,9 @@ def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way:
     if way:
         axes.plot(*way.points.T, color="white", linewidth=3)
         axes.plot(*way.points.T, color="black", linewidth=1.5, linestyle="--", label="planned way")
-    for number, (name, trajectory) in enumerate(trajectories.items()):
+    for index, (name, trajectory) in enumerate(trajectories.items()):
         x, y = trajectory.rows[:, 1], trajectory.rows[:, 2]
-        colour = f"C{number % 10}"
+        colour = f"C{index % 10}"
         axes.plot(x, y, color="white", linewidth=4)
         axes.plot(x, y, color=colour, linewidth=2, label=name)
         axes.plot(x[:1], y[:1], "o", color=colour, markersize=10, markerfacecolor="white", markeredgewidth=2)
@@ -80,7 +80,7 @@ def _limits(extent: float, trajectories: Mapping[str, Trajectory], column: int) 
     """The limits of an axis: the map, and the trajectories near it."""
     along = [trajectory.rows[:, column] for trajectory in trajectories.values()]
     half, far = extent / 2 + _RIM, extent / 2 + _MARGIN
-    low, high = min(each.min() for each in along) - _RIM, max(each.max() for each in along) + _RIM
+    low, high = min(values.min() for values in along) - _RIM, max(values.max() for values in along) + _RIM
     return max(min(low, -half), -far), min(max(high, half), far)
 
 
@@ -122,8 +122,8 @@ class DriveResult:
     def as_json(self) -> dict[str, object]:
         """The content of drive.json, which `rsegen drive --json` prints."""
         robots = [
-            {"name": each.name, "kind": each.kind, "start": asdict(each.start), **asdict(each.metrics)}
-            for each in self.robots
+            {"name": robot.name, "kind": robot.kind, "start": asdict(robot.start), **asdict(robot.metrics)}
+            for robot in self.robots
         ]
         return {
             "map": self.scene.name,
@@ -142,13 +142,13 @@ class DriveResult:
         if self.way:
             yield f"  {_foreseen(self.way)}"
         for robot in self.robots:
-            found = robot.metrics
-            crossed = "" if self.route == Wandering.name else _crossed(found)
-            tipped = f", tipped over {found.tipped}x" if found.tipped else ""
-            driven = f"{found.distance:.2f} m in {found.seconds:g} s"
-            yield f"  {robot.name}: {driven}{crossed}, stuck {found.stuck:g} s{tipped}"
-            if found.touched:
-                most = list(found.touched.items())[:_PARTS]
+            metrics = robot.metrics
+            crossed = "" if self.route == Wandering.name else _crossed(metrics)
+            tipped = f", tipped over {metrics.tipped}x" if metrics.tipped else ""
+            driven = f"{metrics.distance:.2f} m in {metrics.seconds:g} s"
+            yield f"  {robot.name}: {driven}{crossed}, stuck {metrics.stuck:g} s{tipped}"
+            if metrics.touched:
+                most = list(metrics.touched.items())[:_PARTS]
                 yield "    contacts of " + ", ".join(f"{part} {share:.0%}" for part, share in most)
         yield from (f"note: {line}" for line in self.notes)
         yield from (f"warning: {line}" for line in dict.fromkeys(self.errors))
@@ -158,7 +158,7 @@ class DriveResult:
         write_folder(self._files(), Path(folder), "drive", force=force)
 
     def _files(self) -> dict[PurePosixPath, list[bytes]]:
-        trajectories = {each.name: each.trajectory for each in self.robots}
+        trajectories = {robot.name: robot.trajectory for robot in self.robots}
         files = {f"{name}.csv": _encoded(trajectory.csv()) for name, trajectory in trajectories.items()} | {
             "contacts.csv": _encoded(contacts_csv(self.contact_samples, trajectories)),
             "recipe.json": [map_json(self.scene.recipe, self.scene.index)],
@@ -173,12 +173,14 @@ class DriveResult:
 
 def _foreseen(way: PlannedWay) -> str:
     """Return the metrics' forecast for the way that the robots follow."""
-    said = {True: "; the robot can climb it", False: "; the robot cannot climb it", None: ""}
-    return f"the way across needs a step of {way.least_step * 100:g} cm{said[way.crosses]}"
+    forecasts = {True: "; the robot can climb it", False: "; the robot cannot climb it", None: ""}
+    return f"the way across needs a step of {way.least_step * 100:g} cm{forecasts[way.crosses]}"
 
 
-def _crossed(found: DriveMetrics) -> str:
-    return f", crossed the map after {found.crossed:g} s" if found.crossed is not None else ", did not cross the map"
+def _crossed(metrics: DriveMetrics) -> str:
+    return (
+        f", crossed the map after {metrics.crossed:g} s" if metrics.crossed is not None else ", did not cross the map"
+    )
 
 
 def _encoded(lines: Iterable[str]) -> list[bytes]:

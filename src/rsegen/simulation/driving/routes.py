@@ -1,6 +1,13 @@
 """Routes: they give a speed and turn rate for a robot's pose, again and again.
 
-The way across a map that the metrics find for a robot, as points that it can follow.
+Straight and AlongWay are pure pursuit: the robot drives the arc that leads to a point of its line a distance d ahead,
+
+    w = 2 v sin(a) / d,    a the angle between its heading and that point
+
+(Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992). The way is the cheapest
+one that the metrics find, or, if the robot cannot cross, the one whose highest step is least. Wandering draws motions
+at random. Cost: none beside the simulation. What breaks it: a robot that skids, as no error is summed up, and a way
+whose bends are closer together than the robot is long, which it cuts.
 """
 
 from __future__ import annotations
@@ -29,20 +36,23 @@ class Motion(NamedTuple):
 STOP = Motion(0.0, 0.0)
 
 _AHEAD = 0.5
-"""Metres."""
+"""Least distance, metres, to the point of its line that a robot heads for: nearer it swings, farther it is late."""
+
+_PERIODS_AHEAD = 3
+"""Periods of driving to that point at least, so that the robot does not pass it before it decides again."""
 
 _TURN_FIRST = radians(60)
-"""A robot whose way leads more to the side than this turns on the spot."""
+"""Angle, radians, to the side of which a robot turns on the spot: an arc would lead it far off its way."""
 
 _NEXT = 10
 """Points of a way among which the nearest is looked for, so that no bend of it is left out."""
 
-_HARDLY = 0.2
-"""Of the way that a robot should have come."""
+_MIN_PROGRESS = 0.2
+"""Share of the commanded distance below which a wandering robot backs away: more than a stuck one slips (SLOW)."""
 
 
 class Route(ABC):
-    """A way to drive; `period`: seconds between decisions."""
+    """A way to drive; `period`: seconds between decisions, fewer of which steer worse and cost less wall time."""
 
     name: ClassVar[str]
     period: ClassVar[float]
@@ -72,12 +82,12 @@ class Straight(Route):
         """Return an arc to a point of the line ahead (pure pursuit, Coulter 1992)."""
         if at.x >= self.goal:
             return STOP
-        ahead = max(_AHEAD, 3 * self.speed * self.period)
+        ahead = max(_AHEAD, _PERIODS_AHEAD * self.speed * self.period)
         aside = atan2(self.line - at.y, ahead) - at.yaw
         return Motion(self.speed, _clipped(2 * self.speed * sin(aside) / ahead, self.turn))
 
     def is_done(self, at: Pose) -> bool:
-        """At the goal."""
+        """Return whether the robot is at the goal."""
         return at.x >= self.goal
 
 
@@ -110,11 +120,11 @@ class AlongWay(Route):
         return Motion(self.speed * cos(aside), turn)
 
     def is_done(self, at: Pose) -> bool:
-        """At the goal."""
+        """Return whether the robot is at the goal."""
         return at.x >= self.goal
 
     def _target(self, at: Pose) -> tuple[float, float]:
-        """The first point that is far enough from the robot, after the nearest of the next few."""
+        """Return the first point that is far enough from the robot, after the nearest of the next few."""
         away = [hypot(x - at.x, y - at.y) for x, y in self.points[self.passed :]]
         nearest = min(range(min(len(away), _NEXT)), key=away.__getitem__)
         beyond = next((k for k in range(nearest, len(away)) if away[k] >= self.ahead), len(away) - 1)
@@ -144,7 +154,7 @@ class Wandering(Route):
         quick, aside = self.rng.random(2)
         v, w = self.speed * (0.5 + 0.5 * quick), self.turn * (aside - 0.5)
         before, self.before = self.before, at
-        if before and hypot(at.x - before.x, at.y - before.y) < _HARDLY * self.speed * self.period:
+        if before and hypot(at.x - before.x, at.y - before.y) < _MIN_PROGRESS * self.speed * self.period:
             self.before = None
             return Motion(-v, w)
         if abs(at.x) > self.half[0] or abs(at.y) > self.half[1]:
@@ -164,7 +174,7 @@ def _clipped(value: float, most: float) -> float:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class PlannedWay:
-    """The cheapest way from west to east; where there is none for the robot, the one whose highest step is least.
+    """The cheapest way from west to east; if there is none for the robot, the one whose highest step is least.
 
     points: (n, 2), x and y in metres, from the ground west of the map to that east of it; crosses: whether the robot's
     limits allow it, None if they are unknown; least_step: of all ways, the least highest step, metres
@@ -189,13 +199,13 @@ class PlannedWay:
 
 
 def planned_way(field: StepField, width: float, limits: RobotLimits | None) -> PlannedWay:
-    """The way across a field for a robot of a width in metres, with these limits if they are known."""
+    """Return the way across a field for a robot of a width in metres, with these limits if they are known."""
     least = percolation_step(field, width, 0)
-    found = crossing(field, limits, 0) if limits else None
-    path = found.path if found and found.crosses else crossing(field, RobotLimits.of(least, width), 0).path
+    cheapest = crossing(field, limits, 0) if limits else None
+    path = cheapest.path if cheapest and cheapest.crosses else crossing(field, RobotLimits.of(least, width), 0).path
     half = np.array(field.extent) / 2
     return PlannedWay(
         points=(path + 0.5) * field.block_width - half,
-        crosses=found.crosses if found else None,
+        crosses=cheapest.crosses if cheapest else None,
         least_step=least,
     )

@@ -48,9 +48,9 @@ def spot_footprint(
     """The footprint of a robot, or that of a size."""
     if size is not None:
         length, width = SIZE.check("size", size)
-        found = Footprint.of_size(length, width)
+        footprint = Footprint.of_size(length, width)
     else:
-        found = footprint_of(robot_of(robot))
+        footprint = footprint_of(robot_of(robot))
     if max_difference_cm is None:
-        return found
-    return replace(found, most=MAX_DIFFERENCE.check("max_difference_cm", max_difference_cm) / 100)
+        return footprint
+    return replace(footprint, most=MAX_DIFFERENCE.check("max_difference_cm", max_difference_cm) / 100)

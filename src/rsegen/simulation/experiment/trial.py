@@ -24,9 +24,10 @@ from rsegen.robots import robot
 from rsegen.robots.base import DrivableRobot
 from rsegen.run.worlds import generate
 from rsegen.simulation.driving.drive_metrics import Trajectory, drive_metrics
-from rsegen.simulation.driving.recording import RobotRun, camera_model, world_with_robots
+from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.robot_runs import driving_speed, robot_runs
 from rsegen.simulation.driving.routes import Wandering
+from rsegen.simulation.driving.world_file import camera_model, world_with_robots
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan, TableRow
 from rsegen.simulation.experiment.trial_server import CAMERA_PIXELS, SOURCES, Setup, Span, total, trial_server
 from rsegen.simulation.simulators import Installation

@@ -1,6 +1,7 @@
-"""`rsegen.respawn`: the map of a running simulation replaced by another one, at the same pose.
+"""`rsegen.respawn` and `rsegen.remove`: the map of a running simulation replaced at its pose, and models deleted.
 
-`rsegen.remove`: models deleted from the running simulation.
+The map to replace is the one of the same recipes, else the only one whose recipe is known; the new one is the next in
+the folder, or the next index of the recipe. The new map comes before the old one goes, so nothing falls meanwhile.
 """
 
 from __future__ import annotations
@@ -97,13 +98,13 @@ def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Iterable[str
             raise ParameterError("name", f"no model {shown(given)} in the simulation (models: {models})")
         return given
     pattern = "|".join(rf"{re.escape(stem)}_\d{{4,}}" for stem in sorted(stems))
-    found = sorted(name for name in poses if re.fullmatch(pattern, name)) or sorted(known)
-    if not found:
+    candidates = sorted(name for name in poses if re.fullmatch(pattern, name)) or sorted(known)
+    if not candidates:
         what = " or ".join(f"{stem}_0000" for stem in sorted(stems))
         raise ParameterError("", f"no map such as {what} in the simulation (models: {models})")
-    if len(found) > 1:
-        raise ParameterError("name", f"several maps could be replaced; give one of {', '.join(found)}")
-    return found[0]
+    if len(candidates) > 1:
+        raise ParameterError("name", f"several maps could be replaced; give one of {', '.join(candidates)}")
+    return candidates[0]
 
 
 def _given_or_next(target: Target, which: int | str | None, output: Path, current: str) -> MapModel:
@@ -112,7 +113,7 @@ def _given_or_next(target: Target, which: int | str | None, output: Path, curren
         return map_of(target, which, output)
     if not isinstance(target, Recipe) and os.path.isdir(target):
         maps = maps_in(os.fspath(target))
-        names = [one.name for one in maps]
+        names = [model.name for model in maps]
         return maps[(names.index(current) + 1) % len(maps)] if current in names else maps[0]
     recipe = target if isinstance(target, Recipe) else recipe_in(os.fspath(target))
     index = _index(recipe, current)

@@ -1,4 +1,8 @@
-"""`rsegen.spawn`: a map or a robot put into the running simulation."""
+"""`rsegen.spawn`: a map or a robot put into the running simulation, at a given or a free place.
+
+A robot is put on top of the maps under it, as far as their heights are known; a map lifts the models on it
+(`spawning`).
+"""
 
 from __future__ import annotations
 
@@ -24,11 +28,11 @@ from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.spawning.spawning import (
     GROUND,
     RADIUS,
+    Area,
     MapModel,
-    Rectangle,
     SpawnedMap,
     at_free_place,
-    free_rectangle,
+    free_area,
     known_maps,
     map_of,
     occupied,
@@ -40,7 +44,7 @@ from rsegen.simulation.worlds import Target
 METRES = Float(-1e6, 1e6)
 
 _TRIES = 10
-"""Even places that are tried until one is free."""
+"""Even places that are tried until one is free; if ten are taken, the robot is put next to the map."""
 
 _Spawnable: TypeAlias = Robot | SdfRobot | MapModel
 
@@ -105,12 +109,12 @@ def _notes(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> Iterator[st
 
 
 def _spawn_robot(
-    live: LiveWorld, robot: Robot | SdfRobot, name: str, taken: list[Rectangle], maps: list[SpawnedMap], at: list[float]
+    live: LiveWorld, robot: Robot | SdfRobot, name: str, taken: list[Area], maps: list[SpawnedMap], at: list[float]
 ) -> Pose:
     """Spawn a robot on top of the maps under it, unless z is given; gives its pose."""
     radius = hypot(*robot.size[:2]) / 2
-    x, y = at[:2] if at else free_rectangle(radius, radius, taken)[:2]
-    ground = max((each.top(Pose(x=x, y=y, z=0), radius) for each in maps), default=0.0)
+    x, y = at[:2] if at else free_area(radius, radius, taken)[:2]
+    ground = max((spawned.top(Pose(x=x, y=y, z=0), radius) for spawned in maps), default=0.0)
     lift = robot.lift if isinstance(robot, SdfRobot) else 0.0
     pose = _pose([x, y, ground + lift + DROP_HEIGHT] if len(at) <= 2 else at)
     live.spawn(robot.file(name, live.backend), pose)
@@ -122,14 +126,16 @@ def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: M
     if not isinstance(robot, SdfRobot):
         return []
     radius, footprint = hypot(*robot.size[:2]) / 2, footprint_of(robot)
-    for each in maps:
-        others = [at for other, at in poses.items() if other not in (each.name, GROUND) and each.covers(at, radius)]
+    for spawned in maps:
+        others = [
+            at for other, at in poses.items() if other not in (spawned.name, GROUND) and spawned.covers(at, radius)
+        ]
         with suppress(ParameterError):  # no even place is left
             for seed in range(_TRIES):
-                (spot,) = spots_on_map(each.field, footprint, 1, generator(seed, 0, name))
-                x, y = each.outside(spot.x, spot.y)
+                (spot,) = spots_on_map(spawned.field, footprint, 1, generator(seed, 0, name))
+                x, y = spawned.outside(spot.x, spot.y)
                 if all(hypot(at.x - x, at.y - y) > radius + RADIUS for at in others):
-                    return [x, y, each.at.z + spot.z + robot.lift + DROP_HEIGHT, each.at.yaw + spot.yaw]
+                    return [x, y, spawned.at.z + spot.z + robot.lift + DROP_HEIGHT, spawned.at.yaw + spot.yaw]
     return []
 
 
@@ -166,7 +172,7 @@ def _checked_place(at: Sequence[float] | None) -> list[float]:
         return []
     if not 2 <= len(at) <= 4:
         raise ParameterError("at", f"{shown(at)} is not X,Y or X,Y,Z or X,Y,Z,YAW")
-    return [METRES.check("at", number) for number in at]
+    return [METRES.check("at", value) for value in at]
 
 
 def _pose(at: Sequence[float]) -> Pose:
