@@ -1,8 +1,6 @@
-"""`rsegen.drive`: robots driven over a map in a Gazebo server, and how far each got.
+"""`rsegen.drive`: robots driven over a map in a Gazebo server, and how far each got, as a report, files and a picture.
 
-The result of a drive: what was driven, the metrics and trajectory of every robot, and the files of them.
-
-A picture of the trajectories of robots on the plan of a map.
+Everything is checked before the server starts: the robot's file, its places, and whether the results can be written.
 """
 
 from __future__ import annotations
@@ -43,16 +41,17 @@ from rsegen.simulation.simulators.server import choose_installation, has_screen
 from rsegen.simulation.worlds import Target, world_of
 
 _RIM, _MARGIN = 0.1, 1.5
-"""Width, metres, of the ground around the map that is drawn at least, and at most."""
+"""Width, metres, of the ground around the map that is drawn at least, and at most, so that the map stays large."""
 
 
 def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way: PlannedWay | None = None) -> bytes:
-    """A PNG: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over.
+    """Draw a PNG: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over.
 
     A planned way is a dashed line.
     """
     from matplotlib.figure import Figure
 
+    # On the plan of the map, each line has a white rim, so that it is seen on blocks of every colour.
     figure = Figure(figsize=(8, 8), dpi=100, layout="constrained")
     axes = figure.subplots()
     draw_plan(axes, scene)
@@ -77,7 +76,7 @@ def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way:
 
 
 def _limits(extent: float, trajectories: Mapping[str, Trajectory], column: int) -> tuple[float, float]:
-    """The limits of an axis: the map, and the trajectories near it."""
+    """Return the limits of an axis: the map, and the trajectories near it."""
     along = [trajectory.rows[:, column] for trajectory in trajectories.values()]
     half, far = extent / 2 + _RIM, extent / 2 + _MARGIN
     low, high = min(values.min() for values in along) - _RIM, max(values.max() for values in along) + _RIM
@@ -85,7 +84,7 @@ def _limits(extent: float, trajectories: Mapping[str, Trajectory], column: int) 
 
 
 _PARTS = 5
-"""The parts of a robot with the most contacts that are reported; drive.json has all."""
+"""The parts of a robot with the most contacts that are reported, on one line; drive.json has all."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -250,7 +249,7 @@ def drive(  # noqa: PLR0913  # each is a flag of the command
 def _robot(
     robot: str | os.PathLike[str] | DrivableRobot, wheels: str | None, given: Mapping[str, object]
 ) -> DrivableRobot:
-    """A robot of a kind or of an SDF file; only for a file may the user give wheels, size, speed and turn rate."""
+    """Return the robot of a kind or of an SDF file; only for a file may wheels, size, speed and turn rate be given."""
     given = {name: value for name, value in given.items() if value is not None}
     if isinstance(robot, str | os.PathLike) and is_robot_file(robot):
         values = {name: LIMITS[name].check(name, value) for name, value in given.items()}
@@ -292,7 +291,7 @@ def _notes(
 
 
 def _driven(run: RobotRun, scene: Scene, recording: DriveRecording, route: str) -> DrivenRobot:
-    """The result of one robot."""
+    """Return the result of a robot."""
     trajectory = recording.trajectories[run.name]
     goal = None if route == Wandering.name else finish_x(scene.field, run.robot)
     shares = contact_shares(recording.samples, run.name)

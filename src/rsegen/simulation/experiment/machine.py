@@ -1,4 +1,8 @@
-"""The description of this computer, its load, and the CPU time and memory of a process."""
+"""The description of this computer, its load, and the CPU time and memory of a process with those that it started.
+
+A server's own figures say what a map costs; the machine's say what else was going on. Resident memory counts
+shared pages once per process, so that of several processes is too large.
+"""
 
 from __future__ import annotations
 
@@ -29,11 +33,11 @@ def usage(pid: int) -> Usage:
 
     try:
         process = psutil.Process(pid)
-        found = [(each.cpu_times(), each.memory_info()) for each in (process, *process.children(recursive=True))]
+        usages = [(part.cpu_times(), part.memory_info()) for part in (process, *process.children(recursive=True))]
     except psutil.Error:
         raise SimulatorFailed("the simulator is gone") from None
-    cpu = sum(times.user + times.system for times, _ in found)
-    return Usage(cpu=cpu, memory=sum(memory.rss for _, memory in found) / 2**20)
+    cpu = sum(times.user + times.system for times, _ in usages)
+    return Usage(cpu=cpu, memory=sum(memory.rss for _, memory in usages) / 2**20)
 
 
 def busy() -> float:
@@ -47,7 +51,7 @@ def busy() -> float:
 
 def gpu_load() -> float | None:
     """The load of the busiest GPU just now, 0..1; None if there is none that says it (NVIDIA's, AMD's on Linux)."""
-    loads = [int(found) for found in re.findall(r"^\d+$", _nvidia() or _amd(), re.MULTILINE)]
+    loads = [int(percent) for percent in re.findall(r"^\d+$", _nvidia() or _amd(), re.MULTILINE)]
     return max(loads) / 100 if loads else None
 
 
@@ -82,8 +86,8 @@ def _nvidia() -> str:
         return ""
     asked = [command, "--query-gpu=utilization.gpu", "--format=csv,noheader,nounits"]
     with suppress(OSError, subprocess.SubprocessError):
-        found = subprocess.run(asked, capture_output=True, text=True, timeout=5, check=True)  # noqa: S603  # no shell
-        return found.stdout
+        answer = subprocess.run(asked, capture_output=True, text=True, timeout=5, check=True)  # noqa: S603  # no shell
+        return answer.stdout
     return ""
 
 

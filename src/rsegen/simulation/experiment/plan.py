@@ -1,4 +1,8 @@
-"""Plans of experiments: rows of robots and maps, each in several sizes, paces and repeats."""
+"""Plans of experiments: rows of robots and maps, each in several sizes, paces and repeats.
+
+A cell of the table is a row at a size and a pace. Cells are tried in a mixed order that the seed decides, each once per
+repeat, so that a noisy hour of the machine does not favour one of them, and so that a stopped experiment goes on alike.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +37,7 @@ PLANS = {
 """The plans that come along, by name."""
 
 _BLOCKS = 10
-"""Blocks per side of a chunk."""
+"""Blocks per side of a chunk, as in the paper's maps; sizes are multiples of it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -137,8 +141,8 @@ class ExperimentPlan:
     def cells(self) -> tuple[Cell, ...]:
         """The fields of the table, row by row."""
         return tuple(
-            Cell(row=number, size=size, pace=pace)
-            for pace, (number, row) in product(self.paces, enumerate(self.rows))
+            Cell(row=index, size=size, pace=pace)
+            for pace, (index, row) in product(self.paces, enumerate(self.rows))
             for size in row.sizes
         )
 
@@ -152,14 +156,14 @@ class ExperimentPlan:
     @property
     def tables(self) -> Sequence[Sequence[int]]:
         """The numbers of the rows that go into one table each, as they differ by the simulator only."""
-        found: list[list[int]] = []
-        for number, row in enumerate(self.rows):
-            like = (each for each in found if all(self.rows[other].differs_by_simulator(row) for other in each))
-            if (there := next(like, None)) is None:
-                found.append([number])
+        tables: list[list[int]] = []
+        for index, row in enumerate(self.rows):
+            like = (table for table in tables if all(self.rows[other].differs_by_simulator(row) for other in table))
+            if (own := next(like, None)) is None:
+                tables.append([index])
             else:
-                there.append(number)
-        return found
+                own.append(index)
+        return tables
 
     def order(self) -> Iterator[tuple[Cell, int]]:
         """Yield each cell and the number of its repeat, mixed, so that a noisy hour does not favour one cell."""
@@ -180,31 +184,33 @@ def load_plan(name: str) -> ExperimentPlan:
 
 
 def _plan(path: Path) -> ExperimentPlan:
-    said = content(path)
-    if not isinstance(said, Mapping) or not isinstance(said.get("rows"), list):
+    plan = content(path)
+    if not isinstance(plan, Mapping) or not isinstance(plan.get("rows"), list):
         raise FileError(f"{path}: not a plan of an experiment; it has name: and a list of rows:")
     try:
-        return read_plan(path.stem, said)
+        return read_plan(path.stem, plan)
     except ParameterError as error:
         raise error.of(str(path)) from None
 
 
-def read_plan(name: str, said: Mapping[str, Json]) -> ExperimentPlan:
+def read_plan(name: str, content: Mapping[str, Json]) -> ExperimentPlan:
     """The plan that a file's content stands for, called `name` if it says none; ParameterError for a wrong value."""
-    if not isinstance(said, Mapping) or not isinstance(said.get("rows"), list):
-        raise ParameterError("plan", f"{shown(said)} is not a plan, which has name: and a list of rows:")
+    if not isinstance(content, Mapping) or not isinstance(content.get("rows"), list):
+        raise ParameterError("plan", f"{shown(content)} is not a plan, which has name: and a list of rows:")
     known = [*parameters(ExperimentPlan), "rows"]
-    refuse_unknown("key", said, known)
-    rows = tuple(_row(number, row) for number, row in enumerate(said["rows"]))
-    return ExperimentPlan(rows=rows, **{"name": name, **{key: value for key, value in said.items() if key != "rows"}})
+    refuse_unknown("key", content, known)
+    rows = tuple(_row(index, row) for index, row in enumerate(content["rows"]))
+    return ExperimentPlan(
+        rows=rows, **{"name": name, **{key: value for key, value in content.items() if key != "rows"}}
+    )
 
 
-def _row(number: int, said: object) -> TableRow:
-    where = f"rows[{number}]"
-    if not isinstance(said, Mapping):
-        raise ParameterError(where, f"{shown(said)} is not a row, such as {{robot: burger, sizes: [0, 80]}}")
+def _row(index: int, content: object) -> TableRow:
+    where = f"rows[{index}]"
+    if not isinstance(content, Mapping):
+        raise ParameterError(where, f"{shown(content)} is not a row, such as {{robot: burger, sizes: [0, 80]}}")
     try:
-        refuse_unknown("key of a row", said, [*parameters(TableRow), "recipe"])
-        return TableRow(**said)
+        refuse_unknown("key of a row", content, [*parameters(TableRow), "recipe"])
+        return TableRow(**content)
     except ParameterError as error:
         raise error.inside(where) from None
