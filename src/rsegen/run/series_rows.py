@@ -1,7 +1,12 @@
 """The maps of a series: their recipes, what each should measure, and the rows of series.csv.
 
-SeriesPlan --span, mean--> a straight line from the first map to the last --map_target--> a recipe for each map
---series_row--> what the map measures; lengths in metres
+    SeriesPlan --span, mean--> a straight line from the first map to the last --map_target--> a recipe for each map
+    --series_row--> what the map measures; lengths in metres
+
+Difficulty scales the rms step between neighbouring blocks. So that a series rises evenly although its fields differ, a
+map gets the difficulty at which its own rms step lies on the line: the quotient of both or, for a map whose constraints
+flatten it further, a value searched by bisection. Cost: building each field once, constrained ones twelve times more.
+What breaks it: a field that is flatter as designed than the line asks for, which stays as it is (docs/difficulty.md).
 """
 
 from __future__ import annotations
@@ -26,7 +31,7 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import Span, mean_of, share_of, span_of
 
 DIGITS = 6
-"""Decimals of a difficulty, so that recipes stay short."""
+"""Decimals of a difficulty, so that recipes stay short; a millionth changes no block of a map."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -109,7 +114,7 @@ def span(plan: SeriesPlan, number: int) -> Span:
 def mean(plan: SeriesPlan, spans: Sequence[Span]) -> Span:
     """The values from which and to which the series rises; ParameterError if a metric that is not rms does not."""
     if plan.by == RMS:
-        return Span(0.0, fsum(each.full for each in spans) / len(spans))
+        return Span(0.0, fsum(field.full for field in spans) / len(spans))
     return mean_of(spans, plan.metric.name)
 
 
@@ -171,6 +176,8 @@ class SeriesRow:
 
 def series_row(plan: SeriesPlan, number: int, scene: Scene, target: MapTarget) -> SeriesRow:
     """The row of map `number`, with its target."""
+    # Columns of the rms step are always there, as users' scripts read them; those of another metric are empty without
+    # it.
     own, ways, by_rms = steps(scene.field), percolation(scene.field), plan.by == RMS
     measured = own.rms if by_rms else plan.metric(scene.field)
     asked = None if by_rms and own.rms is None else _rounded(target.asked)

@@ -1,14 +1,9 @@
-"""Maps as a page for browsers: `rsegen.view` for notebooks, and what `rsegen view` writes.
+"""Content of single files, and writing it: pages for browsers, build sheets, recipes, and the tiles of a terrain.
 
-Scenes --page--> HTML --write_file--> a file
+    Recipe, Scene or StepField --view--> View, shown in a notebook or saved as HTML
+    Recipe --write_sheets--> PDF or CSV       Recipe --save--> YAML or JSON       Terrain --tiles_json--> JSON
 
-Writes the build sheet of a map as PDF or CSV files.
-
-Scene --sheet--> the content of a file --write_file--> PDF or CSV
-
-Writes recipe files, and copies of the included examples.
-
-What is known of the tiles of a terrain, as the file next to its world.
+All content is made before the first file is written, whole or not at all (`store`).
 """
 
 from __future__ import annotations
@@ -44,7 +39,7 @@ MOST_MAPS = 1000
 """Maps on a page at most: they are chosen from a list."""
 
 _LONG = 100_000
-"""Recipes of more letters are shown as JSON, which is quick to write and to read."""
+"""Letters of JSON from which on a page shows a recipe as JSON: as YAML it would take PyYAML a second and more."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -133,6 +128,7 @@ def write_sheets(
     All are made before the first is written; `progress` is called after each page of a PDF. Raises an OutputError if a
     file exists already, unless `force`; TooLarge or a ParameterError if the map cannot have a sheet.
     """
+    # Everything that may be wrong is checked first, as a large sheet takes a minute.
     saw = saw or CutSettings.default(recipe.units)
     formats = {path: sheet_format(path) for path in paths}
     for path in formats:
@@ -167,7 +163,7 @@ def tiles_json(terrain: Terrain, robot_size: tuple[float, float] | None = None) 
     robot_size: length and width of a robot, for which each tile gets an even place to start
     """
     spots = {} if robot_size is None else {"spots": terrain.spots(robot_size, evenest=True)[:, :, 0].tolist()}
-    known = {
+    tiles = {
         "name": terrain.name,
         "tile_size": list(terrain.tile_size),
         "difficulty": terrain.difficulties.tolist(),
@@ -175,4 +171,4 @@ def tiles_json(terrain: Terrain, robot_size: tuple[float, float] | None = None) 
         "origins": terrain.origins.tolist(),
         **spots,
     }
-    return json.dumps(known).encode() + b"\n"
+    return json.dumps(tiles).encode() + b"\n"

@@ -34,7 +34,7 @@ from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.worlds import Target, write_world
 
 _ROUNDING = 1e-3
-"""Metres by which a gap may be smaller: positions on the grid are rounded to millimetres."""
+"""Slack of a gap, metres: positions on the grid are rounded to millimetres."""
 
 GAP = 0.5
 """Gap, metres, between a new model and those that are there: a small robot passes between them."""
