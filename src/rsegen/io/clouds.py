@@ -1,6 +1,11 @@
-"""Reads point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, and depth images with the camera's intrinsics.
+"""Read point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, and depth images with the camera's intrinsics.
 
-Nothing in a file is trusted: what a library says of a file that it cannot read becomes one FileError.
+All become points (n, 3) in metres, in the frame of the file; a depth z at pixel (u, v) is the point
+
+    x = (u - cx) z / fx,   y = (v - cy) z / fy,   z        (pinhole camera; x right, y down, z away from it)
+
+Nothing in a file is trusted: its size and number of points are bounded before it is read, and what a library says of a
+file that it cannot read becomes a FileError.
 """
 
 from __future__ import annotations
@@ -24,11 +29,13 @@ MOST_POINTS = 20_000_000
 """Points of a file at most: some 2 GB of memory while it is read."""
 
 _MOST_MIB = 1024
+"""The largest text that is read, MiB: some 20 million lines of three numbers."""
+
 _MOST_VALUES = 1000
 """Values of a point in a PCD file at most: pypcd4 makes a name for each before it reads them."""
 
 _SAMPLED = 400_000
-"""Points on the surface of a mesh, spread evenly."""
+"""Points on the surface of a mesh, spread evenly: 40 on each of 10,000 blocks; with fewer, blocks are not seen."""
 
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|\s*nan", re.IGNORECASE)
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
@@ -56,13 +63,13 @@ def _read(path: Path, values: str | None, intrinsics: Intrinsics | None) -> Arra
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise FileError(f"{path}: clouds are read from files named {', '.join('*' + suffix for suffix in READERS)}")
-    found, usual = reader(path)
-    if found.ndim == 2 and found.shape[1] != 3:
-        points = _of_depth(path, found, intrinsics)
+    numbers, usual = reader(path)
+    if numbers.ndim == 2 and numbers.shape[1] != 3:
+        points = _of_depth(path, numbers, intrinsics)
     elif intrinsics is not None:
         raise ParameterError("intrinsics", f"{path} has points, not the depths of an image")
     else:
-        points = np.asarray(found.reshape(-1, 3), dtype=np.float64)
+        points = np.asarray(numbers.reshape(-1, 3), dtype=np.float64)
     return points * (CENTIMETRES[values or usual] / 100)
 
 
@@ -81,11 +88,11 @@ def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
 
 
 def _array(path: Path) -> tuple[Array, str]:
-    found = mapped(path)
-    if found.dtype.kind not in "biuf" or not (found.ndim == 2 or (found.ndim == 3 and found.shape[2] == 3)):
-        raise FileError(f"{path}: an array of shape {found.shape}; give points (n, 3) or depths (rows, columns)")
-    _refuse_many(path, found.size // 3)
-    return np.asarray(found), "mm" if found.ndim == 2 and found.shape[1] != 3 and found.dtype.kind in "iu" else "m"
+    array = mapped(path)
+    if array.dtype.kind not in "biuf" or not (array.ndim == 2 or (array.ndim == 3 and array.shape[2] == 3)):
+        raise FileError(f"{path}: an array of shape {array.shape}; give points (n, 3) or depths (rows, columns)")
+    _refuse_many(path, array.size // 3)
+    return np.asarray(array), "mm" if array.ndim == 2 and array.shape[1] != 3 and array.dtype.kind in "iu" else "m"
 
 
 def _image(path: Path) -> tuple[Array, str]:
@@ -131,12 +138,12 @@ def _mesh(path: Path) -> tuple[Array, str]:
         import trimesh
 
         with open_regular(path) as file:
-            found = trimesh.load(file, file_type=path.suffix[1:].lower())
-        if isinstance(found, trimesh.Scene):
-            found = found.to_geometry()
-        if isinstance(found, trimesh.Trimesh) and len(found.faces):
-            return np.asarray(trimesh.sample.sample_surface(found, _SAMPLED, seed=0)[0])
-        return np.asarray(getattr(found, "vertices", np.empty((0, 3))))
+            loaded = trimesh.load(file, file_type=path.suffix[1:].lower())
+        if isinstance(loaded, trimesh.Scene):
+            loaded = loaded.to_geometry()
+        if isinstance(loaded, trimesh.Trimesh) and len(loaded.faces):
+            return np.asarray(trimesh.sample.sample_surface(loaded, _SAMPLED, seed=0)[0])
+        return np.asarray(getattr(loaded, "vertices", np.empty((0, 3))))
 
     return _by_library(path, read), "m"
 
@@ -169,13 +176,13 @@ def _header_lines(file: Iterable[bytes]) -> Iterator[str]:
 
 def _by_library(path: Path, read: Callable[[], Array]) -> Array:
     try:
-        found = read_by_library(path, read)
+        points = read_by_library(path, read)
     except ImportError as error:
         raise UserError(f"{path}: needs {error.name}, which is not installed; {pip_install([SCAN.name])}") from None
-    if found.ndim != 2 or found.shape[1] != 3 or not len(found):
+    if points.ndim != 2 or points.shape[1] != 3 or not len(points):
         raise FileError(f"{path}: has no points")
-    _refuse_many(path, len(found))
-    return found
+    _refuse_many(path, len(points))
+    return points
 
 
 def _refuse_many(path: Path, points: int) -> None:

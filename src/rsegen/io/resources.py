@@ -55,7 +55,7 @@ DISK_BYTES_PER_MAP = 3 * 4096
 MOST_WORK = 2 * 10**10
 """Obstacles times cells of one map: some minutes, if each obstacle covers the map."""
 
-_UNITS = ("bytes", "kB", "MB", "GB", "TB")
+_UNITS = ("bytes", "kB", "MB", "GB", "TB")  # powers of 1000, as disks are sold
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -78,13 +78,14 @@ def check_needs(
 
     step: the one of all that are made of a map which needs the most memory, besides its formats
     """
+    # The largest map decides, as maps are made one by one; their results stay until the end, and all files on the disk.
     free = _free_memory()
-    each = max((_checked_memory(recipe, step, formats, free) for recipe in recipes), default=0)
+    largest = max((_checked_memory(recipe, step, formats, free) for recipe in recipes), default=0)
     needs = Needs(
-        map_memory=each,
+        map_memory=largest,
         results_memory=maps * BYTES_PER_MAP,
         disk=maps * DISK_BYTES_PER_MAP,
-        maps_at_once=max(1, free // (each + BYTES_PER_WORKER)),
+        maps_at_once=max(1, free // (largest + BYTES_PER_WORKER)),
     )
     for what, size, most in (("memory", needs.results_memory, free), ("disk", needs.disk, _free_disk(folder))):
         if size > most:
@@ -156,7 +157,7 @@ def _memory(recipe: Recipe, step: Step, formats: Collection[Format]) -> int:
         BYTES_PER_CELL[step],
         BYTES_PER_CELL["measure"] * (recipe.difficulty != 1),
         BYTES_PER_CELL[_COLLISION[recipe.collision]],
-        *(BYTES_PER_CELL[each.step] + _ARRAY_COPIES * each.array_bytes for each in formats),
+        *(BYTES_PER_CELL[format_.step] + _ARRAY_COPIES * format_.array_bytes for format_ in formats),
     )
     if recipe.mesh != "watertight":
         return _bytes(cells, most)

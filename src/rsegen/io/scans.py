@@ -1,4 +1,4 @@
-"""Scans of real fields: `rsegen.scan` gives the map that stands there, `rsegen.compare` what is built wrong.
+"""Scans of real fields: `rsegen.scan` gives the map that was built, `rsegen.compare` what is built wrong.
 
 clouds --read_clouds--> points --find_field--> Scan --> Recipe of one matrix, or a Comparison with a map
 """
@@ -30,6 +30,8 @@ Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
 """Files of one scan, or points (n, 3) [m]."""
 
 _MOST_UNSEEN = 0.5
+"""Share of blocks that may be filled by their neighbours: with more, the map would be made up rather than scanned."""
+
 _UPWARDS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "-x": (-1, 0, 0), "-y": (0, -1, 0), "-z": (0, 0, -1)}
 _DESIGN = parameters(MapDesign)
 
@@ -167,22 +169,22 @@ def _points(clouds: Clouds, options: ScanOptions) -> tuple[Array, str]:
     return read_clouds(paths, options.values, options.intrinsics), paths[0].stem
 
 
-def _recipe(found: Scan, name: str, *, fill_holes: bool) -> Recipe:
-    """The field as a recipe of one matrix; that of blocks that were not seen apart, if they are filled."""
-    levels = found.blocks
+def _recipe(scan: Scan, name: str, *, fill_holes: bool) -> Recipe:
+    """Return the field as a recipe of one matrix, and of another one for blocks that were not seen but filled."""
+    levels = scan.blocks
     holes = levels < 0
     fill_holes = fill_holes and 0 < holes.mean() <= _MOST_UNSEEN
     if fill_holes:
         levels = np.rint(filled(np.maximum(levels, 0).astype(float), holes)).astype(np.int64)
     heights = Heights(
         levels=levels,
-        unit_cm=round(found.unit * 100, 6),
+        unit_cm=round(scan.unit * 100, 6),
         recipe_values={
-            "boundary": found.boundary,
-            "block_width_cm": round(found.block_width * 100, 6),
-            **({"frame_height_cm": round(found.frame_height * 100, 6)} if found.boundary != "none" else {}),
+            "boundary": scan.boundary,
+            "block_width_cm": round(scan.block_width * 100, 6),
+            **({"frame_height_cm": round(scan.frame_height * 100, 6)} if scan.boundary != "none" else {}),
         },
         holes=holes if fill_holes else None,
     )
-    recipe = recipe_of(Path(name), heights, found.chunk_size)
+    recipe = recipe_of(Path(name), heights, scan.chunk_size)
     return replace(recipe, description=f"scan of {name}"[:500])

@@ -153,7 +153,7 @@ class _Fields:
 
     @property
     def seconds(self) -> float:
-        return 1.5e-4 + prod(self.plan.recipe.grid.shape) * 3e-8  # measured on random maps, rounded
+        return 1.5e-4 + prod(self.plan.recipe.grid.shape) * 3e-8  # an estimate, as in `seconds_per_world`
 
     def __call__(self, numbers: Iterable[int], /) -> tuple[Span, ...]:
         return tuple(span(self.plan, number) for number in numbers)
@@ -175,7 +175,7 @@ class _Maps:
     @property
     def seconds(self) -> float:
         n_x, n_y = self.plan.recipe.grid.shape
-        # A world, and 3 ms and 1 us per cell for its row: measured on random maps, rounded.
+        # Estimates, as in `seconds_per_world`: a world, and 3 ms and 1 us per cell for its row.
         return seconds_per_world(self.plan.recipe, self.sidecars) + 3e-3 + n_x * n_y * 1e-6
 
     def __call__(self, number: int, /) -> Output[RowAndMap]:

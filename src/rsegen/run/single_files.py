@@ -128,7 +128,7 @@ def write_sheets(
     All are made before the first is written; `progress` is called after each page of a PDF. Raises an OutputError if a
     file exists already, unless `force`; TooLarge or a ParameterError if the map cannot have a sheet.
     """
-    # Everything that may be wrong is checked first, as a large sheet takes a minute.
+    # Everything that may be wrong is checked first, as a map and its sheet take their time.
     saw = saw or CutSettings.default(recipe.units)
     formats = {path: sheet_format(path) for path in paths}
     for path in formats:

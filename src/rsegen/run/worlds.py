@@ -71,7 +71,8 @@ class Sidecars:
 
     def seconds(self, cells: int) -> float:
         """Return about how long they take for a map with this many cells."""
-        # Half a second for matplotlib; 5 ms and 30 us per cell for a format: measured on random maps, rounded.
+        # Estimates: half a second per picture or sheet, 5 ms and 30 us per cell for a format. Larger ones start workers
+        # for runs that are too short for them; smaller ones give each worker more at once.
         return 0.5 * len(self._makers) + (5e-3 + cells * 3e-5) * len(self.formats)
 
     @property
@@ -249,7 +250,7 @@ def world_output(scene: Scene, folder: Path, sidecars: Sidecars) -> Output[Gener
 def seconds_per_world(recipe: Recipe, sidecars: Sidecars) -> float:
     """Return about how long a map takes; decides how the maps are divided among workers, never the result."""
     n_x, n_y = recipe.grid.shape
-    # 2 ms for the files and 4 us per cell: measured on random maps, rounded.
+    # Estimates, as in `Sidecars.seconds`: 2 ms for the files and 4 us per cell.
     return 2e-3 + n_x * n_y * 4e-6 + sidecars.seconds(n_x * n_y)
 
 

@@ -19,7 +19,7 @@ from rsegen.errors import ParameterError
 from rsegen.exporters.formats import Format
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
-from rsegen.io.importers.image import Occupancy as ReadOccupancy
+from rsegen.io.importers.image import OccupancyMap
 from tests.exporters.formats.maps import SCENES, made
 
 SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))
@@ -95,7 +95,7 @@ def test_frames_too_high_for_16_bits_are_refused() -> None:
 def test_cells_above_the_climb_are_occupied_at_their_place(scene: Scene, pixels: int, tmp_path: Path) -> None:
     put(Occupancy(pixels=pixels), scene, tmp_path)
     field, said = scene.field, yaml.safe_load((tmp_path / "map.yaml").read_text("utf-8"))
-    recipe = imported(tmp_path / said["image"].replace("pgm", "yaml"), ReadOccupancy())
+    recipe = imported(tmp_path / said["image"].replace("pgm", "yaml"), OccupancyMap())
     walls = build(recipe).levels > 0
     expected = (field.heights > field.unit).repeat(pixels, axis=0).repeat(pixels, axis=1)
     np.testing.assert_array_equal(walls, expected)

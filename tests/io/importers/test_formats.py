@@ -17,7 +17,7 @@ from rsegen import Recipe, build, generate, imported
 from rsegen.errors import FileError, ParameterError, UserError
 from rsegen.io.importers import IMPORTERS, importer_for
 from rsegen.io.importers.array import Saved
-from rsegen.io.importers.image import Occupancy, Picture
+from rsegen.io.importers.image import OccupancyMap, Picture
 from rsegen.io.importers.table import Table
 from rsegen.params.sorts import parameters
 
@@ -190,18 +190,18 @@ def test_an_image_that_breaks_off_is_refused(tmp_path: Path) -> None:
 def test_a_map_of_ros_becomes_walls_of_its_cell_size(tmp_path: Path) -> None:
     drawn(tmp_path, np.array([[0, 205, 254]], dtype=np.uint8), "map.pgm")
     path = written(tmp_path, "image: map.pgm\nresolution: 0.05\norigin: [-1, -1, 0]\nnegate: 0\n", "map.yaml")
-    recipe = imported(path, Occupancy())
+    recipe = imported(path, OccupancyMap())
     assert levels_of(recipe).ravel().tolist() == [1, 0, 0]
     assert (recipe.block_width_cm, recipe.unit_cm) == (5, 100)
     path.write_text(path.read_text("utf-8") + "free_thresh: 0.19\n", "utf-8")
-    assert levels_of(imported(path, Occupancy(unknown=True), 30)).ravel().tolist() == [1, 1, 0]
+    assert levels_of(imported(path, OccupancyMap(unknown=True), 30)).ravel().tolist() == [1, 1, 0]
 
 
 def test_a_map_of_ros_without_its_image_or_resolution_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ParameterError, match=r"map\.yaml: resolution: "):
-        imported(written(tmp_path, "image: map.pgm\n", "map.yaml"), Occupancy())
+        imported(written(tmp_path, "image: map.pgm\n", "map.yaml"), OccupancyMap())
     with pytest.raises(FileError, match=r"map\.pgm: No such file"):
-        imported(written(tmp_path, "image: map.pgm\nresolution: 1\n", "map.yaml"), Occupancy())
+        imported(written(tmp_path, "image: map.pgm\nresolution: 1\n", "map.yaml"), OccupancyMap())
 
 
 @pytest.mark.parametrize(

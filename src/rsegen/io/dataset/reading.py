@@ -1,6 +1,8 @@
-"""Reads a data set: levels mapped into memory, any map by its place, metrics as columns.
+"""Read a data set: levels mapped into memory, any map by its place, metrics as columns.
 
-Converts arrays and tables of metrics to files and back: the same values give the same bytes.
+Only what is indexed is read from the disk, in microseconds per map, however many there are. Arrays and tables of
+metrics are converted to files and back; the same values give the same bytes, except for Parquet's, which depend on
+pyarrow.
 """
 
 from __future__ import annotations
@@ -65,10 +67,10 @@ def _parquet(maps: range, figures: Table) -> bytes:
 
 def mapped(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
     """The array in a file, mapped into memory; FileError if it has another shape or type, or does not exist."""
-    found = npy_files.mapped(path)
-    if found.shape != shape or found.dtype != dtype:
-        raise FileError(f"{path}: has shape {found.shape} of {found.dtype}; expected {shape} of {dtype}")
-    return np.asarray(found)
+    array = npy_files.mapped(path)
+    if array.shape != shape or array.dtype != dtype:
+        raise FileError(f"{path}: has shape {array.shape} of {array.dtype}; expected {shape} of {dtype}")
+    return np.asarray(array)
 
 
 def read_parquet(path: Path, maps: int) -> dict[str, NDArray[Any]]:
@@ -80,11 +82,11 @@ def read_parquet(path: Path, maps: int) -> dict[str, NDArray[Any]]:
             types = {field.name: field.type for field in file.schema_arrow}
             if file.metadata.num_rows != maps or types != _arrow_types(pyarrow):
                 raise FileError(f"{path}: is not the metrics of {maps} maps")
-            found = file.read()
+            columns = file.read()
     except (OSError, pyarrow.ArrowException) as error:
         why = getattr(error, "strerror", None) or str(error).partition("\n")[0][:200]
         raise FileError(f"{path}: not a table in Parquet: {why}") from None
-    return {name: found[name].to_numpy() for name in ROW.names or ()}
+    return {name: columns[name].to_numpy() for name in ROW.names or ()}
 
 
 def _arrow_types(pyarrow: Any) -> dict[str, Any]:
@@ -103,7 +105,7 @@ def arrow() -> tuple[Any, Any]:
 
 
 OPEN = 256
-"""Shards that are mapped at the same time, at most."""
+"""Shards that are mapped at the same time, at most: each has a file descriptor, of which systems give 1024 and less."""
 
 
 class LevelsOfMaps:
@@ -140,8 +142,8 @@ class LevelsOfMaps:
         if not 0 <= place < len(self):
             raise IndexError(f"there is no map {maps}; the data set has {len(self)}")
         number, row = self._layout.row_at(place)
-        found: Ints = self._shard(number)[row]
-        return found
+        levels: Ints = self._shard(number)[row]
+        return levels
 
     def _places(self, maps: Ints | Mask) -> Ints:
         """Places from 0 on, of negative places or a mask."""
@@ -159,12 +161,12 @@ class LevelsOfMaps:
 
     def _several(self, places: Ints) -> Ints:
         """The maps at some places, read shard by shard."""
-        found = np.empty((len(places), *self.shape[1:]), dtype=self.dtype)
+        levels = np.empty((len(places), *self.shape[1:]), dtype=self.dtype)
         numbers, rows = self._layout.rows_at(places)
         for number in np.unique(numbers):
             here = numbers == number
-            found[here] = self._shard(int(number))[rows[here]]
-        return found
+            levels[here] = self._shard(int(number))[rows[here]]
+        return levels
 
 
 class Dataset:
@@ -228,8 +230,8 @@ class Dataset:
         return self.layout.maps
 
     def __getitem__(self, maps: int | slice | Ints | Mask | list[int]) -> Ints:
-        found = self.levels[maps]
-        return found if found.flags.writeable else found.copy()
+        levels = self.levels[maps]
+        return levels if levels.flags.writeable else levels.copy()
 
     def __getitems__(self, maps: list[int]) -> Ints:
         """Several maps at once, (maps, n_x, n_y), which torch's DataLoader asks for."""

@@ -1,6 +1,9 @@
-"""Imports grey images: one pixel per cell, with vertical walls between heights.
+"""Import images: grey values or depths as heights, and occupancy maps of ROS as walls; one pixel per cell.
 
-Imports occupancy maps of ROS: map.yaml with its image.
+Grey values become max_height evenly spaced levels. A depth camera that looks straight down from a height c sees heights
+c - depth; 0 is a hole. An occupancy map (map.yaml and its image, as map_server and Nav2 write them) has a wall where
+the probability, high for dark pixels, is above its threshold. The size is checked before an image is decoded, as a
+small file may hold a huge one.
 """
 
 from __future__ import annotations
@@ -25,6 +28,8 @@ if TYPE_CHECKING:
 
 
 _WHITE_OF_16_BITS = 65535
+"""The largest grey value of 16 bits; Pillow reads such images as 32-bit integers."""
+
 _OF_MEASURES = tuple(name for name in parameters(Measured) if name != "size")
 
 
@@ -83,7 +88,7 @@ class Picture(Measured):
         top = self.max_height - 1
         if self.threshold is not None:
             return np.where(grey * 100 >= self.threshold, top, 0)
-        return np.floor(grey * top + 0.5 + 1e-9).astype(np.int32)
+        return np.floor(grey * top + 0.5 + 1e-9).astype(np.int32)  # halves up, whatever the last bit of a share is
 
 
 def brightness(path: Path, size: Cell | None = None) -> Array:
@@ -120,7 +125,9 @@ def _box() -> int:
 
 
 _WALL_CM = 100.0
+"""Height of a wall if no unit is given: higher than any robot here climbs."""
 
+# The keys of map.yaml, and Nav2's own defaults of those that may be missing.
 _KEYS: dict[str, Parameter] = {
     "image": Text(r"[^\x00-\x1f]{1,500}", "the path of an image"),
     "resolution": Float(1e-5, 1000, unit="m"),
@@ -133,7 +140,7 @@ _USUAL = {"negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.25}
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Occupancy(Importer):
+class OccupancyMap(Importer):
     """A map of ROS (map_server, Nav2): occupied cells become walls of one unit, 100 cm if none is said."""
 
     name: ClassVar[str] = "occupancy map"
@@ -155,10 +162,10 @@ class Occupancy(Importer):
 
 
 def _metadata(path: Path) -> dict[str, Json]:
-    found = content(path)
-    if not isinstance(found, Mapping):
+    keys = content(path)
+    if not isinstance(keys, Mapping):
         raise FileError(f"{path}: not an occupancy grid of ROS; it has keys such as image: and resolution:")
     try:
-        return {key: sort.check(key, found.get(key, _USUAL.get(key))) for key, sort in _KEYS.items()}
+        return {key: sort.check(key, keys.get(key, _USUAL.get(key))) for key, sort in _KEYS.items()}
     except ParameterError as error:
         raise error.of(str(path)) from None

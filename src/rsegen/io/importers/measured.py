@@ -1,6 +1,9 @@
-"""What importers of measured heights share: unit, ground, resampling, holes and rounding.
+"""The common base of importers of measured heights: unit, ground, resampling, holes and rounding.
 
-The heights of blocks from a finer, shifted or turned table of heights.
+A table that is finer than blocks, shifted or turned is sampled: each block gets the median of up to 15 x 15 points on
+it, which ignores edges and outliers, and is a hole if more than half of the points are. Then the ground is subtracted,
+holes are filled on request, and heights are rounded to levels. Cost: at most 2^26 samples, a second. What breaks it: a
+grid that is turned or scaled by more than about a block over the map, so that points lie on neighbouring blocks.
 """
 
 from __future__ import annotations
@@ -18,9 +21,10 @@ from rsegen.io.importers.base import Heights, Importer, filled, refuse_too_many_
 from rsegen.params.sorts import Cell, Flag, Float, ListOf, Size2D
 
 _MOST_ALONG = 15
-"""Samples along a side of a block at most."""
+"""Samples along a side of a block at most: the median of 225 points is surer than a block is level."""
 
 _MOST_SAMPLES = 2**26
+"""Samples of a map at most: blocks of larger maps get fewer; more would take seconds."""
 
 
 def sampled(
@@ -46,7 +50,8 @@ def _heights_at(heights: Array, origin: tuple[float, float], u: Array, v: Array,
     """The heights of the file at points u, v of the map."""
     c, s = turned
     x, y = (
-        np.floor(np.round(each, 6)).astype(np.int64) for each in (origin[0] + u * c - v * s, origin[1] + u * s + v * c)
+        np.floor(np.round(along, 6)).astype(np.int64)
+        for along in (origin[0] + u * c - v * s, origin[1] + u * s + v * c)
     )
     n_x, n_y = heights.shape
     inside = (x >= 0) & (x < n_x) & (y >= 0) & (y < n_y)
@@ -64,6 +69,7 @@ def _medians(samples: Array) -> Array:
 RESAMPLED = "resample to this many cells along x and y; default: one per cell, or pixel, of the file"
 
 _MOST_HOLES = 0.5
+"""Share of cells that may be filled: with more holes the map would be made up rather than measured."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -97,10 +103,11 @@ class Measured(Importer):
     ] = 0.0
 
     def measured(
-        self, path: Path, found: Array, unit_cm: float, recipe_values: dict[str, Any] | None = None
+        self, path: Path, heights_cm: Array, unit_cm: float, recipe_values: dict[str, Any] | None = None
     ) -> Heights:
-        """Heights [cm] of a file, shape (n_x, n_y), nan for holes, as those of a map; a FileError if they are none."""
-        heights = self._resampled(found) - (self.datum_cm or 0)
+        """Return heights [cm] of a file, shape (n_x, n_y), nan for holes, as levels; a FileError if they are none."""
+        # In this order: blocks of the map, then their ground, then holes, then levels.
+        heights = self._resampled(heights_cm) - (self.datum_cm or 0)
         holes = np.isnan(heights)
         if self.fill_holes and holes.any():
             if holes.mean() > _MOST_HOLES:

@@ -1,6 +1,6 @@
-"""Imports heights from files; every module of this folder is an importer for some file names.
+"""The importer of a file, and its heights as the recipe of one map.
 
-file --Format.read--> Heights --imported--> Recipe of one matrix
+file --Importer.read--> Heights --recipe_of--> Recipe of one matrix, and another one for filled holes
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from rsegen.recipe.recipe import Placement, Recipe
 
 def importer_for(path: Path) -> type[Importer]:
     """The importer for a file by its suffix, or a FileError that lists the known ones."""
-    found = IMPORTERS.get(path.suffix.lower())
-    if not found:
+    importer = IMPORTERS.get(path.suffix.lower())
+    if not importer:
         raise FileError(f"{path}: heights are read from files named {', '.join('*' + suffix for suffix in IMPORTERS)}")
-    return found
+    return importer
 
 
 def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_size: int | None = None) -> Recipe:
@@ -69,7 +69,7 @@ def _parts(heights: Heights) -> Iterator[tuple[str, Ints]]:
 
 
 def _side(n_x: int, n_y: int, wished: int | None) -> int:
-    """The side of a chunk, a divisor of both sides of the map."""
+    """Return the side of a chunk, a divisor of both sides of the map: by default 10, as of a pallet, if it is one."""
     common = math.gcd(n_x, n_y)
     if wished and common % wished:
         raise ParameterError("chunk_size", f"{wished} does not divide {n_x} x {n_y} cells; {common} does")

@@ -1,6 +1,9 @@
-"""Imports tables of heights: typed by hand, exported by a spreadsheet, or written by rsegen.
+"""Import tables of heights: typed by hand, exported by a spreadsheet, or written by rsegen, also as a build sheet.
 
-Reads build sheets (CSV, one row per cell), as rsegen wrote them or as a spreadsheet saved them again.
+A table has a row of numbers per line, the top line the largest y. A build sheet has a row per cell, with its x and y,
+in any order; it is known by its header, as rsegen wrote it or as a spreadsheet saved it again: with semicolons, quotes,
+decimal commas, or other line ends. Blank cells and rows of comments are allowed; whatever else is no number is refused
+with its line and column.
 """
 
 from __future__ import annotations
@@ -29,6 +32,7 @@ _HEAD = re.compile(
 )
 _SAID = re.compile(rf'^"?# *({"|".join(RECIPE_KEYS)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
 _MOST_ROWS = 1_000_000
+"""Rows of a build sheet at most, one per cell: each is a value in Python, of some 200 bytes."""
 
 
 def is_build_sheet(text: str) -> bool:
@@ -110,13 +114,15 @@ def _cell(where: str, row: list[str], delimiter: str) -> tuple[Cell, float]:
 
 
 _MOST_MIB = 128
+"""The largest table that is read, MiB: 4096 x 4096 cells of seven letters."""
+
 _OURS = re.compile(r"# block levels in units of ([0-9.]{1,12}) cm")
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Table(Measured):
-    """A row of numbers a line, the top row the largest y, apart by commas, semicolons, tabs or blanks; # comments."""
+    """A row of numbers per line, the top row the largest y, with commas, semicolons, tabs or blanks; # comments."""
 
     name: ClassVar[str] = "table"
     suffixes: ClassVar[tuple[str, ...]] = (".csv", ".tsv", ".txt")
@@ -130,7 +136,7 @@ class Table(Measured):
     ] = "auto"
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """Blank and invalid cells are refused with their place. A build sheet has all its parameters in itself."""
+        """Return the heights of a table, or of a build sheet, which has all its parameters in itself."""
         text = text_of(path, _MOST_MIB, "a table of heights")
         if is_build_sheet(text):
             return self._read_list(path, text, unit_cm)
@@ -159,10 +165,10 @@ def _unit_cm(path: Path, text: str) -> float:
     """The unit in the first line of what rsegen wrote."""
     sort = parameters(Recipe)["unit_cm"]
     try:
-        found: float = sort.check("unit_cm", sort.parse(text))
+        unit: float = sort.check("unit_cm", sort.parse(text))
     except ParameterError as error:
         raise FileError(f"{path}: line 1: {error}") from None
-    return found
+    return unit
 
 
 def _numbers(path: Path, text: str, *, blanks: bool) -> Array:
@@ -172,10 +178,10 @@ def _numbers(path: Path, text: str, *, blanks: bool) -> Array:
     width = _count(start)
     refuse_too_many_cells(path, width, len(lines))
     rows, bad = [], False
-    for number, line in lines:
+    for line_number, line in lines:
         cells = [cell or "nan" for cell in _cells(line, width)] if blanks else _cells(line, width)
         if len(cells) != width:
-            raise FileError(f"{path}: line {number}: {_count(line)} cells, and {width} in line {first}")
+            raise FileError(f"{path}: line {line_number}: {_count(line)} cells, and {width} in line {first}")
         try:
             rows.append(np.array(cells, dtype=np.float64))
         except ValueError:
@@ -189,8 +195,8 @@ def _lines(path: Path, text: str) -> list[tuple[int, str]]:
     """The lines with cells, each with its number."""
     if max(text.count("\n"), text.count("\r")) > MOST_CELLS:
         raise FileError(f"{path}: more lines than the {MOST_CELLS:,} cells that can be read")
-    lines = ((number, line.strip()) for number, line in enumerate(text.splitlines(), 1))
-    return [(number, line) for number, line in lines if line and line[0] != "#"]
+    lines = ((line_number, line.strip()) for line_number, line in enumerate(text.splitlines(), 1))
+    return [(line_number, line) for line_number, line in lines if line and line[0] != "#"]
 
 
 def _delimiter(line: str) -> str | None:
@@ -215,15 +221,15 @@ def _cells(line: str, most: int = MOST_CELLS) -> list[str]:
 def _first_bad(lines: Iterable[tuple[int, str]], *, blanks: bool) -> str:
     """The first cell that is no number, and how many others there are."""
     cells = ((line, at, cell) for line, text in lines for at, cell in enumerate(_cells(text), 1))
-    bad = (each for each in cells if not (_number(each[2]) or (blanks and not each[2])))
+    bad = (cell for cell in cells if not (_is_number(cell[2]) or (blanks and not cell[2])))
     line, column, cell = next(bad)
     others = sum(1 for _ in bad)
     amiss = f"{shown(cell)} is not a number" if cell else "is blank: fill_holes gives it the height of its neighbours"
-    said = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
-    return f"line {line}, column {column}: {amiss}{said}"
+    more = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
+    return f"line {line}, column {column}: {amiss}{more}"
 
 
-def _number(cell: str) -> bool:
+def _is_number(cell: str) -> bool:
     try:
         float(cell)
     except ValueError:
