@@ -113,7 +113,7 @@ def read_journal(folder: Path) -> Journal | None:
 
 def _decoded(text: bytes) -> Journal:
     """Return the journal of these lines; ValueError, TypeError, KeyError or AttributeError if they are none."""
-    whole = text[: text.rfind(b"\n") + 1]
+    whole = text[: text.rfind(b"\n") + 1]  # a last line that was cut off does not count
     first, *entries = map(json.loads, whole.splitlines())
     if first["rsegen_journal"] != _FORMAT or len(text) > _LARGEST:
         raise ValueError(first)

@@ -1,4 +1,4 @@
-"""What the window asks of robots and simulators; no other module of the window calls `rsegen.simulation`."""
+"""The window's door to robots and simulators; no other module of the window calls `rsegen.simulation`."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ def simulator_titles() -> dict[str, str]:
 
 
 def installed() -> Installed:
-    """Which simulators are installed; this runs their programs, so it takes a moment."""
+    """Return the installed simulators; this runs their programs, so it takes a moment."""
     return {name: simulator.installation() for name, simulator in SIMULATORS.items()}
 
 
@@ -181,7 +181,7 @@ def how_to_install(name: str) -> str:
 
 
 def why_it_cannot_open(here: Installation | None) -> str:
-    """Why a simulator cannot open maps in its window; empty if it can."""
+    """Return why a simulator cannot open maps in its window; empty if it can."""
     if here is None:
         return "not found on this machine"
     can_open = here.simulator.with_gui(here, OpenRequest(world=Path("any.world")))
