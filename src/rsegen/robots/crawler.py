@@ -1,7 +1,7 @@
 """A crawler in the class of the Servosila Engineer: two tracks, two front flippers, an arm of five joints.
 
 Lengths in metres, masses in kg, angles in radians; all figures are our own, chosen for a robot of 23 kg that climbs a
-stair of 10 and 20 cm. Gains hold the arm and the flippers against gravity, and give way before the effort of a motor.
+stair of 10 and 20 cm. Gains hold arm and flippers against gravity; an effort is the most that a motor gives.
 """
 
 from __future__ import annotations

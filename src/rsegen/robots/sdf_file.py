@@ -244,16 +244,12 @@ def _size(shapes: Extents, where: str) -> Vector | None:
 
 def _backend(model: ElementTree.Element, drive: ReadDrive | None) -> str | None:
     """Return the backend that the plug-in of a drive is of; None for ROS's, and for wheels that the user named."""
-    if not drive or not drive.plugin or _is_ros(drive):
+    if not drive or not drive.plugin or "_ros_" in drive.plugin:
         return None
     if drive.plugin.endswith("Plugin"):
         return "classic"
     files = (plugin.get("filename", "") for plugin in model.iter("plugin"))
     return "fortress" if any("ignition" in file for file in files if plugin_key(file) == drive.plugin) else "sim"
-
-
-def _is_ros(drive: ReadDrive) -> bool:
-    return "_ros_" in drive.plugin
 
 
 def _derived(robot: SdfRobot) -> str:

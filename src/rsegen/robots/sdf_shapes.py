@@ -192,9 +192,12 @@ class _SweptBox(NamedTuple):
 def extents(frames: ModelFrames) -> Extents:
     """The extents of the collision shapes of every link of a model."""
     known, unknown = [], []
-    for link, collision in _collisions(frames):
+    links = ((name, element) for name, element in frames.elements.items() if element.tag == "link")
+    for link, collision in ((name, collision) for name, element in links for collision in element.findall("collision")):
         geometry = collision.find("geometry")
-        if geometry is None or _is_without_extent(geometry):
+        if geometry is None or len(geometry) == 0 or geometry.find("empty") is not None:
+            continue
+        if geometry.find("plane") is not None:  # without end
             continue
         solid = _solid(geometry, frames.where)
         if solid is None:
@@ -206,16 +209,6 @@ def extents(frames: ModelFrames) -> Extents:
         middle = pose[:3, :3] @ solid.centre + pose[:3, 3]
         known.append(Extent(link, middle - reach, middle + reach))
     return Extents(tuple(known), tuple(dict.fromkeys(unknown)))
-
-
-def _collisions(frames: ModelFrames) -> Iterator[tuple[str, Element]]:
-    for name, element in frames.elements.items():
-        if element.tag == "link":
-            yield from ((name, collision) for collision in element.findall("collision"))
-
-
-def _is_without_extent(geometry: Element) -> bool:
-    return geometry.find("empty") is not None or geometry.find("plane") is not None or len(geometry) == 0
 
 
 def _solid(geometry: Element, where: str) -> _SweptBox | None:

@@ -74,7 +74,8 @@ def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: S
     marked = np.isin(numbers, shown)
     axes.plot(numbers[marked], reached[marked], "o", color="white", markersize=size * 0.45, zorder=4)
     unit = f" [{_unit(plan)}]" if _unit(plan) else ""
-    axes.set(xlabel="map (light in the middle: its plan is below)", ylabel=f"{_name(plan)}{unit}")
+    name = "rms step between neighbouring blocks" if plan.by == RMS else plan.metric.name
+    axes.set(xlabel="map (light in the middle: its plan is below)", ylabel=f"{name}{unit}")
     if plan.by == RMS:
         axes.set_ylim(bottom=0)
     axes.margins(x=0.02)
@@ -90,10 +91,6 @@ def _line_text(plan: SeriesPlan, full: Array) -> str:
         return f"from level to as designed{'' if plan.same_field else ', in the mean of the fields'}"
     of = "the rms step of the field as it is" if plan.same_field else "the mean rms step of the fields as they are"
     return f"difficulty x {np.nan_to_num(full).mean():.3g} cm, {of}"
-
-
-def _name(plan: SeriesPlan) -> str:
-    return "rms step between neighbouring blocks" if plan.by == RMS else plan.metric.name
 
 
 def _unit(plan: SeriesPlan) -> str:

@@ -80,18 +80,14 @@ def read_parquet(path: Path, maps: int) -> dict[str, NDArray[Any]]:
         with open_regular(path) as opened:
             file = parquet.ParquetFile(opened)
             types = {field.name: field.type for field in file.schema_arrow}
-            if file.metadata.num_rows != maps or types != _arrow_types(pyarrow):
+            expected = {"map": pyarrow.int64(), **dict.fromkeys(COLUMNS, pyarrow.float32())}
+            if file.metadata.num_rows != maps or types != expected:
                 raise FileError(f"{path}: is not the metrics of {maps} maps")
             columns = file.read()
     except (OSError, pyarrow.ArrowException) as error:
         why = getattr(error, "strerror", None) or str(error).partition("\n")[0][:200]
         raise FileError(f"{path}: not a table in Parquet: {why}") from None
     return {name: columns[name].to_numpy() for name in ROW.names or ()}
-
-
-def _arrow_types(pyarrow: Any) -> dict[str, Any]:
-    """The types of the columns of metrics, by name."""
-    return {"map": pyarrow.int64(), **dict.fromkeys(COLUMNS, pyarrow.float32())}
 
 
 def arrow() -> tuple[Any, Any]:

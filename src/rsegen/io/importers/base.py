@@ -233,9 +233,9 @@ def whole_units(
             else f"{height:g} cm is not 0..{_HIGHEST} whole units of {unit_cm:g} cm"
         )
         hint = "fill_holes gives it the height of its neighbours" if np.isnan(height) else advice(heights_cm, unit_cm)
-        raise FileError(
-            f"{path}: row {row + 1} from the top, column {column + 1}: {amiss}{_others(int(bad.sum()) - 1)}; {hint}"
-        )
+        others = int(bad.sum()) - 1
+        more = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
+        raise FileError(f"{path}: row {row + 1} from the top, column {column + 1}: {amiss}{more}; {hint}")
     told = np.ones(levels.shape, dtype=bool) if holes is None else ~holes
     if rounded and not any_heights and are_not_blocks(units[told], levels[told]):
         heights = heights_cm[told]
@@ -245,10 +245,6 @@ def whole_units(
             "any_heights rounds them anyway"
         )
     return levels.astype(np.int32)
-
-
-def _others(count: int) -> str:
-    return f" ({count} more such cell{'s'[: count > 1]})" if count else ""
 
 
 def _problem(cls: type[Importer]) -> str:

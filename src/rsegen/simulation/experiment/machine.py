@@ -14,7 +14,6 @@ import subprocess
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rsegen.errors import SimulatorFailed
 
@@ -46,7 +45,8 @@ def busy() -> float:
 
     times = psutil.cpu_times()
     idle = times.idle + getattr(times, "iowait", 0.0)
-    return (sum(times) - idle - _counted_twice(times)) / (os.cpu_count() or 1)
+    guests = getattr(times, "guest", 0.0) + getattr(times, "guest_nice", 0.0)  # Linux counts them as time of users too
+    return float(sum(times) - idle - guests) / (os.cpu_count() or 1)
 
 
 def gpu_load() -> float | None:
@@ -72,11 +72,6 @@ def _processor() -> str:
     path = Path("/proc/cpuinfo")
     named = re.search(r"model name\s*:\s*(.+)", path.read_text()) if path.exists() else None
     return named[1] if named else platform.processor() or platform.machine()
-
-
-def _counted_twice(times: Any) -> float:
-    """Return the time of guests, which Linux counts as time of their users too."""
-    return float(getattr(times, "guest", 0.0) + getattr(times, "guest_nice", 0.0))
 
 
 def _nvidia() -> str:

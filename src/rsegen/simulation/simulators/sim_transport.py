@@ -308,7 +308,8 @@ class TransportClient:
         return self.offers(service)
 
     def request(self, service: str, type_name: str, message: Message, timeout: float = TIMEOUT) -> dict[str, Any]:
-        """The response of a service to a message of a type; SimulatorFailed if it refuses or does not answer."""
+        """Return the response of a service to a message of a type; SimulatorFailed if it refuses or does not answer."""
+        # Where the response goes and who asks, then the message, then the types of both.
         offer, request_id = self.offers(service, timeout)[0], str(uuid.uuid4())
         service_publisher = offer["srv_pub"]
         parts = [
