@@ -142,7 +142,7 @@ class UnknownName(ParameterError):
 
     @classmethod
     def among(cls, where: str, what: str, name: object, known: Iterable[str]) -> UnknownName:
-        """The error for `name`, which should have been one of `known`."""
+        """Return the error for `name`, which should have been one of `known`."""
         import difflib
 
         names = sorted(known)
@@ -159,7 +159,7 @@ def refuse_unknown(what: str, names: Iterable[str], known: Collection[str]) -> N
 
 
 def pip_install(extras: Iterable[str]) -> str:
-    """The command that installs extras of rsegen for the Python that runs this."""
+    """Return the command that installs extras of rsegen for the Python that runs this."""
     return f"{shlex.quote(sys.executable or 'python3')} -m pip install 'rsegen[{','.join(extras)}]'"
 
 
@@ -189,7 +189,7 @@ def printable(text: str) -> str:
 
 
 def line_of(message: str) -> str:
-    """A message as one printable line that can be read: long paths, and what is too long altogether, without middle."""
+    """Return a message as one printable, readable line: long paths, and what is too long, without their middle."""
     words = " ".join(_without_middle(printable(word), _LONGEST_WORD) for word in message.split())
     return _without_middle(words, _LONGEST_LINE)
 

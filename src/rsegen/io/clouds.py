@@ -50,7 +50,7 @@ def is_cloud(path: Path) -> bool:
 
 
 def read_clouds(paths: Sequence[Path], values: str | None = None, intrinsics: Intrinsics | None = None) -> Array:
-    """The points (n, 3) of all files together, metres, in the frame that they share.
+    """Return the points (n, 3) of all files together, metres, in the frame that they share.
 
     values: the unit of their numbers (m, cm, mm, in, ft); default: m, but mm for depth images with whole numbers.
     intrinsics: for depth images; x is right, y down and z away from the camera. A FileError if a file has no points.
@@ -74,7 +74,7 @@ def _read(path: Path, values: str | None, intrinsics: Intrinsics | None) -> Arra
 
 
 def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
-    """The points of a depth image (rows, columns), in its unit; 0 and nan are holes."""
+    """Return the points of a depth image (rows, columns), in its unit; 0 and nan are holes."""
     if intrinsics is None:
         raise ParameterError("intrinsics", f"{path} is a depth image; give fx,fy,cx,cy of its camera in pixels")
     fx, fy, cx, cy = intrinsics
@@ -132,7 +132,7 @@ def _is_point(line: str) -> bool:
 
 
 def _mesh(path: Path) -> tuple[Array, str]:
-    """The points of a cloud, or of a mesh's surface, which trimesh reads."""
+    """Return the points of a cloud, or of a mesh's surface, which trimesh reads."""
 
     def read() -> Array:
         import trimesh
@@ -149,7 +149,7 @@ def _mesh(path: Path) -> tuple[Array, str]:
 
 
 def _pcd(path: Path) -> tuple[Array, str]:
-    """The points of a file of the Point Cloud Library, which pypcd4 reads."""
+    """Return the points of a file of the Point Cloud Library, which pypcd4 reads."""
 
     def read() -> Array:
         from pypcd4.pypcd4 import MetaData, PointCloud
@@ -166,7 +166,7 @@ def _pcd(path: Path) -> tuple[Array, str]:
 
 
 def _header_lines(file: Iterable[bytes]) -> Iterator[str]:
-    """The lines of a header as pypcd4 takes them: without comments, up to DATA or ten."""
+    """Yield the lines of a header as pypcd4 takes them: without comments, up to DATA or ten."""
     lines = (line.decode().strip() for line in file)
     for line in islice((line for line in lines if line and not line.startswith("#")), 10):
         yield line

@@ -43,7 +43,7 @@ _AT_ONCE = 2**20
 
 
 def open_regular(path: str | Path) -> BufferedReader:
-    """A regular file, opened to be read; OSError for anything else, such as a folder, a pipe or a device."""
+    """Return a regular file, opened to be read; OSError for anything else, such as a folder, a pipe or a device."""
     file = _opened(path)
     if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
         return file
@@ -107,7 +107,7 @@ _DEEPEST = 200
 
 
 def text_of(path: Path, mib: int, too_large: str) -> str:
-    """The text of a file of at most `mib` MiB; FileError if it cannot be read, is larger, or is not UTF-8."""
+    """Return the text of a file of at most `mib` MiB; FileError if it cannot be read, is larger, or is not UTF-8."""
     try:
         content = read_start(path, mib * 2**20 + 1)
     except OSError as error:
@@ -123,7 +123,7 @@ def text_of(path: Path, mib: int, too_large: str) -> str:
 
 
 def elements(text: str, where: str) -> ET.Element:
-    """The root of an XML text; a document type and entities are refused, as bombs are made of them."""
+    """Return the root of an XML text; a document type and entities are refused, as bombs are made of them."""
     import xml.etree.ElementTree as ET
 
     if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
@@ -257,7 +257,7 @@ def refuse_duplicates(keys: Iterable[tuple[str, str]]) -> None:
 
 
 def parser_message(error: Exception) -> str:
-    """The message of a parser, short and without its advice to programmers."""
+    """Return the message of a parser, short and without its advice to programmers."""
     if isinstance(error, RecursionError):
         return "nested too deeply"
     if isinstance(error, (AttributeError, LookupError, TypeError)):

@@ -37,7 +37,7 @@ class NpyHeader(NamedTuple):
 
 
 def mapped(path: Path) -> NDArray[Any]:
-    """The array in a file, mapped into memory, read-only; FileError if the file is not what its header says."""
+    """Return the array in a file, mapped into memory, read-only; FileError if the file is not what its header says."""
     try:
         with open_regular(path) as file:
             shape, is_fortran, dtype = _checked_header(file)
@@ -51,7 +51,7 @@ def mapped(path: Path) -> NDArray[Any]:
 
 
 def _checked_header(file: BufferedReader) -> NpyHeader:
-    """The header of a file, which is then read up to its end; ValueError if the file cannot hold its array."""
+    """Return the header of a file, which is then read up to its end; ValueError if the file cannot hold its array."""
     header = _header(file)
     if header.dtype.hasobject or not header.dtype.itemsize:
         raise ValueError(f"its values are {str(header.dtype)[:40]}")
@@ -65,7 +65,7 @@ def _checked_header(file: BufferedReader) -> NpyHeader:
 
 
 def _header(file: BufferedReader) -> NpyHeader:
-    """The header as numpy reads it, of no more bytes than a header has; ValueError if it is none."""
+    """Return the header as numpy reads it, of no more bytes than a header has; ValueError if it is none."""
     version = npy.read_magic(file)
     if version not in _SIZE_BYTES:
         raise ValueError(f"version {version[0]}.{version[1]} of the format")

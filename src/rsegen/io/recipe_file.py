@@ -19,7 +19,7 @@ MAX_MIB = {".json": 64, ".yaml": 4}
 
 
 def load(path: str | Path) -> Recipe:
-    """The recipe in a YAML or JSON file; FileError if it cannot be read, ParameterError if a value is wrong."""
+    """Return the recipe in a YAML or JSON file; FileError if it cannot be read, ParameterError if a value is wrong."""
     path = Path(path)
     try:
         return decode(content(path))
@@ -28,7 +28,7 @@ def load(path: str | Path) -> Recipe:
 
 
 def content(path: Path) -> object:
-    """The content of a YAML or JSON file as plain values; FileError if it cannot be read."""
+    """Return the content of a YAML or JSON file as plain values; FileError if it cannot be read."""
     most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"])
     text = text_of(path, most, f"a recipe (JSON: up to {MAX_MIB['.json']} MiB)")
     return _parse_json(text, path) if path.suffix.lower() == ".json" else parse_yaml(text, path)
@@ -49,7 +49,7 @@ def parse_yaml(text: str, path: Path) -> object:
 
 
 def to_yaml(recipe: Recipe) -> str:
-    """The recipe as the text of a YAML file."""
+    """Return the recipe as the text of a YAML file."""
     import yaml
 
     text: str = yaml.safe_dump(encode(recipe), sort_keys=False, default_flow_style=None, allow_unicode=True, width=120)

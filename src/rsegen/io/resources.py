@@ -74,7 +74,7 @@ class Needs:
 def check_needs(
     recipes: Sequence[Recipe], maps: int, folder: Path, step: Step = "build", formats: Collection[Format] = ()
 ) -> Needs:
-    """Return what a run of so many maps of some recipes needs; TooLarge if less memory or disk space is free.
+    """Return the needs of a run of this number of maps; TooLarge if less memory or disk space is free.
 
     step: the one of all that are made of a map which needs the most memory, besides its formats
     """
@@ -125,7 +125,7 @@ def refuse_full(size: int, folder: Path) -> None:
 
 
 def format_bytes(size: float) -> str:
-    """A number of bytes in the unit in which it is easiest to read: 1.3 MB."""
+    """Return a number of bytes in the unit in which it is easiest to read: 1.3 MB."""
     if size >= 10**15:
         return "a million GB or more"
     power = min(max(0, math.floor(math.log10(max(size, 1)) / 3)), len(_UNITS) - 1)
@@ -133,7 +133,7 @@ def format_bytes(size: float) -> str:
 
 
 def _checked_memory(recipe: Recipe, step: Step, formats: Collection[Format], free: int) -> int:
-    """The bytes of memory that one map needs; TooLarge if fewer are free, or if it would take hours."""
+    """Return the bytes of memory that one map needs; TooLarge if fewer are free, or if it would take hours."""
     needed = _memory(recipe, step, formats)
     if needed > free:
         n_x, n_y = tile_shape(recipe)
@@ -151,7 +151,7 @@ def _checked_memory(recipe: Recipe, step: Step, formats: Collection[Format], fre
 
 
 def _memory(recipe: Recipe, step: Step, formats: Collection[Format]) -> int:
-    """The bytes of memory that one map needs at its peak. A watertight mesh is made of a whole model at once."""
+    """Return the bytes of memory that one map needs at its peak. A watertight mesh is made of a whole model at once."""
     cells = prod(tile_shape(recipe))
     most = max(
         BYTES_PER_CELL[step],
@@ -166,7 +166,7 @@ def _memory(recipe: Recipe, step: Step, formats: Collection[Format]) -> int:
 
 
 def _bytes(cells: int, per_cell: int) -> int:
-    """The bytes of a map of some cells, and of the surface of a piece of it."""
+    """Return the bytes of a map of some cells, and of the surface of a piece of it."""
     return cells * per_cell + min(cells, PIECE**2) * BYTES_PER_CELL["surface"]
 
 

@@ -101,7 +101,7 @@ class ScannedMap:
         return build(self.recipe, self.recipe.first_map)
 
     def picture(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-        """The points from above with the grid that was found, and how far each top is from its level."""
+        """Return the points from above with the grid that was found, and how far each top is from its level."""
         return scan_plot(self.scan, self.points, format)
 
     def _repr_png_(self) -> bytes:
@@ -116,7 +116,7 @@ class ComparedMap:
     scan: Scan | None = None
 
     def picture(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-        """The plan with every block that is wrong, for the person with the mallet."""
+        """Return the plan with every block that is wrong, for the person with the mallet."""
         return comparison_plot(self.comparison, format)
 
     def _repr_png_(self) -> bytes:
@@ -160,7 +160,7 @@ def _field(shown: Recipe | StepField) -> StepField:
 
 
 def _points(clouds: Clouds, options: ScanOptions) -> tuple[Array, str]:
-    """The points [m], and a name for what they show."""
+    """Return the points [m], and a name for what they show."""
     if isinstance(clouds, np.ndarray):
         return clouds, "scan"
     paths = [Path(clouds)] if isinstance(clouds, (str, Path)) else [Path(path) for path in clouds]

@@ -38,7 +38,7 @@ class DrivableRobot(Protocol):
         """Return its <model>, with its origin at a pose."""
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
-        """The command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
+        """Return the command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -105,25 +105,25 @@ class Robot:
         return f'    <model name="{_named(name)}">\n' + "".join(inside) + "    </model>\n"
 
     def file(self, name: str, simulator: str = "classic", *, lidar: bool = False) -> str:
-        """The text of an SDF file of it."""
+        """Return the text of an SDF file of it."""
         return HEADER + self.model(name, simulator, lidar=lidar) + FOOTER
 
     def holding(self, angles: Mapping[str, float]) -> Robot:
-        """The robot whose servos go to these angles, radians, as soon as the world runs."""
+        """Return the robot whose servos go to these angles, radians, as soon as the world runs."""
         for joint in angles.keys() - {servo.joint for servo in self.servos}:
             raise UnknownName.among("joint", "joint with a motor", joint, (servo.joint for servo in self.servos))
         servos = (replace(servo, rest=angles.get(servo.joint, servo.rest)) for servo in self.servos)
         return replace(self, servos=tuple(servos))
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
-        """The command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
+        """Return the command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
         for what, value, most, unit in (("v", v, self.drive.speed, "m/s"), ("w", w, self.drive.turn, "rad/s")):
             if not abs(value) <= most:
                 raise ParameterError(what, f"{shown(value)} is outside -{numbers([most])}..{numbers([most])} {unit}")
         return self.drive.command(name, v, w, _known(simulator))
 
     def servo_command(self, name: str, joint: str, angle: float, simulator: str = "classic") -> Command:
-        """The command that turns a joint to an angle, radians."""
+        """Return the command that turns a joint to an angle, radians."""
         servos = {servo.joint: servo for servo in self.servos}
         if joint not in servos:
             raise UnknownName.among("joint", "joint with a motor", joint, servos)
@@ -152,7 +152,7 @@ def _known(simulator: str) -> str:
 
 
 def _named(name: str) -> str:
-    """A name that can stand in a topic."""
+    """Return a name that can stand in a topic."""
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
         raise ParameterError("name", f"{shown(name)} is not letters, digits and _, with no digit first")
     return name

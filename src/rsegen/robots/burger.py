@@ -19,7 +19,7 @@ _CORNERS = {"front_left": (1, 1), "front_right": (1, -1), "rear_left": (-1, 1), 
 
 
 def _ball(name: str, along: int, across: int, z: float) -> Part:
-    """A rounded corner of the hull, or the middle of its underside."""
+    """Return a rounded corner of the hull, or the middle of its underside."""
     off = _SIDE / 2 - _BALL
     pose = (_BACK + along * off, across * off, z, 0, 0, 0)
     return Part(name=f"hull_{name}", solid=Sphere(radius=_BALL), pose=pose, surface=_HULL)

@@ -30,7 +30,7 @@ class Command(NamedTuple):
 
 
 def publish_command(topic: str, message: str, text: str, simulator: str) -> Command:
-    """A message to a topic by the simulator's own tool; `message` is a type without its package."""
+    """Return a message to a topic by the simulator's own tool; `message` is a type without its package."""
     kind = message_type(message, simulator)
     if simulator == "classic":
         return Command(topic, kind, text, ("gz", "topic", "-p", topic, "-m", text))
@@ -53,18 +53,18 @@ def twist_text(v: float, w: float) -> str:
 
 
 def message_type(message: str, simulator: str) -> str:
-    """The full name of a message type, as in gazebo.msgs.Twist, gz.msgs.Twist or ignition.msgs.Twist."""
+    """Return the full name of a message type, as in gazebo.msgs.Twist, gz.msgs.Twist or ignition.msgs.Twist."""
     package = {"classic": "gazebo", "sim": "gz", "fortress": "ignition"}[simulator]
     return f"{package}.msgs.{message}"
 
 
 def classic(library: str, name: str, inner: str) -> str:
-    """A plug-in of Gazebo Classic."""
+    """Return a plug-in of Gazebo Classic."""
     return f'      <plugin filename="lib{library}Plugin.so" name="{name}">{inner}</plugin>\n'
 
 
 def system(kind: str, simulator: str, inner: str = "") -> str:
-    """A system of Gazebo Sim: `DiffDrive` is gz-sim-diff-drive-system, or ignition-gazebo-... in Fortress."""
+    """Return a system of Gazebo Sim: `DiffDrive` is gz-sim-diff-drive-system, or ignition-gazebo-... in Fortress."""
     name = system_name(kind, simulator)
     return f'      <plugin filename="{name.library}" name="{name.class_name}">{inner}</plugin>\n'
 
@@ -74,7 +74,7 @@ POSE_RATE = 20
 
 
 def pose_publisher(simulator: str) -> str:
-    """The system of Gazebo Sim that publishes the pose of a model, from which drives are recorded.
+    """Return the system of Gazebo Sim that publishes the pose of a model, from which drives are recorded.
 
     It publishes a model's pose only if that of nested models is wanted too.
     """
@@ -111,10 +111,10 @@ class Drive(ABC):
 
     @abstractmethod
     def classic_command(self, name: str, v: float, w: float) -> Command:
-        """The command for Gazebo Classic's plug-in."""
+        """Return the command for Gazebo Classic's plug-in."""
 
     def command(self, name: str, v: float, w: float, simulator: str) -> Command:
-        """The command for speed v and turn rate w, counterclockwise."""
+        """Return the command for speed v and turn rate w, counterclockwise."""
         if simulator == "classic":
             return self.classic_command(name, v, w)
         return publish_command(f"/model/{name}/cmd_vel", "Twist", twist_text(v, w), simulator)
@@ -241,7 +241,7 @@ class Servo:
     rest: float = 0
 
     def command(self, name: str, angle: float, simulator: str) -> Command:
-        """The command that turns it to an angle, radians.
+        """Return the command that turns it to an angle, radians.
 
         Classic 11 listens on a topic of Ignition Transport, which its own `gz joint` knows.
         """
@@ -254,7 +254,7 @@ class Servo:
 
 
 def topic(name: str, joint: str) -> str:
-    """The topic of Gazebo Sim's JointPositionController."""
+    """Return the topic of Gazebo Sim's JointPositionController."""
     return f"/model/{name}/joint/{joint}/0/cmd_pos"
 
 

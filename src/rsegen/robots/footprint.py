@@ -30,7 +30,7 @@ _EXACT = 1e-9
 
 
 def footprint_of(robot: DrivableRobot) -> Footprint:
-    """The footprint of a robot: every part of every link; of one from a file, the rectangle of its size."""
+    """Return the footprint of a robot: every part of every link; of one from a file, the rectangle of its size."""
     if isinstance(robot, Robot):
         return _of_links(robot)
     length, width, _ = robot.size
@@ -47,7 +47,7 @@ def _of_links(robot: Robot) -> Footprint:
 
 
 def _needed(parts: Sequence[Underside]) -> tuple[Underside, ...]:
-    """The parts that are not above a lower one, or another one of the same height, in their whole length and width."""
+    """Return the parts that are not wholly above a lower one, or another one of the same height."""
     kept: list[Underside] = []
     for part in sorted(set(parts), key=lambda part: (part.bottom, -part.rectangle.length, -part.rectangle.width)):
         if not any(other.rectangle.covers(part.rectangle) for other in kept):
@@ -56,7 +56,7 @@ def _needed(parts: Sequence[Underside]) -> tuple[Underside, ...]:
 
 
 def _undersides(part: Part, link: SdfPose) -> Iterator[Underside]:
-    """A part of a link in the frame of the model, as rectangles from the lowest on."""
+    """Yield a part of a link in the frame of the model, as rectangles from the lowest on."""
     of_link = rotation(*link[3:])
     turned, at = of_link @ rotation(*part.pose[3:]), np.array(link[:3]) + of_link @ np.array(part.pose[:3])
     half = _half(part, turned)

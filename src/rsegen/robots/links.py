@@ -158,7 +158,7 @@ class Link:
         return ixx + self.geared / 2, iyy + self.geared / 2, izz + self.geared
 
     def sdf(self, sensors: str = "") -> str:
-        """The link with its sensors."""
+        """Return the link with its sensors."""
         ixx, iyy, izz = self.moments
         moments = f"<ixx>{ixx:.9g}</ixx><iyy>{iyy:.9g}</iyy><izz>{izz:.9g}</izz>"
         return f"""\
@@ -215,7 +215,7 @@ class Joint:
 
 
 def rotation(roll: float, pitch: float, yaw: float) -> Array:
-    """The matrix (3, 3) of a rotation about x, then y, then z, radians."""
+    """Return the matrix (3, 3) of a rotation about x, then y, then z, radians."""
     (a, b, c), (p, q, r) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
     about_x = np.array([[1, 0, 0], [0, a, -p], [0, p, a]])
     about_y = np.array([[b, 0, q], [0, 1, 0], [-q, 0, b]])
@@ -232,7 +232,7 @@ _AXLE: Vector = (0, 0, 1)
 def wheel(  # noqa: PLR0913  # a wheel's six figures, by name
     name: str, centre: Vector, *, radius: float, width: float, mass: float, geared: float, mu: float = 1
 ) -> Link:
-    """A wheel with its axle along y, which is its own z; friction acts along and across it however it has turned."""
+    """Return a wheel with its axle, its own z, along y; friction acts along and across it however it has turned."""
     tyre, tread = Cylinder(radius=radius, length=width), Cylinder(radius=radius, length=TREAD)
     parts = (
         Part(name="tyre", solid=tyre, colour=DARK),
@@ -246,7 +246,7 @@ SLACK = 0.001
 
 
 def belt(rear: float, front: float, *, radius: float, width: float, mu: float, mu2: float) -> tuple[Part, ...]:
-    """A belt round wheels of one radius at x = rear and x = front of its link; friction mu along it, mu2 across."""
+    """Return a belt round equal wheels at x = rear and x = front of its link; friction mu along it, mu2 across."""
     surface = _grip(mu, mu2)
     run = Box(size=(front - rear, width, 2 * (radius - SLACK)))
     end = Cylinder(radius=radius, length=width)
@@ -258,7 +258,7 @@ def belt(rear: float, front: float, *, radius: float, width: float, mu: float, m
 
 
 def road(x: float, *, radius: float, width: float, mu: float, mu2: float) -> Part:
-    """A wheel inside the belt, at x; where it is lower than the ends the robot stands on it, and turns more easily."""
+    """Return a wheel inside the belt, at x; if lower than the ends, the robot stands on it and turns easily."""
     name = f"road_{'front' if x > 0 else 'rear'}"
     wheel = Cylinder(radius=radius, length=width)
     return Part(name=name, solid=wheel, pose=(x, 0, 0, *ALONG_Y), colour=DARK, surface=_grip(mu, mu2))

@@ -59,13 +59,13 @@ class ReadDrive(NamedTuple):
 
 
 def plugin_key(file: str) -> str:
-    """The name of a plug-in's file as in KNOWN: without lib and .so, and Fortress's as later ones."""
+    """Return the name of a plug-in's file as in KNOWN: without lib and .so, and Fortress's as later ones."""
     name = file.strip().rpartition("/")[2].removeprefix("lib").removesuffix(".so")
     return re.sub(r"^(gz-sim|ignition-gazebo)\d*-", "gz-sim-", name)
 
 
 def find_drive(model: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
-    """The drive of the first plug-in that is known and names what it drives; None if there is none.
+    """Return the drive of the first plug-in that is known and names what it drives; None if there is none.
 
     Classic's DiffDrive knows one pair of wheels, so a model may have several: plug-ins of one kind are one drive.
     """
@@ -80,7 +80,7 @@ def find_drive(model: Element, frames: ModelFrames, shapes: Extents) -> ReadDriv
 
 
 def named_wheels(text: str, frames: ModelFrames, shapes: Extents) -> ReadDrive:
-    """The drive of wheels whose joints the user names: LEFT,RIGHT, each side of several joined by +, front to rear."""
+    """Return the drive of wheels whose joints the user names: LEFT,RIGHT; several of a side joined by +."""
     sides = [side.split("+") for side in text.split(",")]
     if len(sides) != 2 or len(sides[0]) != len(sides[1]) or not all(joint for side in sides for joint in side):
         raise ParameterError("wheels", f"{shown(text)} is not LEFT,RIGHT or FRONT+REAR,FRONT+REAR, joints of wheels")
@@ -184,7 +184,7 @@ def _tracked(
 def _by_side(
     first_side: Sequence[str], second_side: Sequence[str], frames: ModelFrames, shapes: Extents
 ) -> tuple[Sequence[str], Sequence[str]]:
-    """The joints of the left side, then those of the right, by their places: Classic calls left what is right."""
+    """Return the joints of the left and the right side, by their places: Classic calls left what is right."""
     first, second = (_middle(_child(side[0], frames), frames, shapes)[1] for side in (first_side, second_side))
     return (second_side, first_side) if first < second else (first_side, second_side)
 
@@ -201,13 +201,13 @@ def _radius(joints: Sequence[str], frames: ModelFrames, shapes: Extents) -> floa
 
 
 def _middle(link: str, frames: ModelFrames, shapes: Extents) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """The middle of a link's shapes, else its origin."""
+    """Return the middle of a link's shapes, else its origin."""
     shape = shapes.of(link)
     return np.asarray(frames.transform(link)[:3, 3] if shape is None else (shape.low + shape.high) / 2)
 
 
 def _child(joint: str, frames: ModelFrames) -> str:
-    """The link that a joint turns."""
+    """Return the link that a joint turns."""
     scope = joint.rpartition("::")[0]
     child = _text(frames.joints[joint].find("child"))
     return f"{scope}::{child}" if scope else child
@@ -216,7 +216,7 @@ def _child(joint: str, frames: ModelFrames) -> str:
 def _limits(
     plugin: Element, frames: ModelFrames, drive: Drive, joints: Iterable[str]
 ) -> tuple[float | None, float | None]:
-    """The greatest speed and turn rate by the plug-in, else the greatest speed by its wheels' joints."""
+    """Return the greatest speed and turn rate by the plug-in, else the greatest speed by its wheels' joints."""
     speed = _number(plugin, frames, "max_linear_velocity", "max_velocity", "max_linear_speed")
     speed = speed or _number(plugin, frames, "linear_velocity/max_velocity")
     turn = _number(plugin, frames, "max_angular_velocity", "max_angular_speed", "angular_velocity/max_velocity")
@@ -227,7 +227,7 @@ def _limits(
 
 
 def _limit(sort: Float, value: float | None, frames: ModelFrames) -> float | None:
-    """A limit of a model; None for none, as numbers are that no robot reaches: SDF's own is 1e16."""
+    """Return a limit of a model; None for none, as numbers are that no robot reaches: SDF's own is 1e16."""
     if not value or value > sort.high:
         return None
     refuse_outside(sort, value, f"{frames.where}: the limit of a velocity")
@@ -235,7 +235,7 @@ def _limit(sort: Float, value: float | None, frames: ModelFrames) -> float | Non
 
 
 def _number(element: Element, frames: ModelFrames, *paths: str) -> float | None:
-    """The first number that stands in one of these elements; None if there is none, or it is not positive."""
+    """Return the first number that stands in one of these elements; None if there is none, or it is not positive."""
     text = next((text for path in paths if (text := element.findtext(path))), None)
     try:
         value = floats(text, 1, frames.where)[0]
@@ -245,7 +245,7 @@ def _number(element: Element, frames: ModelFrames, *paths: str) -> float | None:
 
 
 def _named(plugin: Element, tags: Iterable[str]) -> list[str]:
-    """The texts of elements with these tags, in the order of the tags."""
+    """Return the texts of elements with these tags, in the order of the tags."""
     return [_text(element) for tag in tags for element in plugin.findall(tag)]
 
 

@@ -102,13 +102,13 @@ class SdfRobot:
         return _outer(model)
 
     def file(self, name: str, simulator: str = "classic") -> str:
-        """The text of an SDF file of it with its own plug-ins, ROS's too."""
+        """Return the text of an SDF file of it with its own plug-ins, ROS's too."""
         is_newer = simulator == "classic" and _minor(self.version) > _minor(_LATEST_OF_CLASSIC)
         version = _LATEST_OF_CLASSIC if is_newer else self.version
         return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(self._placed(name, ORIGIN))}</sdf>\n'
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
-        """The command for speed v forward, m/s, and turn rate w, rad/s."""
+        """Return the command for speed v forward, m/s, and turn rate w, rad/s."""
         drive = self.drive
         if self.read_drive and self.read_drive.backwards:
             v, w = -v, -w
@@ -127,7 +127,7 @@ class SdfRobot:
             yield f"{self.kind}: left out for the drive, as sensors move nothing: {', '.join(left_out.sensors)}"
 
     def given(self, values: Mapping[str, Any]) -> SdfRobot:
-        """The robot with the size, speed or turn rate that the user gives."""
+        """Return the robot with the size, speed or turn rate that the user gives."""
         derived, assumed = (
             tuple(name for name in names if name not in values) for names in (self.derived, self.assumed)
         )
@@ -159,7 +159,7 @@ def is_robot_file(what: object) -> bool:
 
 
 def from_file(path: str | os.PathLike[str], wheels: str | None = None) -> SdfRobot:
-    """The robot of the one model in an SDF file; FileError if the file has anything else.
+    """Return the robot of the one model in an SDF file; FileError if the file has anything else.
 
     wheels: the joints of its wheels as LEFT,RIGHT, several of a side joined by +, for a model without a drive that is
     known.

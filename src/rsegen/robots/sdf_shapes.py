@@ -42,14 +42,14 @@ class ModelFrames:
         self.joints = {name: element for name, element in elements if element.tag == "joint"}
 
     def transform(self, name: str, depth: int = 0) -> Array:
-        """The pose of a frame in the model's, (4, 4); the model's own for a name that is none."""
+        """Return the pose of a frame in the model's, (4, 4); the model's own for a name that is none."""
         if depth > _DEEPEST:
             raise FileError(f"{self.where}: the pose of {shown(name)} is relative to itself")
         element = self.elements.get(name, self.joints.get(name))
         return np.eye(4) if element is None else self._placed(name, element, depth)
 
     def joint(self, name: str) -> Array:
-        """The pose of a joint in the model's frame, (4, 4)."""
+        """Return the pose of a joint in the model's frame, (4, 4)."""
         return self._placed(name, self.joints[name], 0)
 
     def _placed(self, name: str, element: Element, depth: int) -> Array:
@@ -61,19 +61,19 @@ class ModelFrames:
         return self.transform(base, depth + 1) @ self.local(element)
 
     def local(self, element: Element) -> Array:
-        """The <pose> of an element as it stands, (4, 4)."""
+        """Return the <pose> of an element as it stands, (4, 4)."""
         pose = element.find("pose")
         return np.eye(4) if pose is None else _matrix(pose, self.where)
 
     def shape(self, link: str, collision: Element) -> Array:
-        """The pose of a collision shape of a link in the model's frame, (4, 4)."""
+        """Return the pose of a collision shape of a link in the model's frame, (4, 4)."""
         pose = collision.find("pose")
         other = "" if pose is None else pose.get("relative_to", "")
         base = _in_scope(link.rpartition("::")[0], other) if other else link
         return self.transform(base) @ self.local(collision)
 
     def axis(self, joint: str) -> Array:
-        """The direction of a joint's axis in the model's frame, (3,)."""
+        """Return the direction of a joint's axis in the model's frame, (3,)."""
         element = self.joints[joint]
         direction = element.find("axis/xyz")
         if direction is None:
@@ -88,7 +88,7 @@ class ModelFrames:
 
 
 def named(model: Element, scope: str = "") -> Iterator[tuple[str, Element]]:
-    """The links, joints, frames and nested models of a model, with their names in it."""
+    """Yield the links, joints, frames and nested models of a model, with their names in it."""
     for element in model:
         if element.tag in ("link", "joint", "frame", "model"):
             yield f"{scope}{element.get('name', '')}", element
@@ -173,7 +173,7 @@ class Extents(NamedTuple):
         return np.asarray(np.max([extent.high for extent in self.known], axis=0))
 
     def of(self, link: str) -> Extent | None:
-        """The box of all shapes of one link; None if one is unknown, or there is none."""
+        """Return the box of all shapes of one link; None if one is unknown, or there is none."""
         boxes = [extent for extent in self.known if extent.link == link]
         if not boxes or link in self.unknown:
             return None
@@ -190,7 +190,7 @@ class _SweptBox(NamedTuple):
 
 
 def extents(frames: ModelFrames) -> Extents:
-    """The extents of the collision shapes of every link of a model."""
+    """Return the extents of the collision shapes of every link of a model."""
     known, unknown = [], []
     links = ((name, element) for name, element in frames.elements.items() if element.tag == "link")
     for link, collision in ((name, collision) for name, element in links for collision in element.findall("collision")):
@@ -228,7 +228,7 @@ def _solid(geometry: Element, where: str) -> _SweptBox | None:
 
 
 def _mesh(mesh: Element, where: str) -> _SweptBox | None:
-    """The box of a mesh in a file that trimesh reads (STL, OBJ, PLY, glTF); None for any other."""
+    """Return the box of a mesh in a file that trimesh reads (STL, OBJ, PLY, glTF); None for any other."""
     uri = (mesh.findtext("uri") or "").strip()
     scale = np.array(floats(mesh.findtext("scale") or "1 1 1", 3, where))
     if not uri.lower().endswith((".stl", ".obj", ".ply", ".glb", ".gltf")):

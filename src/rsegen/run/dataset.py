@@ -183,7 +183,7 @@ def _make(plan: DatasetPlan, progress: Progress | None) -> None:
 
 @contextmanager
 def _opened(plan: DatasetPlan) -> Iterator[Store]:
-    """Open the folder of the data set, or that of the one that replaces it at the end."""
+    """Open the folder of the data set, or the hidden one that replaces it at the end."""
     folder, of = plan.run.folder, header(plan.layout)
     if plan.replaces:
         with replacing(folder, HOLDS, of, sync=plan.run.execution.sync) as store:

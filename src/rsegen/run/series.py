@@ -134,7 +134,7 @@ def plan_series(
 
 
 def _existing(plan: SeriesPlan, line: Span, folder: Path, sidecars: Sidecars) -> list[int]:
-    """The numbers of the maps that are complete; an OutputError if something else has the name of a map."""
+    """Return the numbers of the maps that are complete; an OutputError if something else has the name of a map."""
     complete = []
     for number in range(plan.recipe.maps):
         home = folder / plan.map_name(number)

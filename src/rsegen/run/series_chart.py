@@ -31,7 +31,7 @@ _INK, _LINE, _PALE = "#2b2b33", "#d6336c", "#a9a9b5"
 
 
 def chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
-    """A PNG, which carries the recipe at difficulty 1."""
+    """Return a PNG, which carries the recipe at difficulty 1."""
     from matplotlib.figure import Figure
 
     shown = _shown(len(rows))
@@ -50,7 +50,7 @@ def chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
 
 
 def _shown(maps: int) -> list[int]:
-    """The numbers of the maps that are drawn: the first, the last, and some between them."""
+    """Return the numbers of the maps that are drawn: the first, the last, and some between them."""
     return [int(number) for number in np.unique(np.rint(np.linspace(0, maps - 1, PLANS)))]
 
 
@@ -99,7 +99,7 @@ def _unit(plan: SeriesPlan) -> str:
 
 
 def _column(plan: SeriesPlan, rows: Sequence[SeriesRow], name: str) -> Array:
-    """A column of the table, as it is shown; NaN for values that do not exist."""
+    """Return a column of the table, as it is shown; NaN for values that do not exist."""
     cells = (getattr(row, name) for row in rows)
     values = np.array([np.nan if value is None else value for value in cells], dtype=float)
     return values * 100 if _unit(plan) == "cm" else values

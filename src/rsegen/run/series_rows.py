@@ -73,11 +73,11 @@ class SeriesPlan:
         return range(1 if self.same_field else self.recipe.maps)
 
     def difficulty(self, number: int) -> float:
-        """The difficulty of map `number`, counted from 0, with the mean of the fields as 1."""
+        """Return the difficulty of map `number`, counted from 0, with the mean of the fields as 1."""
         return round(self.from_ + (self.to - self.from_) * number / (self.recipe.maps - 1), DIGITS)
 
     def whole(self, number: int) -> Recipe:
-        """The recipe of map `number` and no other, at difficulty 1.
+        """Return the recipe of map `number` and no other, at difficulty 1.
 
         Maps of one field have the same index, which seeds their random draws; so the recipe's name has their number.
         """
@@ -106,20 +106,20 @@ class MapTarget(NamedTuple):
 
 
 def span(plan: SeriesPlan, number: int) -> Span:
-    """The metric of the field of map `number`, level and as designed; a field without steps has an rms step of 0."""
+    """Return the metric of the field of map `number`, level and as designed; 0 for the rms step of no steps."""
     whole = plan.whole(number)
     return Span(0.0, _rms(whole) or 0.0) if plan.by == RMS else span_of(whole, whole.first_map, plan.metric)
 
 
 def mean(plan: SeriesPlan, spans: Sequence[Span]) -> Span:
-    """The values from which and to which the series rises; ParameterError if a metric that is not rms does not."""
+    """Return the values from which and to which a series rises; ParameterError if a metric does not rise."""
     if plan.by == RMS:
         return Span(0.0, fsum(field.full for field in spans) / len(spans))
     return mean_of(spans, plan.metric.name)
 
 
 def map_target(plan: SeriesPlan, number: int, line: Span) -> MapTarget:
-    """The target of map `number` on the line from level to as designed; at most its field as designed."""
+    """Return the target of map `number` on the line from level to as designed; at most its field as designed."""
     whole, difficulty = plan.whole(number), plan.difficulty(number)
     asked = line.value(difficulty)
     if plan.by == RMS:
@@ -132,7 +132,7 @@ def map_target(plan: SeriesPlan, number: int, line: Span) -> MapTarget:
 
 
 def _share(whole: Recipe, rms: float, full: float) -> float:
-    """The difficulty at which a map has this rms step; searched for if constraints lower the steps further."""
+    """Return the difficulty at which a map has this rms step; searched for if constraints lower the steps further."""
     if rms >= full or not whole.is_constrained:
         return min(rms / full, 1.0)
     low, high = 0.0, 1.0
@@ -175,7 +175,7 @@ class SeriesRow:
 
 
 def series_row(plan: SeriesPlan, number: int, scene: Scene, target: MapTarget) -> SeriesRow:
-    """The row of map `number`, with its target."""
+    """Return the row of map `number`, with its target."""
     # Columns of the rms step are always there, as users' scripts read them; those of another metric are empty without
     # it.
     own, ways, by_rms = steps(scene.field), percolation(scene.field), plan.by == RMS
@@ -200,7 +200,7 @@ def series_row(plan: SeriesPlan, number: int, scene: Scene, target: MapTarget) -
 
 
 def rows_as_csv(rows: Sequence[SeriesRow]) -> bytes:
-    """The rows as the content of a CSV file; None is an empty cell."""
+    """Return the rows as the content of a CSV file; None is an empty cell."""
     stream = io.StringIO()
     writer = csv.DictWriter(stream, [field.name for field in fields(SeriesRow)], lineterminator="\n")
     writer.writeheader()

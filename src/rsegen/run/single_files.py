@@ -55,7 +55,7 @@ class View:
         return path
 
     def _repr_html_(self) -> str:
-        """The page in a frame of its own, which notebooks show; its scripts cannot reach the notebook."""
+        """Return the page in a frame of its own, which notebooks show; its scripts cannot reach the notebook."""
         frame = 'width="100%" height="760" style="border: 0" sandbox="allow-scripts allow-downloads"'
         return f'<iframe {frame} allow="clipboard-write" srcdoc="{escape(self.html.decode())}"></iframe>'
 
@@ -77,7 +77,7 @@ def view(shown: Recipe | Scene | StepField, index: int | None = None) -> View:
 
 
 def view_all(recipes: Sequence[Recipe]) -> View:
-    """The page of all maps of some recipes, which are checked before the first map is made."""
+    """Return the page of all maps of some recipes, which are checked before the first map is made."""
     maps = sum(recipe.maps for recipe in recipes)
     if maps > MOST_MAPS:
         raise TooLarge(f"{maps:,} maps are more than the {MOST_MAPS} of a page; select one with --map")
@@ -100,7 +100,7 @@ def _refuse_unshowable(shape: tuple[int, int]) -> None:
 
 
 def html_path(path: str | Path) -> Path:
-    """The path of a page; a FileError if it is not called .html or .htm."""
+    """Return the path of a page; a FileError if it is not called .html or .htm."""
     path = Path(path)
     if path.suffix.lower() not in (".html", ".htm"):
         raise FileError(f"{path}: not a page's name; end it in .html")

@@ -497,7 +497,7 @@ def write_files(
 
 
 def write_paths(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
-    """Write files anywhere: those of one folder all together or none of them."""
+    """Write files anywhere: all files of a folder, or none of them."""
     for path in contents:
         refuse_taken_file(path, force=force)
     for folder in dict.fromkeys(path.parent for path in contents):

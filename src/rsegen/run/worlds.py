@@ -91,7 +91,7 @@ class Sidecars:
 
 
 def listed_formats(home: str) -> dict[str, Json] | None:
-    """The formats in a map's folder with their options, from its formats.json; None if the file is damaged."""
+    """Return the formats in a map's folder with their options, from its formats.json; None if the file is damaged."""
     try:
         with open_regular(os.path.join(home, FORMATS_FILE)) as file:
             listed = json.load(file)

@@ -85,7 +85,7 @@ def launch_command(
     headless: bool = False,
     shared: bool = False,
 ) -> LaunchCommand:
-    """The command that `open` runs for a world that is on disk already."""
+    """Return the command that `open` runs for a world that is on disk already."""
     world = world_of(target, map)
     here = choose_installation(world.made_for, simulator)
     if not world.file:
@@ -103,7 +103,7 @@ def _launch(here: Installation, request: OpenRequest, *, headless: bool) -> Laun
 
 
 def _address(launch: LaunchCommand, here: Installation) -> tuple[tuple[str, str], ...]:
-    """The variables of an address of its own; none at the default address."""
+    """Return the variables of an address of its own; none at the default address."""
     names = (name for name in here.simulator.address_variables if name in launch.environment)
     return tuple((name, launch.environment[name]) for name in names)
 

@@ -42,7 +42,7 @@ class World:
     made_of: Scene | None = None
 
     def scene(self) -> Scene:
-        """The scene of its map; FileError if the recipe is unknown, TooLarge if it does not fit into memory."""
+        """Return the scene of its map; FileError if the recipe is unknown, TooLarge if it does not fit into memory."""
         if self.made_of:
             return self.made_of
         if not self.recipe:
@@ -52,7 +52,7 @@ class World:
 
     @contextmanager
     def on_disk(self) -> Iterator[Path]:
-        """The world file; one that is made of a recipe or scene is deleted when this ends."""
+        """Make the world file, if need be, and delete a file that was made when this ends."""
         if self.file:
             yield self.file
             return
@@ -61,7 +61,7 @@ class World:
 
 
 def write_world(scene: Scene, folder: Path) -> Path:
-    """The world file of a scene, written with all that it needs as `folder/NAME_000k`."""
+    """Write a scene's world with all that it needs as `folder/NAME_000k`, and return its file."""
     write_folder(export(scene), folder / scene.name, sync=False)
     return folder / scene.name / f"{scene.name}.world"
 
@@ -83,7 +83,7 @@ def world_of(target: Target, which: int | str | None = None) -> World:
 
 
 def _world_in(file: Path) -> World:
-    """A world file, with the recipe next to it if there is one."""
+    """Return a world file, with the recipe next to it if there is one."""
     recipe_file = file.with_name("recipe.json")
     recipe = load(recipe_file) if recipe_file.is_file() else None
     return World(file=_existing(file), recipe=recipe, made_for=recipe.simulator if recipe else "both")

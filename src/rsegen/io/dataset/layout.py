@@ -110,7 +110,7 @@ class ShardLayout:
         return self.field(np.zeros(self.grid_shape, dtype=np.int16))
 
     def field(self, blocks: Ints) -> StepField:
-        """The field of a map with these block levels: frames round them, lengths in metres."""
+        """Return the field of a map with these block levels: frames round them, lengths in metres."""
         recipe = self.recipes[0]
         levels, frame = framed(blocks.astype(np.int16), recipe.chunk_size, recipe.boundary)
         return StepField(
@@ -122,22 +122,22 @@ class ShardLayout:
         )
 
     def recipe_of_shard(self, number: int) -> Recipe:
-        """The recipe of the maps of a shard."""
+        """Return the recipe of the maps of a shard."""
         return self.recipes[self._kind(number)]
 
     def places(self, number: int) -> range:
-        """The maps of a shard, counted from 0 in the data set."""
+        """Return the maps of a shard, counted from 0 in the data set."""
         kind = self._kind(number)
         first = self._first_places[kind] + (number - self._first_shards[kind]) * self.shard_maps
         return range(first, min(first + self.shard_maps, self._first_places[kind + 1]))
 
     def indices(self, number: int) -> range:
-        """The indices in their recipe of the maps of a shard."""
+        """Return the indices in their recipe of the maps of a shard."""
         places, before = self.places(number), self._first_places[self._kind(number)]
         return self.recipe_of_shard(number).indices[places.start - before : places.stop - before]
 
     def map_at(self, place: int) -> tuple[Recipe, int]:
-        """The recipe of a map, and its index in it."""
+        """Return the recipe of a map, and its index in it."""
         kind = self.kind_at(place)
         return self.recipes[kind], self.recipes[kind].indices[place - self._first_places[kind]]
 
@@ -146,13 +146,13 @@ class ShardLayout:
         return bisect_right(self._first_places, place) - 1
 
     def row_at(self, place: int) -> tuple[int, int]:
-        """The shard of a map, and its row there."""
+        """Return the shard of a map, and its row there."""
         kind = self.kind_at(place)
         number, row = divmod(place - self._first_places[kind], self.shard_maps)
         return self._first_shards[kind] + number, row
 
     def rows_at(self, places: Ints) -> tuple[Ints, Ints]:
-        """The shards of many maps, and their rows there."""
+        """Return the shards of many maps, and their rows there."""
         kinds = np.searchsorted(self._first_places, places, side="right") - 1
         numbers, rows = np.divmod(places - np.array(self._first_places)[kinds], self.shard_maps)
         return numbers + np.array(self._first_shards)[kinds], rows
@@ -177,7 +177,7 @@ class ShardLayout:
         return n_x * n_y * self.dtype.itemsize + (0 if self.metrics == "none" else ROW.itemsize)
 
     def names(self, number: int) -> dict[str, str]:
-        """The names of the files of a shard, by what they hold."""
+        """Return the names of the files of a shard, by what they hold."""
         table = {} if self.metrics == "none" else {"metrics": f"metrics-{number:05d}.{self.metrics}"}
         return {"levels": f"levels-{number:05d}.npy"} | table
 
@@ -226,14 +226,14 @@ def header(layout: ShardLayout) -> dict[str, Any]:
 
 
 def manifest(layout: ShardLayout, shards: Iterable[Shard]) -> bytes:
-    """The text of a manifest, one line per shard."""
+    """Return the text of a manifest, one line per shard."""
     lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in header(layout).items()]
     rows = ",\n".join(f"    {json.dumps(_entry(layout, shard))}" for shard in shards)
     return ("{\n" + ",\n".join([*lines, f'  "shards": [\n{rows}\n  ]']) + "\n}\n").encode()
 
 
 def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
-    """The content of a data set's manifest; FileError if there is none, ParameterError if a value is wrong."""
+    """Return the content of a data set's manifest; FileError if there is none, ParameterError if a value is wrong."""
     path = folder / MANIFEST
     if not path.is_file():
         unfinished = (folder / JOURNAL).is_file()

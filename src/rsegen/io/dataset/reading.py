@@ -40,14 +40,14 @@ from rsegen.recipe.recipe import Recipe
 
 
 def npy(array: NDArray[Any]) -> bytes:
-    """An array as the content of a .npy file."""
+    """Return an array as the content of a .npy file."""
     file = io.BytesIO()
     np.save(file, array, allow_pickle=False)
     return file.getvalue()
 
 
 def table(form: str, maps: range, figures: Table) -> bytes:
-    """The metrics of maps, whose indices in their recipe are given, as a file: a row of ROW for each, or Parquet."""
+    """Return the metrics of maps, given by their indices, as the content of a file: rows of ROW, or Parquet."""
     if form == "parquet":
         return _parquet(maps, figures)
     rows = np.empty(len(maps), dtype=ROW)
@@ -66,7 +66,7 @@ def _parquet(maps: range, figures: Table) -> bytes:
 
 
 def mapped(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
-    """The array in a file, mapped into memory; FileError if it has another shape or type, or does not exist."""
+    """Return the array in a file, mapped into memory; FileError if it has another shape or type, or does not exist."""
     array = npy_files.mapped(path)
     if array.shape != shape or array.dtype != dtype:
         raise FileError(f"{path}: has shape {array.shape} of {array.dtype}; expected {shape} of {dtype}")
@@ -74,7 +74,7 @@ def mapped(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[
 
 
 def read_parquet(path: Path, maps: int) -> dict[str, NDArray[Any]]:
-    """The columns of a Parquet table; FileError if it is another table, or does not exist."""
+    """Return the columns of a Parquet table; FileError if it is another table, or does not exist."""
     pyarrow, parquet = arrow()
     try:
         with open_regular(path) as opened:
@@ -156,7 +156,7 @@ class LevelsOfMaps:
         return np.asarray(self[:], dtype=dtype)
 
     def _several(self, places: Ints) -> Ints:
-        """The maps at some places, read shard by shard."""
+        """Return the maps at some places, read shard by shard."""
         levels = np.empty((len(places), *self.shape[1:]), dtype=self.dtype)
         numbers, rows = self._layout.rows_at(places)
         for number in np.unique(numbers):
@@ -203,7 +203,7 @@ class Dataset:
         return tuple(self.layout.recipes)
 
     def recipe_of(self, place: int) -> Recipe:
-        """The recipe of one map and no other, as DIR#17 names it; a UserError if there is no such map."""
+        """Return the recipe of one map and no other, as DIR#17 names it; a UserError if there is no such map."""
         recipe, index = self.layout.map_at(Integer(0, len(self) - 1).check("place", place))
         return recipe.alone(index)
 
@@ -276,7 +276,7 @@ class Dataset:
         spacing: str = "value",
         recipes: Sequence[str] | None = None,
     ) -> Tiles:
-        """A terrain of rows x columns maps that gets harder from row to row, by any metric.
+        """Return a terrain of rows x columns maps that gets harder from row to row, by any metric.
 
         by: the name of one of rsegen's own or of a plug-in, or a function StepField -> float. Those that are not in the
         table of the data set are measured map by map.

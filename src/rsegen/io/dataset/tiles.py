@@ -105,13 +105,13 @@ def _kinds(dataset: Dataset, names: Sequence[str] | None, columns: int) -> NDArr
 
 
 def _ranked(dataset: Dataset, figures: NDArray[np.float32], kind: int) -> NDArray[np.intp]:
-    """The maps of a recipe that have a figure, from the least to the greatest."""
+    """Return the maps of a recipe that have a figure, from the least to the greatest."""
     own = np.flatnonzero((dataset.recipe_numbers == kind) & ~np.isnan(figures))
     return own[np.argsort(figures[own], kind="stable")]
 
 
 def _by_rank(ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
-    """The maps at evenly spaced ranks, row by row."""
+    """Return the maps at evenly spaced ranks, row by row."""
     spaced = np.linspace(0, len(ranked) - 1, rows * columns).round().astype(np.intp)
     return ranked[spaced].reshape(rows, columns)
 
@@ -128,7 +128,7 @@ def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int,
 
 
 def _figures(dataset: Dataset, by: By, robot: RobotLimits | None, wanted: Mask) -> tuple[NDArray[np.float32], str]:
-    """A metric of every map, NaN for none, and its name: from the table, or measured on each that is wanted."""
+    """Return a metric of every map, NaN for none, and its name: from the table, or measured on each that is wanted."""
     metric = metric_by(by, robot)
     if isinstance(by, str) and by in COLUMNS and robot is None:
         return dataset.metrics[by], by

@@ -193,7 +193,7 @@ class Importer(ABC):
 
     @abstractmethod
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """The heights in a file, in units of `unit_cm` if that is given; a FileError if it has none."""
+        """Return the heights in a file, in units of `unit_cm` if that is given; a FileError if it has none."""
 
 
 def refuse_too_many_cells(path: Path, n_x: int, n_y: int) -> None:

@@ -74,7 +74,7 @@ class Picture(Measured):
         return Heights(levels=self._levels(1 - grey if self.invert else grey), unit_cm=unit_cm or USUAL_UNIT_CM)
 
     def _heights_cm(self, path: Path) -> Array:
-        """The heights of all pixels, shape (n_x, n_y); nan where a depth camera saw nothing."""
+        """Return the heights of all pixels, shape (n_x, n_y); nan where a depth camera saw nothing."""
         with opened_image(path) as image:
             refuse_too_many_cells(path, *image.size)
             if not image.mode.startswith("I"):
@@ -92,7 +92,7 @@ class Picture(Measured):
 
 
 def brightness(path: Path, size: Cell | None = None) -> Array:
-    """The brightness of an image, 0 black and 1 white, shape (n_x, n_y), resampled to a size if one is given."""
+    """Return the brightness of an image, 0 black and 1 white, shape (n_x, n_y), resampled to a size if one is given."""
     with opened_image(path) as image:
         refuse_too_many_cells(path, *image.size)
         refuse_too_many_cells(path, *(size or image.size))
@@ -102,7 +102,7 @@ def brightness(path: Path, size: Cell | None = None) -> Array:
 
 
 def _grey(path: Path, image: Image) -> tuple[Image, float]:
-    """The image as numbers, and the value of white. Resampling needs 32-bit integers or floats."""
+    """Return the image as numbers, and the value of white. Resampling needs 32-bit integers or floats."""
     if image.mode.startswith("I"):
         grey = image.convert("I")
         low, high = grey.getextrema()

@@ -30,7 +30,7 @@ _MOST_SAMPLES = 2**26
 def sampled(
     heights: Array, size: Cell, per_block: tuple[float, float], origin: tuple[float, float], turn: float
 ) -> Array:
-    """The median height over each block, shape `size`; nan where more than half of a block is nan or outside.
+    """Return the median height over each block, shape `size`; nan where more than half of a block is nan or outside.
 
     heights: (n_x, n_y) of a file's cells, nan for holes; per_block: its cells along a block's sides; origin: the
     map's south-west corner, in cells from the file's; turn: of the map in the file, degrees counterclockwise.
@@ -47,7 +47,7 @@ def sampled(
 
 
 def _heights_at(heights: Array, origin: tuple[float, float], u: Array, v: Array, turned: tuple[float, float]) -> Array:
-    """The heights of the file at points u, v of the map."""
+    """Return the heights of the file at points u, v of the map."""
     c, s = turned
     x, y = (
         np.floor(np.round(along, 6)).astype(np.int64)
@@ -59,7 +59,7 @@ def _heights_at(heights: Array, origin: tuple[float, float], u: Array, v: Array,
 
 
 def _medians(samples: Array) -> Array:
-    """The lower median of each row, nan if more than half of it is nan."""
+    """Return the lower median of each row, nan if more than half of it is nan."""
     ordered = np.sort(samples, axis=1)
     known = np.count_nonzero(~np.isnan(ordered), axis=1)
     middle = np.take_along_axis(ordered, np.maximum(known - 1, 0)[:, None] // 2, axis=1)[:, 0]
@@ -126,7 +126,7 @@ class Measured(Importer):
         )
 
     def _resampled(self, heights: Array) -> Array:
-        """The heights of the blocks of a map; those of the file if nothing else is asked for."""
+        """Return the heights of the blocks of a map; those of the file if nothing else is asked for."""
         quarters, rest = divmod(self.rotation, 90)
         if self.size is None:
             if rest or self.origin or self.cells_per_block:
@@ -142,7 +142,7 @@ class Measured(Importer):
         return sampled(heights, self.size, per_block, self.origin or self._centred(heights, per_block), self.rotation)
 
     def _centred(self, heights: Array, per_block: tuple[float, float]) -> tuple[float, float]:
-        """The south-west corner of a map whose middle is that of the file."""
+        """Return the south-west corner of a map whose middle is that of the file."""
         u, v = (blocks * cells / 2 for blocks, cells in zip(self.size or (), per_block, strict=True))
         c, s = cos(radians(self.rotation)), sin(radians(self.rotation))
         n_x, n_y = heights.shape

@@ -41,7 +41,7 @@ def is_build_sheet(text: str) -> bool:
 
 
 def recipe_values(path: Path, text: str) -> dict[str, Any]:
-    """The values of a recipe in its comments; a FileError for an invalid one."""
+    """Return the values of a recipe in its comments; a FileError for an invalid one."""
     sorts = parameters(Recipe)
     try:
         return {name: sorts[name].check(name, sorts[name].parse(value)) for name, value in _SAID.findall(text)}
@@ -70,7 +70,7 @@ def heights_cm(path: Path, text: str) -> Array:
 
 
 def unit_of(text: str) -> str:
-    """The unit of the heights of a build sheet, by its header: cm or in."""
+    """Return the unit of the heights of a build sheet, by its header: cm or in."""
     head = _HEAD.search(text)
     return head["unit"] if head else "cm"
 
@@ -100,7 +100,7 @@ def _split_rows(path: Path, lines: Iterable[str], delimiter: str) -> Iterator[li
 
 
 def _cell(where: str, row: list[str], delimiter: str) -> tuple[Cell, float]:
-    """The cell and height of one row. If semicolons separate the cells, a comma is a decimal point."""
+    """Return the cell and height of one row. If semicolons separate the cells, a comma is a decimal point."""
     if len(row) < len(COLUMNS):
         raise FileError(f"{where}: {len(row)} cells, {len(COLUMNS)} in the header")
     x, y, height = row[2 : len(COLUMNS)]
@@ -162,7 +162,7 @@ def centimetres(values: str, unit_cm: float) -> float:
 
 
 def _unit_cm(path: Path, text: str) -> float:
-    """The unit in the first line of what rsegen wrote."""
+    """Return the unit in the first line of what rsegen wrote."""
     sort = parameters(Recipe)["unit_cm"]
     try:
         unit: float = sort.check("unit_cm", sort.parse(text))
@@ -172,7 +172,7 @@ def _unit_cm(path: Path, text: str) -> float:
 
 
 def _numbers(path: Path, text: str, *, blanks: bool) -> Array:
-    """The cells of all lines, shape (n_x, n_y); nan for blank ones, if those are allowed."""
+    """Return the cells of all lines, shape (n_x, n_y); nan for blank ones, if those are allowed."""
     lines = _lines(path, text)
     first, start = lines[0] if lines else (1, "")
     width = _count(start)
@@ -192,7 +192,7 @@ def _numbers(path: Path, text: str, *, blanks: bool) -> Array:
 
 
 def _lines(path: Path, text: str) -> list[tuple[int, str]]:
-    """The lines with cells, each with its number."""
+    """Return the lines with cells, each with its number."""
     if max(text.count("\n"), text.count("\r")) > MOST_CELLS:
         raise FileError(f"{path}: more lines than the {MOST_CELLS:,} cells that can be read")
     lines = ((line_number, line.strip()) for line_number, line in enumerate(text.splitlines(), 1))
@@ -205,13 +205,13 @@ def _delimiter(line: str) -> str | None:
 
 
 def _count(line: str) -> int:
-    """The number of a line's cells, which are not made."""
+    """Return the number of a line's cells, which are not made."""
     delimiter = _delimiter(line)
     return line.count(delimiter) + 1 if delimiter else sum(1 for _ in re.finditer(r"\S+", line))
 
 
 def _cells(line: str, most: int = MOST_CELLS) -> list[str]:
-    """A line's cells, or one more than `most`; if semicolons separate them, a comma is a decimal point."""
+    """Return a line's cells, or one more than `most`; if semicolons separate them, a comma is a decimal point."""
     delimiter = _delimiter(line)
     if delimiter == ";":
         return [cell.strip().replace(",", ".") for cell in line.split(";", most)]
@@ -219,7 +219,7 @@ def _cells(line: str, most: int = MOST_CELLS) -> list[str]:
 
 
 def _first_bad(lines: Iterable[tuple[int, str]], *, blanks: bool) -> str:
-    """The first cell that is no number, and how many others there are."""
+    """Return the first cell that is no number, and how many others there are."""
     cells = ((line, at, cell) for line, text in lines for at, cell in enumerate(_cells(text), 1))
     bad = (cell for cell in cells if not (_is_number(cell[2]) or (blanks and not cell[2])))
     line, column, cell = next(bad)

@@ -119,7 +119,7 @@ class DriveResult:
     image: bytes = b""
 
     def as_json(self) -> dict[str, object]:
-        """The content of drive.json, which `rsegen drive --json` prints."""
+        """Return the content of drive.json, which `rsegen drive --json` prints."""
         robots = [
             {"name": robot.name, "kind": robot.kind, "start": asdict(robot.start), **asdict(robot.metrics)}
             for robot in self.robots

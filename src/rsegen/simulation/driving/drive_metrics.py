@@ -59,7 +59,7 @@ class Trajectory:
         return bool(np.hypot(*(self.rows[:, 1:3] - self.rows[0, 1:3]).T).max() < STILL)
 
     def csv(self) -> Iterator[str]:
-        """The lines of a CSV file."""
+        """Yield the lines of a CSV file."""
         yield ",".join(COLUMNS) + "\n"
         for row in self.rows.tolist():
             yield ",".join(f"{value:.4f}".rstrip("0").rstrip(".") for value in row) + "\n"

@@ -45,7 +45,7 @@ class RobotContact(NamedTuple):
 
 
 def robot_contacts(samples: ContactSamples, robots: Iterable[str]) -> Iterator[RobotContact]:
-    """The contacts of these robots with other models, in the order of time."""
+    """Yield the contacts of these robots with other models, in the order of time."""
     names = set(robots)
     for second, contacts in samples:
         for contact in contacts:
@@ -62,7 +62,7 @@ def contact_shares(samples: ContactSamples, robot: str) -> Mapping[str, float]:
 
 
 def contacts_csv(samples: ContactSamples, robots: Iterable[str]) -> Iterator[str]:
-    """The lines of contacts.csv: a header, then a line per contact."""
+    """Yield the lines of contacts.csv: a header, then a line per contact."""
     yield ",".join(RobotContact._fields) + "\n"
     for t, robot, part, other, *point in robot_contacts(samples, robots):
         yield ",".join([f"{t:g}", robot, part, other, *(f"{round(along, 4) + 0:.4f}" for along in point)]) + "\n"

@@ -33,7 +33,7 @@ It is beyond contacts' penetration, some 1 mm for soft wheels; a longer fall wou
 
 
 def adjacent_pose(field: StepField, footprint: Footprint, aside: float = 0.0) -> Pose:
-    """The pose on the ground west of the map, heading east, `aside` metres north of its centre line."""
+    """Return the pose on the ground west of the map, heading east, `aside` metres north of its centre line."""
     return Pose(x=-field.extent[0] / 2 - GAP - footprint.outline.high_x, y=aside, z=DROP_HEIGHT)
 
 
@@ -48,7 +48,7 @@ def spots_on_map(
 
 
 def start_pose(spot: Spot) -> Pose:
-    """The pose from which a robot falls onto a spot: no part of it is inside a block."""
+    """Return the pose from which a robot falls onto a spot: no part of it is inside a block."""
     return Pose(x=spot.x, y=spot.y, z=spot.z + DROP_HEIGHT, yaw=spot.yaw)
 
 
@@ -80,7 +80,7 @@ def robot_runs(  # the last three by name
 
 
 def finish_x(field: StepField, robot: DrivableRobot) -> float:
-    """The x of a robot's centre beyond which the whole robot is east of the map, metres."""
+    """Return the x of a robot's centre beyond which the whole robot is east of the map, metres."""
     return field.extent[0] / 2 - footprint_of(robot).outline.low_x
 
 
@@ -129,7 +129,7 @@ def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
 
 
 def driving_speed(robot: DrivableRobot) -> float:
-    """The commanded speed of a robot, m/s."""
+    """Return the commanded speed of a robot, m/s."""
     return min(robot.speed, MAX_DRIVING_SPEED)
 
 
@@ -157,7 +157,7 @@ def _randomly_placed(field: StepField, robot: DrivableRobot, count: int, seed: i
 
 
 def spot_generator(seed: int) -> np.random.Generator:
-    """The generator of the places of robots: `rsegen spots` gives those at which `rsegen drive` starts."""
+    """Return the generator of the places of robots: `rsegen spots` gives those at which `rsegen drive` starts."""
     return generator(seed, 0, "places")
 
 

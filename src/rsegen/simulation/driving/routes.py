@@ -59,7 +59,7 @@ class Route(ABC):
 
     @abstractmethod
     def motion(self, at: Pose) -> Motion:
-        """The motion for the next period."""
+        """Return the motion for the next period."""
 
     def is_done(self, at: Pose) -> bool:
         """Return whether the route has ended."""
@@ -192,7 +192,7 @@ class PlannedWay:
         return {"crosses": self.crosses, "least_step": round(self.least_step, 9)}
 
     def csv(self) -> Iterator[str]:
-        """The lines of a CSV file."""
+        """Yield the lines of a CSV file."""
         yield "x,y\n"
         for x, y in self.points.tolist():
             yield f"{x:.4f},{y:.4f}\n"

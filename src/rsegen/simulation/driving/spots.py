@@ -45,7 +45,7 @@ def spots(  # noqa: PLR0913  # each is a flag of the command
 def spot_footprint(
     robot: str | os.PathLike[str] | DrivableRobot, size: Sequence[float] | None, max_difference_cm: float | None
 ) -> Footprint:
-    """The footprint of a robot, or that of a size."""
+    """Return the footprint of a robot, or of a size."""
     if size is not None:
         length, width = SIZE.check("size", size)
         footprint = Footprint.of_size(length, width)

@@ -27,7 +27,7 @@ class Usage:
 
 
 def usage(pid: int) -> Usage:
-    """The usage of a process with those that it has started; SimulatorFailed if it has ended."""
+    """Return the usage of a process with those that it has started; SimulatorFailed if it has ended."""
     import psutil
 
     try:
@@ -50,7 +50,7 @@ def busy() -> float:
 
 
 def gpu_load() -> float | None:
-    """The load of the busiest GPU just now, 0..1; None if there is none that says it (NVIDIA's, AMD's on Linux)."""
+    """Return the load of the busiest GPU just now, 0..1; None if none tells it (NVIDIA's do, AMD's on Linux)."""
     loads = [int(percent) for percent in re.findall(r"^\d+$", _nvidia() or _amd(), re.MULTILINE)]
     return max(loads) / 100 if loads else None
 
@@ -75,7 +75,7 @@ def _processor() -> str:
 
 
 def _nvidia() -> str:
-    """The loads in percent, a line each; empty without the command."""
+    """Return the loads in percent, a line each; empty without the command."""
     command = shutil.which("nvidia-smi")
     if not command:
         return ""

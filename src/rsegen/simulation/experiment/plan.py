@@ -65,7 +65,7 @@ class TableRow:
         self.map_of(_BLOCKS, 0)
 
     def map_of(self, size: int, seed: int) -> Recipe:
-        """The recipe of its map with this number of blocks per side."""
+        """Return the recipe of its map with this number of blocks per side."""
         given = {
             "name": f"random-{size}",
             "chunk_size": _BLOCKS,
@@ -93,7 +93,7 @@ class TableRow:
 
 
 def _in_words(value: Json) -> str:
-    """A value of a recipe for a heading; of obstacles their kinds."""
+    """Return a value of a recipe for a heading; of obstacles their kinds."""
     if isinstance(value, Mapping):
         return str(value.get("kind", "")) or json.dumps(value)
     if isinstance(value, list):
@@ -147,7 +147,7 @@ class ExperimentPlan:
         )
 
     def in_simulators(self, names: Sequence[str]) -> ExperimentPlan:
-        """The plan with a row for each of these simulators, where a row names none itself."""
+        """Return the plan with a row for each of these simulators, where a row names none itself."""
         rows = (
             replace(row, simulator=name) for row in self.rows for name in ((row.simulator,) if row.simulator else names)
         )
@@ -174,7 +174,7 @@ class ExperimentPlan:
 
 
 def load_plan(name: str) -> ExperimentPlan:
-    """The plan of that name, or in a YAML file."""
+    """Return the plan of that name, or in a YAML file."""
     if name in PLANS:
         return _plan(Path(str(PLANS[name])))
     path = Path(name)
@@ -194,7 +194,7 @@ def _plan(path: Path) -> ExperimentPlan:
 
 
 def read_plan(name: str, content: Mapping[str, Json]) -> ExperimentPlan:
-    """The plan that a file's content stands for, called `name` if it says none; ParameterError for a wrong value."""
+    """Return the plan of a file's content, called `name` if it says none; ParameterError for a wrong value."""
     if not isinstance(content, Mapping) or not isinstance(content.get("rows"), list):
         raise ParameterError("plan", f"{shown(content)} is not a plan, which has name: and a list of rows:")
     known = [*parameters(ExperimentPlan), "rows"]

@@ -68,7 +68,7 @@ def _rtf_points(plan: ExperimentPlan, results: Results, index: int) -> list[_Poi
 
 
 def _points(plan: ExperimentPlan, results: Results, index: int, name: str) -> list[_Point]:
-    """The medians of a figure, at full speed if that was tried."""
+    """Return the medians of a figure, at full speed if that was tried."""
     pace = next((pace for pace in ("free", "beside") if pace in plan.paces), plan.paces[0])
     by_size = {size: outcomes_of(results, index, size, pace) for size in plan.rows[index].sizes}
     values = {size: known(outcomes, name) for size, outcomes in by_size.items()}

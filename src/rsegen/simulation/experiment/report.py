@@ -73,7 +73,7 @@ and a lidar."""
 
 
 def published_figures(row: TableRow) -> Mapping[int, PublishedFigures]:
-    """The paper's figures for the robots and maps of a row, by size; it used Gazebo Classic, and plain random maps."""
+    """Return the paper's figures for the robots and maps of a row, by size; it used Classic and random maps."""
     if row.recipe or row.simulator == "sim":
         return {}
     return FIGURES.get(PublishedRow(row.robot, row.robots, row.unit_cm, row.max_height), {})
@@ -84,23 +84,23 @@ RESTING = 0.5
 
 
 def outcomes_of(results: Results, row: int, size: int, pace: str) -> Sequence[Outcome]:
-    """The outcomes of a cell; none if it was not tried yet."""
+    """Return the outcomes of a cell; none if it was not tried yet."""
     return results.get(Cell(row=row, size=size, pace=pace), [])
 
 
 def known(outcomes: Iterable[Outcome], name: str) -> list[float]:
-    """A figure of those outcomes that have it."""
+    """Return a figure of those outcomes that have it."""
     return [value for value in (getattr(outcome, name) for outcome in outcomes) if value is not None]
 
 
 def median_of(outcomes: Iterable[Outcome], name: str) -> float | None:
-    """The median of a figure of outcomes; None if none has it."""
+    """Return the median of a figure of outcomes; None if none has it."""
     values = known(outcomes, name)
     return median(values) if values else None
 
 
 def mean_of(outcomes: Iterable[Outcome], name: str) -> float | None:
-    """The mean of a figure of outcomes; None if none has it."""
+    """Return the mean of a figure of outcomes; None if none has it."""
     values = known(outcomes, name)
     return fmean(values) if values else None
 
@@ -112,7 +112,7 @@ def rtf_limits(outcomes: Sequence[Outcome]) -> tuple[float, float, float] | None
 
 
 def standard_error(values: Sequence[float]) -> float:
-    """The standard error of the median of two or more values, if they are normally distributed."""
+    """Return the standard error of the median of two or more values, if they are normally distributed."""
     return sqrt(pi / 2 / len(values)) * stdev(values)
 
 
@@ -145,7 +145,7 @@ _UNKNOWN = "It was not recorded what the robots did in these trials, so speeds a
 
 
 def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], command: str) -> str:
-    """The Markdown page: the machine, and a table per row of the plan with the paper's figures.
+    """Return the Markdown page: the machine, and a table per row of the plan with the paper's figures.
 
     command: the command line that made the results.
     """
@@ -155,7 +155,7 @@ def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, st
 
 
 def trials_csv(plan: ExperimentPlan, results: Results) -> str:
-    """The text of trials.csv, a line per trial."""
+    """Return the text of trials.csv, a line per trial."""
     names = [field.name for field in fields(Outcome)]
     lines = [",".join(["simulator", "robot", "robots", "size", "pace", *names])]
     for cell, outcomes in results.items():
@@ -182,7 +182,7 @@ def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], co
 
 
 def row_label(plan: ExperimentPlan, row: TableRow) -> str:
-    """The label of a row, with its simulator if the plan has several."""
+    """Return the label of a row, with its simulator if the plan has several."""
     several = len({other.simulator for other in plan.rows}) > 1
     return row.label + (f", {_title(row)}" if several else "")
 
@@ -192,7 +192,7 @@ def _title(row: TableRow) -> str:
 
 
 def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> Iterator[str]:
-    """The table of rows that differ by the simulator only, and its footnotes."""
+    """Yield the table of rows that differ by the simulator only, and its footnotes."""
     rows = [plan.rows[index] for index in numbers]
     several, first = len(numbers) > 1, rows[0]
     yield f"## {first.label}{'' if several or not _title(first) else f', in {_title(first)}'}\n"
@@ -214,7 +214,7 @@ def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> It
 def _lines(
     plan: ExperimentPlan, indices: Sequence[int], results: Results, *, rendering: bool, printed: bool
 ) -> Iterator[tuple[str, list[str]]]:
-    """The title of its simulator, and the cells, of each line of a table."""
+    """Yield the title of its simulator, and the cells, of each line of a table."""
     rows = {index: plan.rows[index] for index in indices}
     for size in dict.fromkeys(size for row in rows.values() for size in row.sizes):
         for index, row in rows.items():
@@ -249,7 +249,7 @@ def _rendered(by_pace: Mapping[str, Sequence[Outcome]]) -> list[str]:
 
 
 def _full_speed(by_pace: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -> list[str]:
-    """The speed, and its share of the empty world's, if it is known what the robots did."""
+    """Return the speed, and its share of the empty world's, if it is known what the robots did."""
     free, beside = by_pace.get("free", ()), by_pace.get("beside", ())
     speed = _plain(median_of([*free, *beside], "speed"), 1) or "-"
     if not known([*free, *beside], "driven"):

@@ -63,19 +63,19 @@ def results_of(entries: Iterable[Entry]) -> Results:
 
 
 def read_cell(content: object, rows: int) -> Cell:
-    """The cell that a file has, of a plan with this number of rows; a ParameterError if it cannot be."""
+    """Return the cell that a file has, of a plan with this number of rows; a ParameterError if it cannot be."""
     return Cell(**_checked("cell", content, {**_CELL, "row": Integer(0, rows - 1)}))
 
 
 def read_outcome(content: object) -> Outcome:
-    """The outcome that a file has; a ParameterError if a value is no number."""
+    """Return the outcome that a file has; a ParameterError if a value is no number."""
     return Outcome(**_checked("outcome", content, _OUTCOME, _OPTIONAL))
 
 
 def _checked(
     where: str, content: object, sorts: Mapping[str, Parameter], optional: Collection[str] = ()
 ) -> dict[str, Any]:
-    """The values of a mapping by their sorts; a ParameterError for one that is missing, too many, or wrong."""
+    """Return the values of a mapping by their sorts; a ParameterError for one that is missing, too many, or wrong."""
     if not isinstance(content, Mapping):
         raise ParameterError(where, f"{shown(content)} is not a mapping with {', '.join(sorts)}")
     try:
@@ -90,7 +90,7 @@ def _checked(
 
 
 FOLDER = "tracks"
-"""The folder below that of the results."""
+"""The folder of trajectories, in the folder of the results."""
 
 
 def track_files(plan: ExperimentPlan, cell: Cell, repeat: int, trial: Trial) -> dict[str, list[bytes]]:

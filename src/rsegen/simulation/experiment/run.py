@@ -145,7 +145,7 @@ def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Stor
 
 
 def in_simulators(plan: ExperimentPlan, simulator: str | Sequence[str] | None) -> ExperimentPlan:
-    """The plan with a row for each of these simulators, by default the newest that is installed."""
+    """Return the plan with a row for each of these simulators, by default the newest that is installed."""
     if simulator is not None:
         return plan.in_simulators([simulator] if isinstance(simulator, str) else list(dict.fromkeys(simulator)))
     if all(row.simulator for row in plan.rows):
@@ -154,7 +154,7 @@ def in_simulators(plan: ExperimentPlan, simulator: str | Sequence[str] | None) -
 
 
 def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str], str]:
-    """The plan, the outcomes, the machine and the command of a summary.json that `experiment` wrote.
+    """Return the plan, the outcomes, the machine and the command of a summary.json that `experiment` wrote.
 
     FileError if it is damaged.
     """
@@ -177,7 +177,7 @@ def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str], s
 
 
 def _command(plan: str | os.PathLike[str] | ExperimentPlan, output: str | Path, simulator: object) -> str:
-    """The command line that does the same; for a plan made in Python the call."""
+    """Return the command line that does the same; for a plan made in Python the call."""
     names = simulator if isinstance(simulator, str) or not isinstance(simulator, Sequence) else ",".join(simulator)
     if isinstance(plan, ExperimentPlan):
         return "rsegen.experiment(plan, output" + (f", simulator={names!r})" if names else ")")

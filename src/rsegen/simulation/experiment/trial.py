@@ -59,7 +59,7 @@ def trajectories(record: Record, runs: Sequence[RobotRun]) -> dict[str, Trajecto
 def driving_figures(
     tracks: Mapping[str, Trajectory], runs: Sequence[RobotRun], field: StepField | None
 ) -> DrivingFigures:
-    """The figures of robots with these trajectories on a field, None for an empty world."""
+    """Return the figures of robots with these trajectories on a field, None for an empty world."""
     driven = [(tracks[run.name], run.robot) for run in runs if run.name in tracks]
     if not driven:
         return DrivingFigures(None, None, None, None)
@@ -73,7 +73,7 @@ def driving_figures(
 
 
 def covered(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
-    """The share of a field's cells over which some part of a robot's footprint has been, 0..1.
+    """Return the share of a field's cells over which some part of a robot's footprint has been, 0..1.
 
     The footprint is the rectangle of its length and width; it is there at points half a block apart or less, at every
     row of its trajectory.
@@ -172,7 +172,7 @@ def refuse_crowded(plan: ExperimentPlan) -> None:
 
 
 def _runs(row: TableRow, scene: Scene, seed: int) -> Sequence[RobotRun]:
-    """The runs of the robots of a row on one of its maps."""
+    """Return the runs of the robots of a row on one of its maps."""
     return robot_runs(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed, evenest=True)
 
 

@@ -125,7 +125,7 @@ class Measurement:
 
 
 def total(spans: Sequence[Measurement]) -> Measurement:
-    """The sum of spans."""
+    """Return the sum of spans."""
     return Measurement(
         simulated=sum(span.simulated for span in spans),
         real=sum(span.real for span in spans),
@@ -159,7 +159,7 @@ class TrialServer:
         return usage(self.pid).memory
 
     def measure(self, seconds: float) -> Measurement:
-        """Measure so many wall seconds, paused only before and after, so that all clocks are exact."""
+        """Measure `seconds` of wall time, paused only before and after, so that all clocks are exact."""
         start, cpu, machine, frames = self.live.clock(), usage(self.pid).cpu, busy(), self.frames()
         samples = self.run_robots("real", seconds, self.record)
         end = self.live.clock()

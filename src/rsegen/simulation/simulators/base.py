@@ -51,7 +51,7 @@ class LaunchCommand:
         return " ".join(["cd", shlex.quote(str(self.folder)), "&&", *variables, shlex.join(self.command)])
 
     def with_options(self, *options: str) -> LaunchCommand:
-        """The command with more options in front of the world."""
+        """Return the command with more options in front of the world."""
         return replace(self, command=(*self.command[:-1], *options, self.command[-1]))
 
 
@@ -81,7 +81,7 @@ class OpenRequest:
         return {"HOME": str(self.home), "TMPDIR": str(self.home)} if self.home else {}
 
     def model_path(self, variable: str) -> str:
-        """The folder of models, followed by the user's own folders in a variable."""
+        """Return the folder of models, followed by the user's own folders in a variable."""
         own = str((self.models or self.folder.parent).absolute())
         return os.pathsep.join(filter(None, (own, os.environ.get(variable))))
 
@@ -125,19 +125,19 @@ class Simulator(ABC):
 
     @abstractmethod
     def installation(self) -> Installation | None:
-        """The installation on this machine; None if there is none, or another program of that name."""
+        """Return the installation on this machine; None if there is none, or another program of that name."""
 
     @abstractmethod
     def with_gui(self, here: Installation, opening: OpenRequest) -> LaunchCommand | None:
-        """The command that opens a world with a window; None if the window is not installed."""
+        """Return the command that opens a world with a window; None if the window is not installed."""
 
     @abstractmethod
     def headless(self, here: Installation, opening: OpenRequest) -> LaunchCommand:
-        """The command that runs a world in a server without a window."""
+        """Return the command that runs a world in a server without a window."""
 
     @abstractmethod
     def paused(self, here: Installation, opening: OpenRequest, home: Path) -> LaunchCommand:
-        """The command of a server with its own home, in which the world is paused."""
+        """Return the command of a server with its own home, in which the world is paused."""
 
     @abstractmethod
     def is_loaded(self, home: Path, log: str) -> bool:
@@ -145,18 +145,18 @@ class Simulator(ABC):
 
     @abstractmethod
     def backend(self, here: Installation) -> str:
-        """The name of its message and plug-in types, one of `rsegen.robots.BACKENDS`."""
+        """Return the name of its message and plug-in types, one of `rsegen.robots.BACKENDS`."""
 
     @abstractmethod
     def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
-        """A connection to the world of the server at this address; SimulatorFailed if none answers in `timeout` s."""
+        """Connect to the world of the server at this address; SimulatorFailed if none answers in `timeout` s."""
 
     def window(self, here: Installation, server: LaunchCommand) -> LaunchCommand | None:
-        """The command of a window on the world of a running server; None if there is none that can be added."""
+        """Return the command of a window on the world of a running server; None if there is none that can be added."""
         return None
 
     def with_contact_sensors(self, model: str) -> str:
-        """The text of a <model> with the sensors that it needs so that its contacts are known; by default none."""
+        """Return the text of a <model> with the sensors that make its contacts known; by default none."""
         return model
 
     def record_options(self, period: float) -> tuple[str, ...]:
@@ -164,11 +164,11 @@ class Simulator(ABC):
         return ()
 
     def read_record(self, home: Path) -> Record | None:
-        """The record of a server with this home, after its end; None if it cannot."""
+        """Return the record of a server with this home, after its end; None if it cannot."""
         return None
 
     def error_lines(self, log: str) -> list[str]:
-        """The error lines of a log, without harmless ones."""
+        """Return the error lines of a log, without harmless ones."""
         errors = (line.strip() for line in plain_text(log).splitlines() if any(mark in line for mark in _MARKS))
         return [line for line in errors if not any(harmless in line for harmless in self.harmless_messages)]
 
@@ -179,12 +179,12 @@ class Simulator(ABC):
 
 
 def plain_text(log: str) -> str:
-    """A log without the codes of its colours."""
+    """Return a log without the codes of its colours."""
     return _COLOUR_CODE.sub("", log)
 
 
 def on_path(name: str, *elsewhere: Path) -> Path | None:
-    """The path of a command: on PATH, else in one of the given folders."""
+    """Return the path of a command: on PATH, else in one of the given folders."""
     places = (shutil.which(name), *(shutil.which(name, path=str(folder)) for folder in elsewhere))
     return next((Path(place) for place in places if place), None)
 

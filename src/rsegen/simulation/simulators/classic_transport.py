@@ -97,11 +97,11 @@ class TransportClient:
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float = TIMEOUT
     ) -> dict[str, Any]:
-        """The last message of a topic that `wanted` accepts; waits for one if there is none yet."""
+        """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
         return self._inbox.wait_for_message(self._full_topic(topic), wanted, timeout)
 
     def last(self, topic: str) -> dict[str, Any] | None:
-        """The last message of a topic; None if there is none yet."""
+        """Return the last message of a topic; None if there is none yet."""
         return self._inbox.last(self._full_topic(topic))
 
     def clear(self, topic: str) -> None:
@@ -218,7 +218,7 @@ class TransportClient:
                 self._inbox.update(lambda: self._subscribers[topic].append(subscriber))  # noqa: B023
 
     def _registered(self, other: socket.socket) -> socket.socket:
-        """A connection that is closed with this client, at once if that is closed already."""
+        """Note a connection, to be closed with this client, or at once if that is closed already; return it."""
         other.settimeout(None)
         other.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._sockets.append(other)

@@ -95,7 +95,7 @@ class ClassicWorld(LiveWorld):
         time.sleep(_DELIVERY_TIME)
 
     def clock(self) -> Clock:
-        """The last clock that the server published."""
+        """Return the last clock that the server published."""
         now = self._statistics(after=-1)
         return Clock(
             simulated=_seconds(now["sim_time"]),
@@ -105,7 +105,7 @@ class ClassicWorld(LiveWorld):
         )
 
     def poses(self) -> Mapping[str, Pose]:
-        """The poses of all models, by a request."""
+        """Return the poses of all models, by a request."""
         return {name: pose_of(model["pose"]) for name, model in self._models().items()}
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
@@ -124,7 +124,7 @@ class ClassicWorld(LiveWorld):
         return lambda: len(frames)
 
     def links(self) -> Mapping[str, Pose]:
-        """The pose of every link in its model, by its full name."""
+        """Return the pose of every link in its model, by its full name."""
         links = (link for model in self._models().values() for link in model.get("link", []))
         return {link["name"]: pose_of(link["pose"]) for link in links}
 
@@ -187,7 +187,7 @@ class ClassicWorld(LiveWorld):
         self.client.wait_for_message("world_stats", lambda message: bool(message["paused"]) == pause)
 
     def _statistics(self, after: int) -> dict[str, Any]:
-        """The first statistics with more steps than `after`."""
+        """Return the first statistics with more steps than `after`."""
         return self.client.wait_for_message("world_stats", lambda message: message.get("iterations", 0) > after)
 
     def _asked(self, request: str, data: str) -> dict[str, Any]:
@@ -198,7 +198,7 @@ class ClassicWorld(LiveWorld):
         )
 
     def _modified(self, name: str, pose: Pose) -> dict[str, Any]:
-        """The message that sets the pose of a model."""
+        """Return the message that sets the pose of a model."""
         models = self._models(hidden=True)
         if name not in models:
             raise SimulatorFailed(f"Gazebo Classic: no model {name} to move")

@@ -126,7 +126,7 @@ def _launch(here: Installation, opening: OpenRequest) -> LaunchCommand:
 
 
 def _environment(opening: OpenRequest) -> dict[str, str]:
-    """Every variable by both of its names; a partition of its own on this machine alone, unless it is to be shared."""
+    """Return variables by both of their names; a partition on this machine alone, unless it is to be shared."""
     partition = f"rsegen-{secrets.token_hex(4)}"
     own = {"GZ_PARTITION": partition, "IGN_PARTITION": partition, "GZ_IP": "127.0.0.1", "IGN_IP": "127.0.0.1"}
     names = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
@@ -134,7 +134,7 @@ def _environment(opening: OpenRequest) -> dict[str, str]:
 
 
 def _server_config(here: Installation) -> dict[str, str]:
-    """The variable that names the user's own file of default plug-ins, if there is one and the variable is not set."""
+    """Return the variable that names the user's own file of default plug-ins, if the file exists and it is not set."""
     ((words, _),) = here.commands.items()
     folder, variable = _SETTINGS[words]
     file = Path.home() / folder / here.version.partition(".")[0] / "server.config"
@@ -142,7 +142,7 @@ def _server_config(here: Installation) -> dict[str, str]:
 
 
 def _console_logs(home: Path) -> Iterator[str]:
-    """The logs that servers have written in a home, in a folder for each start; they are flushed line by line."""
+    """Yield the logs that servers have written in a home, in a folder for each start; they are flushed line by line."""
     for folder, _ in _SETTINGS.values():
         for file in (home / folder).glob("log/*/server_console.log"):
             yield file.read_text(errors="replace")

@@ -52,14 +52,14 @@ class Inbox:
                 raise SimulatorFailed(f"{self._title}: {self._failure or why}")
 
     def last(self, topic: str) -> dict[str, Any] | None:
-        """The last message of a topic; None if there is none yet."""
+        """Return the last message of a topic; None if there is none yet."""
         with self._changed:
             return next(reversed(self._messages[topic]), None)
 
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float
     ) -> dict[str, Any]:
-        """The last message of a topic that `wanted` accepts; waits for one if there is none yet."""
+        """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
         self.wait(f"no message on {topic}", lambda: any(map(wanted, self._messages[topic])), timeout)
         with self._changed:
             return [message for message in self._messages[topic] if wanted(message)][-1]

@@ -85,7 +85,7 @@ class LiveWorld(ABC):
         return True
 
     def recorded(self) -> Record:
-        """The record of the robots; empty where the server keeps one."""
+        """Return the record of the robots; empty where the server keeps one."""
         return []
 
     def stop_recording(self) -> None:  # noqa: B027  # not every server keeps one
@@ -93,11 +93,11 @@ class LiveWorld(ABC):
 
     @abstractmethod
     def clock(self) -> Clock:
-        """The clock now."""
+        """Return the clock now."""
 
     @abstractmethod
     def poses(self) -> Mapping[str, Pose]:
-        """The pose of every model, by its name."""
+        """Return the pose of every model, by its name."""
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
         """Simulated seconds, and the poses of the models that moved then; what is known already, without a request.
@@ -107,7 +107,7 @@ class LiveWorld(ABC):
         return self.clock().simulated, self.poses()
 
     def frame_counter(self, source: str) -> Callable[[], int]:
-        """A function that gives how many frames have come from now on; source: one of its simulator's `frames`."""
+        """Return a function that counts frames from now on; source: one of its simulator's `frames`."""
         raise SimulatorFailed(f"the frames of a {source} cannot be counted here")
 
     def mesh_files(self) -> Mapping[str, str]:
@@ -116,7 +116,7 @@ class LiveWorld(ABC):
 
     @abstractmethod
     def movable(self) -> Set[str]:
-        """The names of the models that are not static."""
+        """Return the names of the models that are not static."""
 
     @abstractmethod
     def move(self, name: str, pose: Pose) -> None:

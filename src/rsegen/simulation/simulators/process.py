@@ -150,7 +150,7 @@ class OutputFiles:
 
     @property
     def paths(self) -> tuple[Path, Path]:
-        """The file of stdout and that of stderr."""
+        """The files of stdout and stderr."""
         return self.folder / "stdout", self.folder / "stderr"
 
     @property
@@ -166,7 +166,7 @@ class OutputFiles:
             yield program
 
     def lines(self, goes_on: Callable[[], bool]) -> Iterator[str]:
-        """The lines of both files as they are written, as long as their program goes on."""
+        """Yield the lines of both files as they are written, as long as their program goes on."""
         with ExitStack() as stack:
             readers = [_Reader(stack.enter_context(path.open(errors="replace"))) for path in self.paths]
             more = True
@@ -186,7 +186,7 @@ class _Reader:
         self.rest = ""
 
     def whole_lines(self) -> list[str]:
-        """The lines that have been written since the last call."""
+        """Return the lines that have been written since the last call."""
         *whole, self.rest = (self.rest + self._file.read()).split("\n")
         return whole
 
@@ -229,7 +229,7 @@ class ErrorRelay:
 
 
 def counted(lines: Iterable[str]) -> tuple[str, ...]:
-    """The first of all lines that differ in numbers alone, each with the count of its like if there are several."""
+    """Return the first of all lines that differ in numbers alone, with their count if there are several."""
     relay = ErrorRelay(lambda _: None)
     for line in lines:
         relay.add(line)

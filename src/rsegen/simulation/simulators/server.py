@@ -78,7 +78,7 @@ class Server:
         return list(counted(self.here.simulator.error_lines(self.log)))
 
     def connect(self) -> AbstractContextManager[LiveWorld]:
-        """A connection to its world."""
+        """Connect to its world."""
         return self.here.simulator.connect(self.environment, TIMEOUT)
 
     def wait_until_loaded(self, timeout: float = TIMEOUT, watch: Callable[[], None] = lambda: None) -> None:
@@ -100,7 +100,7 @@ class Server:
             time.sleep(0 if is_loaded else _PAUSE)
 
     def run_command(self, name: str, *arguments: str, timeout: float = TIMEOUT) -> str:
-        """The output of one of the installation's commands with this server's variables."""
+        """Return the output of one of the installation's commands with this server's variables."""
         command = (str(self.here.commands[name]), *arguments)
         try:
             return output_of(replace(self.launch, command=command), timeout)
@@ -112,7 +112,7 @@ class Server:
         self.running.end()
 
     def failure(self, why: str) -> SimulatorFailed:
-        """An error with the reason and the last error lines of the log, or its last lines if there is no error."""
+        """Return an error with the reason and the last error lines of the log, else its last lines."""
         errors, lines = self.errors[-_ERRORS:], plain_text(self.log).splitlines()[-_LINES:]
         what = "its last errors are" if errors else "its log ends with"
         return SimulatorFailed("\n".join([f"{self.here}: {why}; {what}:", *(errors or lines)]))
@@ -156,7 +156,7 @@ def retried(once: Callable[[], Result], attempts: int = ATTEMPTS) -> Result:
 
 
 def choose_installation(made_for: str, name: str | None) -> Installation:
-    """The installation of that name, else of what a map is made for, else the newest."""
+    """Return the installation of that name, else of what a map is made for, else the newest."""
     if name is None:
         return next(installations(first=made_for), None) or _missing(*SIMULATORS.values())
     simulator = SIMULATORS.named(name, "simulator")
@@ -171,7 +171,7 @@ def has_screen() -> bool:
 def run_until_end(
     here: Installation, launch: LaunchCommand, *, seconds: float, on_error: Callable[[str], None]
 ) -> int | None:
-    """The exit code of a simulator that runs until it ends, or None if it was ended after `seconds`.
+    """Return the exit code of a simulator that runs until it ends, or None if it was ended after `seconds`.
 
     `on_error` is called with each of its error lines. SimulatorFailed, at once, if it says that it has no world.
     """

@@ -77,7 +77,7 @@ class Sockets:
             own.connect(address)
 
     def poller(self, *others: Any) -> Any:
-        """A poller of those that receive, and of other sockets."""
+        """Return a poller of those that receive, and of other sockets."""
         poller = self._zmq.Poller()
         for receiver in (self.subscriber, self.publisher, self.responder, *others):
             poller.register(receiver, self._zmq.POLLIN)
@@ -148,7 +148,7 @@ class Discovery:
                     sender.sendto(struct.pack("<H", len(message)) + message, (host, self._port))
 
     def receive(self) -> dict[str, Any] | None:
-        """The next message of another program of our version; None if it is something else."""
+        """Return the next message of another program of our version; None if it is something else."""
         with suppress(OSError, KeyError, *NO_MESSAGE):
             content = self.receiver.recv(2**16)  # more than a datagram of UDP can have
             if struct.unpack_from("<H", content)[0] == len(content) - 2:
@@ -177,7 +177,7 @@ class Discovery:
 
 
 def interfaces(environment: Mapping[str, str]) -> list[str]:
-    """The addresses of this computer that messages go by: that of GZ_IP or IGN_IP, else all, 127.0.0.1 last."""
+    """Return the addresses of this computer that messages go by: that of GZ_IP or IGN_IP, else all, 127.0.0.1 last."""
     given = _variable(environment, "IP")
     return (
         [given] if given else sorted(set(_addresses()) | {"127.0.0.1"}, key=lambda address: address.startswith("127."))
@@ -185,7 +185,7 @@ def interfaces(environment: Mapping[str, str]) -> list[str]:
 
 
 def partition_of(environment: Mapping[str, str]) -> str:
-    """The name that keeps simulations apart, by default that of the computer and the user."""
+    """Return the name that keeps simulations apart, by default that of the computer and the user."""
     import getpass
 
     given = _variable(environment, "PARTITION")
@@ -193,7 +193,7 @@ def partition_of(environment: Mapping[str, str]) -> str:
 
 
 def _variable(environment: Mapping[str, str], name: str) -> str:
-    """A variable by its name since Garden, else by that of before."""
+    """Return a variable by its name since Garden, else by that of before."""
     return environment.get(f"GZ_{name}") or environment.get(f"IGN_{name}") or ""
 
 
@@ -332,11 +332,11 @@ class TransportClient:
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float = TIMEOUT
     ) -> dict[str, Any]:
-        """The last message of a topic that `wanted` accepts; waits for one if there is none yet."""
+        """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
         return self._inbox.wait_for_message(self._full_name(topic), wanted, timeout)
 
     def last(self, topic: str) -> dict[str, Any] | None:
-        """The last message of a topic; None if there is none yet."""
+        """Return the last message of a topic; None if there is none yet."""
         return self._inbox.last(self._full_name(topic))
 
     def clear(self, topic: str) -> None:

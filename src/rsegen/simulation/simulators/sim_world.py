@@ -49,7 +49,7 @@ CONTACTS = "/rsegen/contacts"
 
 
 def with_contact_sensors(model: str) -> str:
-    """The text of a <model> with a sensor of contact in each link that has collisions, nested models included."""
+    """Return the text of a <model> with a contact sensor in each link with collisions, nested models included."""
     root = ElementTree.fromstring(model)  # noqa: S314  # ours, or was found to be plain elements
     for link in root.iter("link"):
         if names := [collision.get("name", "") for collision in link.findall("collision")]:
@@ -85,7 +85,7 @@ class ContactSample:
 
 
 def _contact(content: bytes) -> Contact | None:
-    """The contact of a message; None if it has no points."""
+    """Return the contact of a message; None if it has no points."""
     try:
         message = SIM.decode("Contact", content)
     except NO_MESSAGE:
@@ -193,12 +193,12 @@ class SimWorld(LiveWorld):
         self._pause(pause=True)
 
     def clock(self) -> Clock:
-        """The last clock that the server published, not before the end of our last step."""
+        """Return the last clock that the server published, not before the end of our last step."""
         reached = self._stopped[1] if self._stopped else 0
         return _clock(self._message("stats", lambda message: nanoseconds(message.get("sim_time")) >= reached))
 
     def poses(self) -> Mapping[str, Pose]:
-        """The poses of all models, not before the end of our last step."""
+        """Return the poses of all models, not before the end of our last step."""
         poses = self._poses("pose/info")
         if poses.keys() != self._ids:
             self._names, self._ids = self._models(), poses.keys()
@@ -222,7 +222,7 @@ class SimWorld(LiveWorld):
         time.sleep(_CONNECTION_TIME)
 
     def recorded(self) -> Record:
-        """The record of the robots, at the times that their plug-ins choose."""
+        """Return the record of the robots, at the times that their plug-ins choose."""
         states: dict[int, dict[str, list[float]]] = defaultdict(dict)
         for name, messages in self._recorded.items():
             for message in messages:
@@ -282,22 +282,22 @@ class SimWorld(LiveWorld):
             now = _stamp(self._message("pose/info", lambda message: _stamp(message) > now))  # noqa: B023
 
     def _poses(self, topic: str) -> dict[int, dict[str, Any]]:
-        """The poses in a topic by the ids of their entities, not before the end of our last step."""
+        """Return the poses in a topic by the ids of their entities, not before the end of our last step."""
         reached = self._stopped[1] if self._stopped else 0
         message = self._message(topic, lambda message: _stamp(message) >= reached)
         return {pose["id"]: pose for pose in message.get("pose", []) if "id" in pose}
 
     def _models(self) -> dict[int, str]:
-        """The names of the models in the scene by their ids."""
+        """Return the names of the models in the scene by their ids."""
         return {model["id"]: model["name"] for model in self._scene()}
 
     def _scene(self) -> Sequence[Mapping[str, Any]]:
-        """The models of the scene."""
+        """Return the models of the scene."""
         scene = self.client.request(self._topic("scene/info"), "Empty", {})
         return list(scene.get("model", []))
 
     def _message(self, topic: str, wanted: Callable[[Mapping[str, Any]], bool]) -> dict[str, Any]:
-        """The last message of a topic of the world that `wanted` accepts."""
+        """Return the last message of a topic of the world that `wanted` accepts."""
         full = self._topic(topic)
         self.client.subscribe(full, TOPICS[topic])
         return self.client.wait_for_message(full, wanted)

@@ -42,7 +42,7 @@ def end(session: int) -> None:
 
 
 def members(session: int) -> list[int]:
-    """The ids of the processes of a session that still run."""
+    """Return the ids of the processes of a session that still run."""
     import psutil
 
     running = []

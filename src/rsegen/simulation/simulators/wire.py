@@ -39,12 +39,12 @@ class MessageTypes:
     types: Mapping[str, Fields]
 
     def encode(self, type_name: str, message: Message) -> bytes:
-        """A message of a type, such as `Twist`, as bytes."""
+        """Return a message of a type, such as `Twist`, as bytes."""
         fields = self.types[type_name]
         return b"".join(self._field(*fields[name], value) for name, value in message.items())
 
     def decode(self, type_name: str, content: bytes) -> dict[str, Any]:
-        """The message of a type from bytes; missing fields are left out."""
+        """Return the message of a type from bytes; missing fields are left out."""
         names = {number: (name, kind) for name, (number, kind) in self.types[type_name].items()}
         message: dict[str, Any] = {}
         for number, value in _fields(content):
@@ -123,7 +123,7 @@ def _varint(number: int) -> bytes:
 
 
 def _number(content: bytes, at: int) -> tuple[int, int]:
-    """The number that begins there, and where the next thing begins."""
+    """Return the number that begins there, and where the next thing begins."""
     number = shift = 0
     while True:
         byte = content[at]
@@ -253,7 +253,7 @@ PoseMessage = Mapping[str, Mapping[str, Any]]
 
 
 def pose_message(pose: Pose) -> PoseMessage:
-    """The message of a pose."""
+    """Return the message of a pose."""
     (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a / 2), math.sin(a / 2)) for a in (pose.roll, pose.pitch, pose.yaw))
     turned = {
         "w": cr * cp * cy + sr * sp * sy,
@@ -265,7 +265,7 @@ def pose_message(pose: Pose) -> PoseMessage:
 
 
 def pose_of(message: PoseMessage) -> Pose:
-    """The pose in a message; missing fields are 0."""
+    """Return the pose in a message; missing fields are 0."""
     at, q = message.get("position", {}), message.get("orientation", {})
     x, y, z, w = (float(q.get(name, 0.0)) for name in "xyzw")
     return Pose(

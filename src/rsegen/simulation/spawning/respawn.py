@@ -91,7 +91,7 @@ def _homes(target: Target) -> list[Path]:
 
 
 def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Iterable[str], given: str | None) -> str:
-    """The name of the map that is to be replaced: one of the same recipes, else any other map that is known."""
+    """Return the name of the map that is to be replaced: one of the same recipes, else any other map that is known."""
     models = ", ".join(sorted(poses))
     if given is not None:
         if given not in poses:
@@ -108,7 +108,7 @@ def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Iterable[str
 
 
 def _given_or_next(target: Target, which: int | str | None, output: Path, current: str) -> MapModel:
-    """The given map, else the one after the current map, in the folder or by its index."""
+    """Return the given map, else the one after the current map, in the folder or by its index."""
     if which is not None or isinstance(target, Scene):
         return map_of(target, which, output)
     if not isinstance(target, Recipe) and os.path.isdir(target):
@@ -121,13 +121,13 @@ def _given_or_next(target: Target, which: int | str | None, output: Path, curren
 
 
 def _index(recipe: Recipe, name: str) -> int | None:
-    """The index of the map of this name."""
+    """Return the index of the map of this name."""
     digits = name.removeprefix(f"{recipe.name}_")
     return int(digits) if digits.isdecimal() and recipe.map_name(int(digits)) == name else None
 
 
 def _field(recipe: Recipe, name: str) -> StepField:
-    """The blocks of a map whose folder is unknown: those that the recipe gives for its index."""
+    """Return the blocks of a map whose folder is unknown: those that the recipe gives for its index."""
     return compose(recipe, _index(recipe, name) or recipe.first_map).field
 
 

@@ -102,7 +102,7 @@ def spawn(  # each is a flag of the command
 
 
 def _notes(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> Iterator[str]:
-    """A warning if there are maps whose blocks the robot may be put into."""
+    """Yield a warning if there are maps whose blocks the robot may be put into."""
     for name in unknown_maps(poses, maps):
         advice = "the robot may be inside them; give the folder that it is in with -o, or X, Y and Z with --at"
         yield f"the heights of the blocks of {name} are unknown, as its recipe.json was not found; {advice}"
@@ -122,7 +122,7 @@ def _spawn_robot(
 
 
 def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: Mapping[str, Pose]) -> list[float]:
-    """The pose on an even place of the first map that has one where nothing else stands, for a robot of a file."""
+    """Return the pose on an even, free place of the first map that has one, for a robot of a file."""
     if not isinstance(robot, SdfRobot):
         return []
     radius, footprint = hypot(*robot.size[:2]) / 2, footprint_of(robot)

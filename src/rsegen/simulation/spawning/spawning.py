@@ -91,12 +91,12 @@ class SpawnedMap:
         return all(abs(x) <= along / 2 + reach for x, along in zip(self._seen(at), self.field.extent, strict=True))
 
     def top(self, at: Pose, reach: float = 0.0) -> float:
-        """The z of the highest block within a radius of a pose; of the ground if there is no block."""
+        """Return the z of the highest block within a radius of a pose; of the ground if there is no block."""
         along_x, along_y = (self._cells(axis, x, reach) for axis, x in enumerate(self._seen(at)))
         return self.at.z + float(self.field.heights[along_x, along_y].max(initial=0.0))
 
     def outside(self, x: float, y: float) -> tuple[float, float]:
-        """The place in the world of one in the map's own axes, from its middle."""
+        """Return the place in the world of one in the map's own axes, from its middle."""
         c, s = cos(self.at.yaw), sin(self.at.yaw)
         return self.at.x + x * c - y * s, self.at.y + x * s + y * c
 
@@ -107,7 +107,7 @@ class SpawnedMap:
         return slice(max(first, 0), max(last + 1, 0))
 
     def _seen(self, at: Pose) -> tuple[float, float]:
-        """A place in the map's own axes, from its middle."""
+        """Return a place in the map's own axes, from its middle."""
         x, y, c, s = at.x - self.at.x, at.y - self.at.y, cos(self.at.yaw), sin(self.at.yaw)
         return x * c + y * s, y * c - x * s
 
@@ -123,13 +123,13 @@ A larger model may be put into a block; a smaller one is only put higher than ne
 
 
 def occupied(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> list[Area]:
-    """The rectangles that models occupy; of a model that is not one of these maps, only the origin is known."""
+    """Return the rectangles that models occupy; of a model that is not one of these maps, only the origin is known."""
     known = {spawned.name: spawned.area for spawned in maps}
     return [known.get(name) or Area(at.x, at.y) for name, at in poses.items() if name != GROUND]
 
 
 def at_free_place(new: SpawnedMap, poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> SpawnedMap:
-    """The map moved to the free place that is nearest to the origin."""
+    """Return the map moved to the free place that is nearest to the origin."""
     place = free_area(*new.area[2:], occupied(poses, maps))
     return replace(new, at=Pose(x=place.x, y=place.y, z=0))
 
@@ -226,7 +226,7 @@ class MapModel:
 
 
 def map_model(recipe: Recipe, index: int, output: Path, scene: Scene | None = None) -> MapModel:
-    """A map of a recipe in an output folder; OutputError if a different map of its name exists there."""
+    """Return a map of a recipe in an output folder; OutputError if a different map of its name exists there."""
     model = MapModel(recipe=recipe.alone(index), folder=output / recipe.map_name(index), made_of=scene)
     if model.folder.exists() and _recipe_in(model.folder) != model.recipe:
         advice = "give that folder to spawn it as it is, or another output folder, or the recipe a seed"
@@ -235,7 +235,7 @@ def map_model(recipe: Recipe, index: int, output: Path, scene: Scene | None = No
 
 
 def map_of(target: Target, which: int | str | None, output: Path) -> MapModel:
-    """The map of a target, by index or name, by default the first; one of a recipe goes into the output folder."""
+    """Return the map of a target, by index or name, by default the first; a recipe's goes into the output folder."""
     if isinstance(target, Scene):
         return map_model(target.recipe, target.index, output, target)
     if isinstance(target, Recipe):
@@ -248,7 +248,7 @@ def map_of(target: Target, which: int | str | None, output: Path) -> MapModel:
 
 
 def maps_in(folder: str) -> list[MapModel]:
-    """Every map in a folder, or the map whose folder it is."""
+    """Return every map in a folder, or the map whose folder it is."""
     return [MapModel(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(folder)]
 
 
@@ -277,7 +277,7 @@ def known_maps(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]
 
 
 def unknown_maps(poses: Mapping[str, Pose], known: Iterable[SpawnedMap]) -> list[str]:
-    """The names of the models in a simulation that are called like maps, and are none of these."""
+    """Return the names of the models in a simulation that are called like maps, and are none of these."""
     names = {spawned.name for spawned in known}
     return [name for name in poses if _is_map_name(name) and name not in names]
 
