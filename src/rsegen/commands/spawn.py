@@ -57,7 +57,7 @@ def spawn(
     map: MapReference = None,  # noqa: A002  # the flag's name
     name: Annotated[
         str | None,
-        replace(parameters(Run)["name"], help="name of the model"),  # type: ignore[type-var]  # a Text
+        replace(parameters(Run)["name"], help="name of the model"),
         Shell(metavar="NAME", default="the map's name, or the kind of robot"),
     ] = None,
     at: Annotated[

@@ -1,4 +1,4 @@
-"""Imports arrays that numpy saved (.npy)."""
+"""Import arrays that numpy saved (.npy)."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ class Saved(Measured):
     values: Annotated[str, Choice((*CENTIMETRES, "levels"), help="unit of the numbers; in: inches")] = "cm"
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """The shape is looked at before anything else is."""
-        found = mapped(path)
-        if found.ndim != 2 or found.dtype.kind not in "biuf":
-            sort = str(found.dtype)[:60]
-            raise FileError(f"{path}: {found.ndim} axes of {sort}; give an array of numbers with two axes")
-        refuse_too_many_cells(path, *found.shape)
+        """Return the heights of an array, whose shape is checked before anything is read."""
+        array = mapped(path)
+        if array.ndim != 2 or array.dtype.kind not in "biuf":
+            sort = str(array.dtype)[:60]
+            raise FileError(f"{path}: {array.ndim} axes of {sort}; give an array of numbers with two axes")
+        refuse_too_many_cells(path, *array.shape)
         unit = unit_cm or USUAL_UNIT_CM
-        return self.measured(path, np.asarray(found, dtype=np.float64) * centimetres(self.values, unit), unit)
+        return self.measured(path, np.asarray(array, dtype=np.float64) * centimetres(self.values, unit), unit)

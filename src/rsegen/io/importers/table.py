@@ -1,6 +1,9 @@
-"""Imports tables of heights: typed by hand, exported by a spreadsheet, or written by rsegen.
+"""Import tables of heights: typed by hand, exported by a spreadsheet, or written by rsegen, also as a build sheet.
 
-Reads build sheets (CSV, one row per cell), as rsegen wrote them or as a spreadsheet saved them again.
+A table has a row of numbers per line, the top line the largest y. A build sheet has a row per cell, with its x and y,
+in any order; it is known by its header, as rsegen wrote it or as a spreadsheet saved it again: with semicolons, quotes,
+decimal commas, or other line ends. Blank cells and rows of comments are allowed; whatever else is no number is refused
+with its line and column.
 """
 
 from __future__ import annotations
@@ -29,15 +32,16 @@ _HEAD = re.compile(
 )
 _SAID = re.compile(rf'^"?# *({"|".join(RECIPE_KEYS)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
 _MOST_ROWS = 1_000_000
+"""Rows of a build sheet at most, one per cell: each is a value in Python, of some 200 bytes."""
 
 
 def is_build_sheet(text: str) -> bool:
-    """Whether a text has the header of a build sheet."""
+    """Return whether a text has the header of a build sheet."""
     return bool(_HEAD.search(text))
 
 
 def recipe_values(path: Path, text: str) -> dict[str, Any]:
-    """The values of a recipe in its comments; a FileError for an invalid one."""
+    """Return the values of a recipe in its comments; a FileError for an invalid one."""
     sorts = parameters(Recipe)
     try:
         return {name: sorts[name].check(name, sorts[name].parse(value)) for name, value in _SAID.findall(text)}
@@ -66,7 +70,7 @@ def heights_cm(path: Path, text: str) -> Array:
 
 
 def unit_of(text: str) -> str:
-    """The unit of the heights of a build sheet, by its header: cm or in."""
+    """Return the unit of the heights of a build sheet, by its header: cm or in."""
     head = _HEAD.search(text)
     return head["unit"] if head else "cm"
 
@@ -96,7 +100,7 @@ def _split_rows(path: Path, lines: Iterable[str], delimiter: str) -> Iterator[li
 
 
 def _cell(where: str, row: list[str], delimiter: str) -> tuple[Cell, float]:
-    """The cell and height of one row. If semicolons separate the cells, a comma is a decimal point."""
+    """Return the cell and height of one row. If semicolons separate the cells, a comma is a decimal point."""
     if len(row) < len(COLUMNS):
         raise FileError(f"{where}: {len(row)} cells, {len(COLUMNS)} in the header")
     x, y, height = row[2 : len(COLUMNS)]
@@ -110,13 +114,15 @@ def _cell(where: str, row: list[str], delimiter: str) -> tuple[Cell, float]:
 
 
 _MOST_MIB = 128
+"""The largest table that is read, MiB: 4096 x 4096 cells of seven letters."""
+
 _OURS = re.compile(r"# block levels in units of ([0-9.]{1,12}) cm")
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Table(Measured):
-    """A row of numbers a line, the top row the largest y, apart by commas, semicolons, tabs or blanks; # comments."""
+    """A row of numbers per line, the top row the largest y, with commas, semicolons, tabs or blanks; # comments."""
 
     name: ClassVar[str] = "table"
     suffixes: ClassVar[tuple[str, ...]] = (".csv", ".tsv", ".txt")
@@ -130,7 +136,7 @@ class Table(Measured):
     ] = "auto"
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """Blank and invalid cells are refused with their place. A build sheet has all its parameters in itself."""
+        """Return the heights of a table, or of a build sheet, which has all its parameters in itself."""
         text = text_of(path, _MOST_MIB, "a table of heights")
         if is_build_sheet(text):
             return self._read_list(path, text, unit_cm)
@@ -156,26 +162,26 @@ def centimetres(values: str, unit_cm: float) -> float:
 
 
 def _unit_cm(path: Path, text: str) -> float:
-    """The unit in the first line of what rsegen wrote."""
+    """Return the unit in the first line of what rsegen wrote."""
     sort = parameters(Recipe)["unit_cm"]
     try:
-        found: float = sort.check("unit_cm", sort.parse(text))
+        unit: float = sort.check("unit_cm", sort.parse(text))
     except ParameterError as error:
         raise FileError(f"{path}: line 1: {error}") from None
-    return found
+    return unit
 
 
 def _numbers(path: Path, text: str, *, blanks: bool) -> Array:
-    """The cells of all lines, shape (n_x, n_y); nan for blank ones, if those are allowed."""
+    """Return the cells of all lines, shape (n_x, n_y); nan for blank ones, if those are allowed."""
     lines = _lines(path, text)
     first, start = lines[0] if lines else (1, "")
     width = _count(start)
     refuse_too_many_cells(path, width, len(lines))
     rows, bad = [], False
-    for number, line in lines:
+    for line_number, line in lines:
         cells = [cell or "nan" for cell in _cells(line, width)] if blanks else _cells(line, width)
         if len(cells) != width:
-            raise FileError(f"{path}: line {number}: {_count(line)} cells, and {width} in line {first}")
+            raise FileError(f"{path}: line {line_number}: {_count(line)} cells, and {width} in line {first}")
         try:
             rows.append(np.array(cells, dtype=np.float64))
         except ValueError:
@@ -186,26 +192,26 @@ def _numbers(path: Path, text: str, *, blanks: bool) -> Array:
 
 
 def _lines(path: Path, text: str) -> list[tuple[int, str]]:
-    """The lines with cells, each with its number."""
+    """Return the lines with cells, each with its number."""
     if max(text.count("\n"), text.count("\r")) > MOST_CELLS:
         raise FileError(f"{path}: more lines than the {MOST_CELLS:,} cells that can be read")
-    lines = ((number, line.strip()) for number, line in enumerate(text.splitlines(), 1))
-    return [(number, line) for number, line in lines if line and line[0] != "#"]
+    lines = ((line_number, line.strip()) for line_number, line in enumerate(text.splitlines(), 1))
+    return [(line_number, line) for line_number, line in lines if line and line[0] != "#"]
 
 
 def _delimiter(line: str) -> str | None:
-    """What separates the cells of a line; None for blanks."""
+    """Return the delimiter of the cells of a line, None for blanks."""
     return next((delimiter for delimiter in ";,\t" if delimiter in line), None)
 
 
 def _count(line: str) -> int:
-    """The number of a line's cells, which are not made."""
+    """Return the number of a line's cells, which are not made."""
     delimiter = _delimiter(line)
     return line.count(delimiter) + 1 if delimiter else sum(1 for _ in re.finditer(r"\S+", line))
 
 
 def _cells(line: str, most: int = MOST_CELLS) -> list[str]:
-    """A line's cells, or one more than `most`; if semicolons separate them, a comma is a decimal point."""
+    """Return a line's cells, or one more than `most`; if semicolons separate them, a comma is a decimal point."""
     delimiter = _delimiter(line)
     if delimiter == ";":
         return [cell.strip().replace(",", ".") for cell in line.split(";", most)]
@@ -213,17 +219,17 @@ def _cells(line: str, most: int = MOST_CELLS) -> list[str]:
 
 
 def _first_bad(lines: Iterable[tuple[int, str]], *, blanks: bool) -> str:
-    """The first cell that is no number, and how many others there are."""
+    """Return the first cell that is no number, and how many others there are."""
     cells = ((line, at, cell) for line, text in lines for at, cell in enumerate(_cells(text), 1))
-    bad = (each for each in cells if not (_number(each[2]) or (blanks and not each[2])))
+    bad = (cell for cell in cells if not (_is_number(cell[2]) or (blanks and not cell[2])))
     line, column, cell = next(bad)
     others = sum(1 for _ in bad)
     amiss = f"{shown(cell)} is not a number" if cell else "is blank: fill_holes gives it the height of its neighbours"
-    said = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
-    return f"line {line}, column {column}: {amiss}{said}"
+    more = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
+    return f"line {line}, column {column}: {amiss}{more}"
 
 
-def _number(cell: str) -> bool:
+def _is_number(cell: str) -> bool:
     try:
         float(cell)
     except ValueError:
