@@ -23,6 +23,9 @@ _SIDES = {"left": 1, "right": -1}
 _Y: Vector = (0, 1, 0)
 
 
+_WAIST = Cylinder(radius=0.05, length=0.06)
+
+
 class _Limb(NamedTuple):
     """A joint of the arm and the link that it turns: where it is in the model, metres, and the middle of its solid."""
 
@@ -40,19 +43,7 @@ class _Limb(NamedTuple):
 
 
 _ARM = (
-    _Limb(
-        "waist",
-        (0, 0, 1),
-        -pi,
-        pi,
-        (-0.06, 0, 0.16),
-        Cylinder(radius=0.05, length=0.06),
-        (0, 0, 0.035),
-        0.8,
-        300,
-        8,
-        20,
-    ),
+    _Limb("waist", (0, 0, 1), -pi, pi, (-0.06, 0, 0.16), _WAIST, (0, 0, 0.035), 0.8, 300, 8, 20),
     _Limb(
         "shoulder", (0, -1, 0), 0, 2.6, (-0.06, 0, 0.25), Box(size=(0.30, 0.05, 0.04)), (0.15, 0, 0), 0.9, 800, 15, 40
     ),

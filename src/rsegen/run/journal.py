@@ -10,7 +10,7 @@ ends, every file of rsegen has its checksum in the journal; a last line that was
 have several checksums, of what it was and of what it becomes: while it has any of them, rsegen wrote it.
 
 A folder is compared with its journal before anything in it is replaced, and by `rsegen info --verify`: files are
-intact, changed, missing, or foreign, that is not listed. Source: our own (decision 15), after the write-ahead log of
+intact, changed, missing, or foreign, that is not listed. Source: our own (decision 15), like a write-ahead log of
 databases. Cost: a line and a wait for the disk per swap; a comparison reads every file whose size is right. What breaks
 it: a journal that somebody edits; it is damaged then, and nothing is replaced.
 """

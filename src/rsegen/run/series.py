@@ -66,11 +66,7 @@ SeriesRun = RunPlan[int, RowAndMap]
 
 
 def plan_series(
-    plan: SeriesPlan,
-    folder: Path,
-    sidecars: Sidecars,
-    on_existing: OnExisting,
-    execution: Execution | None = None,
+    plan: SeriesPlan, folder: Path, sidecars: Sidecars, on_existing: OnExisting, execution: Execution | None = None
 ) -> SeriesRun:
     """Check that a series can be made in a folder, measure its fields, and plan it; nothing is written."""
     execution, numbers = execution or Execution(), range(plan.recipe.maps)

@@ -30,7 +30,7 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import Span, mean_of, share_of, span_of
 
 DIGITS = 6
-"""Decimals of a difficulty, so that recipes stay short; a millionth changes no block of a map."""
+"""Decimals of a difficulty, so that recipes stay short; a millionth is far less than a level of a block."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

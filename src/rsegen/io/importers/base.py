@@ -204,13 +204,7 @@ def refuse_too_many_cells(path: Path, n_x: int, n_y: int) -> None:
 
 
 def whole_units(
-    path: Path,
-    heights_cm: Array,
-    unit_cm: float,
-    *,
-    rounded: bool,
-    any_heights: bool = True,
-    holes: Mask | None = None,
+    path: Path, heights_cm: Array, unit_cm: float, *, rounded: bool, any_heights: bool = True, holes: Mask | None = None
 ) -> Ints:
     """Return heights [cm], shape (n_x, n_y), as levels; a FileError for the first that is no whole unit.
 

@@ -205,7 +205,5 @@ def planned_way(field: StepField, width: float, limits: RobotLimits | None) -> P
     path = cheapest.path if cheapest and cheapest.crosses else crossing(field, RobotLimits.of(least, width), 0).path
     half = np.array(field.extent) / 2
     return PlannedWay(
-        points=(path + 0.5) * field.block_width - half,
-        crosses=cheapest.crosses if cheapest else None,
-        least_step=least,
+        points=(path + 0.5) * field.block_width - half, crosses=cheapest.crosses if cheapest else None, least_step=least
     )

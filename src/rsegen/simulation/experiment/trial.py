@@ -146,11 +146,7 @@ class Trial:
 
 
 def run_trial(
-    plan: ExperimentPlan,
-    cell: Cell,
-    repeat: int,
-    here: Installation,
-    watch: Callable[[], None] = lambda: None,
+    plan: ExperimentPlan, cell: Cell, repeat: int, here: Installation, watch: Callable[[], None] = lambda: None
 ) -> Trial:
     """Run a trial; each repeat has its own map and start poses. A failed server is tried again.
 

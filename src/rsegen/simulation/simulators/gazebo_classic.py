@@ -153,10 +153,8 @@ def _launch(command: Path, opening: OpenRequest, more: Mapping[str, str]) -> Lau
 def _environment(opening: OpenRequest) -> dict[str, str]:
     """Return variables: no model database in the internet, and an address of its own unless it is to be shared."""
     own = {"GAZEBO_IP": "127.0.0.1", "GAZEBO_MASTER_URI": f"http://127.0.0.1:{_free_port()}"}
-    return {
-        "GAZEBO_MODEL_DATABASE_URI": "",
-        "GAZEBO_MODEL_PATH": opening.model_path("GAZEBO_MODEL_PATH"),
-    } | ({} if opening.shared else own)
+    models = {"GAZEBO_MODEL_DATABASE_URI": "", "GAZEBO_MODEL_PATH": opening.model_path("GAZEBO_MODEL_PATH")}
+    return models if opening.shared else models | own
 
 
 def _free_port() -> int:

@@ -74,12 +74,12 @@ def running(
         text=True,
         start_new_session=True,
     )
-    with _closed_at_end(watch):
+    with ExitStack() as stack:
+        stack.callback(watch.wait)
+        stack.callback(watch.stdin.close if watch.stdin else watch.kill)  # also if the program cannot be started
         started = RunningProgram(process=_started(launch, output, errors, watch), watch=watch)
-        try:
-            yield started
-        finally:
-            started.end()
+        stack.callback(started.end)
+        yield started
 
 
 def output_of(launch: LaunchCommand, timeout: float) -> str:
@@ -126,16 +126,6 @@ def _started(
         errors="replace",
         start_new_session=True,
     )
-
-
-@contextmanager
-def _closed_at_end(watch: subprocess.Popen[str]) -> Iterator[None]:
-    try:
-        yield
-    finally:
-        if watch.stdin:
-            watch.stdin.close()
-        watch.wait()
 
 
 PAUSE = 0.1

@@ -311,23 +311,16 @@ class TransportClient:
         """Return the response of a service to a message of a type; SimulatorFailed if it refuses or does not answer."""
         # Where the response goes and who asks, then the message, then the types of both.
         offer, request_id = self.offers(service, timeout)[0], str(uuid.uuid4())
-        service_publisher = offer["srv_pub"]
-        parts = [
-            service_publisher["socket_id"],
-            offer["topic"],
-            self._sockets.responder_address,
-            self._process,
-            self._node,
-            request_id,
-        ]
-        types = [service_publisher["request_type"].encode(), service_publisher["response_type"].encode()]
+        publisher, own = offer["srv_pub"], self._sockets.responder_address
+        parts = [publisher["socket_id"], offer["topic"], own, self._process, self._node, request_id]
+        types = [publisher["request_type"].encode(), publisher["response_type"].encode()]
         content = [*(part.encode() for part in parts), SIM.encode(type_name, message), *types]
         self._do(lambda: self._send_request(offer["address"], content, time.monotonic() + timeout))
         self._inbox.wait(f"{service} does not answer", lambda: request_id in self._responses, timeout)
         answer, is_done = self._responses.pop(request_id)
         if not is_done:
             raise SimulatorFailed(f"Gazebo Sim: {service} refuses")
-        return SIM.decode(service_publisher["response_type"].rpartition(".")[2], answer)
+        return SIM.decode(publisher["response_type"].rpartition(".")[2], answer)
 
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float = TIMEOUT
