@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar
-
-import numpy as np
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from rsegen.errors import FileError
 from rsegen.io.importers.base import CENTIMETRES, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
 from rsegen.io.importers.measured import Measured
 from rsegen.io.importers.table import centimetres
-from rsegen.io.npy_files import mapped
 from rsegen.params.sorts import Choice
+
+if TYPE_CHECKING:
+    pass
 
 
 @register
@@ -28,6 +28,10 @@ class Saved(Measured):
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Return the heights of an array, whose shape is checked before anything is read."""
+        import numpy as np
+
+        from rsegen.io.npy_files import mapped
+
         array = mapped(path)
         if array.ndim != 2 or array.dtype.kind not in "biuf":
             sort = str(array.dtype)[:60]

@@ -15,18 +15,16 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from rsegen.errors import FileError
-from rsegen.exporters.formats.base import FORMATS as WRITTEN
-from rsegen.exporters.formats.base import RESERVED
-from rsegen.field.stepfield import Array, Ints, Mask
-from rsegen.io.resources import refuse_many_heights
 from rsegen.params.registry import Contract, Registry, clash
 from rsegen.params.sorts import CENTIMETRES as UNITS
 from rsegen.params.sorts import Cell, parameters, validate
+
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Array, Ints, Mask
+
 
 _MEASURED = 0.2
 """Mean rounding error, in units, above which heights are not blocks of that unit; of random ones it is 0.25."""
@@ -70,6 +68,8 @@ class Rounding:
     @classmethod
     def of(cls, errors_cm: Array, holes: Mask) -> Rounding:
         """Return the rounding of the errors of all cells, shape (n_x, n_y), and those that were filled."""
+        import numpy as np
+
         errors = np.where(holes, 0, np.abs(errors_cm))
         x, y = (int(at) for at in np.unravel_index(errors.argmax(), errors.shape))
         mean = float(errors.sum() / max((~holes).sum(), 1))
@@ -84,6 +84,8 @@ class Rounding:
 
 def are_not_blocks(units: Array, levels: Ints) -> bool:
     """Return whether heights, in units, are too far from whole units to be measured blocks of that unit."""
+    import numpy as np
+
     errors = np.abs(units - levels)
     halfway = int((errors > _HALFWAY).sum())
     lost = bool(units.max(initial=0) > _WHOLE) and not levels.any()  # all rounded to 0
@@ -92,6 +94,8 @@ def are_not_blocks(units: Array, levels: Ints) -> bool:
 
 def advice(heights_cm: Array, unit_cm: float) -> str:
     """Return advice on heights [cm] that are no whole units: another ground, or another unit."""
+    import numpy as np
+
     heights = heights_cm[np.isfinite(heights_cm) & (heights_cm >= 0)]
     if not heights.any():
         return "give other values (cm, m, in, ...)"
@@ -119,6 +123,8 @@ def _largest_step(heights: Array) -> float | None:
     The lowest blocks, without ground and outliers, are one to four units high; the median of height / level is the
     unit.
     """
+    import numpy as np
+
     positive = heights[heights > heights.max() * 0.02]  # less than a fifth of the lowest of ten levels is ground
     lowest = float(np.quantile(positive, 0.1))
     steps = (lowest / parts for parts in range(1, 5))
@@ -128,6 +134,8 @@ def _largest_step(heights: Array) -> float | None:
 
 
 def _are_near(heights: Array, unit: float) -> bool:
+    import numpy as np
+
     units = heights / unit
     return float(np.abs(units - np.rint(units)).mean()) < _NEAR
 
@@ -137,6 +145,8 @@ def filled(heights: Array, holes: Mask) -> Array:
 
     A hole is filled from its edge to its middle, ring by ring; at least one cell has to be no hole.
     """
+    import numpy as np
+
     complete = np.where(holes, np.nan, heights)
     missing = np.argwhere(holes)
     while len(missing):
@@ -198,6 +208,8 @@ class Importer(ABC):
 
 def refuse_too_many_cells(path: Path, n_x: int, n_y: int) -> None:
     """Raise a FileError if a file has too many cells, or none; called before they are read."""
+    from rsegen.io.resources import refuse_many_heights
+
     if not 0 < n_x * n_y <= MOST_CELLS:
         raise FileError(f"{path}: {n_x} x {n_y} cells; from 1 up to {MOST_CELLS:,} can be read")
     refuse_many_heights(str(path), n_x, n_y)
@@ -211,6 +223,8 @@ def whole_units(
     rounded: round those that are no whole units; any_heights: else heights that are no measured blocks of that unit are
     refused; holes: cells that are not judged.
     """
+    import numpy as np
+
     # Whatever is no level is refused with the first such cell, in the order in which a person reads the table.
     units = heights_cm / unit_cm
     levels = np.floor(units + 0.5)
@@ -243,6 +257,9 @@ def whole_units(
 
 def _problem(cls: type[Importer]) -> str:
     """Return the problem of a plug-in's importer: a suffix or an option; empty if there is none."""
+    from rsegen.exporters.formats.base import FORMATS as WRITTEN
+    from rsegen.exporters.formats.base import RESERVED
+
     for suffix in cls.suffixes:
         if not (suffix.startswith(".") and suffix.islower()):
             return f"reads files named *{suffix}; give a suffix such as .asc, in small letters"

@@ -13,15 +13,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-import numpy as np
-
 from rsegen.errors import FileError, ParameterError
-from rsegen.field.stepfield import Array, Ints
 from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
 from rsegen.io.importers.measured import Measured
 from rsegen.io.input_files import opened_image
-from rsegen.io.recipe_file import content
 from rsegen.params.sorts import Cell, Choice, Flag, Float, Integer, Json, Parameter, Text, parameters
+
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Array, Ints
+
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -75,6 +75,8 @@ class Picture(Measured):
 
     def _heights_cm(self, path: Path) -> Array:
         """Return the heights of all pixels, shape (n_x, n_y); nan where a depth camera saw nothing."""
+        import numpy as np
+
         with opened_image(path) as image:
             refuse_too_many_cells(path, *image.size)
             if not image.mode.startswith("I"):
@@ -85,6 +87,8 @@ class Picture(Measured):
         return np.where(millimetres == 0, np.nan, self.camera_cm - millimetres / 10)
 
     def _levels(self, grey: Array) -> Ints:
+        import numpy as np
+
         top = self.levels - 1
         if self.threshold is not None:
             return np.where(grey * 100 >= self.threshold, top, 0)
@@ -93,6 +97,8 @@ class Picture(Measured):
 
 def brightness(path: Path, size: Cell | None = None) -> Array:
     """Return the brightness of an image, 0 black and 1 white, shape (n_x, n_y), resampled to a size if one is given."""
+    import numpy as np
+
     with opened_image(path) as image:
         refuse_too_many_cells(path, *image.size)
         refuse_too_many_cells(path, *(size or image.size))
@@ -150,6 +156,8 @@ class OccupancyImage(Importer):
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Return walls for cells whose probability, high for dark pixels, is above `occupied_thresh`."""
+        import numpy as np
+
         metadata = _metadata(path)
         bright = brightness(path.parent / metadata["image"])
         probability = bright if metadata["negate"] else 1 - bright
@@ -162,6 +170,8 @@ class OccupancyImage(Importer):
 
 
 def _metadata(path: Path) -> dict[str, Json]:
+    from rsegen.io.recipe_file import content
+
     keys = content(path)
     if not isinstance(keys, Mapping):
         raise FileError(f"{path}: not an occupancy grid of ROS; it has keys such as image: and resolution:")

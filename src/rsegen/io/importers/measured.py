@@ -11,14 +11,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ceil, cos, isqrt, radians, sin
 from pathlib import Path
-from typing import Annotated, Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.field.stepfield import Array
 from rsegen.io.importers.base import Heights, Importer, filled, refuse_too_many_cells, whole_units
 from rsegen.params.sorts import Cell, Flag, Float, ListOf, Size2D
+
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Array
+
 
 _MOST_ALONG = 15
 """Samples along a side of a block at most: the median of 225 points is surer than a block is level."""
@@ -35,6 +36,8 @@ def sampled(
     heights: (n_x, n_y) of a file's cells, nan for holes; per_block: its cells along a block's sides; origin: the
     map's south-west corner, in cells from the file's; turn: of the map in the file, degrees counterclockwise.
     """
+    import numpy as np
+
     most = max(min(_MOST_ALONG, isqrt(_MOST_SAMPLES // (size[0] * size[1]))), 1)
     samples = [min(max(ceil(cells), 1), most) for cells in per_block]
     along = [
@@ -48,6 +51,8 @@ def sampled(
 
 def _heights_at(heights: Array, origin: tuple[float, float], u: Array, v: Array, turned: tuple[float, float]) -> Array:
     """Return the heights of the file at points u, v of the map."""
+    import numpy as np
+
     c, s = turned
     x, y = (
         np.floor(np.round(along, 6)).astype(np.int64)
@@ -60,6 +65,8 @@ def _heights_at(heights: Array, origin: tuple[float, float], u: Array, v: Array,
 
 def _medians(samples: Array) -> Array:
     """Return the lower median of each row, nan if more than half of it is nan."""
+    import numpy as np
+
     ordered = np.sort(samples, axis=1)
     known = np.count_nonzero(~np.isnan(ordered), axis=1)
     middle = np.take_along_axis(ordered, np.maximum(known - 1, 0)[:, None] // 2, axis=1)[:, 0]
@@ -106,6 +113,8 @@ class Measured(Importer):
         self, path: Path, heights_cm: Array, unit_cm: float, recipe_values: dict[str, Any] | None = None
     ) -> Heights:
         """Return heights [cm] of a file, shape (n_x, n_y), nan for holes, as levels; a FileError if they are none."""
+        import numpy as np
+
         # In this order: blocks of the map, then their ground, then holes, then levels.
         heights = self._resampled(heights_cm) - (self.datum_cm or 0)
         holes = np.isnan(heights)
@@ -127,6 +136,8 @@ class Measured(Importer):
 
     def _resampled(self, heights: Array) -> Array:
         """Return the heights of the blocks of a map; those of the file if nothing else is asked for."""
+        import numpy as np
+
         quarters, rest = divmod(self.rotation, 90)
         if self.size is None:
             if rest or self.origin or self.cells_per_block:

@@ -9,14 +9,14 @@ import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.field.obstacles.matrix import Matrix
-from rsegen.field.stepfield import Ints
 from rsegen.io.importers.base import IMPORTERS, Heights, Importer
 from rsegen.recipe.recipe import Recipe
+
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Ints
 
 
 def importer_for(path: Path) -> type[Importer]:
@@ -39,12 +39,16 @@ def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_
 
 def heights_in(path: Path, reading: Importer, unit_cm: float | None = None) -> Heights:
     """Return the heights in a file, as levels of `unit_cm`, by default that of the file."""
+    import numpy as np
+
     with np.errstate(all="ignore"):  # what is no number, or too large for one, is found in whole_units
         return reading.read(path, unit_cm)
 
 
 def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Recipe:
     """Return the recipe of one map of heights, with those of filled holes as a matrix of their own; see `imported`."""
+    from rsegen.field.obstacles.matrix import Matrix
+
     n_x, n_y = heights.levels.shape
     side = _side(n_x, n_y, chunk_size or heights.recipe_values.get("chunk_size"))
     recipe_values = {"boundary": "none", **heights.recipe_values, "unit_cm": heights.unit_cm, "chunk_size": side}
@@ -60,6 +64,8 @@ def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Re
 
 def _parts(heights: Heights) -> Iterator[tuple[str, Ints]]:
     """Yield the levels that were measured, and those of holes if any were filled; -1 elsewhere."""
+    import numpy as np
+
     holes = heights.holes
     if holes is None or not holes.any():
         yield "heights", heights.levels

@@ -12,45 +12,62 @@ import csv
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
-
-import numpy as np
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.exporters.sheet.listing import COLUMNS, RECIPE_KEYS
-from rsegen.field.stepfield import Array
 from rsegen.io.importers.base import CENTIMETRES, MOST_CELLS, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
 from rsegen.io.importers.measured import Measured
 from rsegen.io.input_files import text_of
 from rsegen.params.sorts import Cell, Choice, parameters
 from rsegen.recipe.recipe import Recipe
 
-_HEAD = re.compile(
-    r"^" + r"([,;\t])".join(f'"?{name}"?' for name in COLUMNS).replace("_cm", "_(?P<unit>cm|in)") + r"[,;\t]*\r?$",
-    re.MULTILINE,
-)
-_SAID = re.compile(rf'^"?# *({"|".join(RECIPE_KEYS)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Array
+
+
 _MOST_ROWS = 1_000_000
 """Rows of a build sheet at most, one per cell: each is a value in Python, of some 200 bytes."""
 
 
+@cache
+def _head() -> re.Pattern[str]:
+    """The header of a build sheet, with any of the usual separators, in cm or inches."""
+    from rsegen.exporters.sheet.listing import COLUMNS
+
+    names = r"([,;\t])".join(f'"?{name}"?' for name in COLUMNS).replace("_cm", "_(?P<unit>cm|in)")
+    return re.compile(rf"^{names}[,;\t]*\r?$", re.MULTILINE)
+
+
+@cache
+def _said() -> re.Pattern[str]:
+    """A comment of a build sheet that says a parameter of the recipe."""
+    from rsegen.exporters.sheet.listing import RECIPE_KEYS
+
+    return re.compile(rf'^"?# *({"|".join(RECIPE_KEYS)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
+
+
 def is_build_sheet(text: str) -> bool:
     """Return whether a text has the header of a build sheet."""
-    return bool(_HEAD.search(text))
+    return bool(_head().search(text))
 
 
 def recipe_values(path: Path, text: str) -> dict[str, Any]:
     """Return the values of a recipe in its comments; a FileError for an invalid one."""
     sorts = parameters(Recipe)
     try:
-        return {name: sorts[name].check(name, sorts[name].parse(value)) for name, value in _SAID.findall(text)}
+        return {name: sorts[name].check(name, sorts[name].parse(value)) for name, value in _said().findall(text)}
     except ParameterError as error:
         raise FileError(f"{path}: {error}") from None
 
 
 def heights_cm(path: Path, text: str) -> Array:
     """Heights [cm] of shape (n_x, n_y); a FileError if a cell is missing, duplicate, or no number."""
+    import numpy as np
+
+    from rsegen.exporters.sheet.listing import COLUMNS
+
     cells: dict[Cell, float] = {}
     for line, cell, height in _rows(path, text):
         if cell in cells:
@@ -71,13 +88,13 @@ def heights_cm(path: Path, text: str) -> Array:
 
 def unit_of(text: str) -> str:
     """Return the unit of the heights of a build sheet, by its header: cm or in."""
-    head = _HEAD.search(text)
+    head = _head().search(text)
     return head["unit"] if head else "cm"
 
 
 def _rows(path: Path, text: str) -> Iterator[tuple[int, Cell, float]]:
     """Line, cell and height of each row; comments and rows of blanks are left out."""
-    head = _HEAD.search(text)
+    head = _head().search(text)
     if not head:
         return
     first = text.count("\n", 0, head.end()) + 2
@@ -101,6 +118,8 @@ def _split_rows(path: Path, lines: Iterable[str], delimiter: str) -> Iterator[li
 
 def _cell(where: str, row: list[str], delimiter: str) -> tuple[Cell, float]:
     """Return the cell and height of one row. If semicolons separate the cells, a comma is a decimal point."""
+    from rsegen.exporters.sheet.listing import COLUMNS
+
     if len(row) < len(COLUMNS):
         raise FileError(f"{where}: {len(row)} cells, {len(COLUMNS)} in the header")
     x, y, height = row[2 : len(COLUMNS)]
@@ -173,6 +192,8 @@ def _unit_cm(path: Path, text: str) -> float:
 
 def _numbers(path: Path, text: str, *, blanks: bool) -> Array:
     """Return the cells of all lines, shape (n_x, n_y); nan for blank ones, if those are allowed."""
+    import numpy as np
+
     lines = _lines(path, text)
     first, start = lines[0] if lines else (1, "")
     width = _count(start)
