@@ -6,7 +6,7 @@ import argparse
 
 from rsegen.cli.bar import seconds_bar
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command, call
+from rsegen.cli.report import Report, Subparsers, add_command, call, robot_kinds
 from rsegen.cli.targets import add_target, target_of
 from rsegen.commands.drive import drive
 from rsegen.params.command import add_flags, declared, flags_in_errors, given
@@ -17,8 +17,8 @@ _OWN = ("simulator",)
 
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
-    epilog = "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also that of the map."
-    command = add_command(commands, "drive", drive, epilog=epilog)
+    epilog = "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also that of the map. "
+    command = add_command(commands, "drive", drive, epilog=epilog + robot_kinds())
     add_target(command, "WORLD-or-DIR-or-RECIPE", "a world made by rsegen, its folder, or a recipe")
     add_flags(command.add_argument_group("drive"), drive)
     add_target_recipe_flags(command, ("seed", *_OWN))

@@ -11,7 +11,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds
 from rsegen.cli.targets import add_target_flags, picture_path, scenes_of
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
@@ -50,10 +50,10 @@ def add(commands: Subparsers) -> None:
         "Measure how rough maps are: heights, steps, scale, ruggedness, and the smallest step with which they can be "
     )
     text += "crossed. With a robot, also the area that it can reach, and its cheapest paths across."
-    command = add_command(commands, "metrics", text=text, epilog="docs/metrics.md has every formula.")
+    command = add_command(commands, "metrics", text=text, epilog=f"docs/metrics.md has every formula. {robot_kinds()}")
     add_target_flags(command, "all")
     group = command.add_argument_group("robot", "the limits of a kind of robot, each overridden by a flag")
-    text = "use the highest step that this robot usually crosses, and its width (burger, crawler, jackal, ...)"
+    text = "use the highest step that this robot usually crosses, and its width"
     group.add_argument("--robot", metavar="KIND", help=text)
     add_flags(group, RobotLimits)
     output = command.add_argument_group("output")

@@ -11,6 +11,7 @@ from typing import Any, TypeAlias, TypeVar
 
 from rsegen.cli.parser import Parser
 from rsegen.params.command import flags_in_errors, given
+from rsegen.params.registry import offered_names
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[Parser]"
 
@@ -55,6 +56,11 @@ def add_command(
     parser.add_argument("--json", action="store_true", help="print the result as JSON, lengths in metres")
     parser.add_argument("-q", "--quiet", action="store_true", help="print no report and no progress")
     return parser
+
+
+def robot_kinds() -> str:
+    """Return the kinds of robots for a help, without importing one."""
+    return f"Kinds of robots: {', '.join(offered_names('rsegen.robots', 'rsegen.robots'))}."
 
 
 def call(function: Callable[..., R], arguments: argparse.Namespace, *positional: Any, **named: Any) -> R:

@@ -8,7 +8,7 @@ from dataclasses import asdict, astuple
 from typing import TYPE_CHECKING
 
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command, call
+from rsegen.cli.report import Report, Subparsers, add_command, call, robot_kinds
 from rsegen.cli.targets import add_target, target_of
 from rsegen.commands.spawn import spawn
 from rsegen.params.command import add_flags, flags_in_errors
@@ -25,7 +25,9 @@ def add(commands: Subparsers) -> None:
     epilog = (
         "Gazebo Classic is looked for at GAZEBO_MASTER_URI, Gazebo Sim in GZ_PARTITION, or at their default addresses. "
     )
-    command = add_command(commands, "spawn", spawn, epilog=f"{epilog}rsegen open --shared starts a simulation.")
+    command = add_command(
+        commands, "spawn", spawn, epilog=f"{epilog}rsegen open --shared starts a simulation. {robot_kinds()}"
+    )
     where = "the folder of a map or of maps, a recipe, a kind of robot, or the SDF file of a robot"
     add_target(command, "DIR-or-RECIPE-or-ROBOT-or-SDF", where)
     add_flags(command.add_argument_group("spawn"), spawn)

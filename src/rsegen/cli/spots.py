@@ -9,7 +9,7 @@ from math import degrees
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds
 from rsegen.cli.targets import add_target_flags, picture_path, target_of
 from rsegen.commands.parameters import Force
 from rsegen.commands.spots import spots
@@ -35,7 +35,7 @@ class _Drawing:
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     epilog = "rsegen drive --route random with the same seed starts there."
-    command = add_command(commands, "spots", spots, epilog=epilog)
+    command = add_command(commands, "spots", spots, epilog=f"{epilog} {robot_kinds()}")
     add_target_flags(command)
     add_flags(command.add_argument_group("spots"), spots, without=["map"])
     add_flags(command.add_argument_group("output"), _Drawing)

@@ -354,7 +354,9 @@ def offered_names(package: str, group: str) -> list[str]:
     spec = find_spec(package)
     folders = [] if spec is None else list(spec.submodule_search_locations or ())
     files = [path for folder in folders for path in Path(folder).glob("*.py")]
-    own = {path.stem for path in files if "\n@register\n" in path.read_text("utf-8")}
+    own = {
+        path.stem for path in files if re.search(r"^@register$|= register\($", path.read_text("utf-8"), re.MULTILINE)
+    }
     return sorted(own.union(offer.name for offer in entry_points() if offer.group == group))
 
 

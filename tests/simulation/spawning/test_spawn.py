@@ -87,7 +87,7 @@ def test_a_map_of_a_folder_is_chosen_by_index_or_name(which: int | str, sim_addr
     [
         ("burger", {"map": 1}, "map: burger is a robot and has no maps"),
         ("burger", {"at": [1]}, r"at: \[1\] is not X,Y or"),
-        ("burger", {"at": [1, "here"]}, "at: 'here' is not a number"),
+        ("burger", {"at": [1, "here"]}, r"at\[1\]: 'here' is not a number"),
         ("burger", {"name": "../b"}, "name: .*'../b'"),
         ("burger", {"simulator": "clasic"}, "simulator: unknown simulator 'clasic'"),
         ("burger", {"name": "ground_plane", "simulator": "sim"}, "name: 'ground_plane' exists already"),

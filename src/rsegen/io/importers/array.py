@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import Annotated, ClassVar
 
 from rsegen.errors import FileError
 from rsegen.io.importers.base import CENTIMETRES, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
 from rsegen.io.importers.measured import Measured
 from rsegen.io.importers.table import centimetres
 from rsegen.params.sorts import Choice
-
-if TYPE_CHECKING:
-    pass
 
 
 @register
