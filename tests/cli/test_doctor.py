@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen.cli import environment, main
+from rsegen.cli import doctor as environment
+from rsegen.cli import main
 from rsegen.errors import pip_install
 from rsegen.params import extras
 from rsegen.params.extras import EXTRAS

@@ -11,7 +11,8 @@ import pytest
 
 import rsegen
 from rsegen import Terrain, load
-from rsegen.cli import bar, main
+from rsegen.cli import main
+from rsegen.cli import report as bar
 from rsegen.recipe.examples import EXAMPLES
 
 ROUGH = rsegen.Random(levels=20)

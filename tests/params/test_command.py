@@ -142,8 +142,8 @@ def test_every_parameter_of_a_command_is_explained_and_its_default_is_valid(func
 
 @pytest.mark.parametrize("function", COMMANDS, ids=lambda function: function.__name__)
 def test_parameters_of_one_name_mean_the_same_in_every_command(function: Any) -> None:
-    """`--simulator` alone takes several in an experiment, and a robot's limits are another thing than a robot."""
-    others = {("simulator", "experiment"), ("robot", "series"), ("formats", "export_maps"), ("size", "spots")}
+    """In an experiment --simulator takes several; a series has a robot's limits; spawn gives a name, respawn one that is."""
+    others = {("name", "spawn"), ("simulator", "experiment"), ("robot", "series"), ("formats", "export_maps"), ("size", "spots")}
     for name, parameter in declared(function).items():
         for other in COMMANDS:
             like = declared(other).get(name)

@@ -7,11 +7,10 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rsegen.cli.bar import shards_bar
+from rsegen.cli.edge import how_to_go_on
 from rsegen.cli.flags import RECIPE_HELP, add_recipe_argument, add_recipe_flags, recipes_from
 from rsegen.cli.generate import run_options
-from rsegen.cli.report import Report, Subparsers, add_command, call
-from rsegen.cli.stop import how_to_go_on
+from rsegen.cli.report import Report, Subparsers, add_command, call, shards_bar
 from rsegen.commands.dataset import make_dataset
 from rsegen.errors import ParameterError
 from rsegen.params.command import add_flags

@@ -1,15 +1,155 @@
-"""rsegen doctor: what rsegen finds on this machine, for reports of what does not work."""
+"""rsegen doctor: what rsegen finds on this machine, what is missing and for what; for reports of what does not work."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+import os
+import platform
+import re
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, requires, version
 from typing import TYPE_CHECKING, Any
 
+from rsegen import __version__
 from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.errors import line_of, pip_install
+from rsegen.params.extras import EXTRAS, GUI, Extra
+from rsegen.params.registry import entry_points
 
 if TYPE_CHECKING:
-    from rsegen.cli.environment import Environment, FoundExtra, FoundSimulator
+    from rsegen.simulation.simulators import Installation, Simulator
+
+
+SECONDS = 20
+"""How long to wait for the check of OpenGL, which takes a fraction of one."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FoundSimulator:
+    """A simulator, its installation if there is one, and what went wrong when it was asked for its version."""
+
+    simulator: Simulator
+    here: Installation | None
+    problem: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FoundExtra:
+    """An extra, its modules that are missing, and the versions of its packages that are installed."""
+
+    extra: Extra
+    missing: tuple[str, ...]
+    versions: Mapping[str, str]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Environment:
+    """What rsegen finds on this machine.
+
+    libraries: versions of what rsegen always needs, None if missing; opengl: version on this display, or empty;
+    opengl_problem: why the window cannot show its 3D view, or empty; plugins: of installed packages, with versions.
+    """
+
+    rsegen: str
+    python: str
+    executable: str
+    platform: str
+    libraries: Mapping[str, str | None]
+    simulators: tuple[FoundSimulator, ...]
+    extras: tuple[FoundExtra, ...]
+    opengl: str
+    opengl_problem: str
+    plugins: tuple[str, ...]
+
+    def missing(self) -> Iterator[tuple[str, str]]:
+        """What is missing for what, and how to get it."""
+        for name in (name for name, found in self.libraries.items() if found is None):
+            yield f"{name}, which rsegen always needs", f"{sys.executable} -m pip install '{name}'"
+        for found in self.simulators:
+            if not found.here:
+                yield f"{found.simulator.title}: worlds cannot be opened in it", found.simulator.how_to_install[0]
+        for each in self.extras:
+            if each.missing:
+                yield f"{', '.join(each.missing)}: {each.extra.use}", pip_install([each.extra.name])
+        if self.opengl_problem and not any(each.missing for each in self.extras if each.extra == GUI):
+            yield "OpenGL: the window shows no 3D view", self.opengl_problem
+
+
+def environment() -> Environment:
+    """Look; no server is started, and what fails is a line of the result."""
+    from rsegen.simulation.simulators import SIMULATORS
+
+    with ThreadPoolExecutor() as pool:
+        opengl = pool.submit(_opengl)
+        simulators = tuple(pool.map(_found_simulator, SIMULATORS.values()))
+        found, problem = opengl.result()
+    needed = _requirements()
+    return Environment(
+        rsegen=__version__,
+        python=f"{platform.python_implementation()} {platform.python_version()}",
+        executable=sys.executable,
+        platform=f"{platform.platform()}, {platform.machine()}",
+        libraries={name: _version(name) for name in needed.get("", ["numpy"])},
+        simulators=simulators,
+        extras=tuple(_found_extra(extra, needed.get(extra.name, [])) for extra in EXTRAS),
+        opengl=found,
+        opengl_problem=problem,
+        plugins=tuple(dict.fromkeys(f"{each.source}: {each.name}" for each in entry_points())),
+    )
+
+
+def _found_simulator(simulator: Simulator) -> FoundSimulator:
+    """A plug-in's simulator may raise anything."""
+    try:
+        return FoundSimulator(simulator=simulator, here=simulator.installation())
+    except Exception as error:  # a report about a machine in disorder is wanted most
+        return FoundSimulator(simulator=simulator, here=None, problem=line_of(f"{type(error).__name__}: {error}"))
+
+
+def _found_extra(extra: Extra, packages: list[str]) -> FoundExtra:
+    versions = {name: found for name in packages if (found := _version(name))}
+    return FoundExtra(extra=extra, missing=extra.missing_modules, versions=versions)
+
+
+def _requirements() -> dict[str, list[str]]:
+    """The packages that rsegen needs, by its extras; those that it always needs by an empty name."""
+    try:
+        lines = requires("rsegen") or []
+    except PackageNotFoundError:  # it runs from a folder
+        return {}
+    found: dict[str, list[str]] = {}
+    for line in lines:
+        name, extra = re.match(r"[\w.-]+", line), re.search(r"extra == ['\"]([\w-]+)", line)
+        if name and name[0] != "rsegen":
+            found.setdefault(extra[1] if extra else "", []).append(name[0])
+    return found
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _opengl() -> tuple[str, str]:
+    """The version of OpenGL on this display, and why the 3D view cannot be shown: one of them is empty."""
+    if "PySide6" in GUI.missing_modules:
+        return "", "not checked, as PySide6 is not installed"
+    if sys.platform == "linux" and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))):
+        return "", "there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)"
+    command = [sys.executable, "-m", "rsegen.gui.widgets.opengl"]
+    try:  # in another process, as Qt ends the one in which it finds no display
+        found = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)  # noqa: S603
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return "", line_of(str(error))
+    told = (found.stdout.strip() or found.stderr.strip() or f"exit code {found.returncode}").splitlines()
+    return (told[-1], "") if found.returncode == 0 else ("", line_of(told[0]))
+
 
 _WIDTH = 12
 
@@ -24,8 +164,6 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> Report:
     """Look."""
-    from rsegen.cli.environment import environment
-
     here = environment()
     return Report(lines=_report(here), content=_summary(here))
 

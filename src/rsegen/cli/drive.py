@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from rsegen.cli.bar import seconds_bar
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command, call, robot_kinds
+from rsegen.cli.report import Report, Subparsers, add_command, call, robot_kinds, seconds_bar
 from rsegen.cli.targets import add_target, target_of
 from rsegen.commands.drive import drive
 from rsegen.params.command import add_flags, declared, flags_in_errors, given

@@ -1,17 +1,31 @@
-"""The edge of the command line: what goes wrong becomes one line and an exit code; all that is shown is printable."""
+"""The edge of the command line: what goes wrong becomes one line and an exit code; a signal stops a command.
+
+The first Ctrl-C, polite kill or closed terminal stops a command in one line. A later one ends it at once, which is
+safe, as nothing half written is ever at its place. All that is shown is printable.
+"""
 
 from __future__ import annotations
 
 import io
 import logging
 import os
+import signal
 import sys
+import threading
+import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
-from typing import Any, TextIO
+from types import FrameType
+from typing import TYPE_CHECKING, Any, TextIO
 
-from rsegen.errors import REFUSED, PluginWarning, RsegenError, UserError, line_of, printable
+from rsegen.cli.commands import OVERVIEW, complete, parser
+from rsegen.cli.parser import load_plugins
+from rsegen.errors import REFUSED, PluginWarning, RsegenError, Stopped, UserError, line_of, printable
+from rsegen.run import stop
+
+if TYPE_CHECKING:
+    from rsegen.recipe.recipe import Recipe
 
 
 class _Printable:
@@ -114,3 +128,94 @@ def _of_plugin(error: BaseException) -> str:
         file = step.tb_frame.f_code.co_filename
         last, step = (file if file in files else last), step.tb_next
     return f"plug-in {files[last]}: {failure(error, last)}" if last else ""
+
+
+_ONE_STOP = 1.0
+"""Seconds in which further signals are the same stop: Ctrl-C held down, or all that a closing terminal sends."""
+
+
+class Signals:
+    """The signals that stop a command, while this is entered; `number` is that of the one that came."""
+
+    def __init__(self) -> None:
+        self.number: int = signal.SIGINT
+        self._first: float | None = None
+
+    @contextmanager
+    def stop_it(self) -> Iterator[None]:
+        """Let a signal raise a KeyboardInterrupt inside; one that was ignored before stays so.
+
+        Python drops one that comes in some callbacks, and would print where: a run looks for it by itself.
+        """
+        names = ("SIGINT", "SIGTERM", "SIGHUP")
+        known = [getattr(signal, name) for name in names if hasattr(signal, name)]
+        if threading.current_thread() is not threading.main_thread():
+            known = []
+        before = {each: signal.getsignal(each) for each in known if signal.getsignal(each) is not signal.SIG_IGN}
+        stop.STATE.asked, unraisable = False, sys.unraisablehook
+        for each in before:
+            signal.signal(each, self._stop)
+        sys.unraisablehook = lambda lost: None if lost.exc_type is KeyboardInterrupt else unraisable(lost)
+        try:
+            yield
+        finally:
+            sys.unraisablehook = unraisable
+            for each, handler in before.items():
+                signal.signal(each, handler)
+
+    def _stop(self, number: int, frame: FrameType | None) -> None:
+        if self._first is None:
+            self._first, self.number = time.monotonic(), number
+            stop.ask()
+        elif time.monotonic() - self._first > _ONE_STOP:
+            if sys.stderr:
+                os.write(2, b"rsegen: ended at once; what is complete stays\n")
+            os._exit(128 + number)
+
+
+@contextmanager
+def how_to_go_on(*recipes: Recipe, resume: bool = False, then: str = "goes on") -> Iterator[None]:
+    """Add to the message of a run that is stopped what the same command does `then`, and with which flags.
+
+    The seed is named if all recipes have the same one.
+    """
+    try:
+        yield
+    except Stopped as stopped:
+        if not stopped.changed:
+            raise
+        seeds = {recipe.seed for recipe in recipes}
+        flags = [*(f"--seed {seed}" for seed in seeds if len(seeds) == 1), *(["--resume"] if resume else [])]
+        given = f" with {' '.join(flags)}" if flags else ""
+        raise Stopped(f"{stopped}; the same command{given} {then}") from None
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command, and return the exit code."""
+    signals = Signals()
+    with short_warnings(), printable_output():
+        try:
+            return _run(arguments, signals)
+        except (KeyboardInterrupt, Exception) as error:
+            ours = not isinstance(error, (RsegenError, KeyboardInterrupt, OSError))
+            if ours and sys.flags.dev_mode:
+                raise
+            return failed(error, signals.number)
+
+
+def _run(arguments: Sequence[str] | None, signals: Signals) -> int:
+    try:
+        top = parser()
+        complete(top)
+        parsed = top.parse_args(load_plugins(sys.argv[1:] if arguments is None else arguments))
+        if not hasattr(parsed, "run"):
+            print(OVERVIEW, end="")
+            return 0
+        from rsegen.cli.report import quiet
+
+        with signals.stop_it(), quiet(is_asked_for=parsed.quiet):
+            outcome = parsed.run(parsed)
+            return outcome.show(parsed) if outcome else 0
+    finally:
+        if sys.stdout:
+            sys.stdout.flush()

@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 
-from rsegen.cli.bar import trials_bar
-from rsegen.cli.report import Report, Subparsers, add_command, call
-from rsegen.cli.stop import how_to_go_on
+from rsegen.cli.edge import how_to_go_on
+from rsegen.cli.report import Report, Subparsers, add_command, call, trials_bar
 from rsegen.commands.experiment import experiment
 from rsegen.params.command import add_flags, flags_in_errors, given
 

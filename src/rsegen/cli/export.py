@@ -6,11 +6,9 @@ import argparse
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from rsegen.cli.bar import counting
-from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.formats import add_format_rows, listed
+from rsegen.cli.flags import add_format_rows, add_target_recipe_flags, listed
 from rsegen.cli.generate import SHOWN, going_on, run_options
-from rsegen.cli.report import Report, Subparsers, add_command, call
+from rsegen.cli.report import Report, Subparsers, add_command, call, counting
 from rsegen.cli.targets import add_target_flags, maps_of_flags
 from rsegen.commands.export import export_maps
 from rsegen.params.command import add_flags

@@ -1,22 +1,24 @@
-"""From flags to recipes: one flag for every global parameter, named after it, and --obstacle."""
+"""From flags to recipes: one flag for every global parameter, named after it, and --obstacle; formats in the help."""
 
 from __future__ import annotations
 
 import argparse
 import os.path
 import shlex
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rsegen.cli.parser import Parser
+from rsegen.cli.parser import HelpRow, Parser
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.params.command import Shell, completer, declared, given
+from rsegen.params.registry import offered_names
 from rsegen.params.sorts import key_values, parameters
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
     from rsegen.field.obstacles import Obstacle
+
 
 OBSTACLE = "'KIND KEY=VALUE ...'"
 OBSTACLE_HELP = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 last=7,7'; may be repeated"
@@ -153,3 +155,29 @@ _METAVARS = {
     "crossable_by": "ROBOT|CM,CM,CM",
     "inventory": "FILE.csv|N,N,...",
 }
+
+
+def add_format_rows(command: Parser, flag: str = "--formats") -> None:
+    """Add the names of formats and of their options to the help."""
+
+    def rows() -> Iterator[HelpRow]:
+        yield HelpRow(", ".join(offered_names("rsegen.exporters.formats", "rsegen.formats")), "")
+
+    command.add_rows(f"formats for {flag} (rsegen export --list explains them and their options)", rows)
+
+
+def listed() -> Iterator[str]:
+    """Yield the lines on every format and its options."""
+    from rsegen.exporters.formats import FORMATS
+    from rsegen.params.extras import MAT
+    from rsegen.params.registry import summary
+    from rsegen.params.sorts import parameters
+
+    for name, cls in FORMATS.items():
+        extra = f"rsegen[{cls.extra.name if cls.extra else MAT.name}]"
+        needs = f" Needs {extra}." if cls.extra else f" {cls.mat_file} needs {extra}." if cls.mat_file else ""
+        source = FORMATS.source(name)
+        yield f"{name}\n    {summary(cls)}{needs}" + (f" From {source}." if source else "")
+        for option, parameter in parameters(cls).items():
+            yield f"    {f'{option}=':<15} {parameter.help}: {parameter.describe()}"
+        yield ""

@@ -10,12 +10,10 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rsegen.cli.bar import maps_bar
-from rsegen.cli.flags import add_recipe_argument, add_recipe_flags, recipe_from
-from rsegen.cli.formats import add_format_rows
+from rsegen.cli.edge import how_to_go_on
+from rsegen.cli.flags import add_format_rows, add_recipe_argument, add_recipe_flags, recipe_from
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, Subparsers, add_command
-from rsegen.cli.stop import how_to_go_on
+from rsegen.cli.report import Report, Subparsers, add_command, maps_bar
 from rsegen.commands.generate import generate
 from rsegen.params.command import add_flags, declared, flags_in_errors, given
 

@@ -7,11 +7,9 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from rsegen.cli.bar import counting
-from rsegen.cli.flags import add_recipe_argument, add_recipe_flags, recipe_from
-from rsegen.cli.formats import add_format_rows
+from rsegen.cli.flags import add_format_rows, add_recipe_argument, add_recipe_flags, recipe_from
 from rsegen.cli.generate import going_on, run_options
-from rsegen.cli.report import Report, Subparsers, add_command, call
+from rsegen.cli.report import Report, Subparsers, add_command, call, counting
 from rsegen.commands.generate import generate
 from rsegen.commands.series import series
 from rsegen.params.command import add_flags, declared

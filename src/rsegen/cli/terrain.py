@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.cli.bar import counting
 from rsegen.cli.flags import add_recipe_argument
 from rsegen.cli.generate import add_output_flags, produce
-from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.report import Report, Subparsers, add_command, counting
 from rsegen.commands.parameters import By, ByRobot
 from rsegen.params.command import Shell, add_flags, declared, flags_in_errors, given
 from rsegen.params.sorts import Float, Integer, ListOf

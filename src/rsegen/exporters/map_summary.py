@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from rsegen.exporters.constraint_report import block_warnings
 from rsegen.exporters.gazebo import MESH_TYPES, export
 from rsegen.exporters.gazebo.obj import face_count
-from rsegen.exporters.levels import fingerprint
-from rsegen.exporters.scene import Scene
+from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.recipe.codec import needed_plugins
 from rsegen.recipe.recipe import Recipe
 

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.geometry.label_grid import LabelGrid, label_grid
+from rsegen.geometry.mesh import LabelGrid, label_grid
 from rsegen.geometry.rectangles import merge
 
 

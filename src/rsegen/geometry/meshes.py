@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 from rsegen.errors import UnknownName
 from rsegen.field.stepfield import CellWindow, StepField
-from rsegen.geometry.label_grid import split_window
-from rsegen.geometry.mesh import Mesh
+from rsegen.geometry.mesh import Mesh, split_window
 from rsegen.geometry.surface import surface, unmerged
 from rsegen.geometry.watertight import closed, watertight
 

@@ -18,8 +18,7 @@ from __future__ import annotations
 import numpy as np
 
 from rsegen.field.stepfield import CellWindow, Ints, StepField
-from rsegen.geometry.label_grid import LabelGrid, label_grid
-from rsegen.geometry.mesh import Faces, Mesh
+from rsegen.geometry.mesh import Faces, LabelGrid, Mesh, label_grid
 from rsegen.geometry.rectangles import Rectangles, merge, merge_hanging
 
 

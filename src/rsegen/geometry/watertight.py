@@ -28,8 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.geometry.label_grid import LabelGrid, label_grid
-from rsegen.geometry.mesh import NORMALS, Faces, Lattice, Mesh, welded
+from rsegen.geometry.mesh import NORMALS, Faces, LabelGrid, Lattice, Mesh, label_grid, welded
 from rsegen.geometry.rectangles import Rectangles, merge, ragged
 from rsegen.geometry.surface import risers, tops
 

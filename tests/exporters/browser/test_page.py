@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen import Random, Recipe, StepField
 from rsegen.exporters.browser.page import ShownMap, page
-from rsegen.exporters.levels import fingerprint
+from rsegen.exporters.scene import fingerprint
 from rsegen.recipe.examples import EXAMPLES
 from tests.exporters.browser.pages import Tags, addresses, cells_of, heights_of, maps_of
 from tests.support.strategies import fields, recipes

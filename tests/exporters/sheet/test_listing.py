@@ -13,7 +13,7 @@ from hypothesis import given
 from rsegen import CutSettings, Random, Recipe, build, compose, imported, load, sheet
 from rsegen.cli import main
 from rsegen.errors import FileError, ParameterError
-from rsegen.exporters.levels import fingerprint
+from rsegen.exporters.scene import fingerprint
 from rsegen.exporters.sheet.timber import building_order
 from rsegen.io.importers.table import Table
 from rsegen.recipe.examples import EXAMPLES

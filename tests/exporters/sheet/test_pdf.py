@@ -15,7 +15,7 @@ from pypdf import PageObject, PdfReader
 
 from rsegen import CutSettings, Random, Recipe, Scene, __version__, compose, load, sheet
 from rsegen.errors import ParameterError
-from rsegen.exporters.levels import fingerprint
+from rsegen.exporters.scene import fingerprint
 from rsegen.exporters.sheet import page_count
 from rsegen.exporters.sheet.timber import building_order, placing_order
 from rsegen.field.stepfield import Ints

@@ -21,11 +21,10 @@ from typing import Any
 import numpy as np
 
 from rsegen import __version__
-from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.pictures.plan import GROUND_GREY, Drawable
 from rsegen.exporters.pictures.preview import ColouredField
-from rsegen.exporters.scene import Colour, Scene
+from rsegen.exporters.scene import Colour, Scene, fingerprint
 from rsegen.field.metrics import metrics
 from rsegen.field.stepfield import Array, Ints, StepField
 

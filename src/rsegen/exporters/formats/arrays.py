@@ -10,8 +10,7 @@ import numpy as np
 
 from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.encoded import as_json, mat, metadata, npy, recipe_json
-from rsegen.exporters.levels import csv
-from rsegen.exporters.scene import Scene
+from rsegen.exporters.scene import Scene, csv
 
 _FILES = {
     "levels.npy": "int16 (n_x, n_y), level of each block in units, 0 in frame cells",

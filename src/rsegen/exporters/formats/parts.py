@@ -17,7 +17,7 @@ from rsegen.exporters.gazebo.obj import PARTS, obj
 from rsegen.exporters.scene import Colour, Scene
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.geometry import Mesh, surface, texture_coordinates
-from rsegen.geometry.label_grid import label_grid
+from rsegen.geometry.mesh import label_grid
 from rsegen.geometry.rectangles import merge
 
 

@@ -12,8 +12,7 @@ from typing import Protocol
 
 from rsegen.exporters.constraint_report import constraint_report
 from rsegen.exporters.gazebo import multi, pallet, single
-from rsegen.exporters.levels import csv
-from rsegen.exporters.scene import Scene
+from rsegen.exporters.scene import Scene, csv
 from rsegen.recipe.codec import map_json
 
 Bundle = Mapping[PurePosixPath, Iterable[bytes]]

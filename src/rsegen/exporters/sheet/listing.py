@@ -8,9 +8,8 @@ import numpy as np
 
 from rsegen import __version__
 from rsegen.exporters.cut_settings import CutSettings
-from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
-from rsegen.exporters.scene import Scene
+from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.exporters.sheet.timber import (
     CuttingPlan,
     NumberedPallet,

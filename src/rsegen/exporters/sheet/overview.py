@@ -12,9 +12,8 @@ from textwrap import wrap
 
 from rsegen import __version__
 from rsegen.exporters.cut_settings import CutSettings, nanometres
-from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
-from rsegen.exporters.scene import Scene
+from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.exporters.sheet.page import EMPTY, GREY, POINT, ROW, Page, PrintedPlan, draw_run
 from rsegen.exporters.sheet.timber import (
     CuttingPlan,

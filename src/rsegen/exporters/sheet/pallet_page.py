@@ -10,9 +10,8 @@ from itertools import product
 
 import numpy as np
 
-from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import lengths_in
-from rsegen.exporters.scene import Scene
+from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.exporters.sheet.overview import COLUMN, RIGHT, SMALLEST, draw_cut_list
 from rsegen.exporters.sheet.page import GREY, INK, POINT, Page, PrintedPlan, block_colour, ink
 from rsegen.exporters.sheet.timber import NumberedPallet, length, placing_order
