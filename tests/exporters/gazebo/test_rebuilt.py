@@ -1,7 +1,7 @@
 """What is seen equals what is hit: the field rebuilt from the visuals, and from the collisions, of the exported files.
 
-For every look, mesh type, mesh and collision shape. A vertical line through the solid shapes of a world is as long inside
-them as the block under it is high, and ends at its top; five lines go through every cell.
+For every look, mesh type, mesh and collision shape. A vertical line through the solid shapes of a world is as long
+inside them as the block there is high, and ends at its top; five lines go through every cell.
 """
 
 from __future__ import annotations

@@ -23,6 +23,8 @@ from tests.simulation.real.conftest import missing
 from tests.simulation.real.falling import falling, judge
 from tests.simulation.real.maps import SHAPES, examples, generated, lanes, map_name, shape_name, slippery, variants
 
+pytestmark = pytest.mark.long(reason="a package of 1.7 GB, scripts/gazebo-engine")
+
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 
 

@@ -16,6 +16,8 @@ import pytest
 import rsegen
 from rsegen import Matrix, Placement, Recipe
 
+pytestmark = pytest.mark.long(reason="a camera without a graphics card")
+
 BLOCKS = 8
 PLATEAU = Placement(obstacle=Matrix.of(np.full((BLOCKS, BLOCKS), 2)))
 LEAST = {"levels": 4, "wood": 4}

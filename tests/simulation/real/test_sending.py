@@ -24,6 +24,8 @@ from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.server import running_server
 from tests.support.waiting import until
 
+pytestmark = pytest.mark.long(reason="a window and a server")
+
 
 def test_a_map_is_sent_and_the_next_one_takes_its_place(
     gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -25,6 +25,8 @@ from tests.simulation.simulators.standins import alone_on_path
 from tests.support.clicking import click, find, said
 from tests.support.waiting import until
 
+pytestmark = pytest.mark.long(reason="a window and a server")
+
 
 @contextmanager
 def opened(tmp_path: Path) -> Iterator[DriveDialog]:
