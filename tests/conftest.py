@@ -18,7 +18,14 @@ from hypothesis import settings
 from tests.support.patience import limit_cpu_of_tests
 
 TESTS = Path(__file__).parent
-MARKED_FOLDERS = {"simulation/real": "real", "gui": "window"}
+_WINDOWS = pytest.mark.long(reason="many windows; tests/gui/test_window.py and test_first_minute.py use all of one")
+MARKED_FOLDERS = {
+    "simulation/real": pytest.mark.real,
+    "gui": pytest.mark.window,
+    "gui/dialogs": _WINDOWS,
+    "gui/widgets": _WINDOWS,
+    "gui/workers": _WINDOWS,
+}
 """Folder -> the marker of every test in it."""
 
 settings.register_profile("house", deadline=None, derandomize=os.environ.get("CI") == "true", max_examples=25)

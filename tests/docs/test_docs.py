@@ -145,6 +145,7 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
     assert (tmp_path / "terrain.glb").stat().st_size > 100_000
 
 
+@pytest.mark.long(reason="needs mujoco_warp, with Warp 0.4 GB")
 @pytest.mark.slow
 def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) -> None:
     pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
@@ -156,6 +157,7 @@ def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) 
     assert easy > 1.3 > 2 * hard
 
 
+@pytest.mark.long(reason="needs mjlab")
 @pytest.mark.slow
 def test_the_quadruped_of_the_page_of_learning_stands_on_flat_tiles_and_falls_on_rough_ones(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")

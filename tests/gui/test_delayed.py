@@ -22,6 +22,8 @@ from rsegen.gui.window import Window
 from tests.support.clicking import active, find, shown
 from tests.support.waiting import until
 
+pytestmark = pytest.mark.long(reason="windows more")
+
 LEFT = Qt.MouseButton.LeftButton
 PEAK = {"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]}
 

@@ -20,9 +20,10 @@ from tests.support.patience import run
 
 pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]'")
 
+from tests.support.long import long_unless
 from tests.support.screen import ON_SCREEN
 
-SEEDS = range(1, 5)
+SEEDS = range(1, 4)
 ROOT = Path(__file__).parents[2]
 SHORTENINGS = 25
 """So many shorter lists of actions are tried after a failure."""
@@ -31,7 +32,8 @@ SHORTENINGS = 25
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "seed" in metafunc.fixturenames:
         given = metafunc.config.getoption("seed")
-        metafunc.parametrize("seed", SEEDS if given is None else [given])
+        seeds = long_unless(SEEDS[0].__eq__, SEEDS, reason="10 s per seed")
+        metafunc.parametrize("seed", seeds if given is None else [given])
 
 
 @pytest.mark.slow

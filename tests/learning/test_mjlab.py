@@ -15,6 +15,8 @@ import rsegen
 from rsegen import Placement, Random, Recipe
 from rsegen.errors import ParameterError
 
+pytestmark = pytest.mark.long(reason="mjlab, which only make learners brings")
+
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 
 MJLAB = Path(sys.prefix) / "mjlab"

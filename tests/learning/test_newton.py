@@ -15,6 +15,8 @@ import warp as wp  # noqa: E402  # Newton brings it
 
 from rsegen.learning.newton import BlockGrid, add_map  # noqa: E402  # it needs Newton
 
+pytestmark = pytest.mark.long(reason="Newton, with Warp 0.5 GB")
+
 SCENE = compose(
     Recipe(
         seed=3,

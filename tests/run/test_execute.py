@@ -66,6 +66,7 @@ def test_maps_are_the_same_whoever_makes_them(tmp_path: Path, mesh_type: str) ->
     assert contents(tmp_path / "1") == contents(tmp_path / "2") == contents(tmp_path / "3")
 
 
+@pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")
 @pytest.mark.slow
 @pytest.mark.usefixtures("eager")
 def test_maps_of_several_recipes_are_exported_the_same_whoever_does_it(tmp_path: Path) -> None:

@@ -55,7 +55,9 @@ def test_recipe_json_is_foretold(recipe: Recipe, first: int, further: int) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize(
+    "workers", [pytest.param("1", marks=pytest.mark.long(reason="a run of two workers is stopped too")), "2"]
+)
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGKILL], ids=lambda stop: stop.name)
 def test_a_run_that_was_stopped_goes_on(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], whole: dict[str, bytes], stop: signal.Signals, workers: str

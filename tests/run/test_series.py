@@ -135,6 +135,7 @@ def test_maps_that_keep_to_constraints_follow_the_line_too(tmp_path: Path) -> No
         assert row.highest_step <= 0.2
 
 
+@pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")
 @pytest.mark.slow
 def test_workers_make_the_same(tmp_path: Path) -> None:
     recipe = replace(RANDOM, maps=250)

@@ -11,6 +11,13 @@ Case = TypeVar("Case")
 
 
 def long_unless(is_short: Callable[[Case], bool], cases: Iterable[Case], *, reason: str) -> list[Any]:
-    """Return all cases as `parametrize` takes them; those that are not short are marked long, for a reason."""
+    """Return all cases as `parametrize` takes them; those that are not short are marked long, for a reason.
+
+    A case of several arguments is a tuple.
+    """
     long = pytest.mark.long(reason=reason)
-    return [case if is_short(case) else pytest.param(case, marks=long) for case in cases]
+
+    def marked(case: Case) -> Any:
+        return pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=long)
+
+    return [case if is_short(case) else marked(case) for case in cases]

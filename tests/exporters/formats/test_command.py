@@ -135,6 +135,7 @@ def test_a_list_of_formats_that_is_none_has_none(content: bytes, tmp_path: Path)
     assert all(map(Sidecars().complete_in, homes))
 
 
+@pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")
 @pytest.mark.slow
 def test_workers_make_the_same_files(tmp_path: Path) -> None:
     many: Recipe = replace(SMALL, maps=150)

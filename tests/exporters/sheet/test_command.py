@@ -57,7 +57,13 @@ def test_a_sheet_is_replaced_only_by_force(tmp_path: Path, capsys: pytest.Captur
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize(
+    "workers",
+    [
+        "1",
+        pytest.param("2", marks=pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")),
+    ],
+)
 def test_generate_puts_into_every_folder_what_the_command_writes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], workers: str
 ) -> None:

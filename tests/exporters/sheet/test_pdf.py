@@ -6,6 +6,7 @@ import io
 import json
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from itertools import product
 from typing import Any
 
@@ -26,7 +27,9 @@ BLOCKS = (Placement(obstacle=Random(max_height=5)),)
 POINTS_A_MM = 72 / 25.4
 
 
+@cache
 def read(recipe: Recipe, saw: CutSettings | None = None) -> PdfReader:
+    """The sheet of the first map, made once per recipe."""
     return PdfReader(io.BytesIO(sheet(compose(recipe, recipe.first_map), saw)))
 
 

@@ -83,6 +83,7 @@ def test_a_list_of_one_recipe_makes_the_same_bytes_as_the_recipe(tmp_path: Path)
     assert contents(tmp_path / "one") == contents(tmp_path / "list")
 
 
+@pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")
 @pytest.mark.slow
 @pytest.mark.parametrize("metrics", ["npy", "parquet", "none"])
 def test_it_is_the_same_whoever_makes_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, metrics: str) -> None:

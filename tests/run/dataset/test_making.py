@@ -21,6 +21,7 @@ from rsegen.recipe.codec import decode
 from rsegen.run import dataset as dataset_module
 from rsegen.run import execute as execute_module
 from tests.support.complaints import exit_code, snapshot, the_line
+from tests.support.long import long_unless
 from tests.support.runs import contents, ended, started, until_it_has
 
 OBSTACLE = ["--obstacle", "random max_height=5", "--seed", "7"]
@@ -44,7 +45,10 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("metrics", ["npy", "parquet", "none"])
+@pytest.mark.parametrize(
+    "metrics",
+    long_unless("npy".__eq__, ["npy", "parquet", "none"], reason="workers once; the formats have tests of their own"),
+)
 def test_a_data_set_is_the_same_whoever_makes_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, metrics: str) -> None:
     monkeypatch.setattr(execute_module, "WORTHWHILE", 0.0)
     for workers in (1, 2, 3):

@@ -178,7 +178,7 @@ def test_what_a_server_complains_of_is_told_and_is_a_failure(
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SAYS", f"[Msg] hello\\n{says}\\n")
         patch.setenv("STAYS", "60")
-        assert opened(world, "--headless", "--seconds", "5") == 1
+        assert opened(world, "--headless", "--seconds", "2") == 1
     first, line = capsys.readouterr().err.splitlines()
     assert first == told
     assert words in line

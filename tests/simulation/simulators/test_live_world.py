@@ -20,7 +20,7 @@ from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.server import running_server
 from rsegen.simulation.simulators.sim_transport import SERVICES, Discovery, Event, transport_client
 from tests.simulation.real.conftest import gazebo_classic, gazebo_sim
-from tests.simulation.transport import connected_to, transport_world
+from tests.simulation.transport import NEEDS_ENGINE, connected_to, transport_world
 from tests.support.complaints import the_line
 from tests.support.patience import PATIENCE
 
@@ -30,7 +30,7 @@ BURGER = robot("burger")
 THERE, ELSEWHERE = Pose(x=1, y=-2, z=0.5, yaw=1.0), Pose(x=-1.5, y=0.25, z=1.0, yaw=-0.5)
 
 
-@pytest.fixture(params=["sim", "classic", "transport"])
+@pytest.fixture(params=["sim", "classic", pytest.param("transport", marks=NEEDS_ENGINE)])
 def live(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[LiveWorld]:
     """A world with the ground alone, which stands still: in a server, or in the transport of Gazebo Sim alone."""
     if request.param == "transport":
@@ -178,6 +178,7 @@ def test_a_server_that_cannot_be_connected_to_is_given_up_and_nothing_hangs() ->
     assert not using.is_alive()
 
 
+@NEEDS_ENGINE
 def test_a_server_that_ends_is_an_error() -> None:
     with ExitStack() as server:
         address = server.enter_context(transport_world("short"))
