@@ -88,7 +88,7 @@ def test_simulators_are_found_with_version_and_path(
 def test_what_an_extra_is_for_and_how_to_get_it_is_said_where_it_is_missing(
     monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    monkeypatch.setattr(extras, "find_spec", lambda name: None if name in ("scipy", "pyvista") else find_spec(name))
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name in ("scipy", "pyvista") else find_spec("numpy"))
     found = remedies(capsys)
     assert found["scipy: MATLAB files of the formats arrays and posture"] == pip_install(["mat"])
     assert found["pyvista: rsegen gui: the window"] == pip_install(["gui"])

@@ -18,6 +18,7 @@ from docs import catalogue
 from rsegen import KINDS
 from rsegen.cli import main
 from tests.plugins.installed import declare, done
+from tests.support.long import long_unless
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -53,7 +54,11 @@ def steps(page: Path) -> list[tuple[str, str]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", RUN, ids=lambda page: page.name)
+@pytest.mark.parametrize(
+    "page",
+    long_unless(lambda page: page.name != "scan.md", RUN, reason="tests/cli/test_scan.py has its commands"),
+    ids=lambda page: page.name,
+)
 def test_the_commands_of_a_page_run_in_order_in_one_folder(page: Path, tmp_path: Path) -> None:
     """Recipes begin with the name that they are saved by, as `# NAME.yaml`."""
     tools = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
@@ -129,6 +134,7 @@ def test_the_python_of_the_page_of_data_sets_works(tmp_path: Path) -> None:
     assert columns.strip("[]").split() == ["1"] * 14 + ["0"] * 6
 
 
+@pytest.mark.long(reason="tests/learning has each framework")
 @pytest.mark.slow
 def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
     """But for Isaac Lab's configuration: no package here has all of it."""

@@ -22,6 +22,7 @@ from rsegen.recipe.codec import decode
 from rsegen.run import execute as execute_module
 from rsegen.run.exports import ExportedMap
 from tests.support.complaints import exit_code, the_line
+from tests.support.long import long_unless
 from tests.support.patience import PATIENCE
 from tests.support.runs import (
     contents,
@@ -176,7 +177,7 @@ def to_its_workers_too(process: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("send", [to_it_alone, to_its_workers_too])
-@pytest.mark.parametrize("maps", [0, 1, 200])
+@pytest.mark.parametrize("maps", long_unless(lambda maps: maps == 1, [0, 1, 200], reason="another moment"))
 def test_ctrl_c_ends_all_workers_and_leaves_whole_maps(
     tmp_path: Path, many: list[str | Path], send: Callable[[int], None], maps: int
 ) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rsegen import Scene, compose
@@ -105,7 +105,6 @@ def faces(obj: bytes) -> Iterator[tuple[int, Face]]:
 
 @pytest.mark.slow
 @given(gripping(MESHES))
-@settings(max_examples=60)
 def test_meshes_that_are_touched_are_together_the_faces_that_are_seen_each_of_one_friction(scene: Scene) -> None:
     files = files_of(scene)
     for model in models(files, scene):
@@ -121,7 +120,6 @@ def test_meshes_that_are_touched_are_together_the_faces_that_are_seen_each_of_on
 
 @pytest.mark.slow
 @given(gripping(MESHES))
-@settings(max_examples=40)
 def test_nothing_but_frictions_and_what_is_touched_differs_from_a_map_of_one_friction(scene: Scene) -> None:
     plain = compose(replace(scene.recipe, frame_friction=None, level_friction=None), scene.index)
     own, other = files_of(scene), files_of(plain)
@@ -137,7 +135,6 @@ def test_nothing_but_frictions_and_what_is_touched_differs_from_a_map_of_one_fri
 
 @pytest.mark.slow
 @given(gripping(BOXES))
-@settings(max_examples=60)
 def test_boxes_rebuild_the_map_each_of_one_friction(scene: Scene) -> None:
     field = scene.field
     (x, y), frictions = field.edges(), grips(scene)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import psutil
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from rsegen import Peak, Placement, Random, Recipe, compose
 from rsegen.errors import TooLarge
@@ -30,7 +30,6 @@ ROUGH = Recipe(seed=1, obstacles=[Placement(obstacle=Random(max_height=5))])
 
 
 @given(recipes())
-@settings(max_examples=30)
 def test_shares_are_all_blocks_of_the_map(recipe: Recipe) -> None:
     scene = compose(recipe)
     assert [share.blocks for share in shares(scene)] == list(scene.field.level_counts().values())
@@ -38,7 +37,6 @@ def test_shares_are_all_blocks_of_the_map(recipe: Recipe) -> None:
 
 
 @given(recipes())
-@settings(max_examples=30)
 def test_every_cell_has_the_colour_of_what_stands_in_it(recipe: Recipe) -> None:
     scene = compose(recipe)
     found, known = cells(scene), palette(scene)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
@@ -46,7 +46,6 @@ def test_all_timber_is_used_that_can_be(inventory: tuple[int, ...], max_step: in
         assert np.abs(field.blocks - free.blocks).mean() < np.abs(sorted_along_x - free.blocks).mean()
 
 
-@settings(max_examples=40)
 @given(
     st.lists(st.integers(0, 25), min_size=1, max_size=5).filter(operator.itemgetter(0)),
     st.integers(1, 3),

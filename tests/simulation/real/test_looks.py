@@ -9,13 +9,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 
 import rsegen
 from rsegen import Matrix, Placement, Recipe
 
+cv2 = pytest.importorskip("cv2", reason="opencv-python-headless is not installed")
 pytestmark = pytest.mark.long(reason="a camera without a graphics card")
 
 BLOCKS = 8
