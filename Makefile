@@ -77,7 +77,7 @@ package: $(VENV)/developer
 	$(PYTHON) -m venv $(VENV)/package
 	$(VENV)/package/bin/pip install --quiet dist/*.whl
 	$(VENV)/package/bin/rsegen generate peak -o $(VENV)/package/worlds
-	$(VENV)/package/bin/rsegen generate --seed 1 --obstacle 'random max_height=5' -o $(VENV)/package/worlds
+	$(VENV)/package/bin/rsegen generate --seed 1 --obstacle 'random levels=5' -o $(VENV)/package/worlds
 
 bench-contact: $(VENV)/developer gazebo
 	$(BIN)/python -m benchmarks.contact $(QUICK)

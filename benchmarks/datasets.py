@@ -32,7 +32,7 @@ FILE = RESULTS / "datasets.json"
 def command(count: int, workers: int, metrics: str) -> Command:
     """The command that makes a data set of so many maps."""
     wanted = f"--chunk-size {SIZE} --boundary none --maps {count} --seed 1 --workers {workers} --metrics {metrics}"
-    arguments = ("dataset", *wanted.split(), "--obstacle", "random max_height=6", "-o", FOLDER)
+    arguments = ("dataset", *wanted.split(), "--obstacle", "random levels=6", "-o", FOLDER)
     return Command(
         name=f"{metrics}-{workers}",
         title=f"`rsegen dataset --workers {workers} --metrics {metrics}`",

@@ -18,7 +18,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from rsegen import Matrix, Placement, Recipe
+from rsegen import Matrix, Recipe
 from rsegen.exporters.scene import compose
 from rsegen.field.stepfield import Levels
 from rsegen.robots import ROBOTS, from_file
@@ -81,7 +81,7 @@ def recipe(seed: int, ground: str = "both") -> Recipe:
         boundary="none",
         unit_cm=1,
         seed=seed,
-        obstacles=(Placement(obstacle=Matrix.of(levels)),),
+        obstacles=(Matrix.of(levels),),
     )
 
 

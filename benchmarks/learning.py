@@ -23,7 +23,7 @@ import rsegen
 from benchmarks import engines
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
-from rsegen import Placement, Random, Recipe, Terrain
+from rsegen import Random, Recipe, Terrain
 
 FILE = RESULTS / "learning.json"
 LEVELS = 5
@@ -83,16 +83,16 @@ def rows() -> Iterator[Row]:
         200,
         "tiles",
         "its merged mesh",
-        terrain.field.mesh,
+        lambda: rsegen.mesh(terrain.field),
     )
     large = rsegen.build(_recipe(200), 0)
     yield _compared(
-        '`field.mesh("closed")`, random 200 x 200',
-        lambda: large.mesh("closed"),
+        '`rsegen.mesh(field, "closed")`, random 200 x 200',
+        lambda: rsegen.mesh(large, "closed"),
         200**2,
         "blocks",
-        '`field.mesh("watertight")`',
-        lambda: large.mesh("watertight"),
+        '`rsegen.mesh(field, "watertight")`',
+        lambda: rsegen.mesh(large, "watertight"),
     )
     yield from _in_place()
     yield from _worlds()
@@ -176,8 +176,8 @@ def _with_balls(mujoco: Any, grid: Any) -> Any:
 
 
 def _recipe(side: int) -> Recipe:
-    obstacle = Random(max_height=LEVELS)
-    return Recipe(seed=7, chunk_size=side, boundary="none", unit_cm=5, obstacles=(Placement(obstacle=obstacle),))
+    obstacle = Random(levels=LEVELS)
+    return Recipe(seed=7, chunk_size=side, boundary="none", unit_cm=5, obstacles=(obstacle,))
 
 
 def _in_one_call(side: int, maps: int) -> np.ndarray:

@@ -15,7 +15,7 @@ from benchmarks.figures import Run
 def main(arguments: list[str]) -> None:
     """Measure, once warm."""
     (count,) = map(int, arguments)
-    obstacle = rsegen.Placement(obstacle=rsegen.Random(max_height=6))
+    obstacle = rsegen.Random(levels=6)
     recipe = rsegen.Recipe(seed=1, boundary="none", obstacles=(obstacle,))
     rsegen.build(recipe, count)
     cpu, wall = process_time(), perf_counter()

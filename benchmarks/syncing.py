@@ -21,7 +21,7 @@ from benchmarks.machine import machine
 
 FILE = RESULTS / "syncing.json"
 _TURNS = 7
-_RANDOM = rsegen.Recipe(seed=1, obstacles=(rsegen.Placement(obstacle=rsegen.Random(max_height=5)),))
+_RANDOM = rsegen.Recipe(seed=1, obstacles=(rsegen.Random(levels=5),))
 _RUNS = {
     "1 map of 10 x 10 blocks": _RANDOM,
     "200 maps of 10 x 10 blocks": replace(_RANDOM, maps=200),

@@ -137,7 +137,7 @@ def _python(name: str, title: str, code: str) -> Command:
 def worlds(mesh_type: str, size: int, count: int = 1) -> Command:
     """The command that makes complete worlds."""
     wanted = f"--chunk-size 10 --chunks {size // 10} --boundary none --mesh-type {mesh_type} --maps {count} --seed 1"
-    arguments = ("generate", *wanted.split(), "--obstacle", "random max_height=6", "-o", FOLDER)
+    arguments = ("generate", *wanted.split(), "--obstacle", "random levels=6", "-o", FOLDER)
     return Command(
         name="maps" if count > 1 else mesh_type,
         title=f"`rsegen generate --mesh-type {mesh_type}`",

@@ -8,7 +8,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
-from rsegen import KINDS, Placement, Recipe
+from rsegen import KINDS, Obstacle, Recipe
 from rsegen.gui.model.as_code import command_line
 
 _STAIRS = ("0 0 1 1 2 2 3 3 4 4",) * 5 + ("4 4 3 3 2 2 1 1 0 0",) * 5
@@ -31,37 +31,37 @@ _CHUNKS = MappingProxyType({"pallet": (3, 1)})
 
 def recipe_of(kind: str) -> Recipe:
     """The recipe of a kind's picture: it alone on a map of 10 x 10 blocks, or on several for what differs by chunk."""
-    return Recipe(name=kind, seed=5, chunks=_CHUNKS.get(kind, (1, 1)), obstacles=(placement_of(kind),))
+    return Recipe(name=kind, seed=5, chunks=_CHUNKS.get(kind, (1, 1)), obstacles=(obstacle_of(kind),))
 
 
 def command(kind: str) -> str:
     """The command that makes the map of a kind's picture."""
     whole = command_line(recipe_of(kind), "worlds")
-    return re.sub(r" key=[\w-]+", "", whole).replace("max_height=", "levels=")
+    return re.sub(r" key=[\w-]+", "", whole)
 
 
-def placement_of(kind: str, cells: int = 10, **changed: Any) -> Placement:
-    """The obstacle of a kind's picture, on a map of `cells` x `cells` blocks; with other parameters."""
-    row = {"max_height": 5, **_ROWS.get(kind, {}), **changed}
+def obstacle_of(kind: str, cells: int = 10, **changed: Any) -> Obstacle:
+    """Return the obstacle of a kind's picture, on a map of `cells` x `cells` blocks; with other parameters."""
+    row = {"levels": 5, **_ROWS.get(kind, {}), **changed}
     first, last = (_scaled(row.pop(name, None), cells) for name in ("first", "last"))
-    return Placement(obstacle=KINDS[kind](**row), first=first, last=last)
+    return KINDS[kind](**row, first=first, last=last)
 
 
 def softnesses(kind: str) -> Iterator[tuple[str, Recipe]]:
     """What a kind is at softness 0, 50 and 100, on a map of 20 x 20 blocks; with a title for each."""
     for softness in (0, 50, 100):
-        placement = placement_of(kind, 20, softness=softness, **({} if kind == "matrix" else {"max_height": 9}))
+        obstacle = obstacle_of(kind, 20, softness=softness, **({} if kind == "matrix" else {"levels": 9}))
         if kind == "matrix":
-            placement = replace(placement, first=(0, 0), last=(19, 19))
+            obstacle = replace(obstacle, first=(0, 0), last=(19, 19))
         name = f"{kind}-{softness}"
-        recipe = Recipe(name=name, seed=5, chunk_size=20, unit_cm=5, boundary="none", obstacles=(placement,))
+        recipe = Recipe(name=name, seed=5, chunk_size=20, unit_cm=5, boundary="none", obstacles=(obstacle,))
         yield f"softness {softness}", recipe
 
 
 def boundaries() -> Iterator[tuple[str, Recipe]]:
     """Four chunks with each of the boundaries; with a title for each."""
     for boundary in ("none", "divided", "outer"):
-        row = placement_of("normal_random")
+        row = obstacle_of("normal_random")
         yield boundary, Recipe(name=f"boundary-{boundary}", seed=5, chunks=(2, 2), boundary=boundary, obstacles=(row,))
 
 

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from rsegen import KINDS, Placement, Recipe, build, load
+from rsegen import KINDS, Recipe, build, load
 from rsegen.field.metrics.roughness import steps
 from rsegen.field.stepfield import Levels
 from rsegen.params.streams import generator
@@ -47,11 +47,11 @@ def table() -> Iterator[str]:
 def _alone(chunks: int) -> dict[str, Recipe]:
     """Recipes of one obstacle each; a peak is as wide as the map."""
     found = {}
-    for name, (kind, max_height, softness) in _KINDS.items():
+    for name, (kind, levels, softness) in _KINDS.items():
         ends = ((0, 0), (10 * chunks - 1, 10 * chunks - 1)) if kind == "peak" else (None, None)
-        obstacle = KINDS[kind](max_height=max_height, softness=softness)
-        placement = Placement(obstacle=obstacle, first=ends[0], last=ends[1])
-        found[name] = Recipe(seed=5, boundary="none", chunks=(chunks, chunks), obstacles=(placement,))
+        obstacle = KINDS[kind](levels=levels, softness=softness)
+        placed = replace(obstacle, first=ends[0], last=ends[1])
+        found[name] = Recipe(seed=5, boundary="none", chunks=(chunks, chunks), obstacles=(placed,))
     return found
 
 

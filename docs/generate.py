@@ -25,7 +25,6 @@ from rsegen import (
     CutSettings,
     DiagonalBarrier,
     Peak,
-    Placement,
     Random,
     Recipe,
     RobotLimits,
@@ -37,9 +36,10 @@ from rsegen import (
     schema,
     series,
 )
-from rsegen.exporters.pictures.preview import figure_bytes, preview_image
+from rsegen.exporters.pictures.preview import figure_bytes, preview
 from rsegen.exporters.pictures.robot_plots import path_plot
 from rsegen.exporters.sheet import pages
+from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.params.extras import MAT
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Parameter, parameters
@@ -140,7 +140,7 @@ def main(arguments: list[str]) -> int:
         path.write_text(text, "utf-8", newline="\n")
     for path, scene in pictures().items():
         path.parent.mkdir(exist_ok=True)
-        path.write_bytes(_DRAWN.get(path, preview_image)(scene))
+        path.write_bytes(_DRAWN.get(path, preview)(scene))
     for path in gallery.pictures():
         path.write_bytes(gallery.picture(path))
     for path, same_field in rising().items():
@@ -174,12 +174,12 @@ _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {
 def _terrain() -> Recipe:
     """Ten rows and six columns of three kinds."""
     kinds = {
-        "rubble": Random(max_height=6),
-        "ridge": DiagonalBarrier(max_height=8, softness=30),
-        "hill": Peak(max_height=9, softness=80),
+        "rubble": Random(levels=6),
+        "ridge": DiagonalBarrier(levels=8, softness=30),
+        "hill": Peak(levels=9, softness=80),
     }
     recipes = [
-        Recipe(name=name, seed=7, chunk_size=20, unit_cm=5, boundary="none", obstacles=(Placement(obstacle=obstacle),))
+        Recipe(name=name, seed=7, chunk_size=20, unit_cm=5, boundary="none", obstacles=(obstacle,))
         for name, obstacle in kinds.items()
     ]
     return Terrain(recipes=recipes, rows=10, columns=6, gap=2, border=6).recipe
@@ -220,11 +220,11 @@ def _obstacles() -> Iterator[str]:
     yield "The [gallery](gallery.md) has every kind at three values of softness."
     for kind, cls in KINDS.items():
         yield f"\n## `{kind}`\n\n{summary(cls)}\n"
-        yield from _table(parameters(cls))
+        yield from _table(own_parameters(cls))
         yield f"\n![{kind}](pictures/kind-{kind}.png)\n"
         yield f"    {catalogue.command(kind)}"
     yield "\n## Every kind\n"
-    yield from _table(parameters(Placement))
+    yield from _table(PLACING)
 
 
 def _decisions() -> Iterator[str]:

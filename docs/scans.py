@@ -12,10 +12,10 @@ from PIL import Image
 
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 
 PICTURES = Path(__file__).parent / "pictures"
-WANTED = Recipe(name="wanted", seed=7, boundary="outer", obstacles=(Placement(obstacle=Random(max_height=5)),))
+WANTED = Recipe(name="wanted", seed=7, boundary="outer", obstacles=(Random(levels=5),))
 EYES = (DepthCamera(place=(0.7, 0.2, 2.2)), DepthCamera(place=(-0.7, -0.1, 2.2)))
 WRONG = {(4, 4): -1, (7, 9): 1, (8, 2): 2}
 """Cells that are built otherwise than they should, frames counted, and by how many levels."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.grids import BLOCK, Levels
-from rsegen import Placement, Random, Recipe, Scene, StepField
+from rsegen import Random, Recipe, Scene, StepField
 from rsegen.exporters.gazebo import multi
 from rsegen.exporters.gazebo.obj import face_count, obj
 from rsegen.geometry import meshes
@@ -31,7 +31,7 @@ def blocks_obj(levels: Levels, path: Path) -> int:
 
 def multi_world(levels: Levels, path: Path) -> int:
     """A world with a box model for each block."""
-    recipe = Recipe(name="x", seed=1, mesh_type="multi", obstacles=(Placement(obstacle=Random(max_height=6)),))
+    recipe = Recipe(name="x", seed=1, mesh_type="multi", obstacles=(Random(levels=6),))
     scene = Scene(recipe=recipe, index=0, field=_field(levels))
     (world,) = multi.files(scene).values()
     _write(world, path)

@@ -5,8 +5,8 @@ import rsegen
 recipe = rsegen.Recipe(
     seed=7,
     obstacles=[
-        rsegen.Placement(obstacle=rsegen.Random(max_height=5)),
-        rsegen.Placement(obstacle=rsegen.Peak(max_height=5, softness=50), first=(2, 2), last=(7, 7)),
+        rsegen.Random(levels=5),
+        rsegen.Peak(levels=5, softness=50, first=(2, 2), last=(7, 7)),
     ],
 )
 field = rsegen.build(recipe, 0)           # integer levels in cells
@@ -15,18 +15,32 @@ rsegen.generate(recipe, "worlds")         # a Gazebo world and model package
 A name is imported when it is first used (PEP 562), so `import rsegen` takes no time.
 """
 
+import sys
 from importlib import import_module
 
 TYPE_CHECKING = False
 """As in `typing`, which takes longer to import than all of this."""
 
 if TYPE_CHECKING:
+    from rsegen.commands.dataset import make_dataset as make_dataset
+    from rsegen.commands.drive import drive as drive
+    from rsegen.commands.experiment import experiment as experiment
+    from rsegen.commands.export import export as export
+    from rsegen.commands.export import export_maps as export_maps
+    from rsegen.commands.generate import generate as generate
+    from rsegen.commands.open import open as open
+    from rsegen.commands.series import series as series
+    from rsegen.commands.spawn import remove as remove
+    from rsegen.commands.spawn import respawn as respawn
+    from rsegen.commands.spawn import spawn as spawn
+    from rsegen.commands.spots import spots as spots
     from rsegen.errors import RsegenError as RsegenError
     from rsegen.errors import UserError as UserError
+    from rsegen.exporters.cut_settings import CutSettings as CutSettings
     from rsegen.exporters.formats import FORMATS as FORMATS
+    from rsegen.exporters.pictures.preview import preview as preview
     from rsegen.exporters.scene import Scene as Scene
     from rsegen.exporters.scene import compose as compose
-    from rsegen.exporters.sheet import CutSettings as CutSettings
     from rsegen.exporters.sheet import sheet as sheet
     from rsegen.field.metrics import Metrics as Metrics
     from rsegen.field.metrics import RobotLimits as RobotLimits
@@ -45,60 +59,60 @@ if TYPE_CHECKING:
     from rsegen.field.obstacles.random import Random as Random
     from rsegen.field.stepfield import StepField as StepField
     from rsegen.footprints.sampling import Spot as Spot
-    from rsegen.geometry import Boxes as Boxes
-    from rsegen.geometry import Mesh as Mesh
+    from rsegen.geometry.boxes import Boxes as Boxes
+    from rsegen.geometry.boxes import boxes as boxes
+    from rsegen.geometry.mesh import Mesh as Mesh
+    from rsegen.geometry.meshes import mesh as mesh
     from rsegen.io.dataset.reading import Dataset as Dataset
     from rsegen.io.dataset.tiles import Tiles as Tiles
     from rsegen.io.importers import imported as imported
     from rsegen.io.recipe_file import load as load
+    from rsegen.io.scan_options import ScanOptions as ScanOptions
     from rsegen.io.scans import ComparedMap as ComparedMap
     from rsegen.io.scans import ScannedMap as ScannedMap
-    from rsegen.io.scans import ScanOptions as ScanOptions
     from rsegen.io.scans import compare as compare
     from rsegen.io.scans import scan as scan
     from rsegen.params.plugins import load_plugin as load_plugin
     from rsegen.recipe.batch import build_many as build_many
     from rsegen.recipe.building import build as build
     from rsegen.recipe.codec import schema as schema
-    from rsegen.recipe.recipe import Placement as Placement
     from rsegen.recipe.recipe import Recipe as Recipe
     from rsegen.recipe.terrain import Terrain as Terrain
-    from rsegen.run.dataset import make_dataset as make_dataset
     from rsegen.run.exports import Exported as Exported
     from rsegen.run.exports import ExportedMap as ExportedMap
-    from rsegen.run.exports import export as export
-    from rsegen.run.exports import export_maps as export_maps
     from rsegen.run.journal import Verified as Verified
     from rsegen.run.journal import verify as verify
     from rsegen.run.series import Series as Series
-    from rsegen.run.series import series as series
     from rsegen.run.single_files import View as View
     from rsegen.run.single_files import save as save
     from rsegen.run.single_files import view as view
     from rsegen.run.worlds import Generated as Generated
     from rsegen.run.worlds import GeneratedMap as GeneratedMap
-    from rsegen.run.worlds import generate as generate
     from rsegen.simulation.driving.drive import DriveResult as DriveResult
-    from rsegen.simulation.driving.drive import drive as drive
-    from rsegen.simulation.driving.spots import spots as spots
     from rsegen.simulation.experiment.run import ExperimentResult as ExperimentResult
-    from rsegen.simulation.experiment.run import experiment as experiment
     from rsegen.simulation.open_world import OpenResult as OpenResult
-    from rsegen.simulation.open_world import open as open
     from rsegen.simulation.spawning.respawn import RemoveResult as RemoveResult
     from rsegen.simulation.spawning.respawn import RespawnResult as RespawnResult
-    from rsegen.simulation.spawning.respawn import remove as remove
-    from rsegen.simulation.spawning.respawn import respawn as respawn
     from rsegen.simulation.spawning.spawn import SpawnResult as SpawnResult
-    from rsegen.simulation.spawning.spawn import spawn as spawn
 
 __version__ = "1.0.0"
 
 _HOMES = {
+    "rsegen.commands.dataset": ("make_dataset",),
+    "rsegen.commands.drive": ("drive",),
+    "rsegen.commands.experiment": ("experiment",),
+    "rsegen.commands.export": ("export", "export_maps"),
+    "rsegen.commands.generate": ("generate",),
+    "rsegen.commands.open": ("open",),
+    "rsegen.commands.series": ("series",),
+    "rsegen.commands.spawn": ("remove", "respawn", "spawn"),
+    "rsegen.commands.spots": ("spots",),
     "rsegen.errors": ("RsegenError", "UserError"),
     "rsegen.exporters.formats": ("FORMATS",),
+    "rsegen.exporters.pictures.preview": ("preview",),
     "rsegen.exporters.scene": ("Scene", "compose"),
-    "rsegen.exporters.sheet": ("CutSettings", "sheet"),
+    "rsegen.exporters.sheet": ("sheet",),
+    "rsegen.exporters.cut_settings": ("CutSettings",),
     "rsegen.field.metrics": ("Metrics", "RobotLimits", "metrics"),
     "rsegen.field.metrics.catalogue": ("Metric", "metric"),
     "rsegen.field.obstacles": ("KINDS", "Obstacle"),
@@ -109,31 +123,32 @@ _HOMES = {
     "rsegen.field.obstacles.platform": ("Platform",),
     "rsegen.field.obstacles.random": ("NormalRandom", "Random"),
     "rsegen.field.stepfield": ("StepField",),
-    "rsegen.geometry": ("Boxes", "Mesh"),
+    "rsegen.footprints.sampling": ("Spot",),
+    "rsegen.geometry.boxes": ("Boxes", "boxes"),
+    "rsegen.geometry.mesh": ("Mesh",),
+    "rsegen.geometry.meshes": ("mesh",),
     "rsegen.io.dataset.reading": ("Dataset",),
     "rsegen.io.dataset.tiles": ("Tiles",),
     "rsegen.io.importers": ("imported",),
     "rsegen.io.recipe_file": ("load",),
-    "rsegen.io.scans": ("ComparedMap", "ScanOptions", "ScannedMap", "compare", "scan"),
+    "rsegen.io.scan_options": ("ScanOptions",),
+    "rsegen.io.scans": ("ComparedMap", "ScannedMap", "compare", "scan"),
     "rsegen.params.plugins": ("load_plugin",),
     "rsegen.recipe.batch": ("build_many",),
     "rsegen.recipe.building": ("build",),
     "rsegen.recipe.codec": ("schema",),
-    "rsegen.recipe.recipe": ("Placement", "Recipe"),
+    "rsegen.recipe.recipe": ("Recipe",),
     "rsegen.recipe.terrain": ("Terrain",),
-    "rsegen.run.dataset": ("make_dataset",),
-    "rsegen.run.exports": ("Exported", "ExportedMap", "export", "export_maps"),
+    "rsegen.run.exports": ("Exported", "ExportedMap"),
     "rsegen.run.journal": ("Verified", "verify"),
-    "rsegen.run.series": ("Series", "series"),
+    "rsegen.run.series": ("Series",),
     "rsegen.run.single_files": ("View", "save", "view"),
-    "rsegen.run.worlds": ("Generated", "GeneratedMap", "generate"),
-    "rsegen.simulation.driving.drive": ("DriveResult", "drive"),
-    "rsegen.simulation.driving.spots": ("spots",),
-    "rsegen.simulation.experiment.run": ("ExperimentResult", "experiment"),
-    "rsegen.simulation.open_world": ("OpenResult", "open"),
-    "rsegen.simulation.spawning.respawn": ("RemoveResult", "RespawnResult", "remove", "respawn"),
-    "rsegen.simulation.spawning.spawn": ("SpawnResult", "spawn"),
-    "rsegen.footprints.sampling": ("Spot",),
+    "rsegen.run.worlds": ("Generated", "GeneratedMap"),
+    "rsegen.simulation.driving.drive": ("DriveResult",),
+    "rsegen.simulation.experiment.run": ("ExperimentResult",),
+    "rsegen.simulation.open_world": ("OpenResult",),
+    "rsegen.simulation.spawning.respawn": ("RemoveResult", "RespawnResult"),
+    "rsegen.simulation.spawning.spawn": ("SpawnResult",),
 }
 """Where each public name is; the imports above say the same to type checkers, and a test holds both together."""
 
@@ -151,3 +166,7 @@ if not TYPE_CHECKING:  # type checkers take what the block above imports, and kn
 
     def __dir__() -> list[str]:
         return sorted({*globals(), *_HOME_OF})
+
+
+if "IPython" in sys.modules:  # a notebook, perhaps: fields and scenes are shown as small plans
+    import_module("rsegen.exporters.pictures.notebook").register_formatters()

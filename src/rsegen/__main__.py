@@ -17,7 +17,10 @@ def main() -> int:
     from rsegen.cli import main as run
 
     try:
-        return run()
+        code = run()
+        if code > 128:  # by a signal: if it came during an `exec`, CPython would say that it was SIGINT
+            os._exit(code)
+        return code
     except SystemExit as done:  # --help
         return int(done.code or 0)
     finally:  # what is done is done

@@ -143,12 +143,16 @@ class UnknownName(ParameterError):
     @classmethod
     def among(cls, where: str, what: str, name: object, known: Iterable[str]) -> UnknownName:
         """The error for `name`, which should have been one of `known`."""
-        import difflib
-
         names = sorted(known)
-        near = difflib.get_close_matches(name[:100], names, n=1) if isinstance(name, str) else []
-        guess = f"; did you mean '{near[0]}'?" if near else ""
-        return cls(where, f"unknown {what} {shown(name)}{guess} (known: {', '.join(names)})")
+        return cls(where, f"unknown {what} {shown(name)}{nearest(name, names)} (known: {', '.join(names)})")
+
+
+def nearest(name: object, known: Iterable[str]) -> str:
+    """Return `; did you mean 'wood'?` for a misspelt name; an empty text if no known one is near."""
+    import difflib
+
+    near = difflib.get_close_matches(name[:100], list(known), n=1) if isinstance(name, str) else []
+    return f"; did you mean '{near[0]}'?" if near else ""
 
 
 def refuse_unknown(what: str, names: Iterable[str], known: Collection[str]) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Placement, Recipe
+from rsegen import Recipe
 from rsegen.errors import FileError, ParameterError, UserError
 from tests.support.complaints import (
     MORE_DIGITS_THAN_PYTHON_WRITES,
@@ -25,16 +25,15 @@ CALLS: Mapping[str, tuple[Callable[[], object], str]] = {
     "nothing": (lambda: Recipe(maps=None), "maps: nothing is not a whole number"),  # type: ignore[arg-type]
     "a truth": (lambda: Recipe(maps=True), "maps: True is not a whole number"),
     "obstacles in a word": (lambda: Recipe(obstacles="peak"), "obstacles: 'peak' is not a list"),  # type: ignore[arg-type]
-    "an obstacle without a place": (
-        lambda: Recipe(obstacles=[rsegen.Peak(max_height=5)]),  # type: ignore[list-item]
-        r"obstacles\[0\]: Peak\(.* is not a placement",
+    "a kind for an obstacle": (
+        lambda: Recipe(obstacles=["peak"]),  # type: ignore[list-item]
+        r"obstacles\[0\]: 'peak' is not an obstacle, such as rsegen.Peak",
     ),
-    "a place without an obstacle": (lambda: Placement(obstacle="peak"), "obstacle: 'peak' is not"),  # type: ignore[arg-type]
     "a barrier askew": (
-        lambda: Placement(obstacle=rsegen.HorizontalBarrier(max_height=5), first=(1, 2), last=(3, 4)),
+        lambda: rsegen.HorizontalBarrier(levels=5, first=(1, 2), last=(3, 4)),
         "share neither x nor y",
     ),
-    "a height of ground only": (lambda: rsegen.Peak(max_height=1), "max_height: 1 is outside 2..32767"),
+    "a height of ground only": (lambda: rsegen.Peak(levels=1), "levels: 1 is outside 2..32767"),
     "an index below 0": (lambda: rsegen.build(Recipe(), -1), "index: -1 is outside 0.."),
 }
 

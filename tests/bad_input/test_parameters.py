@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from rsegen import KINDS, Placement, Recipe
+from rsegen import KINDS, Recipe
 from rsegen.errors import ParameterError
 from rsegen.params.sorts import parameters
 from tests.support.complaints import (
@@ -23,14 +23,10 @@ from tests.support.wrong_values import EVERY, OWNERS, SORTS, right, wrong_texts,
 SORT = pytest.mark.parametrize(("owner", "name"), SORTS.values(), ids=[".".join(one) for one in SORTS.values()])
 
 
-def kind_of(owner: str) -> str:
-    return owner if owner in KINDS else "peak"
-
-
 def in_a_file(refused: Refused, owner: str, name: str, value: object) -> str:
     """The complaint, after the name of the file, that a value in a recipe file gets."""
-    row = {"kind": kind_of(owner), "max_height": 5, name: value}
-    content = {name: value} if owner == "recipe" else {"obstacles": [{"kind": "peak", "max_height": 2}, row]}
+    row = {"kind": owner, "levels": 5, name: value}
+    content = {name: value} if owner == "recipe" else {"obstacles": [{"kind": "peak", "levels": 2}, row]}
     line = refused("generate", recipe(json.dumps(content), "recipe.json"), "-o", "out")
     start = "rsegen: recipe.json: " + ("" if owner == "recipe" else "obstacles[1].")
     assert line.startswith(start)
@@ -39,16 +35,15 @@ def in_a_file(refused: Refused, owner: str, name: str, value: object) -> str:
 
 def as_a_flag(refused: Refused, owner: str, name: str, text: str) -> str:
     """The complaint that a value on the command line gets."""
-    given = "" if name == "max_height" else "max_height=5 "
-    row = ["--obstacle", f"{kind_of(owner)} {given}'{name}={text}'"]
+    given = "" if name == "levels" else "levels=5 "
+    row = ["--obstacle", f"{owner} {given}'{name}={text}'"]
     line = refused("generate", *([f"--{name.replace('_', '-')}={text}"] if owner == "recipe" else row), "-o", "out")
     return re.sub(rf"^rsegen: (--obstacle .*: )?(?={name}\b)", "", line)
 
 
 def in_python(owner: str, name: str, value: Any) -> str:
     """The complaint that a value in Python gets."""
-    given: dict[str, Any] = {"max_height": 5} if owner in KINDS else {}
-    given |= {"obstacle": KINDS["peak"](max_height=5)} if OWNERS[owner] is Placement else {}
+    given: dict[str, Any] = {"levels": 5} if owner in KINDS else {}
     with pytest.raises(ParameterError) as caught:
         OWNERS[owner](**given | {name: value})
     return str(caught.value)

@@ -8,9 +8,9 @@ import pytest
 
 import rsegen
 from benchmarks import engines, learning
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 
-RECIPE = Recipe(seed=7, chunk_size=8, boundary="none", unit_cm=5, obstacles=[Placement(obstacle=Random(max_height=5))])
+RECIPE = Recipe(seed=7, chunk_size=8, boundary="none", unit_cm=5, obstacles=[Random(levels=5)])
 
 
 @pytest.mark.long(reason="needs Newton, with Warp 0.5 GB")
@@ -21,7 +21,7 @@ def test_every_shape_of_every_engine_has_a_row(monkeypatch: pytest.MonkeyPatch) 
     for name, value in (("TURNS", 1), ("STEPS", 3), ("SETTLING", 3)):
         monkeypatch.setattr(engines, name, value)
     rows = list(engines.rows(RECIPE))
-    boxes = len(rsegen.build(RECIPE).boxes().centres)
+    boxes = len(rsegen.boxes(rsegen.build(RECIPE)).centres)
     assert [(row.engine.partition(" ")[0], row.shape) for row in rows] == [
         *(("MuJoCo", shape) for shape in ("boxes", "a box per block", "hfield", "mesh")),
         *(("Newton", shape) for shape in ("boxes", "mesh")),

@@ -49,7 +49,7 @@ def imported_by_generate(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     """The modules that a small world takes."""
     code = "import sys; from rsegen.cli import main; main(sys.argv[1:]); print(*sys.modules, file=sys.stderr)"
     folder = str(tmp_path_factory.mktemp("worlds"))
-    command = [sys.executable, "-c", code, "generate", "--obstacle", "random max_height=5", "-o", folder]
+    command = [sys.executable, "-c", code, "generate", "--obstacle", "random levels=5", "-o", folder]
     return subprocess.run(command, check=True, capture_output=True, text=True).stderr.split()
 
 

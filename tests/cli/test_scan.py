@@ -11,10 +11,10 @@ from PIL import Image
 
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, cast, scanned, turned
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.cli import main
 
-RECIPE = Recipe(seed=5, boundary="outer", obstacles=(Placement(obstacle=Random(max_height=5)),))
+RECIPE = Recipe(seed=5, boundary="outer", obstacles=(Random(levels=5),))
 EYES = (DepthCamera(place=(0.5, 0.2, 2.3)), DepthCamera(place=(-0.4, -0.4, 2.3)))
 
 

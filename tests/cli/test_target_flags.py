@@ -6,6 +6,7 @@ import argparse
 import json
 import shutil
 from dataclasses import replace
+from functools import wraps
 from pathlib import Path
 
 import pytest
@@ -20,8 +21,8 @@ from rsegen.recipe.examples import EXAMPLES
 from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents
 
-RANDOM = ["--obstacle", "random max_height=5", "--chunk-size", "4", "--seed", "3"]
-ROW = [rsegen.Placement(obstacle=rsegen.Random(max_height=5))]
+RANDOM = ["--obstacle", "random levels=5", "--chunk-size", "4", "--seed", "3"]
+ROW = [rsegen.Random(levels=5)]
 RECIPE = rsegen.Recipe(seed=3, chunk_size=4, obstacles=ROW)
 
 COMMANDS = {
@@ -102,6 +103,7 @@ def test_commands_of_the_simulation_take_a_recipe_of_flags_alone_or_over_one(com
 def test_the_seed_of_a_drive_leaves_the_map_of_a_recipe_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple[object, int]] = []
 
+    @wraps(rsegen.drive)
     def drive(target: object, *, seed: int, **_: object) -> None:
         asked.append((target, seed))
         raise rsegen.UserError("that is enough")
@@ -115,6 +117,7 @@ def test_the_seed_of_a_drive_leaves_the_map_of_a_recipe_alone(monkeypatch: pytes
 def test_the_name_of_a_spawned_model_and_the_simulator_are_not_the_recipe_s(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[object] = []
 
+    @wraps(rsegen.spawn)
     def spawn(target: object, *, name: str, simulator: str, **_: object) -> None:
         asked.extend([target, name, simulator])
         raise rsegen.UserError("that is enough")

@@ -14,7 +14,7 @@ from rsegen import Terrain, load
 from rsegen.cli import bar, main
 from rsegen.recipe.examples import EXAMPLES
 
-ROUGH = rsegen.Placement(obstacle=rsegen.Random(max_height=20))
+ROUGH = rsegen.Random(levels=20)
 SMALL = ("peak", "figure-7", "--rows", "3", "--columns", "4", "--gap", "1", "--border", "2")
 
 

@@ -6,9 +6,10 @@ import jsonschema
 import numpy as np
 import pytest
 
-from rsegen import KINDS, Obstacle, Placement, Recipe, build
+from rsegen import KINDS, Obstacle, Recipe, build
 from rsegen.field.obstacles import Grid
-from rsegen.params.registry import summary
+from rsegen.field.obstacles.base import PLACING, RESERVED, own_parameters, row_parameters
+from rsegen.params.registry import clash, summary
 from rsegen.params.sorts import parameters
 from rsegen.params.streams import generator
 from rsegen.recipe.codec import decode, encode, schema
@@ -22,31 +23,30 @@ GRID = Grid(20, 30, 10)
 
 def recipe_of(obstacle: Obstacle, grid: Grid = GRID) -> Recipe:
     chunks = grid.n_x // grid.chunk_size, grid.n_y // grid.chunk_size
-    placement = Placement(obstacle=obstacle)
-    return Recipe(chunk_size=grid.chunk_size, chunks=chunks, boundary="none", seed=5, obstacles=(placement,))
+    return Recipe(chunk_size=grid.chunk_size, chunks=chunks, boundary="none", seed=5, obstacles=(obstacle,))
 
 
 @KIND
 @GRIDS
 @pytest.mark.parametrize("softness", [0, 37.5, 100])
-def test_levels_are_of_the_set_that_max_height_gives(cls: type[Obstacle], grid: Grid, softness: float) -> None:
-    recipe = recipe_of(cls(max_height=5, softness=softness), grid)
+def test_levels_lie_below_the_number_of_levels(cls: type[Obstacle], grid: Grid, softness: float) -> None:
+    recipe = recipe_of(cls(levels=5, softness=softness), grid)
     found = {level for index in range(20) for level in np.unique(build(recipe, index).levels).tolist()}
     assert found <= {0, 1, 2, 3, 4}
 
 
 @KIND
 @GRIDS
-def test_ends_left_to_chance_lie_on_the_map(cls: type[Obstacle], grid: Grid) -> None:
-    obstacle = cls(max_height=5)
+def test_random_ends_lie_on_the_map(cls: type[Obstacle], grid: Grid) -> None:
+    obstacle = cls(levels=5)
     for index in range(50):
         first, last = obstacle.ends(grid, ("random", "random"), ("random", "random"), generator(5, index, "k"))
         assert all(0 <= at < cells for at, cells in zip((*first, *last), grid.shape * 2, strict=True))
 
 
 @KIND
-def test_ends_left_to_chance_differ_from_map_to_map(cls: type[Obstacle]) -> None:
-    obstacle = cls(max_height=5)
+def test_random_ends_differ_from_map_to_map(cls: type[Obstacle]) -> None:
+    obstacle = cls(levels=5)
     places = {
         obstacle.ends(Grid(20, 30, 10), ("random", "random"), ("random", "random"), generator(5, index, "k"))
         for index in range(20)
@@ -58,14 +58,14 @@ def test_ends_left_to_chance_differ_from_map_to_map(cls: type[Obstacle]) -> None
 def test_given_coordinates_stay(cls: type[Obstacle]) -> None:
     grid = Grid(20, 30, 10)
     for index in range(20):
-        first, last = cls(max_height=5).ends(grid, (3, "random"), ("random", 12), generator(5, index, "k"))
+        first, last = cls(levels=5).ends(grid, (3, "random"), ("random", 12), generator(5, index, "k"))
         assert first[0] == 3
         assert last[1] == 12
 
 
 @KIND
 def test_patch_fits_its_window(cls: type[Obstacle]) -> None:
-    patch = cls(max_height=5, softness=60).patch(Grid(20, 30, 10), (2, 4), (2, 9), generator(5, 0, "k"))
+    patch = cls(levels=5, softness=60).patch(Grid(20, 30, 10), (2, 4), (2, 9), generator(5, 0, "k"))
     shape = tuple(part.stop - part.start for part in patch.window)
     assert patch.levels.shape == patch.footprint.shape == shape
     assert patch.levels.dtype == np.int16
@@ -73,14 +73,14 @@ def test_patch_fits_its_window(cls: type[Obstacle]) -> None:
 
 
 @KIND
-def test_round_trip_through_a_file(cls: type[Obstacle]) -> None:
-    recipe = recipe_of(cls(max_height=7, softness=12.5))
+def test_every_kind_round_trips_through_a_file(cls: type[Obstacle]) -> None:
+    recipe = recipe_of(cls(levels=7, softness=12.5))
     assert decode(encode(recipe)) == recipe
 
 
 @KIND
 def test_schema_accepts_what_encode_writes_and_refuses_a_strange_key(cls: type[Obstacle]) -> None:
-    content = encode(recipe_of(cls(max_height=7, softness=12.5)))
+    content = encode(recipe_of(cls(levels=7, softness=12.5)))
     jsonschema.validate(content, schema())
     content["obstacles"][0]["hight"] = 3
     with pytest.raises(jsonschema.ValidationError):
@@ -94,5 +94,15 @@ def test_every_parameter_is_explained(cls: type[Obstacle]) -> None:
 
 
 @KIND
-def test_parameters_do_not_collide_with_those_of_a_placement(cls: type[Obstacle]) -> None:
-    assert not {"kind", *parameters(Placement)} & set(parameters(cls))
+def test_parameters_that_place_an_obstacle_are_the_same_for_every_kind(cls: type[Obstacle]) -> None:
+    assert clash(cls, RESERVED, Obstacle) == ""
+    assert {name: parameters(cls)[name] for name in PLACING} == PLACING
+
+
+@KIND
+def test_a_row_has_the_kind_its_own_parameters_and_then_those_of_its_place(cls: type[Obstacle]) -> None:
+    obstacle = cls(key="k", blend="max", last=(4, 3), first=(2, 3), softness=10, levels=5)
+    row = list(obstacle.entry())
+    assert row[:3] == ["kind", "levels", "softness"]
+    assert row[-4:] == ["first", "last", "blend", "key"]
+    assert [*own_parameters(cls), *PLACING] == list(row_parameters(cls))

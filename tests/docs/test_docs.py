@@ -183,7 +183,7 @@ def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None
     (source,) = blocks(ROOT / "CONTRIBUTING.md", "python")
     shutil.copytree(ROOT / "src" / "rsegen", tmp_path / "rsegen")
     (tmp_path / "rsegen" / "field" / "obstacles" / "stairs.py").write_text(source)
-    row = "stairs max_height=5 first=0,0 last=8,9"
+    row = "stairs levels=5 first=0,0 last=8,9"
     command = ["generate", "--seed", "1", "--boundary", "none", "--obstacle", row, "-o", str(tmp_path / "worlds")]
     subprocess.run([sys.executable, "-m", "rsegen", *command], cwd=tmp_path, check=True, capture_output=True)
     levels = (tmp_path / "worlds" / "rse_0000" / "levels.csv").read_text("utf-8").splitlines()

@@ -13,19 +13,19 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import rsegen
-from rsegen import Placement, Random, Recipe, compose
+from rsegen import Random, Recipe, compose
 from rsegen.exporters.pictures.plan import boundary, covered
-from rsegen.exporters.pictures.preview import DRAWN, FORMATS, WIDTH, layout, preview_figure, preview_image
+from rsegen.exporters.pictures.preview import DRAWN, IMAGE_FORMATS, WIDTH, layout, preview, preview_figure
 from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.strategies import recipes
 
-RECIPE = Recipe(seed=1, obstacles=(Placement(obstacle=Random(max_height=5)),))
+RECIPE = Recipe(seed=1, obstacles=(Random(levels=5),))
 
 
 def image(recipe: Recipe) -> Image.Image:
-    return Image.open(io.BytesIO(preview_image(compose(recipe))))
+    return Image.open(io.BytesIO(preview(compose(recipe))))
 
 
 def share(found: Image.Image, colour: tuple[float, float, float]) -> float:
@@ -49,9 +49,9 @@ def test_a_picture_carries_its_recipe() -> None:
     assert decode(json.loads(image(RECIPE).info["Description"])) == RECIPE
 
 
-@pytest.mark.parametrize("format_", FORMATS)
+@pytest.mark.parametrize("format_", IMAGE_FORMATS)
 def test_same_map_same_bytes_in_every_format(format_: str) -> None:
-    assert preview_image(compose(RECIPE), format_) == preview_image(compose(RECIPE), format_)
+    assert preview(compose(RECIPE), format_) == preview(compose(RECIPE), format_)
 
 
 @pytest.mark.parametrize(
@@ -98,11 +98,11 @@ def test_the_parts_of_a_picture_keep_their_shape_and_do_not_overlap(plan: float,
 def test_outlines_are_those_of_the_cells_that_obstacles_cover(recipe: Recipe, index: int) -> None:
     scene = compose(recipe, index)
     inside = np.ix_(scene.field.inside(0), scene.field.inside(1))
-    for placement in recipe.obstacles:
-        _, _, patch = placed(recipe, placement, index)
+    for obstacle in recipe.obstacles:
+        _, _, patch = placed(recipe, obstacle, index)
         expected = np.zeros(scene.field.blocks.shape, dtype=bool)
         expected[patch.window] = patch.footprint
-        cells = covered(scene, placement)
+        cells = covered(scene, obstacle)
         assert np.array_equal(cells[inside], expected)
         lines = boundary(cells, *scene.field.edges())
         assert np.allclose(np.abs(np.diff(lines, axis=1)).sum(axis=(1, 2)), scene.field.block_width)
@@ -111,9 +111,9 @@ def test_outlines_are_those_of_the_cells_that_obstacles_cover(recipe: Recipe, in
 
 def test_outlines_are_drawn_on_request() -> None:
     course = compose(rsegen.load(EXAMPLES["mixed-course"]))
-    with_them, without = (preview_image(course, "svg", outlines=outlines).decode() for outlines in (True, False))
-    for number, placement in enumerate(course.recipe.obstacles):
-        assert f"<!-- {number}  {placement.obstacle.kind} -->" in with_them
+    with_them, without = (preview(course, "svg", outlines=outlines).decode() for outlines in (True, False))
+    for number, obstacle in enumerate(course.recipe.obstacles):
+        assert f"<!-- {number}  {obstacle.kind} -->" in with_them
     assert "peak -->" not in without
 
 

@@ -14,16 +14,16 @@ import trimesh
 from PIL import Image
 
 import rsegen
-from rsegen import Placement, Random, Recipe, Scene, compose
+from rsegen import Random, Recipe, Scene, compose
 from rsegen.cli import main
 from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.gazebo import export
-from rsegen.exporters.pictures.preview import preview_image
+from rsegen.exporters.pictures.preview import preview
 from rsegen.exporters.scene import FRAME_COLOUR, Colour, level_colour
 from rsegen.exporters.sheet.page import block_colour
 from rsegen.gui.model.colours import cells, legend
 
-PLAIN = Recipe(seed=1, chunk_size=4, obstacles=(Placement(obstacle=Random(max_height=4)),))
+PLAIN = Recipe(seed=1, chunk_size=4, obstacles=(Random(levels=4),))
 PAINTED = replace(PLAIN, frame_colour="#336699", level_colours=("#ff0000", "#00FF33"))
 OWN: dict[int, Colour] = {0: (0.2, 0.4, 0.6), 1: (1.0, 0.0, 0.0), 2: (0.0, 1.0, 0.2)}
 GONE = {FRAME_COLOUR, level_colour(1, 3), level_colour(2, 3)}
@@ -57,7 +57,7 @@ def test_trimesh_finds_them_in_ply() -> None:
 
 
 def test_pictures_are_in_them_alone() -> None:
-    pixels = np.asarray(Image.open(io.BytesIO(preview_image(compose(PAINTED)))).convert("RGB")) / 255
+    pixels = np.asarray(Image.open(io.BytesIO(preview(compose(PAINTED)))).convert("RGB")) / 255
     for colour in [*OWN.values(), *GONE]:
         share = (np.abs(pixels - colour).max(axis=2) < 0.02).mean()
         assert share > 0.005 if colour in OWN.values() else share < 0.001

@@ -29,7 +29,7 @@ def highest_step(levels: np.ndarray) -> int:
 
 @pytest.mark.parametrize("limit", [1, 2])
 @pytest.mark.parametrize("shape", GRIDS)
-def test_what_can_be_arranged_at_all_is_arranged(shape: tuple[int, int], limit: int) -> None:
+def test_the_ascending_order_keeps_to_any_limit_that_can_be_met(shape: tuple[int, int], limit: int) -> None:
     possible = possible_counts(shape, levels=4, limit=limit)
     assert possible
     for counts in possible:
@@ -38,7 +38,7 @@ def test_what_can_be_arranged_at_all_is_arranged(shape: tuple[int, int], limit: 
 
 
 @pytest.mark.parametrize("shape", [(2, 2), (3, 3), (3, 4), (4, 3)])
-def test_reordered_blocks_are_found_in_every_case_that_has_an_order(shape: tuple[int, int]) -> None:
+def test_an_order_is_found_exactly_if_there_is_one(shape: tuple[int, int]) -> None:
     possible = possible_counts(shape, levels=3, limit=1)
     every = {counts for counts in np.ndindex(*[shape[0] * shape[1] + 1] * 3) if sum(counts) == shape[0] * shape[1]}
     assert 0 < len(possible) < len(every)
@@ -65,7 +65,7 @@ def test_the_tightest_counts_of_a_pallet_have_an_order(counts: Counts) -> None:
 
 @pytest.mark.parametrize("pallets", [1, 2])
 @pytest.mark.parametrize(("shape", "limit"), [((2, 3), 1), ((3, 3), 1), ((3, 3), 2)])
-def test_as_many_blocks_of_a_stock_are_used_as_there_can_be(shape: tuple[int, int], limit: int, pallets: int) -> None:
+def test_the_most_blocks_of_a_stock_are_used(shape: tuple[int, int], limit: int, pallets: int) -> None:
     one = possible_counts(shape, levels=4, limit=limit)
     possible = np.array(list(one if pallets == 1 else {tuple(np.add(a, b)) for a in one for b in one}))
     there = np.ones((shape[0] * pallets + pallets - 1, shape[1]), dtype=bool)

@@ -29,7 +29,7 @@ def test_outer_is_one_frame_round_the_map() -> None:
 def test_pallets_put_together_are_the_map(recipe: Recipe) -> None:
     field = build(recipe)
     rebuilt = np.full(field.shape, -1)
-    for pallet in field.pallets(recipe.chunk_size):
+    for pallet in field.chunks(recipe.chunk_size):
         low = [
             round((centre + whole / 2 - part / 2) / field.block_width)
             for centre, whole, part in zip(pallet.centre, field.extent, pallet.field.extent, strict=True)
@@ -42,7 +42,7 @@ def test_pallets_put_together_are_the_map(recipe: Recipe) -> None:
 
 @given(recipes())
 def test_there_is_a_pallet_for_each_chunk_with_all_its_blocks(recipe: Recipe) -> None:
-    pallets = list(build(recipe).pallets(recipe.chunk_size))
+    pallets = list(build(recipe).chunks(recipe.chunk_size))
     assert len(pallets) == recipe.chunks[0] * recipe.chunks[1]
     assert {pallet.field.blocks.shape for pallet in pallets} == {(recipe.chunk_size, recipe.chunk_size)}
 

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rsegen import Placement, Random, Recipe, StepField, build
+from rsegen import Random, Recipe, StepField, build
 from rsegen.errors import ParameterError
 from rsegen.footprints import Footprint, Rectangle, Underside, even_spots, fits
 from rsegen.footprints.search import apart
@@ -23,7 +23,7 @@ ROVER = Footprint(undersides=(*WHEELS, HULL), limit=0.005, climb=0.02)
 
 
 def rough(seed: int, blocks: int = 20, levels: int = 4, unit_cm: float = 10, boundary: str = "none") -> StepField:
-    random = Placement(obstacle=Random(max_height=levels))
+    random = Random(levels=levels)
     recipe = Recipe(chunk_size=blocks, boundary=boundary, unit_cm=unit_cm, seed=seed, obstacles=(random,))
     return build(recipe)
 

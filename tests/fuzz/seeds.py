@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from rsegen import KINDS, Placement, Recipe
+from rsegen import KINDS, Recipe
 from rsegen.cli import main
 from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import encode
@@ -38,9 +38,7 @@ def recipes() -> tuple[dict[str, Any], ...]:
 def _obstacle(kind: str) -> dict[str, Any]:
     """An obstacle with every parameter that has an own value."""
     cls = KINDS[kind]
-    values = {"kind": kind, "levels": 3, "key": "k", "blend": "max"}
-    if "first" in parameters(Placement):
-        values |= {"first": [0, 0], "last": [3, 3]}
+    values = {"kind": kind, "levels": 3, "key": "k", "blend": "max", "first": [0, 0], "last": [3, 3]}
     return values | {name: 3 for name in parameters(cls) if name == "softness"}
 
 
@@ -251,7 +249,7 @@ PLAN: dict[str, Any] = {
             "robot": "burger",
             "robots": 2,
             "sizes": [0, 10],
-            "max_height": 3,
+            "levels": 3,
             "unit_cm": 1.0,
             "recipe": {"mesh": "merged"},
         },
@@ -276,7 +274,7 @@ class Dune(Region):
     grain: Annotated[int, Integer(1, 9, help="size of its grains")] = 2
 
     def drawn(self, uniform):
-        return (uniform * self.max_height).astype("int16")
+        return (uniform * self.levels).astype("int16")
 '''
 
 

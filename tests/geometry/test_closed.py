@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+import rsegen
 from rsegen import StepField
 from rsegen.geometry import NORMALS
 from tests.support.strategies import fields
@@ -15,7 +16,7 @@ trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
 
 @given(fields())
 def test_it_is_closed_and_has_the_volume_of_the_blocks(field: StepField) -> None:
-    mesh = field.mesh("closed")
+    mesh = rsegen.mesh(field, "closed")
     found = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
     if not field.stands():
         assert len(mesh.faces) == 0
@@ -30,7 +31,7 @@ def test_it_is_closed_and_has_the_volume_of_the_blocks(field: StepField) -> None
 
 @given(fields())
 def test_it_is_the_surface_of_the_watertight_mesh(field: StepField) -> None:
-    mesh, fewer = field.mesh("closed"), field.mesh("watertight")
+    mesh, fewer = rsegen.mesh(field, "closed"), rsegen.mesh(field, "watertight")
     areas = [
         [
             trimesh.Trimesh(one.vertices, one.triangles[_repeated(one.normals == normal, one)], process=False).area
@@ -51,7 +52,7 @@ def _repeated(which: np.ndarray, mesh: object) -> np.ndarray:
 
 @given(fields())
 def test_every_side_has_the_material_of_its_block(field: StepField) -> None:
-    mesh, blocks = field.mesh("closed"), field.mesh("blocks")
+    mesh, blocks = rsegen.mesh(field, "closed"), rsegen.mesh(field, "blocks")
     for material in np.unique(blocks.materials):
         tops = (mesh.normals == 4) & (mesh.materials == material)
         assert tops.sum() == ((blocks.normals == 4) & (blocks.materials == material)).sum()

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from hypothesis import example, given, settings
 
-from rsegen import Placement, Random, Recipe, StepField, build
+from rsegen import Random, Recipe, StepField, build
 from rsegen.geometry import Mesh, meshes, surface, unmerged, watertight
 from rsegen.params.sorts import parameters
 from tests.geometry.grids import GRIDS
@@ -53,7 +53,7 @@ def test_a_ray_from_above_meets_every_cell_at_its_height(mesh: str, field: StepF
 
 @pytest.mark.parametrize("mesh", MESHES)
 def test_so_it_does_on_a_map_with_frames(mesh: str) -> None:
-    field = build(Recipe(seed=4, chunks=(2, 2), obstacles=(Placement(obstacle=Random(max_height=5)),)))
+    field = build(Recipe(seed=4, chunks=(2, 2), obstacles=(Random(levels=5),)))
     np.testing.assert_array_equal(heights_seen_from_above(meshes(field, mesh), field), field.heights)
 
 

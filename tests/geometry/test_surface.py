@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from hypothesis import given
 
-from rsegen import Placement, Random, Recipe, StepField, build
+from rsegen import Random, Recipe, StepField, build
 from rsegen.geometry import NORMALS, Mesh, split_window, surface
 from tests.support.strategies import fields
 
@@ -85,7 +85,7 @@ def test_faces_have_the_material_of_their_block(field: StepField) -> None:
 
 
 def test_a_plain_is_one_rectangle_and_its_rim() -> None:
-    plain = Placement(obstacle=Random(max_height=2, weights=(0, 1)))
+    plain = Random(levels=2, weights=(0, 1))
     assert len(surface(build(Recipe(boundary="none", obstacles=(plain,)))).faces) == 5
 
 
@@ -94,7 +94,7 @@ def test_level_ground_has_no_surface() -> None:
 
 
 def test_a_window_is_its_share_of_the_whole() -> None:
-    field = build(Recipe(seed=4, chunks=(2, 2), obstacles=(Placement(obstacle=Random(max_height=5)),)))
+    field = build(Recipe(seed=4, chunks=(2, 2), obstacles=(Random(levels=5),)))
     parts = [surface(field, window) for window in split_window(field.whole, 7)]
     assert len(parts) == 16
     area = sum(as_trimesh(part).area for part in parts)

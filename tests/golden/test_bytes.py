@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import DiagonalBarrier, HorizontalBarrier, Matrix, NormalRandom, Pallet, Peak, Placement, Random, Recipe
+from rsegen import DiagonalBarrier, HorizontalBarrier, Matrix, NormalRandom, Pallet, Peak, Random, Recipe
 
 FILE = Path(__file__).with_name("bytes.json")
 RECORDED: Mapping[str, str] = json.loads(FILE.read_text("utf-8")) if FILE.is_file() else {}
@@ -30,19 +30,17 @@ Case = Callable[[Path], object]
 """Fills an empty folder."""
 
 PATTERNS = ("flat", "hill", "diagonal")
-ROUGH = Placement(obstacle=Random(max_height=5))
-TWIN = Placement(obstacle=Peak(max_height=4, softness=50), blend="add")
+ROUGH = Random(levels=5)
+TWIN = Peak(levels=4, softness=50, blend="add")
 
 RECIPES: Mapping[str, Recipe] = {
-    "random": Recipe(
-        seed=1, chunk_size=4, chunks=(2, 1), obstacles=[Placement(obstacle=Random(max_height=4, weights=(3, 2, 2, 1)))]
-    ),
+    "random": Recipe(seed=1, chunk_size=4, chunks=(2, 1), obstacles=[Random(levels=4, weights=(3, 2, 2, 1))]),
     "normal": Recipe(
         seed=2,
         chunk_size=6,
         boundary="outer",
         frame_height_cm=12.34,
-        obstacles=[Placement(obstacle=NormalRandom(max_height=6, softness=20, spread=0.3))],
+        obstacles=[NormalRandom(levels=6, softness=20, spread=0.3)],
     ),
     "peak": Recipe(
         name="2nd.Peak-field",  # neither USD nor ROS has such names
@@ -54,9 +52,9 @@ RECIPES: Mapping[str, Recipe] = {
         unit_cm=3.3,
         block_width_cm=7.5,
         obstacles=[
-            Placement(obstacle=HorizontalBarrier(max_height=3, softness=30)),
-            Placement(obstacle=Peak(max_height=5, softness=60), blend="add"),
-            Placement(obstacle=Peak(max_height=4), first=(1, 1), last=(3, 3), blend="max"),
+            HorizontalBarrier(levels=3, softness=30),
+            Peak(levels=5, softness=60, blend="add"),
+            Peak(levels=4, first=(1, 1), last=(3, 3), blend="max"),
         ],
     ),
     "diagonal": Recipe(
@@ -66,16 +64,16 @@ RECIPES: Mapping[str, Recipe] = {
         chunk_size=5,
         chunks=(1, 2),
         obstacles=[
-            Placement(obstacle=Random(max_height=3)),
-            Placement(obstacle=DiagonalBarrier(max_height=4, softness=30)),
-            Placement(obstacle=DiagonalBarrier(max_height=3), first=("random", 0), last=(4, "random"), blend="min"),
+            Random(levels=3),
+            DiagonalBarrier(levels=4, softness=30),
+            DiagonalBarrier(levels=3, first=("random", 0), last=(4, "random"), blend="min"),
         ],
     ),
     "pallet": Recipe(
         seed=5,
         chunk_size=5,
         chunks=(3, 1),
-        obstacles=[Placement(obstacle=Pallet(max_height=5, pattern=PATTERNS, symmetry="symmetric", turns=(0, 1, 2)))],
+        obstacles=[Pallet(levels=5, pattern=PATTERNS, symmetry="symmetric", turns=(0, 1, 2))],
     ),
     "matrix": Recipe(  # with blocks that touch along an edge alone, cells left alone, and empty pallets
         seed=6,
@@ -83,8 +81,8 @@ RECIPES: Mapping[str, Recipe] = {
         chunks=(2, 3),
         boundary="none",
         obstacles=[
-            Placement(obstacle=Matrix(max_height=4, rows=("3 0", "0 1"))),
-            Placement(obstacle=Matrix(max_height=3, rows=(". 2 1",)), first=(3, 2), last=(0, 3)),
+            Matrix(levels=4, rows=("3 0", "0 1")),
+            Matrix(levels=3, rows=(". 2 1",), first=(3, 2), last=(0, 3)),
         ],
     ),
     "difficulty": Recipe(
@@ -92,7 +90,7 @@ RECIPES: Mapping[str, Recipe] = {
         chunk_size=6,
         difficulty=0.5,
         frame_height_cm=0,
-        obstacles=[ROUGH, Placement(obstacle=Peak(max_height=7, softness=80), first=(1, 1), last=(4, 4))],
+        obstacles=[ROUGH, Peak(levels=7, softness=80, first=(1, 1), last=(4, 4))],
     ),
     "constraints": Recipe(
         seed=8,
@@ -104,7 +102,7 @@ RECIPES: Mapping[str, Recipe] = {
         max_step=3,
         crossable_by=(10, 10, 15),
         inventory=(9, 7, 5, 2),
-        obstacles=[Placement(obstacle=Random(max_height=6))],
+        obstacles=[Random(levels=6)],
     ),
     "friction and colours": Recipe(
         seed=9,
@@ -119,7 +117,7 @@ RECIPES: Mapping[str, Recipe] = {
     ),
 }
 
-COUNTED = Placement(obstacle=Random(max_height=4, counts=(5, 8, 8, 4), max_step=2))
+COUNTED = Random(levels=4, counts=(5, 8, 8, 4), max_step=2)
 LEVELS: Mapping[str, Recipe] = {
     **RECIPES,
     "pallet": replace(RECIPES["pallet"], chunk_size=10),  # the smaller ones are slow to arrange
@@ -128,7 +126,7 @@ LEVELS: Mapping[str, Recipe] = {
     ),
     "counted": Recipe(seed=11, chunk_size=5, obstacles=[COUNTED]),
 }
-HIGH = Recipe(seed=12, maps=5, chunk_size=4, obstacles=[Placement(obstacle=Random(max_height=300))])
+HIGH = Recipe(seed=12, maps=5, chunk_size=4, obstacles=[Random(levels=300)])
 
 SHAPES: Mapping[str, tuple[Any, ...]] = {
     "mesh_type": ("single", "multi", "pallet"),

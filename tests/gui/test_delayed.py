@@ -25,7 +25,7 @@ from tests.support.waiting import until
 pytestmark = pytest.mark.long(reason="windows more")
 
 LEFT = Qt.MouseButton.LeftButton
-PEAK = {"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]}
+PEAK = {"kind": "peak", "levels": 5, "first": [2, 2], "last": [7, 7]}
 
 
 @pytest.fixture
@@ -82,9 +82,9 @@ def test_a_handle_is_let_go_if_the_obstacle_was_moved_otherwise(window: Window, 
 
 def test_an_end_opposite_a_random_or_an_invalid_one_can_be_moved(window: Window) -> None:
     entries: list[dict[str, object]] = [
-        {"kind": "horizontal_barrier", "max_height": "abc", "first": [1, 1], "last": "random"},
-        {"kind": "horizontal_barrier", "max_height": "abc", "first": [1, 1]},
-        {"kind": "horizontal_barrier", "max_height": 3, "first": [1, 1], "last": [4, "x"]},
+        {"kind": "horizontal_barrier", "levels": "abc", "first": [1, 1], "last": "random"},
+        {"kind": "horizontal_barrier", "levels": "abc", "first": [1, 1]},
+        {"kind": "horizontal_barrier", "levels": 3, "first": [1, 1], "last": [4, "x"]},
     ]
     for entry in entries:
         window.session.change(1, entry)
@@ -120,7 +120,7 @@ def test_a_recipe_of_huge_numbers_is_shown(app: QApplication) -> None:
 def test_a_number_of_many_digits_is_kept_where_it_is_not_changed(window: Window) -> None:
     window.session.change(1, {**PEAK, "softness": 33.33333})
     window.document.select(1)
-    find(window.forms.obstacle, QSpinBox, "max_height_field").setValue(4)
+    find(window.forms.obstacle, QSpinBox, "levels_field").setValue(4)
     assert window.session.draft.rows[1].entry["softness"] == 33.33333
 
 
@@ -141,7 +141,7 @@ def test_a_click_into_a_field_that_what_was_typed_replaces_is_a_click(window: Wi
         window.views.table.setCurrentCell(1, 1)
         QTest.keyClick(window.views.table, Qt.Key.Key_F2)
         find(window.views.table, QComboBox, "cell_editor").setCurrentText(kind)
-        box = find(window.forms.obstacle, QSpinBox, "max_height_field")
+        box = find(window.forms.obstacle, QSpinBox, "levels_field")
         QTest.mouseClick(find(box, QLineEdit, "qt_spinbox_lineedit"), LEFT)
         assert window.session.draft.rows[1].entry["kind"] == kind
         QTest.qWait(20)
@@ -152,8 +152,8 @@ def test_start_takes_over_a_text_that_is_not_finished(window: Window, tmp_path: 
     field = typing(window, 1, 2, "4")
     QTest.keyClick(active(window) and field, Qt.Key.Key_F5)
     until(lambda: window.forms.start_form.written is not None)
-    assert window.session.draft.rows[1].entry["max_height"] == 4
-    assert [placement.obstacle.max_height for placement in window.session.recipe.obstacles] == [5, 4]
+    assert window.session.draft.rows[1].entry["levels"] == 4
+    assert [obstacle.levels for obstacle in window.session.recipe.obstacles] == [5, 4]
     (written,) = tmp_path.rglob("recipe.json")
     assert load(written) == window.session.recipe
 

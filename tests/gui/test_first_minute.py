@@ -79,9 +79,9 @@ def test_the_ghost_of_the_form_goes_with_it_until_the_obstacle_is_added(window: 
     assert title(window) == "Obstacle 1: horizontal barrier"
     QTest.keyClick(window, Qt.Key.Key_Escape)
     assert (title(window), window.document.selected) == ("New obstacle", -1)
-    find(window.forms.obstacle, QSpinBox, "max_height_field").setValue(7)
+    find(window.forms.obstacle, QSpinBox, "levels_field").setValue(7)
     until(lambda: has_ghost(window))
-    assert window.session.draft.rows[0].entry["max_height"] == 5
+    assert window.session.draft.rows[0].entry["levels"] == 5
     window.document.select(0)
     until(lambda: not has_ghost(window))
 
@@ -99,7 +99,7 @@ def test_a_click_beside_the_rows_and_a_button_select_none(window: Window) -> Non
 
 def test_minus_removes_the_selected_obstacle_and_else_the_last(window: Window) -> None:
     for kind in ("peak", "random", "platform"):
-        window.document.add({"kind": kind, "max_height": 5})
+        window.document.add({"kind": kind, "levels": 5})
     window.document.select(0)
     click(window, "remove")
     assert [row.entry["kind"] for row in window.session.draft.rows] == ["random", "platform"]

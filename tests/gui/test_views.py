@@ -23,7 +23,7 @@ from tests.support.waiting import until
 pytestmark = pytest.mark.long(reason="views in three dimensions need VTK, 0.6 GB")
 
 LEFT = Qt.MouseButton.LeftButton
-STEPS = {"kind": "matrix", "max_height": 4, "rows": ["0 0 3 3", "0 0 3 1"], "first": [2, 2], "last": [5, 3]}
+STEPS = {"kind": "matrix", "levels": 4, "rows": ["0 0 3 3", "0 0 3 1"], "first": [2, 2], "last": [5, 3]}
 
 
 @pytest.fixture

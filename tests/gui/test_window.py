@@ -91,10 +91,10 @@ def test_plus_adds_minus_takes_the_last_and_c_clears(window: Window) -> None:
 
 def test_the_type_height_and_softness_of_the_form_are_those_of_the_row(window: Window) -> None:
     choose(window, "random")
-    find(window.forms.obstacle, QSpinBox, "max_height_field").setValue(4)
+    find(window.forms.obstacle, QSpinBox, "levels_field").setValue(4)
     click(window, "add")
     (row,) = window.session.draft.rows
-    assert (row.entry["kind"], row.entry["max_height"]) == ("random", 4)
+    assert (row.entry["kind"], row.entry["levels"]) == ("random", 4)
     assert [cell(window, 0, column).text() for column in (1, 2)] == ["random", "4"]
     assert find(window.forms.obstacle, QLabel, "heights").text() == "4 levels: 0, 10, 20, 30 cm"
 
@@ -304,7 +304,7 @@ def test_a_recipe_is_dropped(window: Window, tmp_path: Path) -> None:
 
 
 def test_a_chosen_robot_gets_across_what_it_climbs(window: Window) -> None:
-    wall = {"kind": "horizontal_barrier", "max_height": 5, "softness": 0, "first": [5, 0], "last": [5, 19]}
+    wall = {"kind": "horizontal_barrier", "levels": 5, "softness": 0, "first": [5, 0], "last": [5, 19]}
     window.session.set("chunks", [2, 2])
     window.session.set("boundary", "none")  # the crawler mostly does not cross frames of 10 cm
     window.session.add(wall)
@@ -351,8 +351,8 @@ def test_tab_goes_through_the_window_as_it_is_read(window: Window) -> None:
     window.document.select(0)
     wanted = ["maps_field", "mesh_type_field", "seed_field", "keep_seed", "reroll", "kind"]
     wanted += [
-        "max_height_field",
-        "max_height_field",
+        "levels_field",
+        "levels_field",
         "softness_field",
         "softness_field",
         "default_ends",
@@ -391,7 +391,7 @@ def test_a_picture_that_cannot_be_written_is_one_line(
 
 
 def test_a_place_beyond_the_map_can_be_typed_and_is_an_error(window: Window) -> None:
-    window.session.add({"kind": "peak", "max_height": 5, "first": [2, 2], "last": [5, 5]})
+    window.session.add({"kind": "peak", "levels": 5, "first": [2, 2], "last": [5, 5]})
     window.document.select(0)
     typed(window, "x_first_number", "99")
     assert window.session.draft.rows[0].entry["first"] == [99, 2]
@@ -407,7 +407,7 @@ def test_a_place_beyond_the_map_can_be_typed_and_is_an_error(window: Window) -> 
 
 
 def test_a_barrier_moves_as_a_whole_when_its_place_is_typed(window: Window) -> None:
-    window.session.add({"kind": "horizontal_barrier", "max_height": 5, "first": [9, 0], "last": [9, 7]})
+    window.session.add({"kind": "horizontal_barrier", "levels": 5, "first": [9, 0], "last": [9, 7]})
     window.document.select(0)
     typed(window, "x_first_number", "4")
     entry = window.session.draft.rows[0].entry
@@ -415,13 +415,13 @@ def test_a_barrier_moves_as_a_whole_when_its_place_is_typed(window: Window) -> N
 
 
 def test_the_wheel_scrolls_the_form_and_changes_no_value(window: Window) -> None:
-    for name in ("max_height_field", "chunk_size_field", "boundary_field", "kind"):
+    for name in ("levels_field", "chunk_size_field", "boundary_field", "kind"):
         for field in window.forms.findChildren(QWidget, name):
             before = window.session.draft, window.forms.obstacle.entry()
             window.setFocus()
             spin(field)
             assert (window.session.draft, window.forms.obstacle.entry()) == before
-    box = find(window.forms.obstacle, QSpinBox, "max_height_field")
+    box = find(window.forms.obstacle, QSpinBox, "levels_field")
     box.setFocus()
     spin(box)
     assert box.value() == 6

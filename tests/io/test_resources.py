@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.errors import TooLarge
 from rsegen.exporters.formats import FORMATS
 from rsegen.io import resources
@@ -46,7 +46,7 @@ def test_a_disk_that_is_too_small_is_refused_in_the_unit_that_fits(
 
 
 def test_more_obstacles_than_a_large_map_can_take_are_refused_before_the_work() -> None:
-    rows = (Placement(obstacle=Random(max_height=5)),) * 20_001
+    rows = (Random(levels=5),) * 20_001
     recipe = Recipe(seed=1, chunk_size=1000, boundary="none", obstacles=rows)
     with pytest.raises(TooLarge, match=r"obstacles: 20,001 of them on .* cells .* give 20,000 or fewer"):
         resources.refuse_too_large(recipe)

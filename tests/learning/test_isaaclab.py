@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.errors import ParameterError
 
 trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
 from rsegen.learning.isaaclab import StepFieldTerrain  # noqa: E402  # it needs trimesh
 from rsegen.learning.tile import index_of, tile  # noqa: E402
 
-RECIPE = Recipe(seed=3, unit_cm=5, boundary="none", obstacles=[Placement(obstacle=Random(max_height=6))])
+RECIPE = Recipe(seed=3, unit_cm=5, boundary="none", obstacles=[Random(levels=6)])
 
 
 @dataclass

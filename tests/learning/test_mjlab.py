@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.errors import ParameterError
 
 pytestmark = pytest.mark.long(reason="mjlab, which only make learners brings")
@@ -25,7 +25,7 @@ RECIPE = Recipe(
     unit_cm=5,
     boundary="none",
     level_friction=(0.2, 0.4, 0.6, 0.8, 0.9),
-    obstacles=[Placement(obstacle=Random(max_height=6))],
+    obstacles=[Random(levels=6)],
 )
 
 

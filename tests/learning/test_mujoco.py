@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.errors import ParameterError, UserError
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
@@ -22,7 +22,7 @@ RECIPE = Recipe(
     boundary="none",
     level_friction=(0.2, 0.4, 0.6, 0.8, 0.9),
     level_colours=("#ff0000",),
-    obstacles=[Placement(obstacle=Random(max_height=6))],
+    obstacles=[Random(levels=6)],
 )
 RADIUS = 0.03
 

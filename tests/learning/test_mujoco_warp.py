@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.errors import ParameterError
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
@@ -28,7 +28,7 @@ RECIPE = Recipe(
     unit_cm=5,
     boundary="none",
     level_friction=(0.2, 0.4, 0.6, 0.8, 0.9),
-    obstacles=[Placement(obstacle=Random(max_height=6))],
+    obstacles=[Random(levels=6)],
 )
 GRID = BlockGrid(RECIPE, pos=(1, 2, 0.5))
 WORLDS = 32

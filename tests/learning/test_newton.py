@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe, build_many, compose
+from rsegen import Random, Recipe, build_many, compose
 from rsegen.errors import ParameterError, UnknownName
 
 newton = pytest.importorskip("newton", reason="Newton is not installed")
@@ -24,7 +24,7 @@ SCENE = compose(
         unit_cm=5,
         boundary="none",
         level_friction=(0.2, 0.4, 0.6),
-        obstacles=[Placement(obstacle=Random(max_height=4))],
+        obstacles=[Random(levels=4)],
     )
 )
 
@@ -70,7 +70,7 @@ GRID = BlockGrid(
         unit_cm=5,
         boundary="none",
         level_friction=(0.2, 0.4, 0.6),
-        obstacles=[Placement(obstacle=Random(max_height=4))],
+        obstacles=[Random(levels=4)],
     ),
     pos=(1, 2, 0.5),
 )

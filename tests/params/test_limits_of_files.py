@@ -11,15 +11,16 @@ from typing import Any
 
 import pytest
 
-from rsegen.cli.inventory import inventory_in
+import rsegen
 from rsegen.errors import UserError
 from rsegen.io.importers import imported, importer_for
+from rsegen.io.inventory import inventory_in
 from rsegen.io.recipe_file import load
+from rsegen.params.command import declared
 from rsegen.params.sorts import Float, Integer, parameters
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import from_file
 from rsegen.robots.base import SIDE, SPEED, TURN
-from rsegen.simulation.driving.drive import ROBOTS
 from rsegen.simulation.experiment.plan import load_plan
 
 MODEL = (
@@ -99,7 +100,9 @@ PAIRS: Mapping[str, Pair] = {
     "--block-width-cm, a map of ROS": Pair(
         WIDTH, lambda folder, value: ros_map(folder, float(value) / 100).block_width_cm
     ),
-    "--robots, a plan": Pair(ROBOTS, lambda folder, value: plan(folder, robots=value).robots),
+    "--robots, a plan": Pair(
+        declared(rsegen.drive)["robots"].sort, lambda folder, value: plan(folder, robots=value).robots
+    ),
     "--unit-cm, a plan": Pair(UNIT, lambda folder, value: plan(folder, unit_cm=value).unit_cm),
     "--inventory, its file": Pair(Integer(0, 10**9), inventory),
 } | {

@@ -170,4 +170,4 @@ def test_nothing_is_taken_only_where_it_is_the_default() -> None:
     with pytest.raises(ParameterError, match=r"^maps: nothing is not a whole number; give 1 or more$"):
         Recipe(seed=1, maps=None)  # type: ignore[arg-type]
     with pytest.raises(ParameterError, match=r"^softness: nothing is not a number; give 0..100 %$"):
-        Peak(max_height=5, softness=None)  # type: ignore[arg-type]
+        Peak(levels=5, softness=None)  # type: ignore[arg-type]

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 DEMO = Path(__file__).parent / "demo"
-RAMP = "ramp max_height=5 first=0,0 last=8,9 tread=2"
+RAMP = "ramp levels=5 first=0,0 last=8,9 tread=2"
 STEPS = "0,0,1,1,2,2,3,3,4,0"
 """A row of its levels."""
 

@@ -25,7 +25,7 @@ class Dune(Region):
     kind: ClassVar[str] = "dune"
 
     def drawn(self, uniform):
-        return (uniform * self.max_height).astype("int16")
+        return (uniform * self.levels).astype("int16")
 '''
 BROKEN = {
     "ImportError: No module named 'sand'": "raise ImportError(\"No module named 'sand'\")",
@@ -68,7 +68,7 @@ def test_what_is_broken_is_named_in_a_line_each_and_the_other_kinds_work(tmp_pat
 
 def test_the_broken_package_itself_is_refused(tmp_path: Path) -> None:
     installed(tmp_path, BROKEN["does not define drawn"])
-    dune = ("--seed", "1", "--obstacle", "dune max_height=5")
+    dune = ("--seed", "1", "--obstacle", "dune levels=5")
     line = refused("generate", *dune, "-o", tmp_path / "worlds", packages=tmp_path)
     assert "plug-in 'dune' of sandbox 0.3 (dunes:Dune): does not define drawn" in line
     assert not (tmp_path / "worlds").exists()
@@ -139,11 +139,10 @@ def test_an_option_that_clashes_with_a_flag_is_named(option: str, complaint: str
 
 
 def test_reserved_names_are_those_of_rows_and_of_reading() -> None:
-    from rsegen import Placement
     from rsegen.exporters.formats.base import READING
     from rsegen.io.importers import IMPORTERS
     from rsegen.params.sorts import parameters
 
     obstacles = importlib.import_module("rsegen.field.obstacles.base")
-    assert {"kind", *parameters(Placement)} == obstacles.RESERVED
+    assert {"kind", "first", "last", "blend", "key"} == obstacles.RESERVED
     assert {name for cls in IMPORTERS.own() for name in parameters(cls)} == READING

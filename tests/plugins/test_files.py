@@ -37,7 +37,7 @@ def top(field):
     """Highest cell."""
     return field.heights.max()
 '''
-FLAGS = ["--seed", "1", "--boundary", "none", "--obstacle", "ramp max_height=5 first=0,0 last=8,9"]
+FLAGS = ["--seed", "1", "--boundary", "none", "--obstacle", "ramp levels=5 first=0,0 last=8,9"]
 
 
 @pytest.fixture
@@ -72,7 +72,7 @@ def test_the_missing_file_is_named(ramp: Path, tmp_path: Path) -> None:
 
 
 def test_a_data_set_is_made_by_workers_and_ranked_by_the_file_s_metric(ramp: Path, tmp_path: Path) -> None:
-    flags = ["--seed", "1", "--maps", "8", "--shard-maps", "2", "--obstacle", "ramp max_height=5", "--workers", "2"]
+    flags = ["--seed", "1", "--maps", "8", "--shard-maps", "2", "--obstacle", "ramp levels=5", "--workers", "2"]
     done("dataset", "--plugin", ramp, *flags, "-o", tmp_path / "set", code=EAGER)
     script = (
         "import sys, rsegen; rsegen.load_plugin(sys.argv[1]); data = rsegen.Dataset(sys.argv[2]);"

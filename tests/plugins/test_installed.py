@@ -15,7 +15,7 @@ from rsegen.recipe.codec import to_json
 from rsegen.recipe.recipe import Recipe
 from tests.plugins.installed import DEMO, EAGER, RAMP, STEPS, done, install, refused, run
 
-RECIPE = "boundary: none\nseed: 1\nmaps: 3\nobstacles:\n  - {kind: ramp, max_height: 5, first: [0, 0], last: [8, 9]}\n"
+RECIPE = "boundary: none\nseed: 1\nmaps: 3\nobstacles:\n  - {kind: ramp, levels: 5, first: [0, 0], last: [8, 9]}\n"
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +130,7 @@ def test_a_metric_is_in_every_output(packages: Path, worlds: Path) -> None:
 
 
 def test_a_data_set_of_it_is_made_by_workers_and_read(packages: Path, tmp_path: Path) -> None:
-    flags = ["--seed", "1", "--maps", "8", "--shard-maps", "2", "--obstacle", "ramp max_height=5", "--workers", "2"]
+    flags = ["--seed", "1", "--maps", "8", "--shard-maps", "2", "--obstacle", "ramp levels=5", "--workers", "2"]
     done("dataset", *flags, "-o", tmp_path / "set", packages=packages, code=EAGER)
     assert json.loads((tmp_path / "set" / "manifest.json").read_text("utf-8"))["recipes"][0]["plugins"] == {
         "ramp": "rsegen-demo 1.2"
@@ -172,8 +172,8 @@ def test_the_window_lists_it(packages: Path) -> None:
 
 def test_the_commands_that_need_none_look_for_none(packages: Path) -> None:
     script = (
-        "import sys, rsegen; from rsegen import KINDS, build, Recipe, Placement, Peak;"
-        "build(Recipe(seed=1, obstacles=[Placement(obstacle=KINDS['peak'](max_height=3))]), 0);"
+        "import sys, rsegen; from rsegen import KINDS, build, Recipe, Peak;"
+        "build(Recipe(seed=1, obstacles=[KINDS['peak'](levels=3)]), 0);"
         "print([name for name in ('importlib.metadata', 'rsegen_demo') if name in sys.modules])"
     )
     assert done(packages=packages, code=script) == "[]\n"

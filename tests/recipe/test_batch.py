@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Matrix, Placement, Random, Recipe
+from rsegen import Matrix, Random, Recipe
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles import Grid, Patch
 from rsegen.field.stepfield import Array, Levels
@@ -37,7 +37,7 @@ def test_many_maps_are_those_built_one_by_one(recipe: Recipe, indices: list[int]
 
 @pytest.mark.parametrize("example", EXAMPLES)
 @pytest.mark.parametrize("changes", [{}, {"difficulty": 0.4}, {"max_step": 1}], ids=str)
-def test_so_are_those_of_every_example(example: str, changes: dict[str, Any]) -> None:
+def test_many_maps_of_every_example_are_those_built_one_by_one(example: str, changes: dict[str, Any]) -> None:
     recipe = replace(rsegen.load(EXAMPLES[example]), **changes)
     assert np.array_equal(rsegen.build_many(recipe, FAR), _one_by_one(recipe, FAR))
 
@@ -49,8 +49,8 @@ def test_generators_of_many_maps_are_those_of_one(seed: int, index: int, key: st
         assert rng.random() == generator(seed, at, key).random()
 
 
-def test_there_may_be_more_maps_than_are_made_at_once() -> None:
-    recipe = Recipe(seed=4, chunk_size=3, obstacles=[Placement(obstacle=Random(max_height=6))])
+def test_maps_beyond_one_batch_are_those_built_one_by_one() -> None:
+    recipe = Recipe(seed=4, chunk_size=3, obstacles=[Random(levels=6)])
     found, places = rsegen.build_many(recipe, range(20_000)), (0, 3640, 3641, 4095, 4096, 19_999)
     assert found.shape == (20_000, 3, 3)
     assert np.array_equal(found[list(places)], _one_by_one(recipe, places))
@@ -101,18 +101,18 @@ class _Drawing(Random):
 
 @pytest.mark.parametrize(
     "obstacle",
-    [_Raised(max_height=6), _Blurred(max_height=6), _Shaken(max_height=6, rows=("1 2", "0 .")), _Drawing(max_height=6)],
+    [_Raised(levels=6), _Blurred(levels=6), _Shaken(levels=6, rows=("1 2", "0 .")), _Drawing(levels=6)],
     ids=lambda obstacle: obstacle.kind,
 )
-def test_a_kind_of_somebody_else_may_draw_as_it_likes(obstacle: rsegen.Obstacle) -> None:
-    recipe = Recipe(seed=9, obstacles=[Placement(obstacle=obstacle, first=(0, 0), last=(7, 5))])
+def test_kinds_that_draw_in_their_own_way_are_built_map_by_map(obstacle: rsegen.Obstacle) -> None:
+    recipe = Recipe(seed=9, obstacles=[replace(obstacle, first=(0, 0), last=(7, 5))])
     found = rsegen.build_many(recipe, FAR)
     assert np.array_equal(found, _one_by_one(recipe, FAR))
     assert len(np.unique(found, axis=0)) > 1
 
 
-def test_what_fails_in_one_map_says_where() -> None:
-    recipe = Recipe(seed=1, obstacles=[Placement(obstacle=Random(max_height=9, max_step=1), key="steep")])
+def test_an_error_in_one_map_names_its_obstacle() -> None:
+    recipe = Recipe(seed=1, obstacles=[Random(levels=9, max_step=1, key="steep")])
     with pytest.raises(ParameterError, match=r"^obstacles\[0\].max_step: 1: no order"):
         rsegen.build_many(replace(recipe, chunk_size=2), range(50))
 
@@ -123,5 +123,5 @@ def test_indices_are_whole_numbers_from_0_on(indices: object) -> None:
         rsegen.build_many(Recipe(seed=1), indices)  # type: ignore[arg-type]  # on purpose
 
 
-def test_no_index_gives_no_map() -> None:
+def test_an_empty_list_of_indices_gives_no_map() -> None:
     assert rsegen.build_many(Recipe(seed=1), []).shape == (0, 10, 10)

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import HorizontalBarrier, Peak, Placement, Random, Recipe, build
+from rsegen import HorizontalBarrier, Obstacle, Peak, Random, Recipe, build
 from rsegen.recipe.building import blocks
-from tests.support.strategies import placements, recipes
+from tests.support.strategies import obstacles, recipes
 
 
 @given(recipes(), st.integers(0, 5))
-def test_same_recipe_same_map(recipe: Recipe, index: int) -> None:
+def test_the_same_recipe_gives_the_same_map(recipe: Recipe, index: int) -> None:
     assert build(recipe, index) == build(replace(recipe), index)
 
 
@@ -26,14 +26,14 @@ def test_a_map_does_not_depend_on_how_many_are_made(recipe: Recipe, index: int, 
 
 
 @given(recipes())
-def test_levels_stay_below_the_largest_max_height(recipe: Recipe) -> None:
+def test_levels_stay_below_the_largest_number_of_levels(recipe: Recipe) -> None:
     levels = build(recipe).levels
     assert levels.min() >= 0
     assert levels.max() <= recipe.top_level
 
 
 @given(recipes())
-def test_size_is_that_of_the_method(recipe: Recipe) -> None:
+def test_a_map_has_the_size_of_its_chunks_and_frames(recipe: Recipe) -> None:
     around = {"none": (0, 0), "divided": (2 * recipe.chunks[0], 2 * recipe.chunks[1]), "outer": (2, 2)}[recipe.boundary]
     expected = tuple(m * recipe.chunk_size + more for m, more in zip(recipe.chunks, around, strict=True))
     assert build(recipe).shape == expected
@@ -52,10 +52,10 @@ def test_frames_are_never_overwritten(recipe: Recipe) -> None:
     assert not field.levels[field.frame].any()
 
 
-@given(recipes(), placements(), st.integers(0, 4))
-def test_adding_an_obstacle_leaves_the_keys_of_the_others(recipe: Recipe, added: Placement, at: int) -> None:
-    before = [placement.key for placement in recipe.obstacles]
-    if added in [replace(placement, key=None) for placement in recipe.obstacles]:
+@given(recipes(), obstacles(), st.integers(0, 4))
+def test_adding_an_obstacle_leaves_the_keys_of_the_others(recipe: Recipe, added: Obstacle, at: int) -> None:
+    before = [obstacle.key for obstacle in recipe.obstacles]
+    if added in [replace(obstacle, key=None) for obstacle in recipe.obstacles]:
         return  # a twin of another row: which of two equal rows is the new one has no answer
     at = min(at, len(before))
     after = replace(recipe, obstacles=(*recipe.obstacles[:at], added, *recipe.obstacles[at:]))
@@ -63,8 +63,8 @@ def test_adding_an_obstacle_leaves_the_keys_of_the_others(recipe: Recipe, added:
 
 
 def test_rows_without_keys_keep_their_randomness_when_rows_come_and_go() -> None:
-    left = Placement(obstacle=Random(max_height=5), first=(0, 0), last=(4, 9))
-    right = Placement(obstacle=Random(max_height=5), first=(5, 0), last=(9, 9))
+    left = Random(levels=5, first=(0, 0), last=(4, 9))
+    right = Random(levels=5, first=(5, 0), last=(9, 9))
     both = build(Recipe(seed=1, boundary="none", obstacles=(left, right))).levels
     alone = build(Recipe(seed=1, boundary="none", obstacles=(right,))).levels
     turned = build(Recipe(seed=1, boundary="none", obstacles=(right, left))).levels
@@ -73,7 +73,7 @@ def test_rows_without_keys_keep_their_randomness_when_rows_come_and_go() -> None
 
 
 def test_equal_rows_have_randomness_of_their_own() -> None:
-    row = Placement(obstacle=Random(max_height=100), blend="max")
+    row = Random(levels=100, blend="max")
     one = build(Recipe(seed=1, obstacles=(row,)))
     two = build(Recipe(seed=1, obstacles=(row, row)))
     assert (two.levels >= one.levels).all()
@@ -81,15 +81,12 @@ def test_equal_rows_have_randomness_of_their_own() -> None:
 
 
 def test_a_key_keeps_the_randomness_while_parameters_change() -> None:
-    low, high = (
-        build(Recipe(seed=1, obstacles=(Placement(obstacle=Random(max_height=n), key="ground"),))).levels
-        for n in (4, 8)
-    )
+    low, high = (build(Recipe(seed=1, obstacles=(Random(levels=n, key="ground"),))).levels for n in (4, 8))
     np.testing.assert_array_equal(high // 2, low)
 
 
 def test_seeds_and_maps_give_different_fields() -> None:
-    rows = (Placement(obstacle=Random(max_height=5)),)
+    rows = (Random(levels=5),)
     fields = [build(Recipe(seed=seed, obstacles=rows), index).levels.tobytes() for seed in (1, 2) for index in (0, 1)]
     assert len(set(fields)) == 4
 
@@ -98,18 +95,18 @@ def test_seeds_and_maps_give_different_fields() -> None:
     ("blend", "ridge", "beside"),
     [("replace", 2, 3), ("max", 3, 3), ("min", 2, 3), ("add", 4, 3)],
 )
-def test_blends(blend: str, ridge: int, beside: int) -> None:
-    plain = Placement(obstacle=Random(max_height=5, weights=(0, 0, 0, 1, 0)))
-    barrier = Placement(obstacle=HorizontalBarrier(max_height=3), first=(0, 4), last=(9, 4), blend=blend)
+def test_blends_replace_raise_lower_and_add(blend: str, ridge: int, beside: int) -> None:
+    plain = Random(levels=5, weights=(0, 0, 0, 1, 0))
+    barrier = HorizontalBarrier(levels=3, first=(0, 4), last=(9, 4), blend=blend)
     levels = build(Recipe(boundary="none", obstacles=(plain, barrier))).levels
     assert set(levels[:, 4].tolist()) == {ridge}
     assert set(np.delete(levels, 4, axis=1).ravel().tolist()) == {beside}
 
 
 def test_a_shape_overwrites_only_where_it_stands_and_a_random_kind_its_whole_region() -> None:
-    plain = Placement(obstacle=Random(max_height=4, weights=(0, 0, 0, 1)))
-    peak = Placement(obstacle=Peak(max_height=3), first=(2, 2), last=(5, 5))
-    flat = Placement(obstacle=Random(max_height=2, weights=(1, 0)), first=(8, 0), last=(9, 9))
+    plain = Random(levels=4, weights=(0, 0, 0, 1))
+    peak = Peak(levels=3, first=(2, 2), last=(5, 5))
+    flat = Random(levels=2, weights=(1, 0), first=(8, 0), last=(9, 9))
     levels = build(Recipe(boundary="none", obstacles=(plain, peak, flat))).levels
     assert levels[2, 2] == 3  # inside the peak's square, outside its circle
     assert levels[3, 3] == 2
@@ -117,9 +114,7 @@ def test_a_shape_overwrites_only_where_it_stands_and_a_random_kind_its_whole_reg
 
 
 def test_a_random_horizontal_barrier_crosses_the_map() -> None:
-    recipe = Recipe(
-        seed=9, chunks=(1, 2), boundary="none", obstacles=(Placement(obstacle=HorizontalBarrier(max_height=2)),)
-    )
+    recipe = Recipe(seed=9, chunks=(1, 2), boundary="none", obstacles=(HorizontalBarrier(levels=2),))
     along = set()
     for index in range(30):
         levels = build(recipe, index).levels
@@ -130,7 +125,7 @@ def test_a_random_horizontal_barrier_crosses_the_map() -> None:
 
 
 def test_a_random_peak_is_a_square_inside_the_map_of_half_a_chunk_to_a_chunk() -> None:
-    recipe = Recipe(seed=9, chunks=(2, 2), boundary="none", obstacles=(Placement(obstacle=Peak(max_height=2)),))
+    recipe = Recipe(seed=9, chunks=(2, 2), boundary="none", obstacles=(Peak(levels=2),))
     sides = set()
     for index in range(200):
         spans = [np.ptp(np.flatnonzero(build(recipe, index).levels.any(axis=axis))) + 1 for axis in (0, 1)]
@@ -139,7 +134,7 @@ def test_a_random_peak_is_a_square_inside_the_map_of_half_a_chunk_to_a_chunk() -
     assert sides == {5, 6, 7, 8, 9, 10}
 
 
-def test_the_method_s_two_ways_to_twenty_by_twenty() -> None:
+def test_four_small_chunks_and_one_large_chunk_have_equal_size() -> None:
     four, one = (
         build(Recipe(chunk_size=chunk_size, chunks=(m, m), boundary="none")) for chunk_size, m in ((10, 2), (20, 1))
     )
@@ -155,7 +150,7 @@ def test_the_method_s_two_ways_to_twenty_by_twenty() -> None:
 )
 def test_blocks_alone_are_those_of_the_whole_map(asked: dict[str, Any]) -> None:
     """A data set has these: the map without frames, which keeps to all that it was asked for."""
-    recipe = Recipe(seed=3, chunks=(2, 1), obstacles=(Placement(obstacle=Random(max_height=5)),), **asked)
+    recipe = Recipe(seed=3, chunks=(2, 1), obstacles=(Random(levels=5),), **asked)
     free = build(replace(recipe, max_step=None, inventory=None, crossable_by=None), 1)
     assert (build(recipe, 1) == free) is not any(asked)
     np.testing.assert_array_equal(blocks(recipe, 1), build(recipe, 1).blocks)

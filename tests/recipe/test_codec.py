@@ -20,13 +20,15 @@ from tests.support.strategies import recipes
 
 
 @given(recipes())
-def test_json_round_trip(recipe: Recipe) -> None:
+def test_recipes_round_trip_through_json(recipe: Recipe) -> None:
     assert decode(json.loads(to_json(recipe))) == recipe
 
 
 @pytest.mark.parametrize("suffix", [".yaml", ".yml", ".json", ""])
 @given(recipe=recipes())
-def test_file_round_trip(tmp_path_factory: pytest.TempPathFactory, suffix: str, recipe: Recipe) -> None:
+def test_recipes_round_trip_through_files(
+    tmp_path_factory: pytest.TempPathFactory, suffix: str, recipe: Recipe
+) -> None:
     path = tmp_path_factory.mktemp("recipe") / f"recipe{suffix}"
     rsegen.save(recipe, path)
     assert rsegen.load(path) == recipe
@@ -42,7 +44,7 @@ def test_schema_is_a_schema() -> None:
 
 
 def test_yaml_and_json_mean_the_same(tmp_path: Path) -> None:
-    recipe = Recipe(seed=3, obstacles=(rsegen.Placement(obstacle=rsegen.Peak(max_height=5), first=("random", 3)),))
+    recipe = Recipe(seed=3, obstacles=(rsegen.Peak(levels=5, first=("random", 3)),))
     (tmp_path / "a.yaml").write_text(to_yaml(recipe))
     (tmp_path / "a.json").write_text(to_json(recipe))
     assert rsegen.load(tmp_path / "a.yaml") == rsegen.load(tmp_path / "a.json") == recipe
@@ -54,7 +56,7 @@ def test_a_recipe_without_a_seed_gets_one_that_its_file_keeps() -> None:
     assert decode(encode(drawn)).seed == drawn.seed
 
 
-def test_comments_and_a_schema_line_are_no_trouble(tmp_path: Path) -> None:
+def test_comments_and_a_schema_line_are_read_over(tmp_path: Path) -> None:
     path = tmp_path / "a.yaml"
     path.write_text("# for the small robot\n$schema: recipe.schema.json\nseed: 3 # drawn by dice\nobstacles: []\n")
     assert rsegen.load(path) == Recipe(seed=3)
@@ -70,21 +72,20 @@ def test_a_recipe_file_is_replaced_only_by_force(tmp_path: Path) -> None:
     assert rsegen.load(path).seed == 4
 
 
-def test_levels_is_another_name_of_max_height() -> None:
-    named = decode({"seed": 1, "obstacles": [{"kind": "peak", "levels": 5}]})
-    assert named == decode({"seed": 1, "obstacles": [{"kind": "peak", "max_height": 5}]})
-    assert named.obstacles[0].key == decode({"obstacles": [{"kind": "peak", "max_height": 5}]}).obstacles[0].key
+def test_derived_keys_stay_those_of_recipes_in_which_levels_was_max_height() -> None:
+    recipe = decode({"seed": 1, "obstacles": [{"kind": "peak", "levels": 5}, {"kind": "matrix", "rows": ["0 1"]}]})
+    assert [obstacle.key for obstacle in recipe.obstacles] == ["peak-469fe3ad", "matrix-b2ab4d71"]
 
 
 @pytest.mark.parametrize(
     ("row", "message"),
     [
         ({"levels": 1}, r"obstacles\[0\].levels: 1 is outside 2..32767 units"),
-        ({"levels": 5, "max_height": 5}, r"obstacles\[0\].levels: is another name of max_height; give one of the two"),
+        ({"max_height": 5}, r"obstacles\[0\]: unknown parameter of peak 'max_height'.*known: .*levels"),
         ({}, r"obstacles\[0\].levels: is missing; give 2..32767 units"),
     ],
 )
-def test_wrong_levels_are_told_by_that_name(row: dict[str, int], message: str) -> None:
+def test_wrong_missing_and_misnamed_levels_are_refused(row: dict[str, int], message: str) -> None:
     with pytest.raises(ParameterError, match=message):
         decode({"obstacles": [{"kind": "peak", **row}]})
 

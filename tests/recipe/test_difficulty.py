@@ -12,7 +12,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rsegen import KINDS, Peak, Placement, Random, Recipe, StepField, build, generate, load
+from rsegen import KINDS, Peak, Random, Recipe, StepField, build, generate, load
 from rsegen.errors import ParameterError
 from rsegen.field.metrics.roughness import steps
 from rsegen.params.sorts import parameters
@@ -24,14 +24,14 @@ SHARES = st.floats(0, 1, exclude_max=True)
 RISE = [number / 20 for number in range(21)]
 
 
-def recipe_of(kind: str, max_height: int = 5, softness: float = 0) -> Recipe:
-    return Recipe(seed=3, obstacles=(Placement(obstacle=KINDS[kind](max_height=max_height, softness=softness)),))
+def recipe_of(kind: str, levels: int = 5, softness: float = 0) -> Recipe:
+    return Recipe(seed=3, obstacles=(KINDS[kind](levels=levels, softness=softness),))
 
 
 SMALL: Mapping[str, Recipe] = {
     "random": recipe_of("random"),
-    "random in 40 levels": recipe_of("random", max_height=40),
-    "random in 2 levels": recipe_of("random", max_height=2),
+    "random in 40 levels": recipe_of("random", levels=40),
+    "random in 2 levels": recipe_of("random", levels=2),
     "normal random": recipe_of("normal_random"),
     "table": recipe_of("peak"),
     "cone": recipe_of("peak", softness=100),
@@ -73,7 +73,7 @@ def test_forty_blocks_a_side_come_within_three_hundredths(recipe: Recipe, share:
 
 
 @given(recipes(), SHARES)
-def test_any_recipe_comes_near(recipe: Recipe, share: float) -> None:
+def test_any_recipe_comes_near_the_asked_roughness(recipe: Recipe, share: float) -> None:
     whole = build(recipe)
     full = squares(whole) ** 0.5
     reached = squares(build(replace(recipe, difficulty=share))) ** 0.5
@@ -96,20 +96,20 @@ def test_a_higher_block_stays_as_high_or_higher(recipe: Recipe, share: float) ->
 
 
 @given(recipes())
-def test_no_difficulty_is_level_ground_and_all_of_it_the_recipe_as_it_is(recipe: Recipe) -> None:
+def test_difficulty_0_is_level_ground_and_1_the_recipe_as_it_is(recipe: Recipe) -> None:
     assert not build(replace(recipe, difficulty=0)).levels.any()
     assert build(replace(recipe, difficulty=1)) == build(recipe)
 
 
 @given(recipes(), SHARES, st.integers(0, 5))
-def test_an_eased_map_is_the_same_alone(recipe: Recipe, share: float, index: int) -> None:
+def test_a_map_of_lower_difficulty_is_the_same_alone(recipe: Recipe, share: float, index: int) -> None:
     recipe = replace(recipe, difficulty=share)
     assert build(recipe, index) == build(replace(recipe, first_map=index, maps=3), index)
 
 
 @given(recipes(), SHARES)
-@example(Recipe(seed=1, obstacles=(Placement(obstacle=Random(max_height=4, weights=(0, 0, 0, 1))),)), 0.5)
-@example(Recipe(seed=1, chunk_size=1, chunks=(3, 3), obstacles=(Placement(obstacle=Random(max_height=5)),)), 0.5)
+@example(Recipe(seed=1, obstacles=(Random(levels=4, weights=(0, 0, 0, 1)),)), 0.5)
+@example(Recipe(seed=1, chunk_size=1, chunks=(3, 3), obstacles=(Random(levels=5),)), 0.5)
 def test_a_field_without_steps_is_lowered_as_one(recipe: Recipe, share: float) -> None:
     whole = build(recipe)
     if not any(steps(whole).counts):
@@ -119,9 +119,7 @@ def test_a_field_without_steps_is_lowered_as_one(recipe: Recipe, share: float) -
 
 def test_a_floor_is_in_two_parts_at_the_most() -> None:
     """A block of a plateau rises beside one that has risen already."""
-    recipe = Recipe(
-        seed=1, boundary="none", obstacles=(Placement(obstacle=Peak(max_height=5), first=(2, 2), last=(7, 7)),)
-    )
+    recipe = Recipe(seed=1, boundary="none", obstacles=(Peak(levels=5, first=(2, 2), last=(7, 7)),))
     table = build(recipe).levels > 0
     for share in RISE[1:-1]:
         levels = build(replace(recipe, difficulty=share)).levels[table]
@@ -161,7 +159,7 @@ def test_a_range_with_steps_rises_from_map_to_map_and_begins_again() -> None:
     [(0.5, 0.5, "0.5"), ([0, 1], (0.0, 1.0), "0,1"), ([0.25, 1, 9], (0.25, 1.0, 9), "0.25,1,9")],
     ids=str,
 )
-def test_it_is_a_number_or_a_range_in_files_and_flags(given: object, kept: object, text: str) -> None:
+def test_difficulties_are_read_from_files_and_flags(given: object, kept: object, text: str) -> None:
     recipe, sort = decode({"seed": 1, "difficulty": given}), parameters(Recipe)["difficulty"]
     assert recipe.difficulty == kept
     assert recipe.entry()["difficulty"] == given
@@ -172,6 +170,6 @@ def test_it_is_a_number_or_a_range_in_files_and_flags(given: object, kept: objec
 @pytest.mark.parametrize(
     "given", [-0.1, [1, 0], [0.5], [0, 1, 1], [0, 1, 2, 3], [0, "x"], "hard", None, [0, 1, 2.5]], ids=str
 )
-def test_what_is_no_difficulty_is_refused(given: object) -> None:
+def test_an_invalid_difficulty_is_refused(given: object) -> None:
     with pytest.raises(ParameterError, match="difficulty"):
         decode({"seed": 1, "difficulty": given})

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe, RobotLimits, StepField
+from rsegen import Random, Recipe, RobotLimits, StepField
 from rsegen.errors import ParameterError
 from rsegen.field.metrics.catalogue import metric_by
 from rsegen.recipe.tiles import Span, eased, mean_of, share_of, span_of
 
-RUBBLE = Recipe(seed=3, unit_cm=2, boundary="none", obstacles=[Placement(obstacle=Random(max_height=20))])
+RUBBLE = Recipe(seed=3, unit_cm=2, boundary="none", obstacles=[Random(levels=20)])
 ROBOT = RobotLimits(climb_cm=7)
 OPENING, COVER = metric_by("opening.west_east"), metric_by("reach.cover", ROBOT)
 COST = metric_by("reach.west_east.cost", ROBOT)

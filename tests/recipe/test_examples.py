@@ -12,7 +12,7 @@ from rsegen.cli import main
 from rsegen.recipe.examples import EXAMPLES, or_example
 
 
-def test_all_are_listed_with_what_they_are(capsys: pytest.CaptureFixture[str]) -> None:
+def test_examples_are_listed_with_their_descriptions(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["examples"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split(maxsplit=1) for line in lines] == [
@@ -20,14 +20,14 @@ def test_all_are_listed_with_what_they_are(capsys: pytest.CaptureFixture[str]) -
     ]
 
 
-def test_copies_are_the_same_to_the_byte(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_copies_of_examples_are_byte_identical(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["examples", "-o", str(tmp_path / "new")]) == 0
     made = sorted((tmp_path / "new").glob("*.yaml"))
     assert capsys.readouterr().out.splitlines() == [str(path) for path in made]
     assert {path.stem: path.read_bytes() for path in made} == {n: path.read_bytes() for n, path in EXAMPLES.items()}
 
 
-def test_one_that_is_there_already_keeps_all_from_being_copied(
+def test_an_existing_file_keeps_all_examples_from_being_copied(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "turtlebot.yaml").write_text("mine")
@@ -40,7 +40,7 @@ def test_one_that_is_there_already_keeps_all_from_being_copied(
 
 
 @pytest.mark.parametrize("command", [["info", "--json"], ["info", "--json", "--map", "2"]])
-def test_a_name_is_as_good_as_the_file(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_example_is_loaded_by_its_name(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     said = []
     for target in ("mixed-course", str(EXAMPLES["mixed-course"])):
         assert main([*command, target]) == 0
@@ -53,13 +53,13 @@ def test_a_map_is_made_of_a_name_and_flags(tmp_path: Path) -> None:
     assert rsegen.load(tmp_path / "peak_0000" / "recipe.json").seed == 9
 
 
-def test_what_is_on_the_disk_goes_before_an_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_on_disk_goes_before_an_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert or_example("peak") == EXAMPLES["peak"]
     Path("peak").write_text("mine")
     assert or_example("peak") == Path("peak")
 
 
-def test_what_is_neither_is_said_to_be_no_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_name_of_neither_file_nor_example_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert main(["generate", "paek", "-o", str(tmp_path)]) == 2
     assert capsys.readouterr().err == "rsegen: paek: No such file or directory\n"

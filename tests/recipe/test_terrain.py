@@ -12,20 +12,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Peak, Placement, Random, Recipe, RobotLimits, Terrain
+from rsegen import Peak, Random, Recipe, RobotLimits, Terrain
 from rsegen.errors import ParameterError, UserError
 from rsegen.field.metrics.batch import batch_metrics
 from rsegen.field.metrics.catalogue import metric_by
 
-ROUGH = Recipe(name="rough", seed=1, unit_cm=5, boundary="none", obstacles=[Placement(obstacle=Random(max_height=6))])
-TABLE = replace(ROUGH, name="table", obstacles=[Placement(obstacle=Peak(max_height=6), first=(1, 1), last=(9, 9))])
+ROUGH = Recipe(name="rough", seed=1, unit_cm=5, boundary="none", obstacles=[Random(levels=6)])
+TABLE = replace(ROUGH, name="table", obstacles=[Peak(levels=6, first=(1, 1), last=(9, 9))])
 TABLE_OF_1 = replace(
     ROUGH,
     name="mixed",
     unit_cm=1,
-    obstacles=[Placement(obstacle=Random(max_height=20)), Placement(obstacle=Peak(max_height=30), blend="max")],
+    obstacles=[Random(levels=20), Peak(levels=30, blend="max")],
 )
-HILL = replace(ROUGH, name="hill", obstacles=[Placement(obstacle=Peak(max_height=6, softness=60))])
+HILL = replace(ROUGH, name="hill", obstacles=[Peak(levels=6, softness=60)])
 
 
 def test_rows_rise_from_flat_to_full() -> None:
@@ -75,7 +75,7 @@ def test_frames_are_blocks_of_their_height() -> None:
     assert np.allclose(terrain.levels[0, 1] * 0.05, field.heights)
 
 
-def test_its_recipe_is_the_same_field() -> None:
+def test_the_recipe_of_a_terrain_builds_the_same_field() -> None:
     terrain = Terrain(recipes=[ROUGH, HILL], rows=2, columns=3, gap=1, border=4)
     assert rsegen.build(terrain.recipe, 0) == terrain.field
     assert rsegen.compose(terrain.recipe).name == "terrain_0000"
@@ -107,7 +107,7 @@ def test_a_tile_without_an_even_place_is_named() -> None:
 @pytest.mark.parametrize("by", ["opening.west_east", "reach.west_east.cost", lambda field: field.levels.mean()])
 def test_rows_rise_evenly_by_any_metric(by: Any) -> None:
     robot = RobotLimits(climb_cm=7) if by == "reach.west_east.cost" else None
-    fine = replace(ROUGH, unit_cm=1, obstacles=[Placement(obstacle=Random(max_height=30))])
+    fine = replace(ROUGH, unit_cm=1, obstacles=[Random(levels=30)])
     terrain, metric = Terrain(recipes=[fine, TABLE_OF_1], rows=5, columns=6, by=by, robot=robot), metric_by(by, robot)
     assert not terrain.levels[0].any()
     for kind in (slice(0, 3), slice(3, 6)):
@@ -148,7 +148,7 @@ def _alone(terrain: Terrain, levels: Any) -> rsegen.StepField:
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_what_cannot_be_is_said(given: Mapping[str, Any], message: str) -> None:
+def test_invalid_terrains_are_refused(given: Mapping[str, Any], message: str) -> None:
     with pytest.raises(UserError, match=message):
         Terrain(**{"recipes": ROUGH, **given})
 

@@ -14,7 +14,7 @@ import psutil
 import pytest
 
 import rsegen
-from rsegen import GeneratedMap, Placement, Recipe
+from rsegen import GeneratedMap, Recipe
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
@@ -34,14 +34,14 @@ from tests.support.runs import (
     whole_maps_only,
 )
 
-OBSTACLE = ["--obstacle", "random max_height=5", "--seed", "7"]
+OBSTACLE = ["--obstacle", "random levels=5", "--seed", "7"]
 MANY = [*OBSTACLE, "--maps", "50000", "--workers", "2"]
 RECIPE = Recipe(
     seed=7,
     maps=13,
     first_map=9_995,
     chunk_size=4,
-    obstacles=[Placement(obstacle=rsegen.Random(max_height=3)), Placement(obstacle=rsegen.Peak(max_height=5))],
+    obstacles=[rsegen.Random(levels=3), rsegen.Peak(levels=5)],
 )
 
 

@@ -21,7 +21,7 @@ from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.runs import contents, ended, started, until_there
 from tests.support.strategies import recipes
 
-OBSTACLE = ["--obstacle", "random max_height=5", "--chunk-size", "4", "--seed", "7"]
+OBSTACLE = ["--obstacle", "random levels=5", "--chunk-size", "4", "--seed", "7"]
 
 LARGER = ["--chunks", "10"]
 """So that workers are started for fewer maps, which are fewer files."""
@@ -80,7 +80,7 @@ def test_a_run_that_was_stopped_goes_on(
 
 @pytest.mark.slow
 def test_the_message_of_a_stopped_run_says_how_to_go_on(tmp_path: Path) -> None:
-    command: list[str | Path] = ["generate", "--obstacle", "peak max_height=3", "--maps", "200", "-o", tmp_path / "out"]
+    command: list[str | Path] = ["generate", "--obstacle", "peak levels=3", "--maps", "200", "-o", tmp_path / "out"]
     process = started(*command)
     until_there(process, tmp_path / "out", 3)
     process.send_signal(signal.SIGINT)
@@ -118,7 +118,7 @@ def test_nothing_to_resume_is_a_run_from_the_start(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "other",
-    [["--seed", "8"], ["--mesh-type", "pallet"], ["--obstacle", "peak max_height=2"]],
+    [["--seed", "8"], ["--mesh-type", "pallet"], ["--obstacle", "peak levels=2"]],
     ids=lambda flags: flags[0],
 )
 def test_a_map_of_another_recipe_is_refused_before_anything_is_written(

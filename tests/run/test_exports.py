@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import rsegen
-from rsegen import Placement, Recipe, Scene, export_maps
+from rsegen import Recipe, Scene, export_maps
 from rsegen.errors import OutputError, ParameterError, TooLarge, UserError, WriteError
 from rsegen.exporters.formats.arrays import Arrays
 from rsegen.exporters.formats.heightmap import Heightmap
@@ -24,7 +24,7 @@ from rsegen.run import swap
 from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.runs import contents
 
-RECIPE = Recipe(seed=4, maps=2, chunk_size=4, obstacles=(Placement(obstacle=rsegen.Random(max_height=3)),))
+RECIPE = Recipe(seed=4, maps=2, chunk_size=4, obstacles=(rsegen.Random(levels=3),))
 
 
 def formats_of(home: Path) -> dict[str, object]:

@@ -15,7 +15,7 @@ from rsegen.io.input_files import JOURNAL
 from rsegen.run.journal import read_journal
 from tests.support.complaints import exit_code, snapshot, the_line
 
-OBSTACLE = ["--obstacle", "random max_height=5", "--chunk-size", "4", "--seed", "7"]
+OBSTACLE = ["--obstacle", "random levels=5", "--chunk-size", "4", "--seed", "7"]
 WORK = "years of work"
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.errors import OutputError, ParameterError, TooLarge, UserError
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.stl import Stl
@@ -25,7 +25,7 @@ from rsegen.run.series_rows import SeriesPlan
 from rsegen.run.worlds import Sidecars, make_worlds, plan_worlds
 from tests.support.complaints import snapshot
 
-RECIPE = Recipe(seed=7, maps=4, chunk_size=4, obstacles=(Placement(obstacle=Random(max_height=3)),))
+RECIPE = Recipe(seed=7, maps=4, chunk_size=4, obstacles=(Random(levels=3),))
 HUGE = replace(RECIPE, chunks=(4000, 4000), chunk_size=100)
 MANY = replace(RECIPE, maps=10**14)
 

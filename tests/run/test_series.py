@@ -19,7 +19,7 @@ import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import Placement, Random, Recipe, RobotLimits, build, load, metrics, series
+from rsegen import Random, Recipe, RobotLimits, build, load, metrics, series
 from rsegen.cli import main
 from rsegen.errors import OutputError, ParameterError
 from rsegen.field.metrics.catalogue import metric_by
@@ -30,8 +30,8 @@ from rsegen.run import execute as execute_module
 from rsegen.run.series_rows import SeriesPlan, SeriesRow
 from tests.cli.test_cli import contents, printed, read
 
-RANDOM = Recipe(name="rough", seed=7, maps=8, obstacles=(Placement(obstacle=Random(max_height=5)),))
-FLAGS = ["--obstacle", "random max_height=5", "--seed", "7", "--maps", "8", "--name", "rough"]
+RANDOM = Recipe(name="rough", seed=7, maps=8, obstacles=(Random(levels=5),))
+FLAGS = ["--obstacle", "random levels=5", "--seed", "7", "--maps", "8", "--name", "rough"]
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
@@ -200,7 +200,7 @@ def test_level_ground_is_a_series_too(tmp_path: Path) -> None:
     assert [row.rms for row in found.rows] == [0, 0]
 
 
-FINE = replace(RANDOM, boundary="none", unit_cm=2, maps=6, obstacles=(Placement(obstacle=Random(max_height=20)),))
+FINE = replace(RANDOM, boundary="none", unit_cm=2, maps=6, obstacles=(Random(levels=20),))
 
 
 @pytest.mark.parametrize("same_field", [False, True])

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe, StepField
+from rsegen import Random, Recipe, StepField
 from rsegen.errors import ParameterError
 from rsegen.scanning.comparison import Comparison, compared
 
 
 @pytest.fixture(scope="module")
 def field() -> StepField:
-    recipe = Recipe(seed=3, chunks=(2, 1), chunk_size=4, obstacles=(Placement(obstacle=Random(max_height=5)),))
+    recipe = Recipe(seed=3, chunks=(2, 1), chunk_size=4, obstacles=(Random(levels=5),))
     return rsegen.build(recipe, 0)
 
 

@@ -11,7 +11,7 @@ import pytest
 
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned
-from rsegen import Matrix, Placement, Random, Recipe, StepField
+from rsegen import Matrix, Random, Recipe, StepField
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array
 from rsegen.scanning import Scan, ScanSettings, find_field
@@ -33,7 +33,7 @@ TWO_VIEWS = (DepthCamera(place=(0.6, 0.2, 2.2)), DepthCamera(place=(-0.5, -0.4, 
 
 
 def field_of(seed: int = 1, **values: Any) -> StepField:
-    recipe = Recipe(seed=seed, obstacles=(Placement(obstacle=Random(max_height=5)),), **values)
+    recipe = Recipe(seed=seed, obstacles=(Random(levels=5),), **values)
     return rsegen.build(recipe, 0)
 
 
@@ -97,7 +97,7 @@ def test_a_rim_at_ground_level_is_found_by_the_size() -> None:
     levels[2:8, 2:8] = field_of(2).blocks[:6, :6]
     levels[[2, 7], [3, 3]] = 3
     levels[[3, 3], [2, 7]] = 3
-    field = rsegen.build(Recipe(seed=1, boundary="none", obstacles=(Placement(obstacle=Matrix.of(levels)),)), 0)
+    field = rsegen.build(Recipe(seed=1, boundary="none", obstacles=(Matrix.of(levels),)), 0)
     cloud = cloud_of(field)
     assert max(find_field(cloud).levels.shape) <= 6
     scan = find_field(cloud, ScanSettings(blocks=(10, 10), boundary="none"))

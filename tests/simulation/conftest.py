@@ -50,6 +50,6 @@ def classic_world(tmp_path: Path) -> Path:
 
 
 def generated(folder: Path, *flags: str) -> Path:
-    row = ["--obstacle", "random max_height=3", "--chunk-size", "2", "--seed", "1"]
+    row = ["--obstacle", "random levels=3", "--chunk-size", "2", "--seed", "1"]
     assert main(["generate", *row, *flags, "-o", str(folder)]) == 0
     return folder / "rse_0000" / "rse_0000.world"

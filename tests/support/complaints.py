@@ -10,7 +10,7 @@ from rsegen.cli import main
 
 MANY_DIGITS = int("9" * 400)
 MORE_DIGITS_THAN_PYTHON_WRITES = 1 << 20_000
-OBSTACLE = ["--obstacle", "random max_height=5", "--seed", "7"]
+OBSTACLE = ["--obstacle", "random levels=5", "--seed", "7"]
 NO_WORD = "xyz"
 LISTS = [f", &{one} [{', '.join([f'*{below}'] * 10)}]" for below, one in pairwise("abcdefghi")]
 BOMB = f"description: [&a [x, x]{''.join(LISTS)}]\n"

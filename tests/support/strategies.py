@@ -1,12 +1,12 @@
-"""What hypothesis draws: fields, placements and recipes within the method's ranges, small enough to be quick."""
+"""What hypothesis draws: fields, obstacles and recipes within the method's ranges, small enough to be quick."""
 
 from __future__ import annotations
 
 import numpy as np
 from hypothesis import strategies as st
 
-from rsegen import KINDS, Placement, Recipe, StepField
-from rsegen.recipe.codec import decode_placement
+from rsegen import KINDS, Obstacle, Recipe, StepField
+from rsegen.recipe.codec import decode_obstacle
 
 SEEDS = st.integers(0, 2**63 - 1)
 
@@ -35,16 +35,16 @@ def _place(cells_x: int, cells_y: int) -> st.SearchStrategy[object]:
 
 
 @st.composite
-def placements(draw: st.DrawFn, cells_x: int = 8, cells_y: int = 8) -> Placement:
+def obstacles(draw: st.DrawFn, cells_x: int = 8, cells_y: int = 8) -> Obstacle:
     """Any kind, with places that it accepts."""
     kind = draw(st.sampled_from(sorted(KINDS)))
     first, last = draw(_place(cells_x, cells_y)), draw(_place(cells_x, cells_y))
     if kind == "horizontal_barrier" and isinstance(first, list) and isinstance(last, list):
         last = [first[0], last[1]]
-    return decode_placement(
+    return decode_obstacle(
         {
             "kind": kind,
-            "max_height": draw(st.integers(2, 9)),
+            "levels": draw(st.integers(2, 9)),
             "softness": draw(st.integers(0, 100)),
             "first": first,
             "last": last,
@@ -64,5 +64,5 @@ def recipes(draw: st.DrawFn) -> Recipe:
         boundary=draw(st.sampled_from(["none", "divided", "outer"])),
         mesh_type=draw(st.sampled_from(["single", "multi", "pallet"])),
         seed=draw(SEEDS),
-        obstacles=tuple(draw(st.lists(placements(), max_size=4))),
+        obstacles=tuple(draw(st.lists(obstacles(), max_size=4))),
     )

@@ -5,15 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-from rsegen import KINDS, Placement, Recipe
+from rsegen import KINDS, Recipe
+from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.params.sorts import CellRef, Choice, Flag, Float, Integer, ListOf, Parameter, Size2D, Text, parameters
 from rsegen.recipe.map_design import DifficultySort
 from tests.support.complaints import MANY_DIGITS, NO_WORD
 
-OWNERS: Mapping[str, type] = {"recipe": Recipe, "placement": Placement, **KINDS}
+OWNERS: Mapping[str, type] = {"recipe": Recipe, **KINDS}
 """Every class that has parameters of a recipe, by name."""
-EVERY = {(owner, name): parameter for owner, cls in OWNERS.items() for name, parameter in parameters(cls).items()}
-"""(owner, name) -> every parameter of a recipe file."""
+EVERY = {
+    **{("recipe", name): parameter for name, parameter in parameters(Recipe).items()},
+    **{("peak", name): parameter for name, parameter in PLACING.items()},
+    **{(kind, name): parameter for kind, cls in KINDS.items() for name, parameter in own_parameters(cls).items()},
+}
+"""(owner, name) -> every parameter of a recipe file; those that place any obstacle once, as of a peak."""
 
 
 def _sort(parameter: Parameter) -> tuple[object, ...]:

@@ -9,7 +9,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from rsegen.cli.commands import COMMANDS, parser
+from rsegen.cli.bar import quiet
+from rsegen.cli.commands import COMMANDS, OVERVIEW, complete, parser
 from rsegen.cli.edge import failed, printable_output, short_warnings
 from rsegen.cli.plugins import load_plugins
 from rsegen.cli.stop import Signals
@@ -19,7 +20,7 @@ __all__ = ["COMMANDS", "main"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; gives the exit code."""
+    """Run one command, and return the exit code."""
     signals = Signals()
     with short_warnings(), printable_output():
         try:
@@ -33,9 +34,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None, signals: Signals) -> int:
     try:
-        parsed = parser().parse_args(load_plugins(sys.argv[1:] if arguments is None else arguments))
-        with signals.stop_it():
-            return int(parsed.run(parsed) or 0)
+        top = parser()
+        complete(top)
+        parsed = top.parse_args(load_plugins(sys.argv[1:] if arguments is None else arguments))
+        if not hasattr(parsed, "run"):
+            print(OVERVIEW, end="")
+            return 0
+        with signals.stop_it(), quiet(is_asked_for=parsed.quiet):
+            outcome = parsed.run(parsed)
+            return outcome.show(parsed) if outcome else 0
     finally:
         if sys.stdout:
             sys.stdout.flush()

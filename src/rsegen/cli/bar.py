@@ -1,20 +1,40 @@
-"""A progress bar that counts maps or tiles, one after the other; and whether anyone would see one."""
+"""Progress bars on stderr, on a terminal alone and never with --quiet."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rsegen.recipe.recipe import Recipe
+    from rsegen.run.dataset import Progress
+    from rsegen.run.worlds import GeneratedMap
+    from rsegen.simulation.experiment.plan import Cell, ExperimentPlan
+
+QUIET: ContextVar[bool] = ContextVar("no progress bars", default=False)
+
+
+@contextmanager
+def quiet(*, is_asked_for: bool) -> Iterator[None]:
+    """Show no progress inside, if that is asked for."""
+    token = QUIET.set(is_asked_for)
+    try:
+        yield
+    finally:
+        QUIET.reset(token)
 
 
 def watched() -> bool:
-    """Whether there is a terminal for a progress bar."""
-    return bool(sys.stderr and sys.stderr.isatty())
+    """Return whether there is a terminal for a progress bar, and somebody who wants one."""
+    return bool(sys.stderr and sys.stderr.isatty()) and not QUIET.get()
 
 
 @contextmanager
 def counting(count: int, unit: str = "map") -> Iterator[Callable[..., None] | None]:
-    """A function to call with each map, or other thing, that is done; None without a terminal, or for a single one."""
+    """Yield a function to call with each thing that is done; None without a terminal, or for a single one."""
     if count == 1 or not watched():
         yield None
         return
@@ -26,3 +46,80 @@ def counting(count: int, unit: str = "map") -> Iterator[Callable[..., None] | No
             bar.update()
 
         yield done
+
+
+@contextmanager
+def maps_bar(recipe: Recipe) -> Iterator[Callable[[GeneratedMap], None] | None]:
+    """Yield a function to call with each map of a recipe; maps that exist already count as done."""
+    if recipe.maps == 1 or not watched():
+        yield None
+        return
+    from tqdm import tqdm
+
+    with tqdm(total=recipe.maps, unit="map", miniters=1) as bar:
+
+        def done(generated: GeneratedMap) -> None:
+            place = generated.index - recipe.first_map + 1
+            if not bar.n:
+                bar.initial = bar.n = place - 1  # of no weight in the time that is left
+            bar.update(place - bar.n)
+
+        yield done
+        bar.update(recipe.maps - bar.n)
+
+
+@contextmanager
+def shards_bar(maps: int) -> Iterator[Progress | None]:
+    """Yield a function for maps in shards; those that exist already are of no weight in the time that is left."""
+    if not watched():
+        yield None
+        return
+    from tqdm import tqdm
+
+    with tqdm(total=maps, unit="map", unit_scale=True) as bar:
+
+        def done(maps: int, *, already: bool) -> None:
+            bar.initial += maps * already
+            bar.update(maps)
+
+        yield done
+
+
+@contextmanager
+def seconds_bar(seconds: float) -> Iterator[Callable[[float], None]]:
+    """Yield a function for the simulation time."""
+    if not watched():
+        yield lambda _: None
+        return
+    from tqdm import tqdm
+
+    with tqdm(total=seconds, unit="s", bar_format="{l_bar}{bar}| {n:.0f}/{total:.0f} simulated s [{elapsed}]") as bar:
+
+        def progress(done: float) -> None:
+            bar.update(done - bar.n)
+
+        yield progress
+
+
+@contextmanager
+def trials_bar(plan: ExperimentPlan) -> Iterator[Callable[[int, Cell], None]]:
+    """Yield a function for the trials of an experiment; without a terminal each is a line, but with --quiet."""
+    trials = len(plan.cells) * plan.repeats
+    if not watched():
+
+        def line(done: int, cell: Cell) -> None:
+            if not QUIET.get():
+                print(f"{done + 1} of {trials}: {cell.name}", file=sys.stderr, flush=True)
+
+        yield line
+        return
+    from tqdm import tqdm
+
+    with tqdm(total=trials, unit="trial") as bar:
+
+        def progress(done: int, cell: Cell) -> None:
+            bar.update(done - bar.n)
+            bar.set_description(cell.name)
+
+        yield progress
+        bar.update(trials - bar.n)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Mapping
 from importlib import import_module
 from types import MappingProxyType
@@ -45,9 +46,10 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "information": {
             "examples": "list the recipes to start from, or copy them",
             "obstacles": "list the kinds of obstacles and their parameters",
-            "schema": "print the JSON Schema of recipe files",
+            "schema": "print the JSON Schema of recipe files, or of the parameters of a command",
             "sim": "list the simulators with version and path, or how to install them",
             "doctor": "list what is installed, what is missing and what it is needed for",
+            "completion": "print what makes bash, zsh or fish complete commands and flags",
         },
     }
 )
@@ -65,28 +67,62 @@ def module_of(command: str) -> str:
 
 
 class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]  # argparse has no public name for it
-    """Lets the module of the named command add its parser, and no other."""
+    """The commands, of which the module of the named one adds its parser, and no other."""
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         self.choices = dict(COMMANDS)
 
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: Any = None) -> None:
-        if values[0] not in self._name_parser_map:
-            import_module(module_of(values[0])).add(self)
+        self.add(values[0])
         super().__call__(parser, namespace, values, option_string)
+
+    def add(self, name: str) -> None:
+        """Add the parser of a command, if it is not there yet."""
+        if name not in self._name_parser_map:
+            import_module(module_of(name)).add(self)
 
 
 def parser() -> Parser:
-    """The parser of the whole command line."""
+    """Return the parser of the whole command line."""
     top = Parser(
         prog="rsegen",
         usage="rsegen COMMAND [options]",
         description="Random Step Environments (NIST stepfields) as worlds and models for robot simulators.",
         epilog="Start with: rsegen generate --obstacle 'random levels=5' -o worlds",
     )
-    top.add_argument("--version", action="version", version=f"rsegen {__version__}")
-    top.add_subparsers(action=_Commands, prog="rsegen", metavar="COMMAND", required=True, help=argparse.SUPPRESS)
+    top.add_argument("-V", "--version", action="version", version=f"rsegen {__version__}")
+    top.add_subparsers(action=_Commands, prog="rsegen", metavar="COMMAND", help=argparse.SUPPRESS)
     for title, commands in GROUPS.items():
         top.add_rows(title, lambda commands=commands: [HelpRow(*row) for row in commands.items()])  # type: ignore[misc]
     return top
+
+
+OVERVIEW = """\
+rsegen makes Random Step Environments (NIST stepfields) as worlds and models for robot simulators.
+
+  rsegen generate --obstacle 'random levels=5' -o worlds   make a world
+  rsegen open worlds/rse_0000                              open it in Gazebo
+  rsegen examples                                          list recipes to start from
+  rsegen gui                                               shape a map with the mouse
+  rsegen --help                                            list all commands
+"""
+"""What `rsegen` alone prints."""
+
+
+def complete(top: Parser) -> None:
+    """Answer a shell that asks what may follow, and end; return if none asks (`_ARGCOMPLETE` is argcomplete's own)."""
+    if "_ARGCOMPLETE" not in os.environ:
+        return
+    import argcomplete
+
+    (commands,) = (action for action in top._actions if isinstance(action, _Commands))
+    words = os.environ.get("COMP_LINE", "").split()[1:]
+    named = next((word for word in words if word in COMMANDS), None)
+    if named:
+        commands.add(named)
+    for name in COMMANDS:  # argcomplete looks into each parser
+        if name not in commands._name_parser_map:
+            commands._name_parser_map[name] = Parser(prog=f"rsegen {name}")
+    commands.choices = commands._name_parser_map
+    argcomplete.autocomplete(top, always_complete_options="long")

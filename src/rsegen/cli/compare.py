@@ -3,40 +3,48 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from rsegen.cli.flags import Subparsers, add_force_flag, add_parameter_flags, add_target_recipe_flags, given
-from rsegen.cli.picture_path import picture_path
-from rsegen.cli.targets import map_of_flags
+from rsegen.cli.flags import add_target_recipe_flags
+from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.targets import map_of_flags, picture_path
+from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
-from rsegen.exporters.numbers import decimal
-from rsegen.exporters.pictures.measured import summary
-from rsegen.exporters.pictures.preview import image_format
-from rsegen.io.clouds import is_cloud
-from rsegen.io.resources import refuse_too_large
-from rsegen.io.scans import ComparedMap, ScanOptions, compare
-from rsegen.io.targets import found
-from rsegen.params.sorts import parameters
+from rsegen.io.scan_options import ScanOptions
+from rsegen.params.command import Shell, add_flags, given
+from rsegen.params.sorts import FilePath, parameters
 from rsegen.recipe.recipe import Recipe
-from rsegen.run.store import write_file
-from rsegen.scanning.comparison import Comparison
+
+if TYPE_CHECKING:
+    from rsegen.io.scans import ComparedMap
+    from rsegen.scanning.comparison import Comparison
 
 _KNOWN = frozenset({*parameters(Recipe), "size", "fill_holes"})
 """Options of a scan that the map decides."""
 
 _SHOWN = 20
+"""Blocks that a report names."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Drawing:
+    """Print, and draw, which blocks of a real field or of a map differ from those of MAP."""
+
+    output: Annotated[
+        str | None,
+        FilePath("a picture", help="draw what to change: png, svg or pdf, by its ending"),
+        Shell(("-o", "--output"), "PICTURE"),
+    ] = None
+    force: Force = False
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
-    command = commands.add_parser(
-        "compare",
-        description="Print, and draw, which blocks of a real field or of a map differ from those of MAP: by a scan, "
-        "which may be turned and moved, or cell by cell.",
-        epilog="Exit code 0: all blocks are right; 1: some differ, or were not seen.",
-    )
+    """Add the parser of this command."""
+    epilog = "A scan may be turned and moved. Exit code 0: all blocks are right; 1: some differ, or were not seen."
+    command = add_command(commands, "compare", _Drawing, epilog=epilog)
     command.add_argument(
         "paths",
         nargs="+",
@@ -45,36 +53,44 @@ def add(commands: Subparsers) -> None:
         "stand: a recipe, an example, the folder of a map",
     )
     command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
-    group = command.add_argument_group("output")
-    group.add_argument("-o", "--output", metavar="PICTURE", help="draw what to change: png, svg or pdf by its ending")
-    add_force_flag(group, "an existing picture")
-    group.add_argument("--json", action="store_true", help="print the differences for programs")
-    add_parameter_flags(command.add_argument_group("reading a scan"), ScanOptions, without=_KNOWN)
+    add_flags(command.add_argument_group("output"), _Drawing)
+    add_flags(command.add_argument_group("reading a scan"), ScanOptions, without=_KNOWN)
     add_target_recipe_flags(command)
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Compare, draw and report; gives exit code 1 if anything differs or was not seen."""
+def run(arguments: argparse.Namespace) -> Report:
+    """Compare and draw; the exit code is 1 if anything differs or was not seen."""
+    from rsegen.exporters.pictures.measured import summary
+    from rsegen.exporters.pictures.preview import image_format
+    from rsegen.io.resources import refuse_too_large
+    from rsegen.run.store import write_file
+
     *stands, wanted = arguments.paths
     if not stands:
         raise ParameterError("MAP", f"only {wanted} is given; give a scan or a map, and then the map that should stand")
-    picture = picture_path(arguments.output, force=arguments.force)
+    picture = picture_path(arguments.output, force=bool(arguments.force))
     arguments.target = wanted
     _, recipe, index = map_of_flags(arguments)
     refuse_too_large(recipe)
     compared = _compared(stands, arguments, recipe.alone(index))
     if picture:
-        write_file([compared.picture(image_format(picture))], picture, force=arguments.force)
+        write_file([compared.picture(image_format(picture))], picture, force=bool(arguments.force))
     comparison = compared.comparison
-    print(json.dumps(_as_json(comparison), indent=2) if arguments.json else "\n".join(_report(comparison)))
-    return 0 if comparison.is_equal else 1
+    lines = [summary(comparison), *_lines(comparison)]
+    return Report(lines=lines, content=_content(comparison), code=0 if comparison.is_equal else 1)
 
 
 def _compared(stands: list[str], arguments: argparse.Namespace, recipe: Recipe) -> ComparedMap:
+    from rsegen.io.clouds import is_cloud
+    from rsegen.io.resources import refuse_too_large
+    from rsegen.io.scans import compare
+    from rsegen.io.targets import found
+
     clouds = [path for path in stands if is_cloud(Path(path))]
     if clouds and len(clouds) == len(stands):
-        options = {name: value for name, value in given(ScanOptions, arguments).items() if name not in _KNOWN}
+        said = given(ScanOptions, arguments, arguments.units)
+        options = {name: value for name, value in said.items() if name not in _KNOWN}
         return compare(clouds, recipe, ScanOptions(**options))
     if len(stands) > 1:
         raise ParameterError("SCAN-or-MAP", "give clouds of one field and a map, or two maps")
@@ -83,8 +99,7 @@ def _compared(stands: list[str], arguments: argparse.Namespace, recipe: Recipe) 
     return compare(other.alone(index), recipe)
 
 
-def _report(comparison: Comparison) -> Iterator[str]:
-    yield summary(comparison)
+def _lines(comparison: Comparison) -> Iterator[str]:
     changes = list(comparison.changes())
     for x, y, height, wanted in changes[:_SHOWN]:
         way = "too high" if height > wanted else "too low"
@@ -94,6 +109,8 @@ def _report(comparison: Comparison) -> Iterator[str]:
 
 
 def _cm(metres: float) -> str:
+    from rsegen.exporters.numbers import decimal
+
     return decimal(round(metres * 100, 1) + 0)
 
 
@@ -104,7 +121,7 @@ def _cell(comparison: Comparison, x: int, y: int) -> str:
     return f"x {field.numbered(0)[x]} y {field.numbered(1)[y]}"
 
 
-def _as_json(comparison: Comparison) -> dict[str, object]:
+def _content(comparison: Comparison) -> dict[str, object]:
     """For programs; lengths in metres, cells counted from the south-west corner, frames counted."""
     return {
         "cells": comparison.wrong.size,

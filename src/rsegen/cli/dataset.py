@@ -3,121 +3,77 @@
 from __future__ import annotations
 
 import argparse
-import json
 import shlex
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from rsegen.cli.bar import watched
-from rsegen.cli.flags import (
-    RECIPE_HELP,
-    Subparsers,
-    add_force_flag,
-    add_parameter_flags,
-    add_recipe_flags,
-    folder,
-    given,
-    recipes_from,
-)
-from rsegen.cli.generate import add_workers_flag, workers_from
+from rsegen.cli.bar import shards_bar
+from rsegen.cli.flags import RECIPE_HELP, add_recipe_argument, add_recipe_flags, recipes_from
+from rsegen.cli.generate import run_options
+from rsegen.cli.report import Report, Subparsers, add_command, call
 from rsegen.cli.stop import how_to_go_on
+from rsegen.commands.dataset import make_dataset
 from rsegen.errors import ParameterError
-from rsegen.io.dataset.layout import ShardLayout
-from rsegen.io.dataset.reading import Dataset
+from rsegen.params.command import add_flags
 from rsegen.params.sorts import Integer
-from rsegen.recipe.recipe import Recipe
-from rsegen.run.dataset import Progress, make_dataset
+
+if TYPE_CHECKING:
+    from rsegen.io.dataset.reading import Dataset
 
 _REBUILT = Integer(0, 10**9)
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
-    command = commands.add_parser(
-        "dataset",
-        description="Write the maps of one or several recipes as a data set: block levels as arrays, metrics as "
-        "tables, in shards. DIR#17 then names one of its maps in every command: rsegen generate DIR#17 -o worlds.",
-        epilog="docs/datasets.md shows how to read it in Python, and how to train on it.",
+    """Add the parser of this command."""
+    epilog = "DIR#17 then names one of its maps in every command: rsegen generate DIR#17 -o worlds. docs/datasets.md "
+    command = add_command(
+        commands, "dataset", make_dataset, epilog=f"{epilog}shows how to read it in Python, and how to train on it."
     )
     text = f"{RECIPE_HELP}; flags apply to every recipe, so --maps N makes N maps of each"
-    command.add_argument_group("input").add_argument("recipes", nargs="*", metavar="RECIPE", help=text)
+    add_recipe_argument(command, text=text, name="recipes", nargs="*")
     group = command.add_argument_group("output")
     what = group.add_mutually_exclusive_group(required=True)
-    what.add_argument("-o", "--output", type=folder, metavar="DIR", help="folder for the data set")
-    what.add_argument("--verify", type=folder, metavar="DIR", help="check every file of the data set in DIR instead")
-    add_parameter_flags(group, ShardLayout)
-    there = group.add_mutually_exclusive_group()
-    add_force_flag(there, "an existing data set", ", once the new one is complete")
-    there.add_argument(
-        "--resume",
-        action="store_true",
-        help="continue a stopped run: keep the shards that are complete, and make the others; needs the same "
-        "recipe and seed",
-    )
-    add_workers_flag(group)
+    what.add_argument("-o", "--output", dest="folder", metavar="DIR", help="folder for the data set")
+    what.add_argument("--verify", metavar="DIR", help="check every file of the data set in DIR instead")
+    add_flags(group, make_dataset, without=["folder"])
     group.add_argument("--rebuild", metavar="N", help="with --verify: maps to build again and compare (default: 100)")
-    group.add_argument("--json", action="store_true", help="print a summary as JSON")
     add_recipe_flags(command)
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> Report:
     """Make or check it, and say what is there."""
-    if arguments.verify:
+    if arguments.verify is not None:
         dataset, words = _verified(arguments)
     else:
-        dataset = _made(recipes_from(arguments.recipes, arguments), arguments)
+        dataset = _made(arguments)
         words = f"one of them as a world: rsegen generate {shlex.quote(f'{dataset.folder}#0')} -o worlds"
-    print(json.dumps(_summary(dataset), indent=2) if arguments.json else f"{_described(dataset)}\n{words}")
+    return Report(lines=[_described(dataset), words], content=lambda: _content(dataset))
 
 
 def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
     """The data set, and what it was compared with."""
+    from rsegen.io.dataset.reading import Dataset
+
     if arguments.recipes:
         raise ParameterError("--verify", "needs no recipe: it is in the data set")
     text = arguments.rebuild
     rebuild = 100 if text is None else _REBUILT.check("--rebuild", _REBUILT.parse(text))
-    dataset = Dataset(arguments.verify)
+    dataset = Dataset(Path(arguments.verify))
     dataset.verify(rebuild)
     built = min(rebuild, len(dataset))
     return dataset, f"all checksums are right, and {built} random maps were built again and are equal"
 
 
-def _made(recipes: Sequence[Recipe], arguments: argparse.Namespace) -> Dataset:
-    said = given(ShardLayout, arguments)
+def _made(arguments: argparse.Namespace) -> Dataset:
+    recipes, options = recipes_from(arguments.recipes, arguments), run_options(make_dataset, arguments)
     resume, then = not arguments.force, "goes on" if arguments.force else "makes the others"
-    with how_to_go_on(*recipes, resume=resume, then=then), _bar(sum(recipe.maps for recipe in recipes)) as progress:
-        return make_dataset(
-            recipes,
-            arguments.output,
-            force=arguments.force,
-            resume=arguments.resume,
-            workers=workers_from(arguments),
-            scheduler=arguments.scheduler,
-            sync=not arguments.no_sync,
-            progress=progress,
-            **said,
-        )
+    maps = sum(recipe.maps for recipe in recipes)
+    with how_to_go_on(*recipes, resume=resume, then=then), shards_bar(maps) as progress:
+        return call(make_dataset, arguments, recipes, **options, progress=progress)
 
 
-@contextmanager
-def _bar(maps: int) -> Iterator[Progress | None]:
-    """A progress bar on a terminal; maps that are there already are of no weight in the time that is left."""
-    if not watched():
-        yield None
-        return
-    from tqdm import tqdm
-
-    with tqdm(total=maps, unit="map", unit_scale=True) as bar:
-
-        def done(maps: int, *, already: bool) -> None:
-            bar.initial += maps * already
-            bar.update(maps)
-
-        yield done
-
-
-def _summary(dataset: Dataset) -> dict[str, object]:
+def _content(dataset: Dataset) -> dict[str, object]:
     return {
         "folder": str(dataset.folder),
         **_seeds(dataset),

@@ -3,32 +3,31 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rsegen.cli.environment import Environment, FoundExtra, FoundSimulator, environment
-from rsegen.cli.flags import Subparsers
+from rsegen.cli.report import Report, Subparsers, add_command
+
+if TYPE_CHECKING:
+    from rsegen.cli.environment import Environment, FoundExtra, FoundSimulator
 
 _WIDTH = 12
 
 
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
-    command = commands.add_parser(
-        "doctor",
-        description="Print the versions, simulators, extras and OpenGL that rsegen finds here, what is missing, and "
-        "what it is needed for. Starts no simulator and changes nothing.",
-        epilog="Add its output to bug reports.",
-    )
-    command.add_argument("--json", action="store_true", help="print it as JSON")
+    text = "Print the versions, simulators, extras and OpenGL that rsegen finds here, what is missing, and what it is "
+    epilog = "Starts no simulator and changes nothing. Add its output to bug reports."
+    command = add_command(commands, "doctor", text=f"{text}needed for.", epilog=epilog)
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
-    """Look, and print it."""
-    found = environment()
-    print(json.dumps(_summary(found), indent=2) if arguments.json else "\n".join(_report(found)))
+def run(arguments: argparse.Namespace) -> Report:
+    """Look."""
+    from rsegen.cli.environment import environment
+
+    here = environment()
+    return Report(lines=_report(here), content=_summary(here))
 
 
 def _summary(found: Environment) -> dict[str, Any]:

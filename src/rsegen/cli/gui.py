@@ -6,17 +6,16 @@ import argparse
 import os
 import sys
 
-from rsegen.cli.flags import Subparsers, add_target_recipe_flags, has_recipe_flags, recipe_from
+from rsegen.cli.flags import add_target_recipe_flags, has_recipe_flags, recipe_from
+from rsegen.cli.report import Subparsers, add_command
 from rsegen.errors import FileError, pip_install
 from rsegen.params.extras import GUI
-from rsegen.recipe.examples import or_example
 
 
 def add(commands: Subparsers) -> None:
     """The parser of this command."""
-    command = commands.add_parser(
-        "gui",
-        description="Open a window in which maps are edited with the mouse. Needs rsegen[gui].",
+    command = add_command(
+        commands, "gui", text="Open a window in which maps are edited with the mouse. Needs rsegen[gui]."
     )
     where = "YAML or JSON file, the name of an example, a data set, or one of its maps as DIR#17"
     command.add_argument("recipe", nargs="?", metavar="RECIPE-or-DIR", help=where)
@@ -34,4 +33,6 @@ def run(arguments: argparse.Namespace) -> None:
         raise FileError("gui: there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)")
     if has_recipe_flags(arguments):
         sys.exit(run_window(recipe_from(arguments)))
+    from rsegen.recipe.examples import or_example
+
     sys.exit(run_window(or_example(arguments.recipe) if arguments.recipe else None))

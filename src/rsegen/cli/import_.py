@@ -3,70 +3,88 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
-from rsegen.cli.flags import Subparsers, add_recipe_flags, add_switch, describe_flag, flag, given, with_flags
+from rsegen.cli.flags import add_recipe_flags, recipe_flags, with_flags
 from rsegen.cli.generate import add_output_flags, produce
-from rsegen.cli.picture_path import picture_path
+from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.targets import picture_path
 from rsegen.errors import ParameterError
-from rsegen.exporters.pictures.measured import rounding_plot
-from rsegen.exporters.pictures.preview import image_format
-from rsegen.exporters.scene import compose
-from rsegen.io.importers import IMPORTERS, Importer, heights_in, importer_for, recipe_of
-from rsegen.params.sorts import Flag, Parameter, parameters
+from rsegen.params.command import Declared, Shell, add_flags, declared, given
+from rsegen.params.sorts import FilePath, Flag, parameters
 from rsegen.recipe.recipe import Recipe
-from rsegen.run.store import write_file
+
+if TYPE_CHECKING:
+    from rsegen.io.importers import Importer
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Errors:
+    """Write a world from a file of heights, each cell a block with vertical sides."""
+
+    errors: Annotated[
+        str | None,
+        FilePath("a picture", help="draw by how much each height was rounded"),
+        Shell(metavar="PICTURE"),
+    ] = None
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
-    command = commands.add_parser(
-        "import",
-        description="Write a world from a file of heights, each cell a block with vertical sides: a table (CSV), a "
-        "numpy array (NPY), a greyscale image (PNG, JPEG, PGM, TIFF), or an occupancy grid of ROS (map.yaml).",
-        epilog="The folder of the world has its recipe, which can be opened in the window and generated again.",
+    """Add the parser of this command."""
+    from rsegen.io.importers.base import IMPORTERS
+
+    epilog = (
+        "A table (CSV), a numpy array (NPY), a greyscale image (PNG, JPEG, PGM, TIFF), or an occupancy grid of ROS "
     )
+    epilog += (
+        "(map.yaml). The folder of the world has its recipe, which can be opened in the window and generated again."
+    )
+    command = add_command(commands, "import", _Errors, epilog=epilog)
     command.add_argument("file", metavar="FILE", help=f"named {', '.join('*' + suffix for suffix in IMPORTERS)}")
     _add_reading_flags(command)
     add_output_flags(command)
-    command.add_argument("--errors", metavar="PICTURE", help="draw by how much each height was rounded")
+    add_flags(command, _Errors)
     add_recipe_flags(command, over="FILE")
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> Report:
     """Import, generate, and say what was made and how far heights were rounded."""
-    path = Path(arguments.file)
-    picture = picture_path(arguments.errors, force=arguments.force)
-    recipe = given(Recipe, arguments)
-    sorts = parameters(Recipe)
-    settled = {name: sorts[name].check(name, recipe[name]) for name in ("unit_cm", "chunk_size") if name in recipe}
+    from rsegen.exporters.pictures.measured import rounding_plot
+    from rsegen.exporters.pictures.preview import image_format
+    from rsegen.exporters.scene import compose
+    from rsegen.io.importers.reading import heights_in, importer_for, recipe_of
+    from rsegen.run.store import write_file
+
+    path, force = Path(arguments.file), bool(arguments.force)
+    picture = picture_path(arguments.errors, force=force)
+    said, sorts = recipe_flags(arguments), parameters(Recipe)
+    settled = {name: sorts[name].check(name, said[name]) for name in ("unit_cm", "chunk_size") if name in said}
     heights = heights_in(path, _reading(importer_for(path), arguments), settled.get("unit_cm"))
-    found = with_flags(recipe_of(path, heights, settled.get("chunk_size")), arguments)
+    recipe = with_flags(recipe_of(path, heights, settled.get("chunk_size")), arguments)
     if picture and heights.rounding is None:
         raise ParameterError("--errors", f"{path} has levels, which are not rounded")
-    produce(found, arguments)
+    report = produce(recipe, arguments)
     if picture and heights.errors_cm is not None and heights.holes is not None:
-        drawn = rounding_plot(compose(found), heights.errors_cm, heights.holes, image_format(picture))
-        write_file([drawn], picture, force=arguments.force)
-    if said := str(heights.rounding or ""):
-        print(said, file=sys.stderr if arguments.json else sys.stdout)
+        drawn = rounding_plot(compose(recipe), heights.errors_cm, heights.holes, image_format(picture))
+        write_file([drawn], picture, force=force)
+    return replace(report, notes=[str(heights.rounding)]) if heights.rounding else report
 
 
 def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
-    """The format with the options that were given; one that it does not have is an error."""
-    for name in _options():
+    """The importer with the options that were given; one that it does not have is an error."""
+    for name, option in _options().items():
         if name not in parameters(cls) and getattr(arguments, name) is not None:
-            flags = ", ".join(flag(own) for own in parameters(cls))
-            raise ParameterError(flag(name), f"is not for this file, which is read as {cls.name} (known: {flags})")
-    said = given(cls, arguments)
-    if (
-        arguments.units == "in"
-        and "values" not in said
-        and "in" in getattr(parameters(cls).get("values"), "values", ())
-    ):
+            flags = ", ".join(known.flags[-1] for known in declared(cls).values())
+            raise ParameterError(
+                option.flags[-1], f"is not for this file, which is read as {cls.name} (known: {flags})"
+            )
+    said = given(cls, arguments, arguments.units)
+    values: Any = parameters(cls).get("values")
+    if arguments.units == "in" and "values" not in said and "in" in getattr(values, "values", ()):
         said["values"] = "in"
     return cls(**said)
 
@@ -74,24 +92,27 @@ def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
 def _add_reading_flags(command: argparse.ArgumentParser) -> None:
     group = command.add_argument_group("reading")
     for name, option in _options().items():
-        text = "; ".join(f"{', '.join(kinds)}: {said}" for said, kinds in _meanings(name).items())
-        if isinstance(option, Flag):
-            add_switch(group, name, text)
-        else:
-            group.add_argument(flag(name), dest=name, metavar=name.upper(), help=text)
+        text = "; ".join(f"{', '.join(kinds)}: {said}" for said, kinds in _meanings(name).items()).replace("%", "%%")
+        switch: dict[str, Any] = {"action": "store_const", "const": True} if isinstance(option.sort, Flag) else {}
+        metavar: dict[str, Any] = {} if switch else {"metavar": name.upper()}
+        group.add_argument(*option.flags, dest=name, help=text, **switch, **metavar)
 
 
 def _meanings(name: str) -> Mapping[str, Collection[str]]:
-    """What the help says of an option, and the formats of which it says so."""
-    found: dict[str, dict[str, None]] = {}
+    """The help texts of an option, and the formats that have it."""
+    from rsegen.io.importers.base import IMPORTERS
+
+    formats: dict[str, dict[str, None]] = {}
     for cls in IMPORTERS.values():
-        if option := parameters(cls).get(name):
-            values, text = describe_flag(name, option)
-            said = text if isinstance(option, Flag) or not values.startswith("{") else f"{values}: {text}"
-            found.setdefault(said, {})[cls.name] = None
-    return found
+        if option := declared(cls).get(name):
+            listed = option.metavar.startswith("{") and not isinstance(option.sort, Flag)
+            text = option._replace(default=None).help
+            formats.setdefault(f"{option.metavar}: {text}" if listed else text, {})[cls.name] = None
+    return formats
 
 
-def _options() -> Mapping[str, Parameter]:
+def _options() -> Mapping[str, Declared]:
     """The options of all formats by name."""
-    return {name: option for cls in IMPORTERS.values() for name, option in parameters(cls).items()}
+    from rsegen.io.importers.base import IMPORTERS
+
+    return {name: option for cls in IMPORTERS.values() for name, option in declared(cls).items()}

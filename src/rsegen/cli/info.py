@@ -3,94 +3,90 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
-from rsegen.cli.flags import Subparsers, add_target_recipe_flags
+from rsegen.cli.flags import add_target_recipe_flags
+from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.cli.targets import add_target_flags, is_of_flags, scene_of
 from rsegen.errors import ParameterError
-from rsegen.exporters.map_summary import MapSummary, map_summary
-from rsegen.exporters.numbers import lengths_in
-from rsegen.run.journal import verify
+
+if TYPE_CHECKING:
+    from rsegen.exporters.map_summary import MapSummary
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
-    command = commands.add_parser(
-        "info",
-        description="Print the size of a map, its number of blocks of each level, and its cost in faces and bytes.",
-    )
+    """Add the parser of this command."""
+    text = "Print the size of a map, its number of blocks of each level, and its cost in faces and bytes."
+    command = add_command(commands, "info", text=text)
     add_target_flags(command)
-    group = command.add_argument_group("output")
-    group.add_argument("--json", action="store_true", help="print it as JSON")
-    group.add_argument(
-        "--verify",
-        action="store_true",
-        help="compare every file in DIR, and in the maps in it, with the sizes and checksums that rsegen recorded",
-    )
+    text = "compare every file in DIR, and in the maps in it, with the sizes and checksums that rsegen recorded"
+    command.add_argument_group("output").add_argument("--verify", action="store_true", help=text)
     add_target_recipe_flags(command)
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
-    """Print it."""
+def run(arguments: argparse.Namespace) -> Report:
+    """Summarise the map, or verify a folder."""
     if arguments.verify:
-        _verify(arguments)
-        return
-    found = map_summary(scene_of(arguments))
-    print(json.dumps(_summary(found), indent=2) if arguments.json else "\n".join(_report(found)))
+        return _verified(arguments)
+    from rsegen.exporters.map_summary import map_summary
+
+    summary = map_summary(scene_of(arguments))
+    return Report(lines=_lines(summary), content=_content(summary))
 
 
-def _verify(arguments: argparse.Namespace) -> None:
+def _verified(arguments: argparse.Namespace) -> Report:
     """Compare a folder with its records, and say what was compared."""
+    from rsegen.run.journal import verify
+
     if arguments.target is None or arguments.map is not None or is_of_flags(arguments):
         raise ParameterError("--verify", "needs a folder that rsegen wrote, and no recipe")
-    found = verify(arguments.target)
-    unlisted = [str(path) for path in found.unlisted]
-    if arguments.json:
-        print(json.dumps({"folders": found.folders, "files": found.files, "unlisted": unlisted}, indent=2))
-        return
-    print(f"{_many(found.files, 'file')} in {_many(found.folders, 'folder')} as rsegen wrote them")
-    for path in unlisted:
-        print(f"not written by rsegen: {path}")
+    verified = verify(arguments.target)
+    unlisted = [str(path) for path in verified.unlisted]
+    lines = [f"{_many(verified.files, 'file')} in {_many(verified.folders, 'folder')} as rsegen wrote them"]
+    lines += [f"not written by rsegen: {path}" for path in unlisted]
+    return Report(lines=lines, content={"folders": verified.folders, "files": verified.files, "unlisted": unlisted})
 
 
-def _summary(found: MapSummary) -> dict[str, object]:
+def _content(summary: MapSummary) -> dict[str, object]:
     return {
-        "name": found.name,
-        "seed": found.seed,
-        "size": list(found.cells),
-        "size_m": list(found.extent),
-        "unit_cm": found.unit_cm,
-        "levels": list(found.level_counts),
-        "level_counts": found.level_counts,
-        "fingerprint": found.fingerprint,
-        "mesh_type": found.mesh_type,
-        "models": found.models,
-        "collisions": found.collisions,
-        "faces": found.faces,
-        "bytes": found.bytes,
-        "warnings": list(found.warnings),
-    } | ({"plugins": found.plugins} if found.plugins else {})
+        "name": summary.name,
+        "seed": summary.seed,
+        "size": list(summary.cells),
+        "size_m": list(summary.extent),
+        "unit_cm": summary.unit_cm,
+        "levels": list(summary.level_counts),
+        "level_counts": summary.level_counts,
+        "fingerprint": summary.fingerprint,
+        "mesh_type": summary.mesh_type,
+        "models": summary.models,
+        "collisions": summary.collisions,
+        "faces": summary.faces,
+        "bytes": summary.bytes,
+        "warnings": list(summary.warnings),
+    } | ({"plugins": summary.plugins} if summary.plugins else {})
 
 
-def _report(found: MapSummary) -> Iterator[str]:
-    (n_x, n_y), (along_x, along_y) = found.cells, found.extent
-    blocks = sum(found.level_counts.values())
-    yield f"{found.name}, seed {found.seed}"
+def _lines(summary: MapSummary) -> Iterator[str]:
+    from rsegen.exporters.numbers import lengths_in
+
+    (n_x, n_y), (along_x, along_y) = summary.cells, summary.extent
+    blocks = sum(summary.level_counts.values())
+    yield f"{summary.name}, seed {summary.seed}"
     yield f"size     {n_x} x {n_y} cells with frames, {along_x:g} x {along_y:g} m"
-    written = lengths_in(found.units)
-    in_levels = f"in levels of {written.level(1, found.unit_cm)} {written.unit}"
-    yield f"blocks   {blocks:,} {in_levels}, fingerprint {found.fingerprint}"
-    for level, count in found.level_counts.items():
-        high = written.level(level, found.unit_cm)
+    written = lengths_in(summary.units)
+    in_levels = f"in levels of {written.level(1, summary.unit_cm)} {written.unit}"
+    yield f"blocks   {blocks:,} {in_levels}, fingerprint {summary.fingerprint}"
+    for level, count in summary.level_counts.items():
+        high = written.level(level, summary.unit_cm)
         yield f"  level {level:>3}  {high:>7} {written.unit}  {count:>9,}  {count / blocks:6.1%}"
-    costs = (_many(found.models, "model"), _many(found.collisions, "collision"), _many(found.faces, "face"))
-    cost = f"{', '.join(costs)}, {found.bytes:,} bytes"
-    yield f"costs    mesh type {found.mesh_type}: {cost}"
-    for kind, source in found.plugins.items():
+    costs = (_many(summary.models, "model"), _many(summary.collisions, "collision"), _many(summary.faces, "face"))
+    cost = f"{', '.join(costs)}, {summary.bytes:,} bytes"
+    yield f"costs    mesh type {summary.mesh_type}: {cost}"
+    for kind, source in summary.plugins.items():
         yield f"plug-in  {kind} of {source}"
-    for text in found.warnings:
+    for text in summary.warnings:
         yield f"warning: {text}"
 
 

@@ -1,107 +1,241 @@
-"""rsegen metrics: how rough maps are, and what a robot can do on them."""
+"""rsegen metrics: how rough maps are, and what a robot can do on them; a page for one map, a line each for many."""
 
 from __future__ import annotations
 
 import argparse
 import csv
-import json
-import sys
+import io
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import chain
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from rsegen.cli.flags import Subparsers, add_force_flag, add_parameter_flags, add_target_recipe_flags, given
-from rsegen.cli.measured import Measured, report
-from rsegen.cli.parser import HelpRow
-from rsegen.cli.picture_path import picture_path
-from rsegen.cli.targets import add_target_flags, scenes_of
+from rsegen.cli.flags import add_target_recipe_flags
+from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.targets import add_target_flags, picture_path, scenes_of
+from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
-from rsegen.exporters.pictures.preview import image_format
-from rsegen.exporters.pictures.robot_plots import path_plot
-from rsegen.exporters.scene import Scene
-from rsegen.field.metrics import Metrics, RobotLimits, metrics
-from rsegen.field.metrics.catalogue import custom, flattened, nested
-from rsegen.robots import ROBOTS, robot
-from rsegen.run.store import write_file
+from rsegen.exporters.numbers import decimal
+from rsegen.field.robot_limits import RobotLimits
+from rsegen.params.command import Shell, add_flags, given
+from rsegen.params.sorts import FilePath
+
+if TYPE_CHECKING:
+    from rsegen.exporters.scene import Scene
+    from rsegen.field.metrics import Crossing, Metrics, Scale, Spread, Steps, Traversability
+
+    Measured = tuple[Scene, Metrics]
 
 _NO_ROBOT = "give a robot, as in --robot burger or --climb-cm 10"
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Drawing:
+    """The picture that the shell can ask for."""
+
+    output: Annotated[
+        str | None,
+        FilePath(
+            "a picture",
+            help="draw the robot's cheapest paths over the first map, and the area that it can reach",
+        ),
+        Shell(("-o", "--output"), "PICTURE"),
+    ] = None
+    force: Force = False
+
+
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
-    command = commands.add_parser(
-        "metrics",
-        description="Measure how rough maps are: heights, steps, scale, ruggedness, and the smallest step with "
-        "which they can be crossed. With a robot, also the area that it can reach, and its cheapest paths across.",
-        epilog="docs/metrics.md has every formula.",
+    """Add the parser of this command."""
+    text = (
+        "Measure how rough maps are: heights, steps, scale, ruggedness, and the smallest step with which they can be "
     )
-    add_target_flags(command, usual="all")
+    text += "crossed. With a robot, also the area that it can reach, and its cheapest paths across."
+    command = add_command(commands, "metrics", text=text, epilog="docs/metrics.md has every formula.")
+    add_target_flags(command, "all")
     group = command.add_argument_group("robot", "the limits of a kind of robot, each overridden by a flag")
-    group.add_argument(
-        "--robot", metavar="KIND", help="use the highest step that this robot usually crosses, and its width"
-    )
-    add_parameter_flags(group, RobotLimits)
+    text = "use the highest step that this robot usually crosses, and its width (burger, crawler, jackal, ...)"
+    group.add_argument("--robot", metavar="KIND", help=text)
+    add_flags(group, RobotLimits)
     output = command.add_argument_group("output")
-    form = output.add_mutually_exclusive_group()
-    form.add_argument("--json", action="store_true", help="print a list as JSON, lengths in metres")
-    form.add_argument("--csv", action="store_true", help="print a table as CSV, lengths in metres")
-    text = "draw the robot's cheapest paths over the first map, and the area that it can reach"
-    output.add_argument("-o", "--output", metavar="PICTURE", help=text)
-    add_force_flag(output, "an existing picture")
+    output.add_argument("--csv", action="store_true", help="print a table as CSV, lengths in metres")
+    add_flags(output, _Drawing)
     add_target_recipe_flags(command)
-    command.add_rows("kinds of robots", lambda: [HelpRow(kind, each.title) for kind, each in ROBOTS.items()])
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
-    """Measure, draw and print."""
-    climber = _climber(arguments)
-    path = _picture(arguments, climber)
+def run(arguments: argparse.Namespace) -> Report:
+    """Measure and draw."""
+    from rsegen.exporters.pictures.preview import image_format
+    from rsegen.exporters.pictures.robot_plots import path_plot
+    from rsegen.field.metrics import metrics
+    from rsegen.run.store import write_file
+
+    if arguments.json and arguments.csv:
+        raise ParameterError("--csv", "--json and --csv exclude each other")
+    limits = _limits(arguments)
+    path = picture_path(arguments.output, force=arguments.force)
+    if path and limits is None:
+        raise ParameterError("-o/--output", f"there is nothing to draw without a robot; {_NO_ROBOT}")
     scenes = scenes_of(arguments, "measure")
     first = next(scenes)
-    found = metrics(first.field, climber)
-    if path and found.reach:
-        write_file([path_plot(first, found.reach, image_format(path))], path, force=arguments.force)
-    _print(chain([(first, found)], ((scene, metrics(scene.field, climber)) for scene in scenes)), arguments)
+    measured = metrics(first.field, limits)
+    if path and measured.reach:
+        write_file([path_plot(first, measured.reach, image_format(path))], path, force=arguments.force)
+    rows = chain([(first, measured)], ((scene, metrics(scene.field, limits)) for scene in scenes))
+    lines = _csv(rows) if arguments.csv else _report(rows)
+    return Report(lines=lines, content=lambda: [_entry(*row) for row in rows])
 
 
-def _picture(arguments: argparse.Namespace, climber: RobotLimits | None) -> Path | None:
-    """Where the picture goes, if one is wanted and can be."""
-    path = picture_path(arguments.output, force=arguments.force)
-    if path and climber is None:
-        raise ParameterError("-o/--output", f"there is nothing to draw without a robot; {_NO_ROBOT}")
-    return path
-
-
-def _climber(arguments: argparse.Namespace) -> RobotLimits | None:
+def _limits(arguments: argparse.Namespace) -> RobotLimits | None:
     """The robot that the flags describe."""
     said = given(RobotLimits, arguments)
     if arguments.robot is not None:
+        from rsegen.robots import robot
+
         return replace(robot(arguments.robot, "--robot").limits, **said)
     if said and "climb_cm" not in said:
         raise ParameterError("--climb-cm", f"is missing; {_NO_ROBOT}")
     return RobotLimits(**said) if said else None
 
 
-def _print(measured: Iterable[Measured], arguments: argparse.Namespace) -> None:
-    if arguments.json:
-        print(json.dumps([_entry(*one) for one in measured], indent=2))
-    elif arguments.csv:
-        _print_table(dict(flattened(_entry(*one))) for one in measured)
-    else:
-        for line in report(measured):
-            print(line)
+def _entry(scene: Scene, measured: Metrics) -> dict[str, Any]:
+    from rsegen.field.metrics.catalogue import custom, nested
 
-
-def _entry(scene: Scene, found: Metrics) -> dict[str, Any]:
-    whole: dict[str, Any] = {"map": scene.name, "seed": scene.recipe.seed, **nested(found)}
+    whole: dict[str, Any] = {"map": scene.name, "seed": scene.recipe.seed, **nested(measured)}
     return {name: value for name, value in whole.items() if value is not None} | custom(scene.field)
 
 
-def _print_table(rows: Iterator[dict[str, object]]) -> None:
-    first = next(rows)
-    writer = csv.DictWriter(sys.stdout, list(first), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(chain([first], rows))
+def _csv(measured: Iterable[Measured]) -> Iterator[str]:
+    """The lines of a table with a column for each metric; those of the first map."""
+    from rsegen.field.metrics.catalogue import flattened
+
+    columns: list[str] = []
+    for row in measured:
+        values = dict(flattened(_entry(*row)))
+        text = io.StringIO()
+        writer = csv.DictWriter(text, columns or list(values), lineterminator="\n")
+        if not columns:
+            columns = list(values)
+            writer.writeheader()
+        writer.writerow(values)
+        yield text.getvalue()[:-1]
+
+
+def _report(measured: Iterable[Measured]) -> Iterator[str]:
+    """The lines of a page for one map, of a table for more of them."""
+    maps = iter(measured)
+    first, second = next(maps), next(maps, None)
+    yield from _table(chain([first, second], maps)) if second else _page(*first)
+
+
+def _table(measured: Iterable[Measured]) -> Iterator[str]:
+    from rsegen.field.metrics.catalogue import custom
+
+    yield "lengths in cm; opens: minimax step; region, ways: of the robot (rsegen metrics --map INDEX says more)"
+    for number, (scene, found) in enumerate(measured):
+        cells = _cells(found) | {name: _plain(value) for name, value in custom(scene.field).items()}
+        if not number:
+            yield f"{'map':<24}" + "".join(f"{name:>{_width(name)}}" for name in cells)
+        yield f"{scene.name:<24}" + "".join(f"{text:>{_width(name)}}" for name, text in cells.items())
+
+
+def _width(name: str) -> int:
+    """Of a column; a metric of a plug-in may have a long name."""
+    return max(_WIDTH, len(name) + 1)
+
+
+_WIDTH = 10
+_SIZES = 24
+"""The largest number of step sizes that a page lists."""
+
+
+def _cells(found: Metrics) -> dict[str, str]:
+    """What a table has of one map, by the heads of its columns."""
+    cells = {
+        "mean": _cm(found.spread.mean),
+        "deviation": _cm(found.spread.deviation),
+        "step": _cm(found.steps.mean),
+        "highest": _cm(found.steps.highest),
+        "TRI": _cm(found.ruggedness.tri),
+        "surface": f"{found.ruggedness.surface_ratio:.2f}",
+        "opens w-e": _cm(found.opening.west_east),
+        "opens s-n": _cm(found.opening.south_north),
+    }
+    if found.reach is None:
+        return cells
+    ways = {"way w-e": found.reach.west_east, "way s-n": found.reach.south_north}
+    ratios = {name: f"{way.cost_ratio:.2f}" if way.crosses else "none" for name, way in ways.items()}
+    return {**cells, "region": f"{found.reach.cover:.0%}", **ratios}
+
+
+def _page(scene: Scene, found: Metrics) -> Iterator[str]:
+    blocks, width = sum(found.spread.level_counts.values()), decimal(scene.field.block_width * 100)
+    yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {width} x {width} cm; frames are not blocks"
+    yield from _spread(found.spread)
+    yield from _steps(found.steps)
+    yield _scale(found.scale)
+    rugged, opens = found.ruggedness, found.opening
+    yield f"local    TRI {_cm(rugged.tri)} cm (root mean), {_cm(rugged.riley)} cm (Riley), of {rugged.cells:,} blocks"
+    yield f"surface  {rugged.surface_ratio:.2f} times the plan"
+    wide = " for this width" if found.reach and found.reach.climber.width_cm else ""
+    ways = f"{_cm(opens.west_east)} cm west to east, {_cm(opens.south_north)} cm south to north"
+    yield f"opens    at a step of {ways}{wide}"
+    if found.reach:
+        yield from _reach(found.reach)
+    from rsegen.field.metrics.catalogue import METRICS, custom
+
+    for name, value in custom(scene.field).items():
+        yield f"{name:<8} {_plain(value)} {METRICS[name].unit} ({METRICS[name].help.rstrip('.')})"
+
+
+def _spread(found: Spread) -> Iterator[str]:
+    of_mean = "" if found.variation is None else f" ({found.variation:.3f} of the mean)"
+    yield f"heights  {_cm(found.lowest)}..{_cm(found.highest)} cm, mean {_cm(found.mean)} cm"
+    yield f"         standard deviation {_cm(found.deviation)} cm{of_mean}, entropy {found.entropy:.2f} bits"
+
+
+def _steps(found: Steps) -> Iterator[str]:
+    pairs = sum(found.counts.values())
+    yield f"steps    mean {_cm(found.mean)} cm, rms {_cm(found.rms)} cm, highest {_cm(found.highest)} cm"
+    if len(found.counts) > _SIZES:
+        yield f"         of {len(found.counts):,} sizes, which --json lists"
+        return
+    for size, count in found.counts.items():
+        yield f"         {_cm(size * found.unit):>6} cm  {count:>9,}  {count / pairs:6.1%}"
+
+
+def _scale(found: Scale) -> str:
+    if found.hurst is None:
+        return "scale    no exponent: the map is too small, or flat"
+    weak = f"; weak, of {len(found.lags)} lags" if found.hurst_is_weak else ""
+    first, last = ((_cm(found.rms[at]), _cm(found.lags[at])) for at in (0, -1))
+    grows = f"rms difference {first[0]} cm at {first[1]} cm, {last[0]} cm at {last[1]} cm"
+    return f"scale    {grows} (Hurst exponent {round(found.hurst, 2) + 0:.2f}{weak})"
+
+
+def _reach(found: Traversability) -> Iterator[str]:
+    from rsegen.exporters.pictures.robot_plots import describe_robot
+
+    yield f"{describe_robot(found.climber)}:"
+    if found.climbable is not None and found.droppable is not None:
+        yield f"steps    {found.climbable:.1%} it climbs, {found.droppable:.1%} it gets down"
+    yield f"region   {found.cover:.1%} of the blocks, from each to each (analogue of coverability)"
+    yield f"ways     west to east: {_way(found.west_east)} (analogue of crossability)"
+    yield f"         south to north: {_way(found.south_north)}"
+
+
+def _way(found: Crossing) -> str:
+    if found.length is None or found.cost is None:
+        return "none"
+    straight = f"{found.length:.2f} m, {found.length_ratio:.2f} x straight"
+    return f"{straight}; with rises {found.cost:.2f} m, {found.cost_ratio:.2f} x"
+
+
+def _plain(value: float | None) -> str:
+    """A metric of a plug-in in its own unit."""
+    return "-" if value is None else f"{value:.4g}"
+
+
+def _cm(length: float | None) -> str:
+    """Metres as centimetres, to a tenth of a millimetre."""
+    return "-" if length is None else decimal(round(length * 100, 2))

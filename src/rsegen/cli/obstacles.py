@@ -3,44 +3,41 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
-from rsegen.cli.flags import Subparsers
-from rsegen.field.obstacles import KINDS
-from rsegen.params.registry import summary
-from rsegen.params.sorts import Parameter, parameters
-from rsegen.recipe.codec import schema
-from rsegen.recipe.recipe import Placement
+from rsegen.cli.report import Report, Subparsers, add_command
+
+if TYPE_CHECKING:
+    from rsegen.params.sorts import Parameter
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
-    command = commands.add_parser(
-        "obstacles",
-        description="List the kinds of obstacles with their parameters, ranges and meaning.",
-    )
-    command.add_argument("--json", action="store_true", help="print their JSON Schemas, for programs")
+    """Add the parser of this command."""
+    text = "List the kinds of obstacles with their parameters, ranges and meaning; as JSON their schemas."
+    command = add_command(commands, "obstacles", text=text)
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
-    """Print them."""
-    if arguments.json:
-        print(json.dumps(schema()["properties"]["obstacles"]["items"]["oneOf"], indent=2))
-    else:
-        print("\n".join(_report()))
+def run(arguments: argparse.Namespace) -> Report:
+    """List them."""
+    from rsegen.recipe.codec import schema
+
+    return Report(lines=_lines(), content=lambda: schema()["properties"]["obstacles"]["items"]["oneOf"])
 
 
-def _report() -> Iterator[str]:
-    common = parameters(Placement)
+def _lines() -> Iterator[str]:
+    from rsegen.field.obstacles import KINDS
+    from rsegen.field.obstacles.base import PLACING, own_parameters
+    from rsegen.params.registry import summary
+
     for name, cls in KINDS.items():
         source = KINDS.source(name)
         yield f"{name}\n    {summary(cls)}" + (f" From {source}." if source else "")
-        yield from _rows(parameters(cls))
+        yield from _rows(own_parameters(cls))
         yield ""
     yield "every kind"
-    yield from _rows(common)
+    yield from _rows(PLACING)
 
 
 def _rows(known: Mapping[str, Parameter]) -> Iterator[str]:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import argparse
 import sys
+from typing import TYPE_CHECKING
 
-from rsegen.cli.flags import Subparsers, add_target_recipe_flags
-from rsegen.cli.simulation_flags import flags_in_errors, simulator_names
-from rsegen.cli.targets import target_of
+from rsegen.cli.flags import add_target_recipe_flags
+from rsegen.cli.report import Report, Subparsers, add_command, call
+from rsegen.cli.targets import add_target, target_of
+from rsegen.commands.open import open as open_world
 from rsegen.errors import printable
-from rsegen.simulation.open_world import SECONDS, OpenedWorld, launch_command
-from rsegen.simulation.open_world import open as open_world
+from rsegen.params.command import add_flags, flags_in_errors
+
+if TYPE_CHECKING:
+    from rsegen.simulation.open_world import OpenedWorld
 
 _OWN = ("simulator",)
 """Flags that say something else here than in a recipe."""
@@ -18,43 +22,39 @@ _OWN = ("simulator",)
 
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
-    command = commands.add_parser(
-        "open",
-        description="Open a world in the newest installed Gazebo that supports it; Ctrl-C or closing the window ends "
-        "it.",
-        epilog="rsegen sim lists the installed simulators. Error lines of the simulator go to stderr.",
-    )
+    epilog = "rsegen sim lists the installed simulators. Error lines of the simulator go to stderr."
+    command = add_command(commands, "open", open_world, epilog=epilog)
     where = "a world file, the folder of a map or of maps, or a recipe (a temporary world is made)"
-    command.add_argument("target", nargs="?", metavar="WORLD-or-DIR-or-RECIPE", help=where)
-    command.add_argument("--map", metavar="INDEX", help="map, by its index or name (default: the first)")
-    command.add_argument("--simulator", metavar="NAME", help=f"{simulator_names()} (default: the newest)")
-    command.add_argument("--headless", action="store_true", help="run only the server, without a window")
-    command.add_argument("--seconds", metavar="N", help="end after N seconds")
-    command.add_argument(
-        "--shared", action="store_true", help="use the default address, so that other programs can connect"
-    )
-    command.add_argument("--print", action="store_true", help="print the shell command and open nothing")
+    add_target(command, "WORLD-or-DIR-or-RECIPE", where)
+    group = command.add_argument_group("open")
+    add_flags(group, open_world)
+    group.add_argument("--print", action="store_true", help="print the shell command and open nothing")
     add_target_recipe_flags(command, _OWN)
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> Report:
     """Open it, and wait until it ends."""
-    names = ("map", "simulator", "headless", "shared")
-    given = {name: getattr(arguments, name) for name in names}
-    with flags_in_errors(*names, "seconds", "print"):
-        text = arguments.seconds
-        seconds = None if text is None else SECONDS.check("seconds", SECONDS.parse(text))
+    from rsegen.simulation.open_world import launch_command
+    from rsegen.simulation.worlds import world_of
+
+    with flags_in_errors(open_world):
         target = target_of(arguments, _OWN)
         if arguments.print:
-            print(launch_command(target, **given).shell_line)
-            return
-        open_world(target, **given, seconds=seconds, on_start=_print_start, on_error=_print_error)
+            here, shared = world_of(target, arguments.map), bool(arguments.shared)
+            headless = bool(arguments.headless)
+            launch = launch_command(here, str(target), arguments.simulator, headless=headless, shared=shared)
+            return Report(lines=[launch.shell_line], content={"command": launch.shell_line})
 
+    def started(world: OpenedWorld) -> None:
+        address = " ".join(f"{name}={value}" for name, value in world.address)
+        if not (arguments.quiet or arguments.json):
+            print(f"{world.simulator}: {world.file}" + (f", at {address}" if address else ""), flush=True)
 
-def _print_start(world: OpenedWorld) -> None:
-    address = " ".join(f"{name}={value}" for name, value in world.address)
-    print(f"{world.simulator}: {world.file}" + (f", at {address}" if address else ""), flush=True)
+    result = call(open_world, arguments, target, on_start=started, on_error=_print_error)
+    opened = {"simulator": result.world.simulator, "world": str(result.world.file)}
+    ended = {"address": dict(result.world.address), "exit_code": result.exit_code, "errors": list(result.errors)}
+    return Report(lines=[], content=opened | ended)
 
 
 def _print_error(line: str) -> None:

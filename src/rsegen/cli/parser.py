@@ -1,4 +1,4 @@
-"""A parser of flags that refuses in one line, and whose help is made only when it is asked for."""
+"""A parser of flags that refuses in one short line, and whose help is made only when it is asked for."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple, NoReturn
 
 from rsegen.cli.plugins import add_plugin_flag
-from rsegen.errors import UnknownName, line_of, shown
+from rsegen.errors import UnknownName, line_of, nearest, shown
 
 
 class HelpRow(NamedTuple):
@@ -18,7 +18,7 @@ class HelpRow(NamedTuple):
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, with the nearest flag or command, and takes flags in full only."""
+    """A parser that says what is wrong in one line, with the nearest flag or command, and takes flags in full only."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(allow_abbrev=False, formatter_class=_Help, **options)
@@ -26,11 +26,11 @@ class Parser(argparse.ArgumentParser):
         add_plugin_flag(self)
 
     def add_rows(self, title: str, rows: Callable[[], Iterable[HelpRow]]) -> None:
-        """A group of names in the help; `rows` is called when the help is shown."""
+        """Add a group of names to the help; `rows` is called when the help is shown."""
         self._rows.append((title, rows))
 
     def format_help(self) -> str:
-        """The help: how to call it, the groups of flags, the names, and -h at the end."""
+        """Return the help: how to call it, the groups of flags, the names, and the options of all commands last."""
         formatter = self._get_formatter()
         self._add_usage(formatter)
         formatter.add_text(self.description)
@@ -46,7 +46,7 @@ class Parser(argparse.ArgumentParser):
         return formatter.format_help()
 
     def _add_usage(self, formatter: argparse.HelpFormatter) -> None:
-        """What must be given; of all the rest, that it is there."""
+        """Add what must be given; of all the rest, that there is more."""
         groups = [group for group in self._mutually_exclusive_groups if group.required]
         either = [action for group in groups for action in group._group_actions]
         needed = [action for action in self._actions if action.required or not action.option_strings]
@@ -58,12 +58,13 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: error: {line_of(message)} (see {self.prog} --help)\n")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """What is unknown is known to be so by the command itself, which has the flags to compare it with."""
+        """Refuse what is unknown in the parser of the command itself, which has the flags to compare it with."""
         parsed, unknown = super().parse_known_args(args, namespace)
         for text in unknown[:1]:
             if text.startswith("-"):
+                name = text.partition("=")[0]
                 flags = [flag for action in self._actions for flag in action.option_strings]
-                self.error(str(UnknownName.among("", "flag", text, flags)))
+                self.error(f"unknown flag {shown(name)}{nearest(name, flags)}")
             self.error(f"unexpected argument {shown(text)}")
         return parsed, unknown
 
@@ -73,7 +74,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def _action(row: HelpRow) -> argparse.Action:
-    """A row of the help as argparse lays it out, though it is no argument."""
+    """Return a row of the help as argparse lays it out, though it is no argument."""
     return argparse.Action([], row.name, metavar=row.name, help=row.help.replace("%", "%%"))
 
 

@@ -1,23 +1,47 @@
-"""rsegen schema: the JSON Schema of a recipe file."""
+"""rsegen schema: the JSON Schema of a recipe file, or of the parameters of a command."""
 
 from __future__ import annotations
 
 import argparse
 import json
 
-from rsegen.cli.flags import Subparsers
-from rsegen.recipe.codec import schema
+from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.errors import UnknownName
+
+_FUNCTIONS = {
+    "generate": "generate",
+    "series": "series",
+    "dataset": "make_dataset",
+    "export": "export_maps",
+    "drive": "drive",
+    "spots": "spots",
+    "experiment": "experiment",
+    "open": "open",
+    "spawn": "spawn",
+    "respawn": "respawn",
+    "remove": "remove",
+}
+"""The function of `rsegen` that each command is."""
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
-    command = commands.add_parser(
-        "schema",
-        description="Print the JSON Schema (2020-12) of recipe files; editors complete and check recipes by it.",
-    )
+    """Add the parser of this command."""
+    text = "Print the JSON Schema (2020-12) of recipe files, by which editors complete and check recipes; or of the "
+    command = add_command(commands, "schema", text=f"{text}parameters of a command, of which a form can be made.")
+    command.add_argument("command", nargs="?", metavar="COMMAND", help=", ".join(_FUNCTIONS))
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> Report:
     """Print it."""
-    print(json.dumps(schema(), indent=2))
+    import rsegen
+    from rsegen.params.command import schema as command_schema
+    from rsegen.recipe.codec import schema
+
+    if arguments.command is None:
+        content = schema()
+    elif arguments.command in _FUNCTIONS:
+        content = command_schema(getattr(rsegen, _FUNCTIONS[arguments.command]))
+    else:
+        raise UnknownName.among("", "command", arguments.command, _FUNCTIONS)
+    return Report(lines=[json.dumps(content, indent=2)], content=content)

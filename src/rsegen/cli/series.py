@@ -3,96 +3,73 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 from rsegen.cli.bar import counting
-from rsegen.cli.by_metric import add_by_flags, by_from
-from rsegen.cli.flags import RECIPE_HELP, Subparsers, add_recipe_flags, describe_flag, recipe_from
-from rsegen.cli.formats import formats_of
-from rsegen.cli.generate import add_output_flags, going_on, workers_from
-from rsegen.exporters.numbers import decimal
-from rsegen.field.metrics.catalogue import RMS
-from rsegen.params.sorts import parameters
-from rsegen.run.series import Series, series
-from rsegen.run.series_rows import SeriesPlan, SeriesRow
+from rsegen.cli.flags import add_recipe_argument, add_recipe_flags, recipe_from
+from rsegen.cli.formats import add_format_rows
+from rsegen.cli.generate import going_on, run_options
+from rsegen.cli.report import Report, Subparsers, add_command, call
+from rsegen.commands.generate import generate
+from rsegen.commands.series import series
+from rsegen.params.command import add_flags, declared
+
+if TYPE_CHECKING:
+    from rsegen.run.series import Series
+    from rsegen.run.series_rows import SeriesRow
 
 _LINES = 12
+"""Rows of a series that are printed."""
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
-    command = commands.add_parser(
-        "series",
-        description="Write the maps of a recipe at a difficulty that rises evenly from the first to the last, a table "
-        "of the measured values (series.csv), and a picture (series.png).",
-        epilog="docs/difficulty.md defines difficulty, and shows how near the maps come to it.",
-    )
-    command.add_argument_group("input").add_argument("recipe", nargs="?", metavar="RECIPE", help=RECIPE_HELP)
-    add_output_flags(command)
-    group, sorts = command.add_argument_group("difficulty"), parameters(SeriesPlan)
-    for name, default in (("from_", 0.1), ("to", 1)):
-        _, text = describe_flag(name, sorts[name], default)
-        group.add_argument(f"--{name.rstrip('_')}", dest=name, default=str(default), metavar="D", help=text)
-    group.add_argument("--same-field", action="store_true", help=sorts["same_field"].help)
-    add_by_flags(group)
+    """Add the parser of this command."""
+    epilog = "docs/difficulty.md defines difficulty, and shows how near the maps come to it."
+    command = add_command(commands, "series", series, epilog=epilog)
+    add_recipe_argument(command)
+    add_flags(command.add_argument_group("output"), series, only=declared(generate))
+    add_format_rows(command)
+    add_flags(command.add_argument_group("difficulty"), series, without=declared(generate))
     add_recipe_flags(command)
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> Report:
     """Make the series, and say how it rises."""
     recipe = recipe_from(arguments)
-    formats = formats_of("--formats", arguments.formats)
-    from_, to = (_share(name, getattr(arguments, name)) for name in ("from_", "to"))
+    options = run_options(series, arguments)
     with going_on(arguments, recipe), counting(recipe.maps) as progress:
-        found = series(
-            recipe,
-            arguments.output,
-            from_=from_,
-            to=to,
-            same_field=arguments.same_field,
-            **by_from(arguments),
-            force=arguments.force,
-            resume=arguments.resume,
-            preview=arguments.preview,
-            sheet=arguments.sheet,
-            formats=formats,
-            workers=workers_from(arguments),
-            scheduler=arguments.scheduler,
-            sync=not arguments.no_sync,
-            progress=progress,
-        )
-    print(json.dumps(_summary(found), indent=2) if arguments.json else "\n".join(_report(found)))
+        made = call(series, arguments, recipe, **options, progress=progress)
+    return Report(lines=_lines(made), content=lambda: _content(made))
 
 
-def _share(name: str, text: str) -> float:
-    sort = parameters(SeriesPlan)[name]
-    return float(sort.check(f"--{name.rstrip('_')}", sort.parse(text)))
+def _content(made: Series) -> dict[str, object]:
+    rows = [asdict(row) | {"folder": str(made.folder / row.map)} for row in made.rows]
+    files = {"table": str(made.table), "picture": str(made.picture)}
+    return {"folder": str(made.folder), "seed": made.plan.recipe.seed, **files, "maps": rows}
 
 
-def _summary(found: Series) -> dict[str, object]:
-    rows = [asdict(row) | {"folder": str(found.folder / row.map)} for row in found.rows]
-    files = {"table": str(found.table), "picture": str(found.picture)}
-    return {"folder": str(found.folder), "seed": found.plan.recipe.seed, **files, "maps": rows}
+def _lines(made: Series) -> Iterator[str]:
+    from rsegen.exporters.numbers import decimal
 
-
-def _report(found: Series) -> Iterator[str]:
-    rows, there = found.rows, len(found.rows) - len(found.maps)
+    rows, there = made.rows, len(made.rows) - len(made.maps)
     already = f", {there} there already" if there else ""
-    yield f"{len(rows)} maps in {found.folder}, seed {found.plan.recipe.seed}{already}; lengths in cm:"
-    width = max(len(row.map) for row in rows)
-    names, unit = ("rms asked", "rms step") if found.plan.by == RMS else ("asked", "measured"), found.plan.metric.unit
+    yield f"{len(rows)} maps in {made.folder}, seed {made.plan.recipe.seed}{already}; lengths in cm:"
+    width, by_default = max(len(row.map) for row in rows), made.plan.by == declared(series)["by"].default
+    names, unit = ("rms asked", "rms step") if by_default else ("asked", "measured"), made.plan.metric.unit
     yield f"  {'map':<{width}}" + "".join(f"{name:>12}" for name in ("difficulty", *names, "highest"))
     for row in _some(rows):
         values = (row.asked, unit), (row.measured, unit), (row.highest_step, "m")
         lengths = (_shown(*value) for value in values)
         yield f"  {row.map:<{width}}{decimal(row.difficulty):>12}" + "".join(f"{text:>12}" for text in lengths)
-    for text in dict.fromkeys(text for one in found.maps for text in one.warnings):
+    if len(rows) > _LINES:
+        yield f"  ({len(rows) - len(_some(rows))} rows between them are left out)"
+    for text in dict.fromkeys(text for each in made.maps for text in each.warnings):
         yield f"warning: {text}"
-    yield f"all of it: {found.table}"
-    yield f"a picture: {found.picture}"
+    yield f"all of it: {made.table}"
+    yield f"a picture: {made.picture}"
 
 
 def _some(rows: tuple[SeriesRow, ...]) -> list[SeriesRow]:

@@ -3,46 +3,67 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Annotated
 
-from rsegen.cli.flags import Subparsers, add_force_flag, add_parameter_flags, add_target_recipe_flags, given
+from rsegen.cli.flags import add_target_recipe_flags
+from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.cli.targets import add_target_flags, map_of_flags
+from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
-from rsegen.exporters.sheet import CutSettings, sheet_format
-from rsegen.run.single_files import write_sheets
+from rsegen.exporters.cut_settings import CutSettings
+from rsegen.params.command import Shell, add_flags, given
+from rsegen.params.sorts import FilePath
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Files:
+    """Write the build sheet of a map: its pallets, what timber to buy and how to cut it, and a page for each pallet."""
+
+    output: Annotated[
+        str,
+        FilePath("a file", help="build sheet: pdf or csv, by its ending"),
+        Shell(("-o", "--output"), "FILE", required=True),
+    ]
+    csv: Annotated[
+        str | None,
+        FilePath("a name that ends in .csv", help="also write it as CSV, one row per cell"),
+        Shell(metavar="FILE"),
+    ] = None
+    force: Force = False
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
-    command = commands.add_parser(
-        "sheet",
-        description="Write the build sheet of a map: how its pallets are arranged, what timber to buy and how to "
-        "cut it, and a page per pallet with the height of every block and the order of placing.",
-        epilog="rsegen import reads the CSV again.",
+    """Add the parser of this command."""
+    epilog = (
+        "A pallet's page has the height of every block and the order of placing. rsegen import reads the CSV again."
     )
+    command = add_command(commands, "sheet", _Files, epilog=epilog)
     add_target_flags(command)
-    group = command.add_argument_group("output")
-    group.add_argument("-o", "--output", required=True, metavar="FILE", help="pdf or csv, by its ending (required)")
-    group.add_argument("--csv", metavar="FILE", help="also write it as CSV, one row per cell")
-    add_force_flag(group, "existing files")
-    add_parameter_flags(command.add_argument_group("cutting"), CutSettings)
+    add_flags(command.add_argument_group("output"), _Files)
+    add_flags(command.add_argument_group("cutting"), CutSettings)
     add_target_recipe_flags(command)
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> Report:
     """Make the sheets, and write them."""
+    from rsegen.run.single_files import write_sheets
+
     paths = _paths(arguments)
-    settings = given(CutSettings, arguments)
+    settings = given(CutSettings, arguments, arguments.units)
     _, recipe, index = map_of_flags(arguments)
     saw = replace(CutSettings.default(recipe.units), **settings)
-    scene = write_sheets(recipe, index, paths, saw, force=arguments.force)
-    print("\n".join(f"{path}: {scene.name}, seed {scene.recipe.seed}" for path in paths))
+    scene = write_sheets(recipe, index, paths, saw, force=bool(arguments.force))
+    content = {"files": [str(path) for path in paths], "map": scene.name, "seed": scene.recipe.seed}
+    return Report(lines=[f"{path}: {scene.name}, seed {scene.recipe.seed}" for path in paths], content=content)
 
 
 def _paths(arguments: argparse.Namespace) -> list[Path]:
     """The files to write."""
+    from rsegen.exporters.sheet import sheet_format
+
     path = Path(arguments.output)
     if arguments.csv is None:
         return [path]

@@ -5,40 +5,54 @@ from __future__ import annotations
 import argparse
 from collections.abc import Collection, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rsegen.cli.flags import has_recipe_flags, with_flags
+from rsegen.cli.parser import Parser
 from rsegen.errors import ParameterError
-from rsegen.exporters.formats import Step
-from rsegen.exporters.scene import Scene, compose
-from rsegen.io.resources import refuse_too_large
-from rsegen.io.targets import Found, one_of, recipe_files, recipe_in
 from rsegen.recipe.recipe import Recipe
+
+if TYPE_CHECKING:
+    from rsegen.exporters.formats import Step
+    from rsegen.exporters.scene import Scene
+    from rsegen.io.targets import Found
 
 _WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a folder of maps, or DIR#17 of a data set"
 
 
-def add_target_flags(
-    command: argparse.ArgumentParser,
-    usual: str = "the first",
-    *,
-    metavar: str = "RECIPE-or-DIR",
-    where: str = _WHERE,
-) -> None:
-    """Where to look, and which map; `add_target_recipe_flags` adds what makes a map without anything to look at."""
+def add_target(command: Parser, metavar: str, text: str) -> None:
+    """Add what a command looks at; a command that makes a map of flags alone can do without."""
+    argument = command.add_argument("target", nargs="?", metavar=metavar, help=text)
+    argument.completer = _examples  # type: ignore[attr-defined]  # argcomplete's word
+
+
+def add_target_flags(command: Parser, default: str = "the first") -> None:
+    """Add where to look, and which map; `add_target_recipe_flags` adds what makes a map of flags alone."""
     group = command.add_argument_group("input")
-    group.add_argument("target", nargs="?", metavar=metavar, help=f"{where}; or none, but --obstacle")
-    group.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {usual})")
+    argument = group.add_argument(
+        "target", nargs="?", metavar="RECIPE-or-DIR", help=f"{_WHERE}; or none, but --obstacle"
+    )
+    argument.completer = _examples  # type: ignore[attr-defined]  # argcomplete's word
+    group.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {default})")
+
+
+def _examples(**_: object) -> Collection[str]:
+    from rsegen.recipe.examples import EXAMPLES
+
+    return EXAMPLES
 
 
 def is_of_flags(arguments: argparse.Namespace) -> bool:
-    """Whether a map is to be made of flags, alone or over those of the target; ParameterError if nothing is given."""
+    """Return whether a map is to be made of flags, alone or over a target's; ParameterError if nothing is given."""
     if arguments.target is None and not arguments.obstacle:
         raise ParameterError("RECIPE", "nothing is given; give a recipe, a folder or --obstacle 'random levels=5'")
     return has_recipe_flags(arguments)
 
 
 def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
-    """Each recipe of the target with the flags over it, and its file; that of the flags alone without a target."""
+    """Yield each recipe of the target with the flags over it, and its file; without a target that of the flags."""
+    from rsegen.io.targets import recipe_files, recipe_in
+
     flags, target = is_of_flags(arguments), arguments.target
     if target is None:
         yield Path(), with_flags(Recipe(), arguments)
@@ -49,12 +63,22 @@ def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
 
 
 def map_of_flags(arguments: argparse.Namespace) -> Found:
-    """One map of them: the one that --map names, or the first."""
+    """Return one map of them: the one that --map names, or the first."""
+    from rsegen.io.targets import one_of
+
     return one_of(recipes_of(arguments), arguments.map, arguments.target or "the recipe of the flags")
 
 
+def maps_of_flags(arguments: argparse.Namespace) -> list[Recipe]:
+    """Return the recipes of all their maps, or of the one that --map names."""
+    if arguments.map is None:
+        return [recipe for _, recipe in recipes_of(arguments)]
+    _, recipe, index = map_of_flags(arguments)
+    return [recipe.alone(index)]
+
+
 def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> Recipe | str:
-    """The target as it is given, or the recipe of one map if flags make one; some flags are the command's own."""
+    """Return the target as given, or the recipe of one map if flags make one; some flags are the command's own."""
     own = argparse.Namespace(**{name: value for name, value in vars(arguments).items() if name not in without})
     if not is_of_flags(own):
         return str(arguments.target)
@@ -63,14 +87,20 @@ def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> R
 
 
 def scene_of(arguments: argparse.Namespace) -> Scene:
-    """The scene of that map."""
+    """Return the scene of that map."""
+    from rsegen.exporters.scene import compose
+    from rsegen.io.resources import refuse_too_large
+
     _, recipe, index = map_of_flags(arguments)
     refuse_too_large(recipe)
     return compose(recipe, index)
 
 
 def scenes_of(arguments: argparse.Namespace, step: Step = "build") -> Iterator[Scene]:
-    """The scenes of all of them one by one, or of the one that --map names; `step` needs the most memory."""
+    """Yield the scenes of all of them, or of the one that --map names; `step` is the one that needs the most memory."""
+    from rsegen.exporters.scene import compose
+    from rsegen.io.resources import refuse_too_large
+
     if arguments.map is not None:
         _, recipe, index = map_of_flags(arguments)
         refuse_too_large(recipe, step)
@@ -79,3 +109,16 @@ def scenes_of(arguments: argparse.Namespace, step: Step = "build") -> Iterator[S
     for _, recipe in recipes_of(arguments):
         refuse_too_large(recipe, step)
         yield from (compose(recipe, index) for index in recipe.indices)
+
+
+def picture_path(name: str | None, *, force: bool) -> Path | None:
+    """Return the path of a picture if one is wanted; a UserError if it is no picture or may not be replaced."""
+    from rsegen.exporters.pictures.preview import image_format
+    from rsegen.run.store import refuse_taken_file
+
+    if name is None:
+        return None
+    path = Path(name)
+    image_format(path)
+    refuse_taken_file(path, force=force)
+    return path

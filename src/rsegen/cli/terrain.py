@@ -3,68 +3,76 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.bar import counting
-from rsegen.cli.by_metric import add_by_flags, by_from
-from rsegen.cli.flags import Subparsers, describe_flag, flag
+from rsegen.cli.flags import add_recipe_argument
 from rsegen.cli.generate import add_output_flags, produce
-from rsegen.io.recipe_file import load
-from rsegen.params.sorts import Parameter, parameters
-from rsegen.recipe.examples import or_example
-from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.terrain import SIZE, Terrain
-from rsegen.run.single_files import tiles_json
+from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.commands.parameters import By, ByRobot
+from rsegen.params.command import Shell, add_flags, declared, flags_in_errors, given
+from rsegen.params.sorts import Float, Integer, ListOf
+from rsegen.params.streams import SEEDS
+from rsegen.recipe.terrain_design import TerrainDesign
 
-_SORTS: Mapping[str, Parameter] = {**parameters(Terrain), "seed": parameters(Recipe)["seed"]}
+if TYPE_CHECKING:
+    from rsegen.recipe.recipe import Recipe
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Tiles:
+    """Write one field of many maps for a curriculum: rows along x from the easiest to the hardest."""
+
+    seed: Annotated[int | None, Integer(0, SEEDS - 1, help="seed of all recipes"), Shell(default="that of each")] = None
+    spots: Annotated[
+        tuple[float, float] | None,
+        ListOf(
+            Float(0.01, 100, unit="m"), 2, help="add an even place for a start to each tile: a robot's length and width"
+        ),
+        Shell(metavar="L,W"),
+    ] = None
+    by: By = "steps.rms"
+    robot: ByRobot = None
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
-    command = commands.add_parser(
-        "terrain",
-        description="Write one field of many maps for a curriculum: rows along x from the easiest to the hardest, "
-        "columns along y of one recipe each. NAME_0000.json has the difficulty, kind and origin of each tile.",
-        epilog="docs/learning.md shows how to use it for training.",
+    """Add the parser of this command."""
+    epilog = "Columns along y are of one recipe each. NAME_0000.json has the difficulty, kind and origin of each tile. "
+    command = add_command(
+        commands, "terrain", _Tiles, epilog=f"{epilog}docs/learning.md shows how to use it for training."
     )
     text = "YAML or JSON file, or the name of an example; each recipe has the same number of columns"
-    command.add_argument_group("input").add_argument("recipes", nargs="+", metavar="RECIPE", help=text)
+    add_recipe_argument(command, text=text, name="recipes", nargs="+")
     group = command.add_argument_group("terrain")
-    usual = {name: field.default for name, field in Terrain.__dataclass_fields__.items()} | {"difficulty": "0,1"}
-    for name, sort in _SORTS.items():
-        _, text = describe_flag(name, sort, usual.get(name))
-        if name == "seed":
-            text = "seed of all recipes (default: that of each)"
-        group.add_argument(flag(name), dest=name, metavar=name.upper(), help=text)
-    text = "add an even place for a start to each tile: the length and width of a robot in metres"
-    group.add_argument("--spots", metavar="L,W", help=text)
-    add_by_flags(group)
+    add_flags(group, TerrainDesign)
+    add_flags(group, _Tiles)
     add_output_flags(command)
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> Report:
     """Write it, and say what was made."""
-    given = {name: getattr(arguments, name) for name in _SORTS}
-    values: dict[str, Any] = {
-        name: _SORTS[name].check(flag(name), _SORTS[name].parse(text))
-        for name, text in given.items()
-        if text is not None
-    }
-    seed = values.pop("seed", None)
-    size = None if arguments.spots is None else SIZE.check("--spots", SIZE.parse(arguments.spots))
-    terrain = Terrain(recipes=[_recipe(name, seed) for name in arguments.recipes], **values, **by_from(arguments))
-    path = arguments.output / f"{terrain.name}_0000.json"
+    from rsegen.recipe.terrain import Terrain
+    from rsegen.run.single_files import tiles_json
+
+    with flags_in_errors(TerrainDesign, _Tiles):
+        said = {**given(TerrainDesign, arguments), **given(_Tiles, arguments)}
+        known = {**declared(TerrainDesign), **declared(_Tiles)}
+        values = {name: known[name].sort.check(name, value) for name, value in said.items()}
+    seed, size = values.pop("seed", None), values.pop("spots", None)
+    terrain = Terrain(recipes=[_recipe(name, seed) for name in arguments.recipes], **values)
+    path = Path(arguments.folder) / f"{terrain.name}_0000.json"
     with counting(terrain.rows * terrain.columns * (1 if size is None else 2), "tile") as progress:
         terrain = replace(terrain, progress=progress)
-        recipe = terrain.recipe
-        produce(recipe, arguments, {path.name: lambda: tiles_json(terrain, size)})
-    if not arguments.json:
-        print(f"its tiles: {path}")
+        report = produce(terrain.recipe, arguments, {path.name: lambda: tiles_json(terrain, size)})
+    return report if arguments.json else replace(report, notes=[f"its tiles: {path}"])
 
 
 def _recipe(name: str, seed: int | None) -> Recipe:
+    from rsegen.io.recipe_file import load
+    from rsegen.recipe.examples import or_example
+
     recipe = load(or_example(name))
     return recipe if seed is None else replace(recipe, seed=seed)

@@ -3,45 +3,45 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
+from dataclasses import dataclass
+from typing import Annotated
 
-from rsegen.cli.flags import Subparsers, add_force_flag, add_target_recipe_flags
-from rsegen.cli.targets import add_target_flags, map_of_flags, recipes_of
-from rsegen.recipe.recipe import Recipe
-from rsegen.run.single_files import html_path, view_all
-from rsegen.run.store import refuse_taken_file
+from rsegen.cli.flags import add_target_recipe_flags
+from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.targets import add_target_flags, maps_of_flags
+from rsegen.commands.parameters import Force
+from rsegen.params.command import Shell, add_flags
+from rsegen.params.sorts import FilePath
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Page:
+    """Write maps as one HTML file with a 3D view, the plan, heights, metrics and the recipe; it needs no internet."""
+
+    output: Annotated[str, FilePath("a file", help="HTML file"), Shell(("-o", "--output"), "FILE", required=True)]
+    force: Force = False
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
-    command = commands.add_parser(
-        "view",
-        description="Write maps as one HTML file that any browser opens, without internet: a 3D view, the "
-        "plan, the height of each cell under the mouse, metrics, and the recipe to copy.",
-    )
-    add_target_flags(command, usual="all, to choose from on the page")
-    group = command.add_argument_group("output")
-    group.add_argument("-o", "--output", required=True, metavar="FILE", help="HTML file (required)")
-    add_force_flag(group, "an existing file")
+    """Add the parser of this command."""
+    command = add_command(commands, "view", _Page)
+    add_target_flags(command, "all, to choose from on the page")
+    add_flags(command.add_argument_group("output"), _Page)
     add_target_recipe_flags(command)
     command.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> Report:
     """Make the page, and write it."""
+    from rsegen.run.single_files import html_path, view_all
+    from rsegen.run.store import refuse_taken_file
+
     path = html_path(arguments.output)
-    refuse_taken_file(path, force=arguments.force)
-    recipes = _recipes(arguments)
-    view_all(recipes).save(path, force=arguments.force)
-    maps = sum(recipe.maps for recipe in recipes)
+    refuse_taken_file(path, force=bool(arguments.force))
+    recipes = maps_of_flags(arguments)
+    view_all(recipes).save(path, force=bool(arguments.force))
+    maps, size = sum(recipe.maps for recipe in recipes), path.stat().st_size
     first = recipes[0]
     named = f"{first.map_name(first.first_map)}, seed {first.seed}" if maps == 1 else f"{maps} maps"
-    print(f"{path}: {named}, {Path(path).stat().st_size:,} bytes")
-
-
-def _recipes(arguments: argparse.Namespace) -> list[Recipe]:
-    """The recipes of all maps of the target, or of the one that --map names."""
-    if arguments.map is None:
-        return [recipe for _, recipe in recipes_of(arguments)]
-    _, recipe, index = map_of_flags(arguments)
-    return [recipe.alone(index)]
+    content = {"file": str(path), "maps": maps, "bytes": size}
+    return Report(lines=[f"{path}: {named}, {size:,} bytes"], content=content)

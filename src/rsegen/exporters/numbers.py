@@ -1,6 +1,7 @@
-"""The number format of everything that rsegen writes.
+"""Numbers as text: the one format of everything that rsegen writes, and lengths for people.
 
-How build sheets, warnings and summaries write lengths: in centimetres and metres, or in inches and feet.
+Files have metres as plain decimals to the nanometre (`decimal`). Build sheets, warnings and summaries have lengths in
+centimetres and metres, or in inches and feet (`Lengths`), computed from whole nanometres, so that 3.5 in is 3.5 in.
 """
 
 from __future__ import annotations
@@ -8,17 +9,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-from rsegen.field.stepfield import NANOMETRE_DIGITS
+from rsegen.params.sorts import NANOMETRE_DIGITS
 
 
 @lru_cache(maxsize=2**14)
 def decimal(value: float) -> str:
-    """A plain decimal to the nanometre, without trailing zeros: 0.3, -1.25, 0."""
+    """Return a plain decimal to the nanometre, without trailing zeros: 0.3, -1.25, 0."""
     text = f"{value:.{NANOMETRE_DIGITS}f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
 
 _POUND = 0.45359237
+"""Kilograms of a pound, exactly (1959)."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -38,24 +40,24 @@ class Lengths:
     kerf_size: int
 
     def short(self, length: int) -> str:
-        """A length in nanometres in the unit, without its name."""
+        """Return a length in nanometres in the unit, without its name."""
         return decimal(round(length / self.size, self.digits))
 
     def level(self, level: int, unit_cm: float) -> str:
-        """The height of a level in the unit, without its name."""
+        """Return the height of a level in the unit, without its name."""
         return self.short(round(level * unit_cm * 1e7))
 
     def long(self, length: int) -> str:
-        """A length in nanometres as one of timber, rounded to hundredths, halves up."""
+        """Return a length in nanometres as a length of timber, rounded to hundredths, halves up."""
         hundredth = self.timber_size // 100
         return f"{(length + hundredth // 2) // hundredth / 100:,.2f} {self.timber}"
 
     def weight(self, kilograms: float) -> str:
-        """A weight in kilograms or pounds."""
+        """Return a weight in kilograms or pounds."""
         return f"{kilograms / _POUND:,.0f} lb" if self.unit == "in" else f"{kilograms:,.0f} kg"
 
     def cut(self, length: int) -> str:
-        """A kerf in nanometres with its unit."""
+        """Return a kerf in nanometres with its unit."""
         return f"{decimal(round(length / self.kerf_size, 4))} {self.kerf}"
 
 
@@ -73,5 +75,5 @@ _INCHES = Lengths(
 
 
 def lengths_in(units: str) -> Lengths:
-    """Those of `units` of a recipe: cm or in."""
+    """Return the units of lengths for `units` of a recipe: cm or in."""
     return _INCHES if units == "in" else _METRIC

@@ -7,16 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TypeVar
 
 from rsegen.exporters.textures.looks import mean_colour
-from rsegen.field.stepfield import NANOMETRE_DIGITS, CellWindow, StepField
+from rsegen.field.stepfield import CellWindow, StepField
+from rsegen.params.sorts import NANOMETRE_DIGITS
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
-
-if TYPE_CHECKING:
-    from rsegen.run.exports import Exported
 
 Colour = tuple[float, float, float]
 _Value = TypeVar("_Value")
@@ -29,14 +26,16 @@ _LOW_TO_HIGH: tuple[Colour, ...] = (
     (0.45, 0.74, 0.38),
     (0.93, 0.85, 0.30),
 )
-"""From dark to light, so that heights can be distinguished in greyscale too."""
+"""Colours of levels from dark to light, so that heights can be distinguished in greyscale too."""
+
 _TIMBER: tuple[Colour, ...] = ((1.0, 1.0, 1.0), (0.93, 0.92, 0.9), (0.97, 0.95, 0.95), (0.9, 0.87, 0.84))
 _BOARDS: Colour = (0.66, 0.5, 0.4)
-"""Of wood: the blocks of every fourth level were sawn from one beam, and frames are darker."""
+"""Tints of wood: the blocks of every fourth level were sawn from one beam, and frames are darker."""
+
 _SLIPPERY: Colour = (0.62, 0.82, 0.95)
 _ROUGH: Colour = (0.36, 0.3, 0.26)
 _ROUGHEST = 1.2
-"""From this friction coefficient on, the look `friction` has its darkest colour."""
+"""Friction coefficient from which the look `friction` has its darkest colour: rubber on dry concrete has about 1."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -49,21 +48,21 @@ class Scene:
 
     @property
     def friction(self) -> float:
-        """The friction coefficient of the ground, and of all materials without one of their own."""
+        """Friction coefficient of the ground, and of all materials without one of their own."""
         return self.recipe.friction
 
     @property
     def name(self) -> str:
-        """The name of the map, on disk and in the simulator."""
+        """Name of the map, on disk and in the simulator."""
         return self.recipe.map_name(self.index)
 
     @property
     def alone(self) -> Recipe:
-        """The recipe of this map alone."""
+        """Recipe of this map alone."""
         return self.recipe.alone(self.index)
 
     def colour(self, material: int) -> Colour:
-        """The colour of a material: 0 is the frame, any other number a level."""
+        """Return the colour of a material: 0 is the frame, any other number a level."""
         given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
         if given is not None:
             return _colour(given)
@@ -81,68 +80,41 @@ class Scene:
         return _TIMBER[material % len(_TIMBER)] if material else _BOARDS
 
     def surface_colour(self, material: int) -> Colour:
-        """The colour of a material from afar, for programs and pictures without textures."""
+        """Return the colour of a material from afar, for programs and pictures without textures."""
         if not self.recipe.is_textured:
             return self.colour(material)
         tint, mean = self.tint(material), mean_colour(self.recipe.look)
-        red, green, blue = (round(one * other, 3) for one, other in zip(tint, mean, strict=True))
+        red, green, blue = (round(own * texture, 3) for own, texture in zip(tint, mean, strict=True))
         return red, green, blue
 
     def friction_of(self, material: int) -> float:
-        """The friction coefficient of a material: 0 is the frame, any other number a level."""
+        """Return the friction coefficient of a material: 0 is the frame, any other number a level."""
         given = _given(material, self.recipe.frame_friction, self.recipe.level_friction)
         return self.friction if given is None else given
 
     def by_friction(
         self, field: StepField, window: CellWindow | None = None
     ) -> Sequence[tuple[float, Sequence[int] | None]]:
-        """The friction coefficients in a field or a window of it, lowest first, each with the materials that have it.
+        """Return the friction coefficients in a field or a window of it, lowest first, each with the materials that
+        have it.
 
         None stands for all materials. Coefficients that are written alike count as equal.
         """
         if self.recipe.is_of_one_friction:
             return [(self.friction, None)]
-        found: dict[float, list[int]] = {}
+        materials: dict[float, list[int]] = {}
         for material in field.materials(window):
-            found.setdefault(round(self.friction_of(material), NANOMETRE_DIGITS), []).append(material)
-        return sorted(found.items()) if len(found) > 1 else [(next(iter(found), self.friction), None)]
-
-    def preview(self, format: str = "png", *, outlines: bool = False) -> bytes:  # noqa: A002  # matplotlib's word
-        """The plan and a 3D view of the map as the bytes of an image file, PNG by default.
-
-        outlines: the cells of each obstacle are outlined on the plan.
-        """
-        from rsegen.exporters.pictures.preview import preview_image
-
-        return preview_image(self, format, outlines=outlines)
-
-    def _repr_png_(self) -> bytes:
-        """A small plan, which notebooks show."""
-        from rsegen.exporters.pictures.preview import thumbnail
-
-        return thumbnail(self)
-
-    def export(
-        self,
-        path: str | Path,
-        format: str | None = None,  # noqa: A002  # the command line's word
-        *,
-        force: bool = False,
-        **options: Any,
-    ) -> Exported:
-        """Write the map in another format, as `rsegen.export` does: `scene.export("map.glb")`."""
-        from rsegen.run.exports import export
-
-        return export(self, path, format, force=force, **options)
+            materials.setdefault(round(self.friction_of(material), NANOMETRE_DIGITS), []).append(material)
+        return sorted(materials.items()) if len(materials) > 1 else [(next(iter(materials), self.friction), None)]
 
 
 def compose(recipe: Recipe, index: int = 0) -> Scene:
-    """The scene of map `index`."""
+    """Return the scene of map `index`."""
     return Scene(recipe=recipe, index=index, field=build(recipe, index))
 
 
 def level_colour(level: int, top_level: int) -> Colour:
-    """The default colour of a level between 1 and `top_level`; higher levels have the colour of `top_level`."""
+    """Return the default colour of a level between 1 and `top_level`; higher levels have the colour of `top_level`."""
     at = min(level / max(top_level, 1), 1) * (len(_LOW_TO_HIGH) - 1)
     low = min(int(at), len(_LOW_TO_HIGH) - 2)
     share = at - low
@@ -159,13 +131,13 @@ def _friction_colour(friction: float) -> Colour:
 
 
 def _given(material: int, frame: _Value | None, levels: Sequence[_Value] | None) -> _Value | None:
-    """The value that a recipe gives for a material, if any: for the frame, or for levels 1, 2, ..."""
+    """Return the value that a recipe gives for a material, if any: for the frame, or for levels 1, 2, ..."""
     if not material:
         return frame
     return levels[material - 1] if levels and material <= len(levels) else None
 
 
 def _colour(given: str) -> Colour:
-    """The colour of a text `#rrggbb`."""
+    """Return the colour of a text `#rrggbb`."""
     red, green, blue = (round(part / 255, 3) for part in bytes.fromhex(given[1:]))
     return red, green, blue

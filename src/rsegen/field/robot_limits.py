@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from math import ceil
+from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
-
-from rsegen.field.stepfield import StepField
 from rsegen.params.sorts import Float, validate
+
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import StepField
 
 NANOMETRES = 10**9
 """Nanometres per metre: heights are compared with limits as whole nanometres."""
@@ -38,12 +39,12 @@ class RobotLimits:
 
     @classmethod
     def of(cls, climb: float, width: float) -> RobotLimits:
-        """The limits of a robot whose climb and width are given in metres."""
+        """Return the limits of a robot whose climb and width are given in metres."""
         return cls(climb_cm=round(climb * 100, 7), width_cm=round(width * 100, 7))
 
     @property
     def limits(self) -> tuple[int, int]:
-        """The highest step up and the highest step down, nanometres."""
+        """Highest step up and highest step down, nanometres."""
         climb_cm, drop_cm, _ = self.figures
         return round(climb_cm * NANOMETRES / 100), round(drop_cm * NANOMETRES / 100)
 
@@ -54,11 +55,12 @@ class RobotLimits:
 
     @property
     def width(self) -> float:
-        """The width in metres."""
+        """Width in metres."""
         return self.width_cm / 100
 
 
 def cells_to_each_side(field: StepField, width: float) -> int:
-    """The number of cells under a robot of that width to each side of the cell that it is centred on."""
-    aside = np.ceil(round((width / field.block_width - 1) / 2, 6))
-    return int(np.clip(aside, 0, max(field.shape)))
+    """Return the number of cells under a robot of a width [m], to each side of the cell that it is centred on."""
+    # Rounded to a millionth of a cell first, so that a robot of exactly three cells does not cover a fourth.
+    aside = ceil(round((width / field.block_width - 1) / 2, 6))
+    return min(max(aside, 0), max(field.shape))

@@ -3,7 +3,12 @@
 Heights are integers in units, so equality is exact; metres appear only in `heights`. Arrays have shape (n_x, n_y):
 axis 0 along +x, axis 1 along +y, cell (0, 0) in the corner of smallest x and y, the field centred on the origin.
 
-Downsampling: a large map in fewer and larger cells, which is quick to draw.
+     blocks (2 x 3)   --framed, outer-->   # # # # #      #: frame cells, levels 0 and frame true
+      . . .                                # . . . #
+      . . .                                # . . . #
+                                           # # # # #
+
+A large map is drawn as a `coarse` one, in which each cell has the level and material of the highest of several.
 """
 
 from __future__ import annotations
@@ -11,14 +16,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from rsegen.geometry import Boxes, Mesh
-
+from rsegen.params.sorts import NANOMETRE_DIGITS
 
 Levels = NDArray[np.int16]
 Mask = NDArray[np.bool_]
@@ -27,9 +30,6 @@ Ints = NDArray[np.integer]
 
 CellWindow = tuple[slice, slice]
 """A rectangle of cells of a field as slices along x and y, frames counted."""
-
-NANOMETRE_DIGITS = 9
-"""Metres are rounded to this many decimals, so that 3 * 0.1 m and 0.3 m are equal."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -73,18 +73,20 @@ class StepField:
         return slice(0, self.shape[0]), slice(0, self.shape[1])
 
     def stands(self, window: CellWindow | None = None) -> bool:
-        """Whether anything in the field, or in a window of it, is above the ground."""
+        """Return whether anything in the field, or in a window of it, is above the ground."""
         part = window or self.whole
         return bool(self.levels[part].any()) or self._frame_stands(part)
 
     def materials(self, window: CellWindow | None = None) -> list[int]:
-        """The materials above the ground in the field, or in a window of it: 0 for frames, else the level of blocks."""
+        """Return the materials above the ground in the field or a window of it: 0 for frames, else the level of
+        blocks.
+        """
         part = window or self.whole
         levels = np.flatnonzero(np.bincount(self.levels[part].ravel())).tolist()
         return [0] * self._frame_stands(part) + [int(level) for level in levels if level]
 
     def only(self, materials: Sequence[int]) -> StepField:
-        """The field with only these materials; the cells of all others become level ground."""
+        """Return the field with only these materials; the cells of all others become level ground."""
         kept = np.isin(self.levels, materials)
         frame = self.frame if 0 in materials else np.zeros_like(self.frame)
         return replace(self, levels=np.where(kept, self.levels, np.int16(0)), frame=frame)
@@ -103,61 +105,35 @@ class StepField:
 
     @property
     def blocks(self) -> Levels:
-        """The levels without the frame cells, as one array of blocks."""
+        """Levels without the frame cells, as one array of blocks."""
         return self.levels[np.ix_(self.inside(0), self.inside(1))]
 
     def inside(self, axis: int) -> Mask:
-        """Per index along an axis (0: x, 1: y): true if that line has blocks, false if it is all frame."""
+        """Return per index along an axis (0: x, 1: y) whether that line has blocks; false if it is all frame."""
         return np.asarray(~self.frame.all(axis=1 - axis))
 
     def numbered(self, axis: int) -> Ints:
-        """Per index along an axis: the number of that line of blocks in recipes, -1 if it is all frame."""
+        """Return per index along an axis the index of that line of blocks in recipes, -1 if it is all frame."""
         inside = self.inside(axis)
         return np.where(inside, np.cumsum(inside) - 1, -1)
 
     def edges(self) -> tuple[Array, Array]:
-        """Coordinates of the cell edges, metres: x of shape (n_x + 1,) and y of shape (n_y + 1,)."""
+        """Return the coordinates of the cell edges, metres: x of shape (n_x + 1,) and y of shape (n_y + 1,)."""
         return _edges(self.shape[0], self.block_width), _edges(self.shape[1], self.block_width)
 
     def level_counts(self) -> dict[int, int]:
-        """The number of blocks of each level, without frames; lowest level first."""
+        """Return the number of blocks of each level, without frames; lowest level first."""
         counts = np.bincount(self.levels[~self.frame])
         return {int(level): int(counts[level]) for level in np.flatnonzero(counts)}
 
-    def pallets(self, chunk_size: int) -> Iterator[Pallet]:
-        """The chunks of the field, each with its adjacent frame cells."""
+    def chunks(self, chunk_size: int) -> Iterator[Chunk]:
+        """Yield the chunks of the field, each with its adjacent frame cells."""
         cuts_x, cuts_y = (_cuts(self.inside(axis), chunk_size) for axis in (0, 1))
         middle_x, middle_y = ((cuts[1:] + cuts[:-1] - cuts[-1]) / 2 * self.block_width for cuts in (cuts_x, cuts_y))
         for i, x in enumerate(middle_x):
             for j, y in enumerate(middle_y):
                 part = slice(cuts_x[i], cuts_x[i + 1]), slice(cuts_y[j], cuts_y[j + 1])
-                yield Pallet(chunk=(i, j), centre=(float(x), float(y)), field=self._part(part))
-
-    def mesh(self, kind: str = "merged") -> Mesh:
-        """The field as a mesh: `merged`, its visible surface in few faces; `watertight`, closed, in few faces;
-        `closed`, in many squares and a fraction of the time; or `blocks`, six faces for each.
-        """
-        from rsegen.geometry import whole_mesh
-
-        return whole_mesh(self, kind)
-
-    def boxes(self) -> Boxes:
-        """The field as few axis-aligned boxes that fill its blocks and frames and do not overlap."""
-        from rsegen.geometry import boxes
-
-        return boxes(self)
-
-    def preview(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-        """The plan and a 3D view of the field as the bytes of an image file, PNG by default."""
-        from rsegen.exporters.pictures.preview import field_preview
-
-        return field_preview(self, format)
-
-    def _repr_png_(self) -> bytes:
-        """A small plan, which notebooks show."""
-        from rsegen.exporters.pictures.preview import ColouredField, thumbnail
-
-        return thumbnail(ColouredField(field=self))
+                yield Chunk(index=(i, j), centre=(float(x), float(y)), field=self._part(part))
 
     def _frame_stands(self, part: CellWindow) -> bool:
         return bool(round(self.frame_height, NANOMETRE_DIGITS) and self.frame[part].any())
@@ -173,16 +149,16 @@ class StepField:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Pallet:
-    """One chunk of a map as a field of its own, with its chunk indices and its centre in metres."""
+class Chunk:
+    """A chunk of a map as a field of its own, with its indices along x and y and its centre in metres."""
 
-    chunk: tuple[int, int]
+    index: tuple[int, int]
     centre: tuple[float, float]
     field: StepField
 
 
 def framed(blocks: Levels, chunk_size: int, boundary: str) -> tuple[Levels, Mask]:
-    """Levels and frame mask of the whole map, from its blocks of shape (M_x * L, M_y * L).
+    """Return levels and frame mask of the whole map, from its blocks of shape (M_x * L, M_y * L).
 
     `divided` puts a frame round every chunk, `outer` one round the map, `none` none; a frame is one cell deep.
     """
@@ -197,13 +173,15 @@ def framed(blocks: Levels, chunk_size: int, boundary: str) -> tuple[Levels, Mask
 
 
 def _inside(cells: int, period: int) -> Mask:
-    """Per index along one axis: true for blocks, false for the frame before and after every `period` blocks."""
+    """Return per index along an axis: true for blocks, false for the frame before and after every `period` blocks."""
     period = min(cells, period)
     return np.tile(np.array([False, *[True] * period, False]), cells // period)
 
 
 def _cuts(inside: Mask, chunk_size: int) -> NDArray[np.intp]:
-    """Where one axis is split into chunks: after every `chunk_size` blocks and their frame cell, if any."""
+    """Return the indices that split an axis into chunks: after every `chunk_size` blocks and their frame cell, if
+    any.
+    """
     ends = np.flatnonzero(inside)[chunk_size - 1 :: chunk_size] + 1
     last = len(inside)
     framed_between = len(ends) > 1 and not inside[min(ends[0], last - 1)]
@@ -217,13 +195,13 @@ def _edges(cells: int, width: float) -> Array:
 
 
 def coarseness(field: StepField, most: int) -> int:
-    """The downsampling factor per side that gives at most about `most` x `most` cells."""
+    """Return the downsampling factor per side that gives at most about `most` x `most` cells."""
     n_x, n_y = field.shape
     return max(min(math.ceil(math.sqrt(n_x * n_y) / most), n_x, n_y), 1)
 
 
 def coarse(field: StepField, factor: int) -> StepField:
-    """The field downsampled: cells `factor` times as wide, each the highest of those under it; a rest is cut off."""
+    """Return the field in cells `factor` times as wide, each the highest of the cells under it; a rest is cut off."""
     if factor == 1:
         return field
     i, j = _highest(field, factor)
@@ -237,7 +215,7 @@ def coarse(field: StepField, factor: int) -> StepField:
 
 
 def coarse_window(field: StepField, window: CellWindow, factor: int) -> CellWindow:
-    """The cells of the downsampled field that a window of the field overlaps."""
+    """Return the cells of the downsampled field that a window of the field overlaps."""
     x, y = (
         slice(min(part.start // factor, cells // factor - 1), min(-(-part.stop // factor), cells // factor))
         for part, cells in zip(window, field.shape, strict=True)
@@ -246,7 +224,7 @@ def coarse_window(field: StepField, window: CellWindow, factor: int) -> CellWind
 
 
 def _highest(field: StepField, factor: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """The indices of the highest of every `factor` x `factor` cells."""
+    """Return the indices of the highest of every `factor` x `factor` cells."""
     n_x, n_y = (cells // factor for cells in field.shape)
     parts = field.heights[: n_x * factor, : n_y * factor].reshape(n_x, factor, n_y, factor)
     within = parts.transpose(0, 2, 1, 3).reshape(n_x, n_y, -1).argmax(axis=-1)

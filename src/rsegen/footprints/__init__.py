@@ -1,4 +1,4 @@
-"""Even places for a robot on a field: where its wheels or tracks stand level and nothing else touches a block.
+"""Even places for a robot on a field: its wheels or tracks stand level, and nothing else touches a block.
 
 Footprint --search--> Candidates --sample--> Spots. All geometry is exact: a turned rectangle overlaps a cell or not.
 """

@@ -7,10 +7,12 @@ from math import inf, radians, tan
 from typing import NamedTuple
 
 TILT = radians(3)
-"""The largest tilt at which a robot may rest at its start."""
+"""Largest tilt at which a robot may rest at its start. A robot 40 cm wide then stands on heights that differ by 1 cm,
+which are the gaps and tolerances of sawn blocks; a whole unit tilts it by far more."""
 
 TOUCHING = 0.0005
-"""Metres above level ground up to which a part counts as standing on it."""
+"""Metres above level ground up to which a part counts as standing on it: less than the 2 mm by which the crawler's
+tracks are higher than its road wheels, which are its supports."""
 
 
 class Rectangle(NamedTuple):
@@ -23,26 +25,26 @@ class Rectangle(NamedTuple):
 
     @classmethod
     def around(cls, length: float, width: float) -> Rectangle:
-        """The rectangle of that length and width around the origin."""
+        """Return the rectangle of a length and a width around the origin."""
         return cls(-length / 2, -width / 2, length / 2, width / 2)
 
     @property
     def length(self) -> float:
-        """Its side along x."""
+        """Side along x."""
         return self.high_x - self.low_x
 
     @property
     def width(self) -> float:
-        """Its side along y."""
+        """Side along y."""
         return self.high_y - self.low_y
 
     @property
     def middle(self) -> tuple[float, float]:
-        """Its centre."""
+        """Centre of the rectangle."""
         return (self.low_x + self.high_x) / 2, (self.low_y + self.high_y) / 2
 
     def covers(self, other: Rectangle) -> bool:
-        """Whether another rectangle is inside."""
+        """Return whether another rectangle is inside."""
         return (
             self.low_x <= other.low_x
             and self.low_y <= other.low_y
@@ -51,11 +53,11 @@ class Rectangle(NamedTuple):
         )
 
     def grown(self, margin: float) -> Rectangle:
-        """The rectangle with a margin on every side."""
+        """Return the rectangle with a margin on every side."""
         return Rectangle(self.low_x - margin, self.low_y - margin, self.high_x + margin, self.high_y + margin)
 
     def ahead(self, distance: float) -> Rectangle:
-        """The rectangle moved along x."""
+        """Return the rectangle moved along x."""
         return self._replace(low_x=self.low_x + distance, high_x=self.high_x + distance)
 
 
@@ -68,7 +70,7 @@ class Underside(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Footprint:
-    """What a robot covers of the ground, and how even it has to be, metres.
+    """The ground that a robot covers, and how even it has to be, metres.
 
     undersides: all parts; those at a height of 0 are the supports that it stands on
     limit: the largest height difference under its supports
@@ -83,7 +85,7 @@ class Footprint:
 
     @classmethod
     def of_size(cls, length: float, width: float) -> Footprint:
-        """That of a robot of which only length and width are known, metres: it stands on all of its rectangle."""
+        """Return the footprint of a robot of a length and a width in metres, which stands on its whole rectangle."""
         limit = tan(TILT) * min(length, width) / 2
         whole = Underside(Rectangle.around(length, width), 0.0)
         return cls(undersides=(whole,), limit=limit, climb=limit)

@@ -3,7 +3,7 @@
 from rsegen.geometry.boxes import Boxes, box_per_block, boxes
 from rsegen.geometry.label_grid import split_window
 from rsegen.geometry.mesh import NORMALS, Mesh
-from rsegen.geometry.meshes import PIECE, meshes, whole_mesh
+from rsegen.geometry.meshes import PIECE, meshes
 from rsegen.geometry.surface import surface, unmerged
 from rsegen.geometry.texture import TILES, TextureCoordinates, texture_coordinates
 from rsegen.geometry.watertight import watertight
@@ -23,5 +23,4 @@ __all__ = [
     "texture_coordinates",
     "unmerged",
     "watertight",
-    "whole_mesh",
 ]

@@ -1,4 +1,16 @@
-"""A step field as few boxes, which fill it exactly and do not overlap."""
+"""A step field as few boxes, which fill it exactly and do not overlap.
+
+Two partitions, of which the smaller one counts; both cut rectangles of one height (rectangles.py):
+
+     columns: a box from the ground to each height      layers: a box from one height to the next, joined upward
+
+         _                                                  _
+       _| |_      3 boxes                                 _|_|_     2 boxes
+      | | | |                                            |_____|
+
+Columns are fewer on random maps, layers on barriers and pyramids. Neither is the least possible number, which is hard
+to find in three dimensions (NP-complete: Dielissen and Kaldewaij 1991). Cost: that of rectangles.py, once per height.
+"""
 
 from __future__ import annotations
 
@@ -23,17 +35,17 @@ class Boxes:
 
     @property
     def centres(self) -> Array:
-        """The centre of each box, (n, 3), metres."""
+        """Centre of each box, (n, 3), metres."""
         return (self.low + self.high) / 2
 
     @property
     def sizes(self) -> Array:
-        """The side lengths of each box along x, y and z, (n, 3), metres."""
+        """Side lengths of each box along x, y and z, (n, 3), metres."""
         return self.high - self.low
 
 
 def boxes(field: StepField) -> Boxes:
-    """Few boxes that together fill the blocks and frames of a field, regardless of materials.
+    """Return few boxes that together fill the blocks and frames of a field, regardless of materials.
 
     Either each box stands on the ground and its top is a rectangle of one height; or the boxes lie in layers, from one
     height to the next: whichever needs fewer boxes.
@@ -43,26 +55,27 @@ def boxes(field: StepField) -> Boxes:
 
 
 def box_per_block(field: StepField) -> Boxes:
-    """One box per cell above the ground."""
+    """Return a box per cell above the ground."""
     grid = label_grid(field)
     x, y = np.nonzero(grid.cells)
     return _placed(np.stack([x, x + 1, y, y + 1, 0 * x, grid.cells[x, y] // grid.materials], axis=1), grid)
 
 
 def _columns(grid: LabelGrid) -> Ints:
-    """Boxes from the ground up, as lattice lines (n, 6): from and to along x, y and z."""
-    found = merge(grid.cells // grid.materials)
-    return np.stack([found.u0, found.u1, found.v0, found.v1, 0 * found.u0, found.label], axis=1)
+    """Return boxes from the ground up, as lattice lines (n, 6): from and to along x, y and z."""
+    tops = merge(grid.cells // grid.materials)
+    return np.stack([tops.u0, tops.u1, tops.v0, tops.v1, 0 * tops.u0, tops.label], axis=1)
 
 
 def _layers(grid: LabelGrid) -> Ints:
-    """Boxes in layers, as lattice lines (n, 6); equal rectangles in successive layers become one box."""
+    """Return boxes in layers, as lattice lines (n, 6); equal rectangles in successive layers become one box."""
     top = grid.cells // grid.materials
-    found = []
+    layers = []
     for rank in range(1, len(grid.lattice.lines[2])):
         layer = merge((top >= rank).astype(np.int8))
-        found.append(np.stack([layer.u0, layer.u1, layer.v0, layer.v1, np.full_like(layer.u0, rank)], axis=1))
-    lines = np.concatenate([np.empty((0, 5), dtype=np.int64), *found])
+        layers.append(np.stack([layer.u0, layer.u1, layer.v0, layer.v1, np.full_like(layer.u0, rank)], axis=1))
+    lines = np.concatenate([np.empty((0, 5), dtype=np.int64), *layers])
+    # Sorted by rectangle and then by rank, the layers of one box follow one another.
     lines = lines[np.lexsort(lines.T[::-1])]
     begins = np.ones(len(lines) + 1, dtype=bool)
     begins[1:-1] = (np.diff(lines, axis=0) != [0, 0, 0, 0, 1]).any(axis=1)
@@ -71,6 +84,7 @@ def _layers(grid: LabelGrid) -> Ints:
 
 
 def _placed(lines: Ints, grid: LabelGrid) -> Boxes:
+    """Return the boxes of lattice lines (n, 6) in metres."""
     low, high = (
         np.stack([line[lines[:, 2 * axis + end]] for axis, line in enumerate(grid.lattice.lines)], axis=1)
         for end in (0, 1)

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, CellWindow, Ints, StepField
+from rsegen.field.stepfield import Array, CellWindow, Ints, StepField
 from rsegen.geometry.mesh import Lattice
+from rsegen.params.sorts import NANOMETRE_DIGITS
 
 
 class LabelGrid(NamedTuple):
@@ -23,12 +24,12 @@ class LabelGrid(NamedTuple):
 
     @property
     def cells(self) -> Ints:
-        """The labels of the window without the border."""
+        """Labels of the window without the border."""
         return self.labels[1:-1, 1:-1]
 
 
 def label_grid(field: StepField, window: CellWindow | None = None) -> LabelGrid:
-    """The label grid of a field, or of a window of it; outside the field is ground."""
+    """Return the label grid of a field, or of a window of it; outside the field is ground."""
     cells_x, cells_y = window or field.whole
     seen = slice(max(cells_x.start - 1, 0), cells_x.stop + 1), slice(max(cells_y.start - 1, 0), cells_y.stop + 1)
     labels, materials, tops = _labels(field, seen)
@@ -41,14 +42,15 @@ def label_grid(field: StepField, window: CellWindow | None = None) -> LabelGrid:
 
 
 def split_window(window: CellWindow, side: int) -> Iterator[CellWindow]:
-    """A window split into parts of at most `side` x `side` cells, from the corner of smallest x and y on."""
+    """Yield the parts of a window, of at most `side` x `side` cells, from the corner of smallest x and y on."""
     for x in range(window[0].start, window[0].stop, side):
         for y in range(window[1].start, window[1].stop, side):
             yield slice(x, min(x + side, window[0].stop)), slice(y, min(y + side, window[1].stop))
 
 
 def _labels(field: StepField, seen: CellWindow) -> tuple[Ints, int, Array]:
-    """The label of every cell, the number of materials, and the heights of the ranks."""
+    """Return the label of every cell, the number of materials, and the heights of the ranks."""
+    # Only levels that occur have a rank, so that labels stay small on maps of few, high levels.
     levels, frame = field.levels[seen], field.frame[seen]
     known = np.flatnonzero(np.bincount(levels.ravel()))
     heights = np.round(known * field.unit, NANOMETRE_DIGITS)

@@ -1,6 +1,7 @@
-"""A mesh whose faces are perpendicular to the axes.
+"""Meshes whose faces are perpendicular to the axes, and the lattice on which they are made.
 
-Faces on a lattice, with one number per corner, until they are welded to a mesh.
+All vertices lie where lines along x, y and z cross. Until the end a corner is one integer, the number of its lattice
+point, so equal corners are equal integers: welding needs no tolerance, and metres appear only in `Mesh.lines`.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ NORMALS = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0,
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Mesh:
-    """Faces (m, 4) or (m, 3) of vertex numbers, counterclockwise seen from outside, sorted by material.
+    """Faces (m, 4) or (m, 3) of vertex indices, counterclockwise seen from outside, sorted by material.
 
     lines: the distinct x, y and z coordinates of vertices, metres; places: (n, 3), the indices of each vertex in them.
     normals: (m,) row of NORMALS of each face; materials: (m,) 0 for a frame, else the level of the block.
@@ -45,11 +46,11 @@ class Mesh:
 
     @property
     def triangles(self) -> NDArray[np.int32]:
-        """The faces as triangles: (2 m, 3), or (m, 3) if the faces are triangles."""
+        """Faces as triangles: (2 m, 3), or (m, 3) if the faces are triangles."""
         return self.faces if self.faces.shape[1] == 3 else self.faces[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
 
     def part(self, which: Mask) -> Mesh:
-        """The mesh of the faces in a mask (m,), with the vertices that they use."""
+        """Return the mesh of the faces in a mask (m,), with the vertices that they use."""
         used, corners = np.unique(self.faces[which], return_inverse=True)
         return replace(
             self,
@@ -69,12 +70,12 @@ class Faces(NamedTuple):
 
     @classmethod
     def joined(cls, parts: Iterable[Faces]) -> Faces:
-        """All faces of the parts, sorted by material."""
+        """Return all faces of the parts, sorted by material."""
         faces = cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
         return faces.rows(np.argsort(faces.materials.astype(np.int16), kind="stable"))
 
     def rows(self, which: Ints) -> Faces:
-        """The faces of these indices."""
+        """Return the faces of these indices."""
         return Faces(self.corners[which], self.normals[which], self.materials[which])
 
 
@@ -86,37 +87,37 @@ class Lattice:
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """The number of lines along each axis."""
+        """Number of lines along each axis."""
         n_x, n_y, n_z = map(len, self.lines)
         return n_x, n_y, n_z
 
     @property
     def steps(self) -> tuple[int, int, int]:
-        """The difference between the numbers of neighbouring points along each axis."""
+        """Difference between the numbers of neighbouring points along each axis."""
         _, n_y, n_z = self.shape
         return n_y * n_z, n_z, 1
 
-    def corners_of(self, found: Rectangles, axes: tuple[int, int], at: Ints) -> Ints:
-        """The corners (m, 4) of rectangles along the axes u and v, each at an index of the third axis.
+    def corners_of(self, rectangles: Rectangles, axes: tuple[int, int], at: Ints) -> Ints:
+        """Return the corners (m, 4) of rectangles along the axes u and v, each at an index of the third axis.
 
         The corners turn from u to v.
         """
         step_u, step_v, step_at = (self.steps[axis] for axis in (*axes, 3 - sum(axes)))
-        small = prod(self.shape) < 2**31
-        corners = np.empty((len(found.label), 4), dtype=np.int32 if small else np.int64)
-        low, high = found.u0 * step_u + at * step_at, found.u1 * step_u + at * step_at
-        near, far = found.v0 * step_v, found.v1 * step_v
+        small = prod(self.shape) < 2**31  # half the memory, on all but the largest maps
+        corners = np.empty((len(rectangles.label), 4), dtype=np.int32 if small else np.int64)
+        low, high = rectangles.u0 * step_u + at * step_at, rectangles.u1 * step_u + at * step_at
+        near, far = rectangles.v0 * step_v, rectangles.v1 * step_v
         for corner, (u, v) in enumerate(((low, near), (high, near), (high, far), (low, far))):
             corners[:, corner] = u + v
         return corners
 
     def weld(self, faces: Faces) -> Mesh:
-        """The mesh of faces, with one vertex per lattice point that is used."""
+        """Return the mesh of faces, with one vertex per lattice point that is used."""
         places, numbers = welded(faces.corners, prod(self.shape))
         return self.mesh(faces._replace(corners=numbers), places)
 
     def mesh(self, faces: Faces, places: Ints) -> Mesh:
-        """The mesh of faces whose corners are vertex numbers, with the lattice point of each vertex."""
+        """Return the mesh of faces whose corners are vertex indices, with the lattice point of each vertex."""
         return Mesh(
             lines=self.lines,
             places=np.stack(self.unravelled(places), axis=-1).astype(np.int32),
@@ -126,24 +127,26 @@ class Lattice:
         )
 
     def unravelled(self, places: Ints) -> tuple[Ints, Ints, Ints]:
-        """The indices along x, y and z of lattice points."""
+        """Return the indices along x, y and z of lattice points."""
         across, z = np.divmod(places, self.shape[2])
         x, y = np.divmod(across, self.shape[1])
         return x, y, z
 
 
 _LARGEST_TABLE = 2**25
-"""Entries of 5 bytes each; larger inputs are sorted."""
+"""Entries of a look-up table, at the most: 5 bytes each, 168 MB; larger lattices are sorted, which is slower."""
 
 
 def welded(corners: Ints, possible: int) -> tuple[Ints, NDArray[np.int32]]:
-    """The unique numbers below `possible` in order, and the index among them of each corner."""
+    """Return the unique numbers below `possible` in order, and the index among them of each corner."""
+    # A table with an entry per lattice point is linear; if it is mostly empty, more than 64 per corner, sorting is
+    # faster.
     if possible > min(64 * corners.size, _LARGEST_TABLE):
-        found, numbers = np.unique(corners, return_inverse=True)
-        return found, numbers.reshape(corners.shape).astype(np.int32)
+        points, indices = np.unique(corners, return_inverse=True)
+        return points, indices.reshape(corners.shape).astype(np.int32)
     used = np.zeros(possible, dtype=bool)
     used[corners] = True
-    found = np.flatnonzero(used)
-    number = np.empty(possible, dtype=np.int32)
-    number[found] = np.arange(len(found), dtype=np.int32)
-    return found, number[corners]
+    points = np.flatnonzero(used)
+    index_of = np.empty(possible, dtype=np.int32)
+    index_of[points] = np.arange(len(points), dtype=np.int32)
+    return points, index_of[corners]

@@ -1,4 +1,4 @@
-"""Meshes and boxes of a step field."""
+"""The meshes of a step field by their names: `merged`, `watertight`, `closed`, `blocks`."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from rsegen.geometry.surface import surface, unmerged
 from rsegen.geometry.watertight import closed, watertight
 
 PIECE = 512
-"""Side of the pieces, in cells, that large maps are split into, so that memory does not grow with the map."""
-
+"""Side of the pieces, in cells, that large maps are split into, so that memory does not grow with the map (decision 7);
+smaller ones would have more seams."""
 
 MESHES: Mapping[str, Callable[[StepField], Mesh]] = {
     "merged": surface,
@@ -21,11 +21,13 @@ MESHES: Mapping[str, Callable[[StepField], Mesh]] = {
     "closed": closed,
     "blocks": unmerged,
 }
-"""What makes a mesh of a field, by the name that a recipe's `mesh` gives it; `closed` is for programs alone."""
+"""Function that makes each mesh, by the name that a recipe's `mesh` gives it; `closed` is for programs alone."""
 
 
 def meshes(field: StepField, mesh: str, window: CellWindow | None = None) -> Iterator[Mesh]:
-    """A field, or a window of it, as the recipe's `mesh` says; large fields in pieces, except watertight ones."""
+    """Yield the meshes of a field, or of a window of it, by a recipe's `mesh`: large fields in pieces, unless
+    watertight.
+    """
     if mesh == "watertight":
         yield watertight(field)
         return
@@ -34,8 +36,12 @@ def meshes(field: StepField, mesh: str, window: CellWindow | None = None) -> Ite
         yield piece(field, part)
 
 
-def whole_mesh(field: StepField, mesh: str) -> Mesh:
-    """A field as one mesh of the kind `mesh`, or an UnknownName that lists the kinds."""
-    if mesh not in MESHES:
-        raise UnknownName.among("mesh", "mesh", mesh, MESHES)
-    return MESHES[mesh](field)
+def mesh(field: StepField, kind: str = "merged") -> Mesh:
+    """Return a field as one mesh; an UnknownName, which lists the kinds, for another `kind`.
+
+    `merged` is the visible surface in few faces; `watertight` is closed, in few triangles; `closed` is closed too, in
+    many squares and a fraction of the time; `blocks` has six faces for each block.
+    """
+    if kind not in MESHES:
+        raise UnknownName.among("mesh", "mesh", kind, MESHES)
+    return MESHES[kind](field)

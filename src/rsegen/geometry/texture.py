@@ -5,6 +5,10 @@ A top takes the tile of its cell. A side takes the column of its cell, and its r
      ___ ___ ___           v = 0 at the top of the block
     | 0 | 1 | 2 |   side
     |   |   |   |          v = -1 one block width below it
+
+The image repeats after TILES tiles, so coordinates are whole numbers of tiles on tops, and distinct values are few:
+they are welded as integers (mesh.py) and written once. Levels are shifted against one another, so that equal tiles are
+not neighbours. Cost: linear in the corners of the faces.
 """
 
 from __future__ import annotations
@@ -17,15 +21,19 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.geometry.mesh import Mesh, welded
 
 TILES = 8
-"""Tiles along each side of an image, after which it repeats."""
+"""Tiles along each side of an image, after which it repeats: 64 blocks, among which the eye finds no pattern at once.
+The images grow with the square (decision 21)."""
 
 SHIFT = (3, 5)
-"""Tiles by which each level is shifted, so that neighbours of different height have different tiles."""
+"""Tiles by which each level is shifted along u and v, so that neighbours of different height have different tiles. Both
+are coprime to TILES, so only every eighth level has the tiles of another one."""
 
 
 class TextureCoordinates(NamedTuple):
-    """values: (n, 2) u to the right and v upward, in tiles; corners: (m, 3 or 4) rows of `values`, one per face corner;
-    sides: (m,) whether a face shows long grain: the sides of blocks, and frames.
+    """The texture coordinates of the corners of faces.
+
+    values: (n, 2) u to the right and v upward, in tiles; corners: (m, 3 or 4) rows of `values`, one per face corner;
+    sides: (m,) true for faces that show long grain: the sides of blocks, and frames.
     """
 
     values: Array
@@ -34,10 +42,11 @@ class TextureCoordinates(NamedTuple):
 
 
 def texture_coordinates(mesh: Mesh, field: StepField) -> TextureCoordinates:
-    """The texture coordinates of a mesh of `field` or of a part of it."""
+    """Return the texture coordinates of a mesh of `field` or of a part of it."""
     vertical, frame = mesh.normals < 4, mesh.materials == 0
     across, along = _tiles(mesh, field, vertical, frame)
     depths, depth = _depths(mesh, field)
+    # A pair (u, v) is one integer: the column, and an index into all values of v, rows of tops before depths of sides.
     rows = int(along.max(initial=0)) + 1
     values_of_v = np.concatenate([np.arange(rows), depths])
     v = np.where(vertical[:, None], rows + depth, along)
@@ -51,7 +60,7 @@ def texture_coordinates(mesh: Mesh, field: StepField) -> TextureCoordinates:
 
 
 def _tiles(mesh: Mesh, field: StepField, vertical: Mask, frame: Mask) -> tuple[Ints, Ints]:
-    """The column, and for tops the row, of the tiles at each corner, (m, 3 or 4) each, less whole images."""
+    """Return the column, and for tops the row, of the tiles at each corner, (m, 3 or 4) each, less whole images."""
     x, y = (_cells(mesh, field, axis) for axis in (0, 1))
     is_along_x = frame & (np.ptp(x, axis=1) > np.ptp(y, axis=1))
     swapped = ((mesh.normals < 2) | (~vertical & is_along_x))[:, None]
@@ -60,19 +69,23 @@ def _tiles(mesh: Mesh, field: StepField, vertical: Mask, frame: Mask) -> tuple[I
 
 
 def _cells(mesh: Mesh, field: StepField, axis: int) -> Ints:
-    """The cell edge along an axis at each corner of the faces, counted from the side of the field: (m, 3 or 4)."""
+    """Return the cell edge along an axis at each corner of the faces, counted from the side of the field: (m, 3 or
+    4).
+    """
     edges = np.rint((mesh.lines[axis] - field.edges()[axis][0]) / field.block_width).astype(np.int64)
     return np.asarray(edges[mesh.places[mesh.faces, axis]])
 
 
 def _reduced(tiles: Ints) -> Ints:
-    """Tiles of each face less whole images: the lowest is in 0..TILES - 1."""
+    """Return the tiles of each face less whole images: the lowest is in 0..TILES - 1."""
     lowest = tiles.min(axis=1, keepdims=True)
     return np.asarray(tiles - lowest + lowest % TILES)
 
 
 def _depths(mesh: Mesh, field: StepField) -> tuple[Array, Ints]:
-    """Distinct values of v, and the index of that of each corner: minus the depth below the top of its block."""
+    """Return the distinct depths of corners below the top of their block, negated, and the index of each corner's
+    depth.
+    """
     materials = np.arange(int(mesh.materials.max(initial=0)) + 1)
     tops = np.where(materials > 0, materials * field.unit, field.frame_height)
     table = np.round((mesh.lines[2][None, :] - tops[:, None]) / field.block_width, 9) + 0.0

@@ -1,20 +1,23 @@
-"""The watertight surface of a step field: no gaps, no T-junctions, the volume of its blocks.
+"""Closed meshes of a step field: no gaps, no T-junctions, the volume of its blocks.
 
-Every rectangle of the merged surface, and of the bottoms at z = 0, is triangulated with all corners that lie on its
-sides, so that triangles meet edge to edge (no T-junctions); removable vertices are then decimated.
+`watertight` has few triangles. Every rectangle of the merged surface, and of the bottoms at z = 0, is triangulated with
+all corners of others that lie on its sides, so that triangles meet edge to edge; then vertices that are not needed are
+decimated by edge collapses that do not change the surface:
 
-If two blocks touch only along a vertical edge, each has vertices of its own there: an edge with four faces would not be
-manifold.
+     o---x---o          o-------o       x, inside a plane or on a straight edge between two planes, moves onto a
+     | / | / |   -->    |     / |       neighbour (in the second case along that edge), if no triangle flips; the
+     o---o---o          o---o---o       two triangles between them disappear
 
-A closed mesh of squares: every block has a top and a bottom, and a face for each rank of a side that is seen.
+`closed` has many squares and is made in a fraction of the time: nothing is merged, and faces meet on the lattice of all
+heights. In both, if two blocks touch only along a vertical edge, each has vertices of its own there, as an edge with
+four faces would not be manifold:
 
-Nothing is merged, so it is made quickly and has no T-junctions: faces meet edge to edge on the lattice of all heights.
-Where two blocks touch only along a vertical edge, each has vertices of its own there, as in the watertight mesh.
+      ___            the corner in the middle, seen from above, is `pinched`: it has two vertices, on two sheets;
+     |_a_|___        the block on the side of larger y takes the second
+         |_b_|
 
-Decimation of a closed triangle mesh by edge collapses that do not change its surface.
-
-A vertex is removable inside a plane or on a straight edge between two planes. It is collapsed onto a neighbour, in the
-second case along that edge, if no triangle flips; the two triangles between them disappear.
+Cost: linear in the corners, and the sorting of fans; decimation takes most of the time. Whole maps only: a tile of a
+closed mesh would have walls inside the map (decision 7).
 """
 
 from __future__ import annotations
@@ -31,11 +34,12 @@ from rsegen.geometry.rectangles import Rectangles, merge, ragged
 from rsegen.geometry.surface import risers, tops
 
 _FLAT = 1e-6
-"""Triangles of less than this share of the smallest initial area count as degenerate."""
+"""Share of the smallest initial area below which a triangle counts as degenerate. All areas are multiples of a cell's
+or of a step's, so a real triangle is never smaller than that, and rounding errors are far below it."""
 
 
 class _Fan(NamedTuple):
-    """The triangles around each vertex: the vertex, the next two vertices of a triangle, and the triangle's number.
+    """The triangles around each vertex: the vertex, the next two vertices of a triangle, and the triangle's index.
 
     Sorted by vertex, then by the second vertex.
     """
@@ -57,11 +61,12 @@ class _Collapses(NamedTuple):
 
 
 def decimated(faces: Faces, vertices: Array) -> Faces:
-    """The triangles without removable vertices; faces.corners (m, 3) are indices of vertices (n, 3)."""
+    """Return the triangles without removable vertices; faces.corners (m, 3) are indices of vertices (n, 3)."""
     faces = faces._replace(corners=faces.corners.astype(np.int64))
     least = _FLAT * _twice_areas(faces, vertices[faces.corners]).min(initial=np.inf)
     removable = np.ones(len(vertices), dtype=bool)
     while True:
+        # Only vertices that were removable in the last round can be so in this one.
         fan = _fan(faces.corners, removable)
         collapses = _collapses(fan, faces, vertices)
         removable[:] = False
@@ -79,7 +84,7 @@ def decimated(faces: Faces, vertices: Array) -> Faces:
 
 
 def _fan(corners: Ints, wanted: Mask) -> _Fan:
-    """The fans of triangles around the wanted vertices."""
+    """Return the fans of triangles around the wanted vertices."""
     turned = [np.roll(corners, -turn, axis=1)[wanted[corners[:, turn]]] for turn in range(3)]
     triangle = np.concatenate([np.flatnonzero(wanted[corners[:, turn]]) for turn in range(3)])
     vertex, second, third = np.concatenate(turned).T
@@ -88,7 +93,11 @@ def _fan(corners: Ints, wanted: Mask) -> _Fan:
 
 
 def _collapses(fan: _Fan, faces: Faces, vertices: Array) -> _Collapses:
-    """All collapses of removable vertices onto neighbours that keep planes and edges in place."""
+    """Return all collapses of removable vertices onto neighbours that keep planes and edges in place.
+
+    An edge of a fan is a crease if the triangles on both sides differ in normal or material. A vertex is removable with
+    no creases, or with two along one axis; then only along these.
+    """
     count = len(vertices)
     keys = fan.vertex * count + fan.second
     across = fan.triangle[np.searchsorted(keys, fan.vertex * count + fan.third)]
@@ -103,7 +112,8 @@ def _collapses(fan: _Fan, faces: Faces, vertices: Array) -> _Collapses:
 
 
 def _without_flips(collapses: _Collapses, fan: _Fan, faces: Faces, vertices: Array, least: float) -> _Collapses:
-    """One collapse per vertex that flips no triangle, if it has one."""
+    """Return one collapse per vertex that flips no triangle, if it has one."""
+    # Every triangle of a vertex, with the target in its place; triangles that have the target as a corner vanish.
     around = np.bincount(fan.vertex, minlength=len(vertices))
     begin = np.cumsum(around) - around
     count = around[collapses.vertex]
@@ -118,7 +128,11 @@ def _without_flips(collapses: _Collapses, fan: _Fan, faces: Faces, vertices: Arr
 
 
 def _independent_collapses(collapses: _Collapses, fan: _Fan, triangles: int) -> _Collapses:
-    """Collapses of which no two change the same triangle, chosen by a hash of the vertex number."""
+    """Return collapses of which no two change the same triangle: of those that do, the one with the smallest hash.
+
+    The hash (Knuth's multiplicative one, 2^32 / golden ratio) mixes neighbouring vertices; with the vertex index itself
+    whole rows would wait for their first vertex, and there would be as many rounds as a row has vertices.
+    """
     lot = np.full(len(fan.vertex) and int(fan.vertex.max()) + 1, -1)
     lot[collapses.vertex] = collapses.vertex * 2654435761 % 2**32
     mine = lot[fan.vertex]
@@ -129,7 +143,7 @@ def _independent_collapses(collapses: _Collapses, fan: _Fan, triangles: int) -> 
 
 
 def _twice_areas(faces: Faces, corners: Array) -> Array:
-    """Twice the signed area of triangles with corners (m, 3, 3); negative if one has flipped."""
+    """Return twice the signed area of triangles with corners (m, 3, 3); negative if one has flipped."""
     a, b, c = np.moveaxis(corners, 1, 0)
     return np.asarray((np.cross(b - a, c - a) * NORMALS[faces.normals]).sum(axis=1))
 
@@ -148,11 +162,11 @@ class _Outlines(NamedTuple):
 
 
 def watertight(field: StepField) -> Mesh:
-    """The watertight mesh of a field, in triangles; empty if every cell is at level 0."""
+    """Return the watertight mesh of a field, in triangles; empty if every cell is at level 0."""
     grid = label_grid(field)
     rings = Faces.joined([tops(grid), bottoms(grid), risers(grid, axis=0), risers(grid, axis=1)])
     triangles, ring = _fans(_outlines(rings, grid))
-    points, corners = welded(triangles, 2 * prod(grid.lattice.shape))
+    points, corners = welded(triangles, 2 * prod(grid.lattice.shape))  # a lattice point has up to two sheets
     faces = rings.rows(ring)._replace(corners=corners)
     faces = decimated(faces, grid.lattice.mesh(faces, points // 2).vertices)
     used, corners = welded(faces.corners, len(points))
@@ -160,15 +174,17 @@ def watertight(field: StepField) -> Mesh:
 
 
 def bottoms(grid: LabelGrid) -> Faces:
-    """The faces downward at z = 0, one polygon per connected area; all have the material of the lowest block."""
-    found = merge((grid.cells != 0).astype(np.int8))
-    ring = grid.lattice.corners_of(found, (0, 1), np.zeros_like(found.u0))[:, ::-1]
+    """Return the faces downward at z = 0, split into rectangles; all have the material of the lowest block."""
+    rectangles = merge((grid.cells != 0).astype(np.int8))
+    ring = grid.lattice.corners_of(rectangles, (0, 1), np.zeros_like(rectangles.u0))[:, ::-1]
     material = (grid.cells[grid.cells != 0] % grid.materials).min(initial=grid.materials)
     return Faces(ring, np.full(len(ring), 5), np.full(len(ring), material))
 
 
 def _outlines(rings: Faces, grid: LabelGrid) -> _Outlines:
-    """The rectangles with every corner of others on their sides. A point is 2 * its lattice point + its sheet."""
+    """Return the rectangles with every corner of others on their sides. A point is 2 * its lattice point + its
+    sheet.
+    """
     corners = rings.corners.astype(np.int64)
     places, count = _between(corners, grid.lattice)
     side = np.repeat(np.arange(corners.size), count)
@@ -182,7 +198,8 @@ def _outlines(rings: Faces, grid: LabelGrid) -> _Outlines:
 
 
 def _between(corners: Ints, lattice: Lattice) -> tuple[Ints, Ints]:
-    """The lattice points along each side, from its first corner to before the next one, and their number per side."""
+    """Return the corners of all rectangles along each side, from its first one to before the next, and their number."""
+    # Along one axis all corners, sorted by line, are searched for the ends of the sides along it.
     starts, ends = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
     known = welded(starts, prod(lattice.shape))[0]
     begin, steps = np.zeros((2, len(starts)), dtype=np.int64)
@@ -200,23 +217,23 @@ def _between(corners: Ints, lattice: Lattice) -> tuple[Ints, Ints]:
 
 
 def _key(places: Ints, axis: int, lattice: Lattice) -> Ints:
-    """A sort key of lattice points, in which points on one line along an axis are consecutive."""
+    """Return a sort key of lattice points, by which points on one line along an axis are consecutive."""
     lines, shape = lattice.unravelled(places), lattice.shape
-    one, other = (k for k in range(3) if k != axis)
-    return (lines[one] * shape[other] + lines[other]) * shape[axis] + lines[axis]
+    first, second = (k for k in range(3) if k != axis)
+    return (lines[first] * shape[second] + lines[second]) * shape[axis] + lines[axis]
 
 
 def _beyond(rings: Faces, lattice: Lattice) -> Mask:
-    """Whether the block of a corner lies on the side of larger y of it: (m, 4)."""
+    """Return whether the block of a corner lies on the side of larger y of the corner: (m, 4)."""
     y = lattice.unravelled(rings.corners)[1]
-    found: Mask = y == y.min(axis=1, keepdims=True)
-    found[rings.normals == 2] = False
-    found[rings.normals == 3] = True
-    return found
+    beyond: Mask = y == y.min(axis=1, keepdims=True)
+    beyond[rings.normals == 2] = False
+    beyond[rings.normals == 3] = True
+    return beyond
 
 
 def pinched(places: Ints, grid: LabelGrid) -> Mask:
-    """Whether two diagonally opposite blocks touch at a point while the other two are lower."""
+    """Return whether two diagonally opposite blocks touch at a point while the other two are lower."""
     x, y, z = grid.lattice.unravelled(places)
     top = grid.labels // grid.materials
     near_left, near_right, far_left, far_right = (top[x + i, y + j] >= np.maximum(z, 1) for i in (0, 1) for j in (0, 1))
@@ -224,7 +241,7 @@ def pinched(places: Ints, grid: LabelGrid) -> Mask:
 
 
 def _fans(outline: _Outlines) -> tuple[Ints, Ints]:
-    """The triangles of every rectangle, and the rectangle of each.
+    """Return the triangles of every rectangle, and the rectangle of each.
 
     c3 ____.____ c2    The edges of each side and one point: on the left the first after c0, on the right the first
       |        |       after c2; below, without the first edge, c3; above, without the first edge, c1.
@@ -242,11 +259,12 @@ def _fans(outline: _Outlines) -> tuple[Ints, Ints]:
 
 
 _FAR = np.array([[1, 0, 0, 1], [1, 0, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1], [1, 1, 0, 0], [0, 0, 1, 1]], dtype=bool)
-"""For each of NORMALS, at which corners of a face its block lies on the side of larger y."""
+"""Corners of a face at which its block lies on the side of larger y, for each of NORMALS."""
 
 
 def closed(field: StepField) -> Mesh:
-    """The closed mesh of a field, in squares; empty if every cell is at level 0."""
+    """Return the closed mesh of a field, in squares; empty if every cell is at level 0."""
+    # Pinched points get a second vertex, at the end of the list, which the faces of the block beyond take.
     grid = label_grid(field)
     faces = Faces.joined([*_tops_and_bottoms(grid), _sides(grid, axis=0), _sides(grid, axis=1)])
     points, corners = welded(faces.corners, prod(grid.lattice.shape))
@@ -258,6 +276,7 @@ def closed(field: StepField) -> Mesh:
 
 
 def _tops_and_bottoms(grid: LabelGrid) -> tuple[Faces, Faces]:
+    """Return a face per cell above the ground at its top, and one at z = 0."""
     x, y = np.nonzero(grid.cells)
     labels = grid.cells[x, y]
     rank, material = np.divmod(labels, grid.materials)
@@ -267,7 +286,7 @@ def _tops_and_bottoms(grid: LabelGrid) -> tuple[Faces, Faces]:
 
 
 def _sides(grid: LabelGrid, axis: int) -> Faces:
-    """The faces with normals along an axis, in both directions; u runs across it, v upward."""
+    """Return a face per rank of every side that is seen, along an axis in both directions; u across it, v upward."""
     labels = (grid.labels if axis == 0 else grid.labels.T)[:, 1:-1]
     rank = labels // grid.materials
     line, u = np.nonzero(rank[:-1] != rank[1:])

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from rsegen.errors import FileError, ParameterError, UserError, pip_install, sai
 from rsegen.field.stepfield import Array
 from rsegen.io.input_files import open_regular, opened_image, read_by_library, text_of
 from rsegen.io.npy_files import mapped
+from rsegen.io.scan_options import CLOUDS
 from rsegen.params.extras import SCAN
 from rsegen.params.sorts import CENTIMETRES
 
@@ -183,11 +185,8 @@ def _refuse_many(path: Path, points: int) -> None:
         raise FileError(f"{path}: {points:,} points; give up to {MOST_POINTS:,}")
 
 
-READERS: dict[str, Callable[[Path], tuple[Array, str]]] = {
-    **dict.fromkeys((".xyz", ".txt", ".csv", ".asc", ".pts"), _text),
-    **dict.fromkeys((".ply", ".obj", ".stl", ".glb"), _mesh),
-    ".pcd": _pcd,
-    ".npy": _array,
-    **dict.fromkeys((".png", ".tif", ".tiff", ".pgm"), _image),
-}
+_READERS: Mapping[str, Callable[[Path], tuple[Array, str]]] = MappingProxyType(
+    {"text": _text, "mesh": _mesh, "pcd": _pcd, "array": _array, "image": _image}
+)
+READERS = {suffix: _READERS[way] for suffix, way in CLOUDS.items()}
 """What reads a file by its suffix: its points (n, 3), or its depths (rows, columns), and their usual unit."""

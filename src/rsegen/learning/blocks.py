@@ -14,7 +14,7 @@ from rsegen.recipe.recipe import Recipe
 GROUND_COLOUR = (0.6, 0.6, 0.6)
 
 _DEPTH = 0.1
-"""Metres that the blocks of a grid reach below the ground, so that those of level 0 have a size."""
+"""Metres that the blocks of a grid reach below the ground, so that blocks of level 0 have a size."""
 
 
 class BlockArrays:
@@ -54,15 +54,15 @@ class BlockArrays:
     def pos(self, levels: Ints) -> Array:
         """The centres of the blocks from the middle of the map, (..., blocks, 3), metres."""
         x, y = np.broadcast_to(self._x[:, None], self.shape), np.broadcast_to(self._y, self.shape)
-        found = np.empty((*np.shape(levels), 3))
-        found[..., 0], found[..., 1], found[..., 2] = x, y, (self._heights(levels) - _DEPTH) / 2
-        return _rows(found)
+        centres = np.empty((*np.shape(levels), 3))
+        centres[..., 0], centres[..., 1], centres[..., 2] = x, y, (self._heights(levels) - _DEPTH) / 2
+        return _rows(centres)
 
     def size(self, levels: Ints) -> Array:
         """Half of the sides of the blocks, (..., blocks, 3), metres."""
-        found = np.full((*np.shape(levels), 3), self._half)
-        found[..., 2] = (self._heights(levels) + _DEPTH) / 2
-        return _rows(found)
+        halves = np.full((*np.shape(levels), 3), self._half)
+        halves[..., 2] = (self._heights(levels) + _DEPTH) / 2
+        return _rows(halves)
 
     def rgba(self, levels: Ints) -> Array:
         """The colours of the blocks by their levels, (..., blocks, 4), from 0 to 1."""
@@ -79,5 +79,5 @@ class BlockArrays:
 
 
 def _rows(values: Array) -> Array:
-    """One axis of blocks for the two of the cells."""
+    """Return values with an axis of blocks in place of the two axes of cells."""
     return values.reshape(*values.shape[:-3], -1, values.shape[-1])

@@ -27,7 +27,7 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
         self.grid = grid
         self._rng = np.random.default_rng()
         model = getattr(self.unwrapped, "model", None)
-        if model is None or grid.names[0] not in {model.geom(number).name for number in range(model.ngeom)}:
+        if model is None or grid.names[0] not in {model.geom(geom).name for geom in range(model.ngeom)}:
             raise UserError(f"the model of {self.unwrapped} has no geom {grid.names[0]}; add the blocks by grid.add_to")
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:

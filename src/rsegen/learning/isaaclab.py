@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class SubTerrain(Protocol):
-    """What is used of a SubTerrainBaseCfg: its size in metres; the generator gives it its seed."""
+    """The used part of a SubTerrainBaseCfg: its size in metres; the generator gives it its seed."""
 
     size: tuple[float, float]
 
@@ -34,7 +34,7 @@ class SubTerrain(Protocol):
 class StepFieldTerrain:
     """The `function` of a SubTerrainBaseCfg: a map of a recipe at a difficulty, amid level ground.
 
-    Which map it is follows from the recipe, the generator's seed and the difficulty alone. mesh: `merged`, the surface
+    The map follows from the recipe, the generator's seed and the difficulty alone. mesh: `merged`, the surface
     in few faces; or closed: `watertight`, or `closed`, which is quicker and has more faces. The surface has one
     friction, which the TerrainImporter gives it.
     """
@@ -55,6 +55,6 @@ class StepFieldTerrain:
             import trimesh
         except ImportError:
             raise UserError(f"trimesh is not installed; {pip_install([MESH.name])}") from None
-        found = tile(self.recipe, difficulty, index_of(getattr(cfg, "seed", None), difficulty), cfg.size)
-        vertices, triangles = found.mesh(self.kind)
-        return [trimesh.Trimesh(vertices, triangles, process=False)], np.array(found.origin)
+        ground = tile(self.recipe, difficulty, index_of(getattr(cfg, "seed", None), difficulty), cfg.size)
+        vertices, triangles = ground.mesh(self.kind)
+        return [trimesh.Trimesh(vertices, triangles, process=False)], np.array(ground.origin)

@@ -33,15 +33,15 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
 
     def function(self, difficulty: float, spec: mujoco.MjSpec, rng: np.random.Generator) -> TerrainOutput:
         """Boxes of the body `terrain`, from (0, 0) to the sub-terrain's size, and the origin, in metres."""
-        found, body = tile(self.recipe, difficulty, int(rng.integers(2**63)), self.size), spec.body("terrain")
-        look = Scene(recipe=self.recipe, index=0, field=found.raised)
+        ground, body = tile(self.recipe, difficulty, int(rng.integers(2**63)), self.size), spec.body("terrain")
+        look = Scene(recipe=self.recipe, index=0, field=ground.raised)
         geometries = [
             TerrainGeometry(geom=add_box(body, column, look.friction_of(column.material)), color=_colour(look, column))
-            for column in found.columns()
+            for column in ground.columns()
         ]
-        return TerrainOutput(origin=np.array(found.origin), geometries=geometries)
+        return TerrainOutput(origin=np.array(ground.origin), geometries=geometries)
 
 
 def _colour(look: Scene, column: Column) -> tuple[float, float, float, float]:
-    """That of its level."""
+    """Return the colour of a column's level, with opacity."""
     return (*(look.colour(column.material) if column.material else GROUND_COLOUR), 1.0)

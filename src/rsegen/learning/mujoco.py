@@ -27,9 +27,9 @@ _TORSIONAL, _ROLLING = 0.005, 0.0001
 def add_map(spec: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0)) -> Any:
     """Add a map to an MjSpec as a static body of boxes, its middle at `pos` in metres; gives the body."""
     body = spec.worldbody.add_body(name=scene.name, pos=list(pos))
-    for number, column in enumerate(columns(scene.field)):
+    for index, column in enumerate(columns(scene.field)):
         geom = add_box(body, column, scene.friction_of(column.material))
-        geom.name = f"{scene.name}_{number}"
+        geom.name = f"{scene.name}_{index}"
         geom.rgba = [*scene.colour(column.material), 1.0]
     return body
 

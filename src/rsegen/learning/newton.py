@@ -19,6 +19,7 @@ from rsegen.errors import ParameterError, UnknownName
 from rsegen.exporters.formats.parts import columns
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints
+from rsegen.geometry.watertight import watertight
 from rsegen.learning.blocks import BlockArrays
 
 SHAPES = ("boxes", "mesh")
@@ -61,15 +62,15 @@ def _add_box(builder: Any, centre: Array, half: Array, *, friction: float, colou
 
 
 def _add_meshes(builder: Any, scene: Scene, at: np.ndarray) -> list[int]:
-    found = []
+    shapes = []
     for friction, materials in scene.by_friction(scene.field):
         field = scene.field if materials is None else scene.field.only(materials)
-        mesh = field.mesh("watertight")
+        mesh = watertight(field)
         if len(mesh.faces):
             shape = newton.Mesh(mesh.vertices.astype(np.float32), mesh.triangles.ravel().astype(np.int32))
             place = wp.transform(wp.vec3(*at), wp.quat_identity())
-            found.append(builder.add_shape_mesh(-1, xform=place, mesh=shape, cfg=_config(builder, friction)))
-    return found
+            shapes.append(builder.add_shape_mesh(-1, xform=place, mesh=shape, cfg=_config(builder, friction)))
+    return shapes
 
 
 def _config(builder: Any, friction: float) -> Any:
@@ -96,9 +97,10 @@ class BlockGrid(BlockArrays):
     def write(self, model: Any, levels: Ints, shapes: Sequence[int] | Ints) -> None:
         """Put maps (..., n_x, n_y) into the shapes (..., blocks) of a finalized model, in place.
 
-        A solver that keeps shapes of its own is then to be told:
+        A solver that keeps shapes of its own has to be notified:
         `solver.notify_model_changed(newton.ModelFlags.SHAPE_PROPERTIES)`.
         """
+        # The rows of the shapes in four arrays of the model, on its device.
         numbers, centres = np.asarray(shapes).reshape(-1), self.position + self.pos(levels)
         if len(numbers) != centres[..., 0].size:
             raise ParameterError("shapes", f"{len(numbers)} for {centres[..., 0].size} blocks; give those of add_to")

@@ -12,12 +12,13 @@ import numpy as np
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.parts import Column, columns
 from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.geometry.meshes import mesh
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import amid, check_tile, eased, tile_levels, tile_shape
 
 _SAME = 1e-6
-"""Metres below which lengths count as equal."""
+"""Metres below which lengths count as equal: a size of 8 m is not exactly 80 times 0.1 m."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -34,8 +35,8 @@ class Tile:
 
     def mesh(self, kind: str = "merged") -> tuple[Array, Ints]:
         """Vertices (n, 3) in metres and triangles (m, 3) of its surface; `watertight`: closed."""
-        mesh = self.raised.mesh(kind)
-        return mesh.vertices + self._corner, mesh.triangles
+        surface = mesh(self.raised, kind)
+        return surface.vertices + self._corner, surface.triangles
 
     def columns(self) -> Iterator[Column]:
         """Few boxes of one level each that fill it, metres; their material is the level, 0 for the ground."""
@@ -46,7 +47,7 @@ class Tile:
 
     @property
     def _corner(self) -> Array:
-        """From the middle of the field to the corner of the tile, and from its raised ground to z = 0."""
+        """Origin of the raised field in the frame of the tile, metres."""
         return np.array([self.size[0] / 2, self.size[1] / 2, -self.raised.unit])
 
 
@@ -64,6 +65,7 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
         raise ParameterError("size", f"{problem}; give {m_x * width:g} x {m_y * width:g} m or more, or smaller maps")
     low_x, low_y = (n_x - m_x) // 2, (n_y - m_y) // 2
     levels = np.zeros((n_x, n_y), dtype=np.int16)
+    # Everything is a unit higher than it is, so that the ground is a block too and has a surface.
     own = tile_levels(eased(recipe, difficulty), index)
     levels[low_x : low_x + m_x, low_y : low_y + m_y] = own
     raised = StepField(
@@ -78,8 +80,8 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
 
 
 def index_of(*numbers: float | None) -> int:
-    """The index of a map that follows from some numbers, so that the same ones always give the same map."""
-    words = b"".join(struct.pack("<d", np.nan if number is None else number) for number in numbers)
+    """Return the index of a map by a hash of some numbers, so that equal ones always give the same map."""
+    words = b"".join(struct.pack("<d", np.nan if value is None else value) for value in numbers)
     return int.from_bytes(hashlib.blake2b(words, digest_size=8).digest(), "little") % SEEDS
 
 

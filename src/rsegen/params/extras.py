@@ -19,12 +19,12 @@ class Extra(NamedTuple):
 
     @property
     def is_missing(self) -> bool:
-        """Whether it is not installed for this Python."""
+        """Return whether a library of it is not installed for this Python."""
         return bool(self.missing_modules)
 
     @property
     def missing_modules(self) -> tuple[str, ...]:
-        """Those of its modules that are not installed for this Python."""
+        """Modules of it that are not installed for this Python."""
         return tuple(module for module in (self.module, *self.more) if find_spec(module) is None)
 
 

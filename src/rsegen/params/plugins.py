@@ -1,6 +1,7 @@
 """Plug-ins that are not installed: modules and files loaded by `--plugin` or `load_plugin`; and their sources.
 
-What they hold is found by the registries: each looks through the loaded modules for what it keeps.
+Each registry looks through the loaded modules for objects of its own sort. Worker processes load the same plug-ins
+before they unpickle their work (`with_plugins`).
 """
 
 from __future__ import annotations
@@ -19,12 +20,12 @@ from typing import Any, TypeVar
 from rsegen.errors import PluginError
 
 PREFIX = "rsegen_plugin_"
-"""What the module of a file is called, before the file's own name."""
+"""Prefix of the name of a module that was loaded from a file, before the file's own name."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Source:
-    """Where a plug-in comes from, as recipe.json records it: `rsegen-ramps 1.2`, or `ramps.py` of a file."""
+    """The package or file of a plug-in, as recipe.json records it: `rsegen-ramps 1.2`, or `ramps.py`."""
 
     name: str
     version: str = ""
@@ -34,13 +35,13 @@ class Source:
 
     @classmethod
     def parse(cls, text: str) -> Source:
-        """The source that a recipe records."""
+        """Return the source that a recipe records."""
         name, _, version = text.strip().rpartition(" ")
         return cls(name=name, version=version) if name and not text.endswith(".py") else cls(name=text)
 
     @property
     def remedy(self) -> str:
-        """How to get it where it is missing."""
+        """Remedy for a missing plug-in, to be appended to its name."""
         if self.version:
             return f"of {self} is not installed; {sys.executable} -m pip install '{self.name}=={self.version}'"
         return f"of {self} is not loaded; give --plugin {self}"
@@ -55,37 +56,37 @@ class Plugin:
 
 
 _LOADED: dict[str, Plugin] = {}
-"""By what finds the module in another process too: the whole path of its file, or its name."""
+"""Loaded plug-ins by a text that finds the module in another process too: the whole path of its file, or its name."""
 
 
 def load_plugin(module: str | Path) -> ModuleType:
     """Load a Python file, or a module by its name, as a plug-in: its obstacles, formats, robots, ... are then known.
 
-    Workers load it too. Raises a PluginError of one line where it cannot be loaded.
+    Workers load it too. Raises a PluginError of one line if it cannot be loaded.
     """
     text = str(module)
     is_file = isinstance(module, Path) or text.endswith(".py") or os.sep in text
     origin = str(Path(text).resolve()) if is_file else text
     if origin not in _LOADED:
-        found = _from_file(Path(origin), text) if is_file else _from_name(text)
-        _LOADED[origin] = Plugin(module=found, source=Source(name=Path(origin).name if is_file else text))
+        loaded = _from_file(Path(origin), text) if is_file else _from_name(text)
+        _LOADED[origin] = Plugin(module=loaded, source=Source(name=Path(origin).name if is_file else text))
     return _LOADED[origin].module
 
 
 def plugins() -> tuple[Plugin, ...]:
-    """What has been loaded, in order."""
+    """Return the plug-ins that have been loaded, in order."""
     return tuple(_LOADED.values())
 
 
 def failure(error: BaseException, file: str = "") -> str:
-    """What went wrong in somebody's module: the line of the file, the error's name and its first line."""
+    """Describe an error in somebody's module: the line of the file, the error's name and its first line."""
     line = error.lineno if isinstance(error, SyntaxError) else _line_in(error, file)
     first = (str(error.msg if isinstance(error, SyntaxError) else error).splitlines() or [""])[0]
     return f"{f'line {line}: ' if line else ''}{type(error).__name__}: {first}".removesuffix(": ")
 
 
 def _line_in(error: BaseException, file: str) -> int | None:
-    """The last line of a file that was run before the error."""
+    """Return the last line of a file that was run before the error."""
     line, step = None, error.__traceback__
     while step:
         line = step.tb_lineno if step.tb_frame.f_code.co_filename == file else line
@@ -118,19 +119,17 @@ def _from_file(path: Path, text: str) -> ModuleType:
     return module
 
 
-# To workers.
-
 Work = TypeVar("Work", bound=Callable[..., Any])
 
 
 def with_plugins(work: Work) -> Work:
-    """The same work, which in another process loads the plug-ins of this one first."""
+    """Return work that loads the plug-ins of this process first if it runs in another one."""
     return _Carried(work) if _LOADED else work  # type: ignore[return-value]  # it is called alike
 
 
 @dataclass(frozen=True, slots=True)
 class _Carried:
-    """Work whose pickle holds the plug-ins' names, and the work itself where they are loaded."""
+    """A callable whose pickle holds the names of plug-ins, and after them the callable that may need these."""
 
     work: Callable[..., Any]
 

@@ -1,16 +1,15 @@
 """Registries of obstacles, formats, robots, ... by name: rsegen's own and those of plug-ins, each imported on demand.
 
 A name is looked for in rsegen's own files first, then in the plug-in files that were loaded (`load_plugin`), then in
-what installed packages offer (`entry_points`). Only a list of all of them imports them all.
+the entry points of installed packages (`entry_points`). Only a list of all of them imports them all.
 
-What a plug-in has to be to enter a registry, and what is wrong with one that is not.
-
-What installed packages offer to rsegen, by the entry points that they declare: found without importing anything.
+A `Contract` says what an object of a plug-in must be to enter a registry; anything else is refused with the reason, or
+left out of lists with a warning. Entry points are found without importing anything:
 
     [project.entry-points."rsegen.obstacles"]
     ramp = "rsegen_ramps:Ramp"
 
-`importlib.metadata` takes as long as numpy's half to be imported, so it is asked only about packages that have such.
+`importlib.metadata` takes half as long to import as numpy, so only packages with such entry points are read by it.
 """
 
 from __future__ import annotations
@@ -35,61 +34,60 @@ from rsegen.params.plugins import Plugin, Source, failure, plugins
 from rsegen.params.sorts import parameters
 
 
-def _same(found: Any) -> Any:
-    return found
-
-
-def _nothing(found: Any) -> str:
-    return ""
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Contract:
-    """What a plug-in has to be: a class below `base` or, unless `is_class`, an object of it.
+    """Requirements of a registry: a plug-in is a class below `base` or, unless `is_class`, an object of it.
 
-    names: under which it is kept; kept: what is kept of it; check: what else is wrong with it, or an empty text.
+    names: under which it is kept; kept: the object that is kept of it; check: any other problem, or an empty text.
     """
 
     base: type
     names: Callable[[Any], tuple[str, ...]]
-    kept: Callable[[Any], Any] = _same
-    check: Callable[[Any], str] = _nothing
+    kept: Callable[[Any], Any] = lambda plugin: plugin
+    check: Callable[[Any], str] = lambda plugin: ""
     is_class: bool = True
 
     def is_held(self, value: Any, plugin: Plugin) -> bool:
-        """Whether a plug-in's module made this value to be kept: a whole class of its own, or an object."""
+        """Return whether a plug-in's module defines this value to be kept: a whole class of its own, or an object."""
         if not self.is_class:
             return isinstance(value, self.base)
         own = isinstance(value, type) and issubclass(value, self.base) and value.__module__ == plugin.module.__name__
         return own and not inspect.isabstract(value)
 
-    def problem(self, found: Any) -> str:
-        """What is wrong with what a plug-in offers; an empty text where nothing is."""
+    def problem(self, offered: Any) -> str:
+        """Return the problem of an object that a plug-in offers; an empty text if there is none."""
         base = f"{self.base.__module__}.{self.base.__qualname__}"
         if not self.is_class:
-            return self._unsound(found) if isinstance(found, self.base) else f"is not a {base}"
-        if not (isinstance(found, type) and issubclass(found, self.base)):
+            return self._unsound(offered) if isinstance(offered, self.base) else f"is not a {base}"
+        if not (isinstance(offered, type) and issubclass(offered, self.base)):
             return f"is not a subclass of {base}"
-        if missing := sorted(getattr(found, "__abstractmethods__", ())):
+        if missing := sorted(getattr(offered, "__abstractmethods__", ())):
             return f"does not define {', '.join(missing)}"
-        if not has_summary(found):
+        if not has_summary(offered):
             return "has no docstring; its first line is shown in lists"
-        return self._unsound(found)
+        return self._unsound(offered)
 
-    def _unsound(self, found: Any) -> str:
+    def _unsound(self, offered: Any) -> str:
         try:
-            names = self.names(found)
+            names = self.names(offered)
             if not names or not all(isinstance(name, str) and name for name in names):
                 return f"has the name {', '.join(map(repr, names))}; give a text"
-            self.kept(found)
-            return self.check(found)
+            self.kept(offered)
+            return self.check(offered)
         except Exception as error:  # it is somebody else's class, and may do anything
             return failure(error)
 
 
-def clash(cls: type, reserved: Collection[str], others: Iterable[type] = ()) -> str:
-    """What is wrong with the names of a class's parameters: reserved, unexplained, or of another meaning elsewhere."""
+def clash(cls: type, reserved: Collection[str], base: type = object, others: Iterable[type] = ()) -> str:
+    """Return what is wrong with the parameters that a class declares; an empty text if nothing is.
+
+    A name may be reserved, without help, or have another meaning in one of the `others`. Parameters that only `base`
+    or an ancestor of it declares are not looked at.
+    """
+    declared = {name for part in cls.__mro__ if not issubclass(base, part) for name in inspect.get_annotations(part)}
     for name, parameter in parameters(cls).items():
+        if name not in declared:
+            continue
         if name in reserved:
             return f"the parameter {name!r} has a reserved name; give it another one"
         if not parameter.help:
@@ -101,14 +99,14 @@ def clash(cls: type, reserved: Collection[str], others: Iterable[type] = ()) -> 
 
 
 def has_summary(cls: type) -> bool:
-    """Whether a class has a docstring of its own; dataclasses make one up from the signature."""
+    """Return whether a class has a docstring of its own; dataclasses make one up from the signature."""
     doc = (cls.__doc__ or "").strip()
     return bool(doc) and not doc.startswith(f"{cls.__name__}(")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class EntryPoint:
-    """One line of a package: under which name it offers what to rsegen."""
+    """A line of a package's metadata: the name under which it offers an object to rsegen, and the object's place."""
 
     group: str
     name: str
@@ -119,23 +117,25 @@ class EntryPoint:
         return f"plug-in {self.name!r} of {self.source} ({self.value})"
 
     def load(self) -> Any:
-        """What it offers; raises whatever its module raises."""
+        """Return the object that it offers; raises whatever its module raises."""
         module, _, place = self.value.partition(":")
-        found: Any = import_module(module.strip())
+        offered: Any = import_module(module.strip())
         for part in filter(None, place.strip().split(".")):
-            found = getattr(found, part)
-        return found
+            offered = getattr(offered, part)
+        return offered
 
 
 @cache
 def entry_points() -> tuple[EntryPoint, ...]:
-    """All that installed packages offer to rsegen, by their names."""
-    found = (each for folder in _packages() for each in _of(folder))
-    return tuple(sorted(found, key=lambda each: (each.group, each.name, str(each.source))))
+    """Return the entry points of all installed packages for rsegen, sorted by their names."""
+    offers = (offer for folder in _packages() for offer in _of(folder))
+    return tuple(sorted(offers, key=lambda offer: (offer.group, offer.name, str(offer.source))))
 
 
 def _packages() -> Iterator[Path]:
-    """The folders of metadata that speak of rsegen; of two of one package the first on the path counts."""
+    """Yield the folders of metadata with entry points for rsegen; of two of one package the first on the path
+    counts.
+    """
     seen = set()
     for place in dict.fromkeys(sys.path):
         for entry in _metadata(place or "."):
@@ -148,10 +148,10 @@ def _packages() -> Iterator[Path]:
 def _metadata(place: str) -> list[os.DirEntry[str]]:
     try:
         with os.scandir(place) as entries:
-            found = [each for each in entries if each.name.endswith((".dist-info", ".egg-info"))]
+            folders = [entry for entry in entries if entry.name.endswith((".dist-info", ".egg-info"))]
     except OSError:  # most paths hold no packages, and some are not there
         return []
-    return sorted(found, key=lambda each: each.name)
+    return sorted(folders, key=lambda folder: folder.name)
 
 
 def _speaks(folder: str) -> bool:
@@ -167,19 +167,19 @@ def _of(folder: Path) -> Iterator[EntryPoint]:
 
     package = Distribution.at(folder)
     source = Source(name=package.metadata["Name"] or folder.name.partition("-")[0], version=package.version or "0")
-    for each in package.entry_points:
-        if each.group.startswith("rsegen."):
-            yield EntryPoint(group=each.group, name=each.name, value=each.value, source=source)
+    for entry in package.entry_points:
+        if entry.group.startswith("rsegen."):
+            yield EntryPoint(group=entry.group, name=entry.name, value=entry.value, source=source)
 
 
 Thing = TypeVar("Thing")
 
 
 class Registry(Mapping[str, Thing]):
-    """Every thing of a sort by its name: in the order of their names, or in that of what `order` gives for each.
+    """Everything of a sort by its name, sorted by names, or by the key that `order` gives for each thing.
 
-    package: whose modules add rsegen's own things when they are imported; group: the entry points of other packages;
-    contract: what a plug-in has to be.
+    package: its modules add rsegen's own things when they are imported; group: of entry points of other packages;
+    contract: the requirements for plug-ins.
     """
 
     def __init__(
@@ -191,6 +191,7 @@ class Registry(Mapping[str, Thing]):
         group: str = "",
         contract: Contract | None = None,
     ) -> None:
+        # Things and sources by name; the rest is how far the search for plug-ins has come.
         self._sort = sort
         self._order = order
         self._package = package
@@ -224,13 +225,13 @@ class Registry(Mapping[str, Thing]):
         self._things[name] = thing
 
     def named(self, name: str, where: str) -> Thing:
-        """The thing of a name that a person gave as `where`, or an UnknownName that lists the known ones."""
+        """Look up a user-supplied name; raise UnknownName for `where`, which lists the valid names."""
         if not isinstance(name, str) or name not in self:
             raise UnknownName.among(where, self._sort, name, self)
         return self[name]
 
     def source(self, name: str) -> Source | None:
-        """The package or file that a thing comes from; None for rsegen's own."""
+        """Return the package or file that a thing comes from; None for rsegen's own."""
         if name in self and name not in self._sources and not self._is_own(self[name]):
             with self._lock:  # its module may have added it by itself
                 self._find_in_modules()
@@ -238,7 +239,7 @@ class Registry(Mapping[str, Thing]):
         return self._sources.get(name)
 
     def own(self) -> tuple[Thing, ...]:
-        """rsegen's own things, whatever plug-ins there are."""
+        """Return rsegen's own things, without those of plug-ins."""
         with self._lock:
             self._import_all_own()
             return tuple(thing for name, thing in self._things.items() if name not in self._sources)
@@ -259,8 +260,8 @@ class Registry(Mapping[str, Thing]):
         with self._lock:
             self._import_all_own()
             self._find_in_modules()
-            for each in self._offered():
-                self._take_or_warn(each)
+            for offer in self._offered():
+                self._take_or_warn(offer)
 
     def _take_or_warn(self, offer: EntryPoint) -> None:
         try:
@@ -269,7 +270,7 @@ class Registry(Mapping[str, Thing]):
             warnings.warn(f"{error}; it is left out", PluginWarning, stacklevel=1)
 
     def _import_own(self, name: str) -> None:
-        """The file that is called like the thing, if there is one: many are."""
+        """Import the file with the name of the thing, if there is one, as for many things."""
         if not self._own_imported and find_spec(f"{self._package}.{name}"):
             import_module(f"{self._package}.{name}")
 
@@ -281,10 +282,10 @@ class Registry(Mapping[str, Thing]):
         self._own_imported = True
 
     def _find_in_modules(self) -> None:
-        """What the plug-ins hold that were loaded since the last time."""
-        found = plugins()[self._modules_seen :]
-        self._modules_seen += len(found)
-        for plugin in found:
+        """Enter what the plug-ins define that were loaded since the last time."""
+        fresh = plugins()[self._modules_seen :]
+        self._modules_seen += len(fresh)
+        for plugin in fresh:
             for name, value in self._held(plugin):
                 self._enter(value, plugin.source, f"plug-in {plugin.source} ({name})")
 
@@ -292,50 +293,50 @@ class Registry(Mapping[str, Thing]):
         contract, known = self._contract, set(map(id, self._things.values()))
         if contract is None:
             return []
-        held = ((name, each) for name, each in vars(plugin.module).items() if contract.is_held(each, plugin))
-        return [(name, each) for name, each in held if isinstance(each, type) or id(each) not in known]
+        held = ((name, value) for name, value in vars(plugin.module).items() if contract.is_held(value, plugin))
+        return [(name, value) for name, value in held if isinstance(value, type) or id(value) not in known]
 
     def _offered(self) -> tuple[EntryPoint, ...]:
         if self._offers is None:
-            self._offers = [each for each in entry_points() if each.group == self._group]
+            self._offers = [offer for offer in entry_points() if offer.group == self._group]
         return tuple(self._offers)
 
     def _find_offered(self, name: str) -> None:
-        for each in self._offered():
-            if each.name == name:
-                self._take(each)
+        for offer in self._offered():
+            if offer.name == name:
+                self._take(offer)
                 return
 
     def _take(self, offer: EntryPoint) -> None:
-        """Import what a package offers; PluginError where that is not possible."""
-        self._offers = [each for each in self._offered() if each is not offer]  # its module may ask for others
+        """Import and enter what a package offers; PluginError if that is not possible."""
+        self._offers = [other for other in self._offered() if other is not offer]  # its module may ask for others
         try:
             self._enter(_loaded(offer), offer.source, str(offer), offer.name)
         except PluginError:
             self._offers.append(offer)
             raise
 
-    def _enter(self, found: Any, source: Source, where: str, wanted: str | None = None) -> None:
-        """Keep what a plug-in holds under its names; PluginError where it is not what it should be."""
+    def _enter(self, offered: Any, source: Source, where: str, wanted: str | None = None) -> None:
+        """Keep an object of a plug-in under its names; PluginError if it does not meet the contract."""
         contract = self._contract
         if contract is None:
             raise PluginError(f"{where}: there are no plug-ins that are a {self._sort}")
-        if problem := contract.problem(found) or self._misnamed(found, contract.names(found), wanted):
+        if problem := contract.problem(offered) or self._misnamed(offered, contract.names(offered), wanted):
             raise PluginError(f"{where}: {problem}")
-        for name in contract.names(found):
-            self._things.setdefault(name, contract.kept(found))
+        for name in contract.names(offered):
+            self._things.setdefault(name, contract.kept(offered))
             self._sources[name] = source
 
-    def _misnamed(self, found: Any, names: Iterable[str], wanted: str | None) -> str:
-        """What is wrong with the names of a plug-in; an empty text where nothing is."""
+    def _misnamed(self, offered: Any, names: Iterable[str], wanted: str | None) -> str:
+        """Return the problem of the names of a plug-in's object; an empty text if there is none."""
         if wanted is not None and wanted not in names:
             return f"is named {', '.join(names)}; its entry point must have the same name"
-        taken = [name for name in names if name in self._things and not self._is_kept(name, found)]
+        taken = [name for name in names if name in self._things and not self._is_kept(name, offered)]
         return f"the name {taken[0]!r} is taken by {self._sources.get(taken[0], 'rsegen')}" if taken else ""
 
-    def _is_kept(self, name: str, found: Any) -> bool:
+    def _is_kept(self, name: str, offered: Any) -> bool:
         kept = self._things[name]
-        return kept is found or type(kept) is found
+        return kept is offered or type(kept) is offered
 
 
 def _loaded(offer: EntryPoint) -> Any:
@@ -345,6 +346,18 @@ def _loaded(offer: EntryPoint) -> Any:
         raise PluginError(f"{offer}: {failure(error)}") from None
 
 
+def offered_names(package: str, group: str) -> list[str]:
+    """Return the names of files of a package that register something, and of plug-ins that offer it; none is imported.
+
+    For helps, which are to come at once; a file is called like what it registers.
+    """
+    spec = find_spec(package)
+    folders = [] if spec is None else list(spec.submodule_search_locations or ())
+    files = [path for folder in folders for path in Path(folder).glob("*.py")]
+    own = {path.stem for path in files if "\n@register\n" in path.read_text("utf-8")}
+    return sorted(own.union(offer.name for offer in entry_points() if offer.group == group))
+
+
 def summary(cls: type) -> str:
-    """What a class is, in one line: the first of its docstring."""
+    """Return what a class is in a line: the first one of its docstring."""
     return (cls.__doc__ or "").strip().splitlines()[0]

@@ -5,26 +5,34 @@
 From there come the check in Python, the flag and the form, and the JSON Schema. A parameter is anything with the
 methods of `Parameter`; a value that it accepts is returned in its one canonical form.
 
-Where an obstacle lies: cells of the map, of which each coordinate is a number or random.
-
-Lengths with their unit, as in `3.5in`, `8ft`, `38mm`.
+Two sorts are for cells of the map: `CellRef`, each of whose coordinates is a number or random, and `Size2D`. On the
+command line lengths may have a unit, as in `3.5in`, `8ft`, `38mm` (`with_lengths`).
 """
 
 from __future__ import annotations
 
+import builtins
 import math
 import operator
+import os
 import re
-from collections.abc import Mapping, Sequence
+import sys
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
+from inspect import get_annotations
+from pathlib import Path
 from types import MappingProxyType
-from typing import Any, ClassVar, Literal, Protocol, get_type_hints
+from typing import Any, ClassVar, Literal, Protocol
 
-from rsegen.errors import ParameterError, shown
+from rsegen.errors import ParameterError, nearest, shown
 
 Json = Any
-"""What JSON and YAML can say: a dict, list, str, int, float, bool or None."""
+"""A value of JSON or YAML: a dict, list, str, int, float, bool or None."""
+
+
+MOST_LEVELS = 32767
+"""Levels of an obstacle, and of an inventory: the heights of blocks are 16-bit integers."""
 
 
 class Parameter(Protocol):
@@ -33,19 +41,19 @@ class Parameter(Protocol):
     @property
     def help(self) -> str: ...
     def check(self, where: str, value: object) -> Any:
-        """`value` in canonical form, or a ParameterError that says what would be right."""
+        """Return `value` in canonical form, or raise a ParameterError that says what would be right."""
 
     def parse(self, text: str) -> object:
-        """What `text` on the command line stands for; not yet checked."""
+        """Parse a text of the command line; the value is not yet checked."""
 
     def format(self, value: Any) -> str:
-        """The text on the command line that stands for a value as a file has it."""
+        """Return the text of the command line for a value as a file has it."""
 
     def schema(self) -> dict[str, Json]:
-        """The JSON Schema of it."""
+        """Return the JSON Schema of the sort."""
 
     def describe(self) -> str:
-        """The values that it takes, in a few words."""
+        """Describe the values that it takes, in a few words."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +132,7 @@ class Integer:
 
 @dataclass(frozen=True)
 class Choice:
-    """One of a few words."""
+    """A word from a few."""
 
     values: tuple[str, ...]
     help: str = ""
@@ -132,7 +140,7 @@ class Choice:
     def check(self, where: str, value: object) -> str:
         if isinstance(value, str) and value in self.values:
             return value
-        raise ParameterError(where, f"{shown(value)} is not one of {self.describe()}")
+        raise ParameterError(where, f"{shown(value)} is not one of {self.describe()}{nearest(value, self.values)}")
 
     def parse(self, text: str) -> object:
         return text
@@ -212,7 +220,7 @@ class ListOf:
         if not isinstance(value, (list, tuple)) or len(value) != (self.length or max(len(value), 1)):
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
         refuse_longer(where, value, self.most)
-        return tuple(self.sort.check(f"{where}[{number}]", one) for number, one in enumerate(value))
+        return tuple(self.sort.check(f"{where}[{index}]", entry) for index, entry in enumerate(value))
 
     def parse(self, text: str) -> object:
         return [self.sort.parse(part) for part in text.split(",")]
@@ -231,6 +239,59 @@ class ListOf:
         return f"a list of {self.length} of {sort}" if self.length else f"{sort}, or a list of such"
 
 
+@dataclass(frozen=True)
+class Reference:
+    """A name, a path, or the thing itself in Python: whoever is called looks it up.
+
+    meaning: what it may be, in words
+    """
+
+    meaning: str = "a name or a path"
+    help: str = ""
+
+    def check(self, where: str, value: object) -> Any:
+        if value is None or value == "":
+            raise ParameterError(where, f"nothing is given; give {self.meaning}")
+        return value
+
+    def parse(self, text: str) -> object:
+        return text
+
+    def format(self, value: Any) -> str:
+        return str(value)
+
+    def schema(self) -> dict[str, Json]:
+        return {"type": "string", "minLength": 1}
+
+    def describe(self) -> str:
+        return self.meaning
+
+
+@dataclass(frozen=True)
+class FilePath:
+    """The path of a file or folder."""
+
+    meaning: str = "a folder"
+    help: str = ""
+
+    def check(self, where: str, value: object) -> Path:
+        if not isinstance(value, str | os.PathLike) or not str(value):
+            raise ParameterError(where, f"{shown(value) if value else 'nothing'} is given; give {self.meaning}")
+        return Path(value)
+
+    def parse(self, text: str) -> object:
+        return text
+
+    def format(self, value: Any) -> str:
+        return str(value)
+
+    def schema(self) -> dict[str, Json]:
+        return {"type": "string", "minLength": 1}
+
+    def describe(self) -> str:
+        return self.meaning
+
+
 def refuse_longer(where: str, values: Sequence[object], most: int) -> None:
     """Raise a ParameterError for a list of more than `most` values, before they are looked at."""
     if len(values) > most:
@@ -238,15 +299,31 @@ def refuse_longer(where: str, values: Sequence[object], most: int) -> None:
 
 
 def parameters(owner: type) -> Mapping[str, Parameter]:
-    """The parameters of a dataclass by name, in the order of its fields."""
+    """Return the parameters of a dataclass by name, in the order of its fields."""
     return _parameters(owner)
 
 
 @cache
 def _parameters(owner: Any) -> Mapping[str, Parameter]:
-    hints = get_type_hints(owner, include_extras=True)
-    found = {field.name: getattr(hints[field.name], "__metadata__", ()) for field in fields(owner)}
-    return MappingProxyType({name: marks[0] for name, marks in found.items() if marks})
+    known: dict[str, Any] = {}
+    for cls in reversed(owner.__mro__):
+        known |= hints(cls)
+    marks = {field.name: getattr(known.get(field.name), "__metadata__", ()) for field in fields(owner)}
+    return MappingProxyType({name: mark[0] for name, mark in marks.items() if mark})
+
+
+def hints(owner: Any) -> dict[str, Any]:
+    """Return the annotations of a function or of a class alone, without those that it inherits.
+
+    Names that only type checkers import stand for anything: they have no sort, and are not to be imported for it.
+    """
+    module = sys.modules[owner.__module__]
+    return get_annotations(owner, locals=_Known({**vars(builtins), **vars(module)}), eval_str=True)
+
+
+class _Known(dict[str, Any]):
+    def __missing__(self, name: str) -> Any:
+        return Any
 
 
 def validate(instance: object) -> None:
@@ -259,23 +336,23 @@ def validate(instance: object) -> None:
 
 
 def changed(instance: object) -> dict[str, Json]:
-    """The parameters of a dataclass that differ from their defaults, as a file has them."""
+    """Return the parameters of a dataclass that differ from their defaults, as a file has them."""
     defaults = {field.name: field.default for field in fields(instance)}  # type: ignore[arg-type]  # a dataclass
     values = {name: getattr(instance, name) for name in parameters(type(instance))}
     return {name: plain(value) for name, value in values.items() if value != defaults[name]}
 
 
 def plain(value: object) -> Json:
-    """A value as a file has it: lists for tuples, and 10 for 10.0."""
+    """Return a value as a file has it: lists for tuples, and 10 for 10.0."""
     if isinstance(value, tuple):
-        return [plain(one) for one in value]
+        return [plain(part) for part in value]
     if isinstance(value, float) and value.is_integer():
         return int(value)
     return value
 
 
 def as_int(value: object) -> int | None:
-    """`value` as an int where it is a whole number (2, 2.0, numpy's), else None; a bool is none."""
+    """Return `value` as an int if it is a whole number (2, 2.0, numpy's), else None; also for a bool."""
     if isinstance(value, float):
         return int(value) if value.is_integer() else None
     try:
@@ -285,7 +362,7 @@ def as_int(value: object) -> int | None:
 
 
 def parse_int(text: str) -> int | str:
-    """The number that `text` writes in digits, or `text` itself where it does not."""
+    """Return the integer of a text of digits, or the text itself if it is something else."""
     return int(text) if re.fullmatch(r"[+-]?[0-9]{1,4000}", text) else text
 
 
@@ -359,7 +436,7 @@ class Size2D:
         values = value if isinstance(value, (list, tuple)) else (value, value)
         if len(values) != 2:
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
-        numbers = [as_int(one) for one in values]
+        numbers = [as_int(entry) for entry in values]
         for number in numbers:
             if number is None or not 1 <= number <= self.high:
                 raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
@@ -381,6 +458,10 @@ class Size2D:
         return f"a whole number in 1..{self.high}, or one for each of x and y, as in [2, 3]"
 
 
+NANOMETRE_DIGITS = 9
+"""Decimals to which metres are rounded, so that 3 * 0.1 m and 0.3 m are equal: sums of lengths up to 100 km are exact
+to a nanometre in double precision."""
+
 CENTIMETRES = {"cm": 1.0, "mm": 0.1, "m": 100.0, "in": 2.54, "ft": 30.48}
 """Centimetres of each unit of length."""
 
@@ -389,7 +470,7 @@ _NUMBER = re.compile(r"\s*[-+]?[0-9.]+(e[-+]?[0-9]+)?\s*")
 
 
 def with_lengths(text: str, parameter: Parameter, where: str, *, units: str | None = None) -> str:
-    """The text of a parameter with every length as a number of its unit, cm or mm; other parameters as they are.
+    """Return the text of a parameter with every length as a number of its unit, cm or mm; other parameters as they are.
 
     units: if that is `in`, a ParameterError for a length without a unit, which could be either.
     """
@@ -401,11 +482,24 @@ def with_lengths(text: str, parameter: Parameter, where: str, *, units: str | No
 
 
 def _number(text: str, unit: str, where: str, units: str | None) -> str:
-    found = _LENGTH.fullmatch(text)
-    if found:
-        return repr(round(float(found[1]) * CENTIMETRES[found[2]] / CENTIMETRES[unit], 7))
+    length = _LENGTH.fullmatch(text)
+    if length:
+        return repr(round(float(length[1]) * CENTIMETRES[length[2]] / CENTIMETRES[unit], 7))
     if units == "in" and _NUMBER.fullmatch(text):
         raise ParameterError(
             where, f"{shown(text)} has no unit; with units in give {text.strip()}in or {text.strip()}{unit}"
         )
     return text
+
+
+def key_values(words: Iterable[str], known: Mapping[str, Parameter]) -> dict[str, object]:
+    """The values by key, each as its parameter reads it; not yet checked, and neither are the keys."""
+    values: dict[str, object] = {}
+    for word in words:
+        key, equals, value = word.partition("=")
+        if not equals:
+            raise ParameterError("", f"{shown(word)} is not KEY=VALUE")
+        if key in values:
+            raise ParameterError(key, "is given twice")
+        values[key] = known[key].parse(value) if key in known else value
+    return values

@@ -1,8 +1,9 @@
 """Builds the step field of a map: the obstacles in their order, the difficulty, the frames, the constraints.
 
-    MapDesign (of a Recipe) --build--> StepField
+    obstacles --placed_by--> patches --impose, in their order--> levels --scaled, framed, constrained--> StepField
 
-Each obstacle gives its levels once, with a random generator of its own, and is imposed on those before it.
+Each obstacle proposes levels once, with a random generator of its own, and its `blend` combines them with those below.
+The cost is one pass over the cells that each obstacle covers; constraints cost far more (recipe/constraints).
 """
 
 from __future__ import annotations
@@ -13,18 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.errors import ParameterError, TooLarge
-from rsegen.field.obstacles import Grid, Patch
+from rsegen.field.obstacles import Grid, Obstacle, Patch
 from rsegen.field.stepfield import Levels, StepField, framed
 from rsegen.params.sorts import Cell, Integer
 from rsegen.params.streams import SEEDS, generator
 from rsegen.recipe.map_design import MapDesign
-from rsegen.recipe.placement import Placement
 
 INDEX = Integer(0, SEEDS - 1, help="index of a map")
 
 
 def build(recipe: MapDesign, index: int = 0) -> StepField:
-    """The step field of map `index` (0 or more) of a recipe; it does not depend on which other maps are made."""
+    """Return the step field of map `index` (0 or more) of a recipe; it does not depend on which other maps are made."""
     index = INDEX.check("index", index)
     levels, frame = framed(_at_difficulty(recipe, index), recipe.chunk_size, recipe.boundary)
     field = StepField(
@@ -42,17 +42,17 @@ def build(recipe: MapDesign, index: int = 0) -> StepField:
 
 
 def blocks(recipe: MapDesign, index: int) -> Levels:
-    """The levels of the blocks of map `index`, frames left out, shape (n_x, n_y): `build(recipe, index).blocks`."""
+    """Return the levels of the blocks of map `index`, (n_x, n_y), frames left out, as `build(recipe, index).blocks`."""
     return build(recipe, index).blocks if recipe.is_constrained else _at_difficulty(recipe, INDEX.check("index", index))
 
 
-def placed(recipe: MapDesign, placement: Placement, index: int) -> tuple[Cell, Cell, Patch]:
-    """The cells of both ends of an obstacle in map `index`, and the levels that it proposes there."""
-    return placed_by(recipe.grid, placement, generator(recipe.seed, index, placement.key or ""))
+def placed(recipe: MapDesign, obstacle: Obstacle, index: int) -> tuple[Cell, Cell, Patch]:
+    """Return the cells of both ends of an obstacle in map `index`, and the levels that it proposes there."""
+    return placed_by(recipe.grid, obstacle, generator(recipe.seed, index, obstacle.key or ""))
 
 
 def _at_difficulty(recipe: MapDesign, index: int) -> Levels:
-    """The levels of all obstacles, scaled to the difficulty."""
+    """Return the levels of all obstacles, scaled to the difficulty of the map."""
     levels = _imposed(recipe, index)
     if recipe.difficulty == 1:
         return levels
@@ -62,21 +62,21 @@ def _at_difficulty(recipe: MapDesign, index: int) -> Levels:
 
 
 def _imposed(recipe: MapDesign, index: int) -> Levels:
-    """The levels of all obstacles, each imposed on those before it, on flat ground."""
+    """Return the levels of all obstacles, each imposed on those before it, on flat ground."""
     grid, top_level = recipe.grid, recipe.top_level
     levels = flat_ground(grid)
-    for number, placement in enumerate(recipe.obstacles):
-        rng = generator(recipe.seed, index, placement.key or "")
+    for row, obstacle in enumerate(recipe.obstacles):
+        rng = generator(recipe.seed, index, obstacle.key or "")
         try:
-            *_, patch = placed_by(grid, placement, rng)
+            *_, patch = placed_by(grid, obstacle, rng)
         except ParameterError as error:
-            raise error.inside(f"obstacles[{number}]") from None
-        impose(levels, patch, placement.blend, top_level)
+            raise error.inside(f"obstacles[{row}]") from None
+        impose(levels, patch, obstacle.blend, top_level)
     return levels
 
 
 def flat_ground(grid: Grid, maps: int | None = None) -> Levels:
-    """Blocks of level 0, (n_x, n_y), of several maps (maps, n_x, n_y); TooLarge if they do not fit into memory."""
+    """Return level 0 for every block: (n_x, n_y), or (maps, n_x, n_y); TooLarge if that does not fit into memory."""
     try:
         return np.zeros(grid.shape if maps is None else (maps, *grid.shape), dtype=np.int16)
     except (MemoryError, OverflowError, ValueError):
@@ -84,20 +84,22 @@ def flat_ground(grid: Grid, maps: int | None = None) -> Levels:
         raise TooLarge(f"chunks: {what} of {grid.n_x} x {grid.n_y} blocks is more than this machine's memory") from None
 
 
-def placed_by(grid: Grid, placement: Placement, rng: np.random.Generator) -> tuple[Cell, Cell, Patch]:
-    """The cells of both ends of an obstacle, and the levels that it proposes there, by a generator."""
-    first, last = ends_by(grid, placement, rng)
-    return first, last, placement.obstacle.patch(grid, first, last, rng)
+def placed_by(grid: Grid, obstacle: Obstacle, rng: np.random.Generator) -> tuple[Cell, Cell, Patch]:
+    """Return the cells of both ends of an obstacle, and the levels that it proposes there, drawn by a generator."""
+    first, last = ends_by(grid, obstacle, rng)
+    return first, last, obstacle.patch(grid, first, last, rng)
 
 
-def ends_by(grid: Grid, placement: Placement, rng: np.random.Generator) -> tuple[Cell, Cell]:
-    """The cells of both ends of an obstacle, by a generator where they are random."""
-    default_first, default_last = placement.obstacle.default_ends(grid)
-    return placement.obstacle.ends(grid, placement.first or default_first, placement.last or default_last, rng)
+def ends_by(grid: Grid, obstacle: Obstacle, rng: np.random.Generator) -> tuple[Cell, Cell]:
+    """Return the cells of both ends of an obstacle; random coordinates are drawn by a generator."""
+    return obstacle.ends(grid, *obstacle.wanted_ends(grid), rng)
 
 
 def impose(levels: Levels, patch: Patch, blend: str, top_level: int) -> None:
-    """Combine a patch with the levels of a map, or of many along the first axis, in place."""
+    """Combine a patch with the levels of a map, or of many along the first axis, in place.
+
+    top_level: the highest level of any obstacle of the map, above which sums are cut off.
+    """
     below = levels[(..., *patch.window)]
     np.copyto(below, _BLENDS[blend](below, patch.levels, top_level), where=patch.footprint)
 

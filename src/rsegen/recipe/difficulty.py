@@ -6,6 +6,10 @@ s is the scale at which the rms step is nearest to `difficulty` times that of h.
 after the other, in an order given by u: plateau by plateau at random, and from one side over a plateau. So a plateau
 stays flat but for one edge, higher blocks stay higher, and the rms step changes by one block at a time.
 docs/difficulty.md has the formulas and their accuracy.
+
+The scale is found by bisection, in as many halvings as it takes to separate any two blocks: 14 for a pallet of five
+levels, each a pass over the cells. On a field of few blocks one block is a large share of the roughness, so there the
+result is as near as one block allows, and no nearer.
 """
 
 from __future__ import annotations
@@ -22,11 +26,11 @@ from rsegen.params.streams import generator
 from rsegen.recipe.map_design import MapDesign
 
 _KEY = "difficulty of the map"
-"""Key of its random generator; no key of an obstacle has blanks."""
+"""Name of the random stream of a map's difficulty; no key of an obstacle has blanks."""
 
 
 def scaled_to_difficulty(levels: Levels, design: MapDesign, index: int) -> Levels:
-    """The levels of map `index` at the difficulty of its design; a field without steps is lowered as a whole."""
+    """Return the levels of map `index` at the difficulty of its design; a field without steps is lowered as a whole."""
     measure = partial(roughness, parts=parts_of(levels, design))
     difficulty = design.difficulty_of(index)
     if difficulty == 1:
@@ -39,18 +43,18 @@ def scaled_to_difficulty(levels: Levels, design: MapDesign, index: int) -> Level
 
 
 def scaled(levels: Levels, rounding: Array | float, scale: float) -> Levels:
-    """floor(s h + u): `levels` unchanged at scale 1, flat ground at 0."""
+    """Return floor(s h + u): `levels` unchanged at scale s = 1, flat ground at 0."""
     return np.asarray(np.floor(levels * scale + rounding), dtype=np.int16)
 
 
 def parts_of(levels: Levels, design: MapDesign) -> tuple[int, int]:
-    """Size of the parts of a map that no frame divides, in cells along x and y."""
+    """Return the size of the parts of a map that no frame divides, in cells along x and y."""
     n_x, n_y = levels.shape
     return (design.chunk_size, design.chunk_size) if design.boundary == "divided" else (n_x, n_y)
 
 
 def roughness(levels: Levels, parts: tuple[int, int]) -> float:
-    """sqrt(sum dh^2) over all neighbours without a frame between them: proportional to the rms step."""
+    """Return sqrt(sum dh^2) over all neighbours without a frame between them: proportional to the rms step."""
     n_x, n_y = levels.shape
     x, y = levels.reshape(-1, parts[0], n_y), levels.reshape(n_x, -1, parts[1])
     steps = (x[:, 1:], x[:, :-1]), (y[:, :, 1:], y[:, :, :-1])
@@ -59,7 +63,7 @@ def roughness(levels: Levels, parts: tuple[int, int]) -> float:
 
 
 def nearest(at: Callable[[float], Levels], measure: Callable[[Levels], float], asked: float, halvings: int) -> Levels:
-    """The field `at(scale)` whose measure is nearest to `asked`, by bisection over the scale.
+    """Return the field `at(scale)` whose measure is nearest to `asked`, by bisection over the scale.
 
     Larger `asked` never gives a smaller scale, so the fields of rising difficulty are nested.
     """
@@ -72,20 +76,20 @@ def nearest(at: Callable[[float], Levels], measure: Callable[[Levels], float], a
 
 
 def _rounding(levels: Levels, drawn: Array) -> Array:
-    """u of every cell, 1/2 but for its place in the order: so little beside it that what is higher is raised first."""
-    plateau = drawn.ravel()[_plateaus(levels)]
-    place = np.empty(levels.size)
-    place[np.argsort(plateau, kind="stable")] = np.arange(levels.size) / levels.size
-    return np.asarray(0.5 + (place.reshape(levels.shape) - 0.5) / (4 * int(levels.max())))
+    """Return u of every cell: 1/2, changed by its place in the order so little that higher blocks are raised first."""
+    draw_of_plateau = drawn.ravel()[_plateaus(levels)]
+    order = np.empty(levels.size)
+    order[np.argsort(draw_of_plateau, kind="stable")] = np.arange(levels.size) / levels.size
+    return np.asarray(0.5 + (order.reshape(levels.shape) - 0.5) / (4 * int(levels.max())))
 
 
 def _plateaus(levels: Levels) -> Ints:
-    """For each cell, in one row, the first cell of its connected component of equal level."""
+    """Return for each cell, in one row, the first cell of its connected component of equal level."""
     row, (low, high) = levels.ravel(), neighbours(levels.shape)
     level = row[low] == row[high]
     return connected(levels.size, low[level], high[level])
 
 
 def _halvings(levels: Levels) -> int:
-    """Number of bisections that separates any two blocks: their scales differ by 1 / (4 N top^2) or more."""
-    return min((4 * levels.size * int(levels.max()) ** 2).bit_length() + 1, 52)
+    """Return the number of halvings that separates any two blocks: their scales differ by 1 / (4 N top^2) or more."""
+    return min((4 * levels.size * int(levels.max()) ** 2).bit_length() + 1, 52)  # the bits of a float

@@ -1,29 +1,34 @@
-"""What a map is: its size, its obstacles, what it keeps to, and the seed. Nothing else decides a level of a block.
+"""The design of a map: its size, obstacles, difficulty, constraints and seed. Nothing else decides a level of a block.
 
-The difficulty of the maps of a recipe: one for all, or a range, drawn for each map or in even steps.
+Every map and obstacle has a random stream of its own, named by (seed, index of the map, key of the obstacle). So maps
+do not depend on each other, nor obstacles on the order of the rows.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import hashlib
+import json
+from collections.abc import Iterator, Sequence, Set
+from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any
+from itertools import count
+from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.obstacles import Grid
-from rsegen.field.obstacles.base import MOST_LEVELS
 from rsegen.field.robot_limits import RobotLimits
-from rsegen.params.sorts import Cell, Choice, Float, Integer, Json, ListOf, Size2D, validate
+from rsegen.params.sorts import MOST_LEVELS, Cell, Choice, Float, Integer, Json, ListOf, Size2D, validate
 from rsegen.params.streams import SEEDS, fresh_seed, generator
-from rsegen.recipe.placement import Placement, with_keys
+
+if TYPE_CHECKING:
+    from rsegen.field.obstacles import Grid, Obstacle
 
 Difficulty = float | tuple[float, float] | tuple[float, float, int]
-"""One number; or the least and the most, and, if it is not to be drawn, the number of steps from one to the other."""
+"""One number for all maps; or (least, most), drawn for each map; or (least, most, steps), rising from map to map."""
 
 _SHARE, _STEPS = Float(0, 1), Integer(2, 1_000_000)
 
 _KEY = "drawn difficulty"
-"""Key of its random generator; no key of an obstacle has blanks."""
+"""Name of the random stream of drawn difficulties; no key of an obstacle has blanks."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +42,7 @@ class DifficultySort:
             return _SHARE.check(where, value)
         if len(value) not in (2, 3):
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
-        low, high = (_SHARE.check(f"{where}[{place}]", one) for place, one in enumerate(value[:2]))
+        low, high = (_SHARE.check(f"{where}[{index}]", share) for index, share in enumerate(value[:2]))
         if low > high:
             raise ParameterError(where, f"{shown(value)} begins above its end; give the least first")
         return (low, high) if len(value) == 2 else (low, high, _STEPS.check(f"{where}[2]", value[2]))
@@ -52,22 +57,22 @@ class DifficultySort:
         return ",".join(map(_SHARE.format, value)) if isinstance(value, (list, tuple)) else _SHARE.format(value)
 
     def schema(self) -> dict[str, Json]:
-        one, steps = _SHARE.schema(), _STEPS.schema()
-        pair = {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
-        stepped = {"type": "array", "prefixItems": [one, one, steps], "minItems": 3, "maxItems": 3}
-        return {"anyOf": [one, pair, stepped]}
+        share, steps = _SHARE.schema(), _STEPS.schema()
+        pair = {"type": "array", "items": share, "minItems": 2, "maxItems": 2}
+        stepped = {"type": "array", "prefixItems": [share, share, steps], "minItems": 3, "maxItems": 3}
+        return {"anyOf": [share, pair, stepped]}
 
     def describe(self) -> str:
         return "a number from 0 to 1, or a range as in [0.2, 1] or, in 10 steps, [0.2, 1, 10]"
 
 
 def difficulty_of_map(given: Difficulty, seed: int, index: int) -> float:
-    """That of map `index`: of a range drawn evenly, by the seed, or in turn if it has steps."""
+    """Return the difficulty of map `index`: of a range a uniform draw by the seed, or with steps the next in turn."""
     if not isinstance(given, tuple):
         return given
     low, high, *steps = given
     share = index % steps[0] / (steps[0] - 1) if steps else generator(seed, index, _KEY).random()
-    return round(low + (high - low) * share, 9)
+    return round(low + (high - low) * share, 9)  # a number that files have in full: 0.3, not 0.30000000000000004
 
 
 _CENTIMETRES = Float(0.001, 100_000, unit="cm")
@@ -75,7 +80,7 @@ _CENTIMETRES = Float(0.001, 100_000, unit="cm")
 
 @dataclass(frozen=True, kw_only=True)
 class MapDesign:
-    """What decides the levels of the blocks of every map, in the words of the recipe file."""
+    """Parameters that decide the levels of the blocks of every map, in the words of the recipe file."""
 
     chunk_size: Annotated[int, Integer(1, 1000, unit="blocks", help="side of a single chunk (pallet)")] = 10
     chunks: Annotated[Cell, Size2D(help="map size in chunks: N for a square, or NxM")] = (1, 1)
@@ -120,7 +125,7 @@ class MapDesign:
     seed: Annotated[
         int, Integer(0, SEEDS - 1, help="random seed; if none is given, one is drawn and saved in recipe.json")
     ] = field(default_factory=fresh_seed)
-    obstacles: Sequence[Placement] = ()
+    obstacles: Sequence[Obstacle] = ()
 
     def __post_init__(self) -> None:
         validate(self)
@@ -132,47 +137,49 @@ class MapDesign:
         if self.inventory is not None and not any(self.inventory):
             raise ParameterError("inventory", "has no block; give the number of blocks of level 1, 2, ...")
         if not isinstance(self.obstacles, (list, tuple)):
-            raise ParameterError("obstacles", f"{shown(self.obstacles)} is not a list of placements")
-        for number, placement in enumerate(self.obstacles):
-            self._check_placement(f"obstacles[{number}]", placement)
+            raise ParameterError("obstacles", f"{shown(self.obstacles)} is not a list of obstacles")
+        for index, obstacle in enumerate(self.obstacles):
+            self._check_obstacle(f"obstacles[{index}]", obstacle)
         object.__setattr__(self, "obstacles", with_keys(tuple(self.obstacles)))
 
     @property
     def grid(self) -> Grid:
         """The block cells of a map."""
+        from rsegen.field.obstacles import Grid
+
         m_x, m_y = self.chunks
         return Grid(m_x * self.chunk_size, m_y * self.chunk_size, self.chunk_size)
 
     @property
     def climber(self) -> RobotLimits | None:
-        """The robot that gets across every map."""
+        """Limits of the robot that gets across every map; None if the recipe demands no such robot."""
         if self.crossable_by is None:
             return None
         climb, drop, width = self.crossable_by
         return RobotLimits(climb_cm=climb, drop_cm=drop, width_cm=width)
 
     def difficulty_of(self, index: int) -> float:
-        """The difficulty of map `index`."""
+        """Return the difficulty of map `index`."""
         return difficulty_of_map(self.difficulty, self.seed, index)
 
     @property
     def is_constrained(self) -> bool:
-        """Whether its maps keep to anything."""
+        """Whether the maps have to meet any constraint."""
         return not (self.max_step is None and self.crossable_by is None and self.inventory is None)
 
     @property
     def top_level(self) -> int:
-        """The largest level that any of its obstacles has; 0 where there is none."""
-        return max((placement.obstacle.max_height - 1 for placement in self.obstacles), default=0)
+        """The largest level that any obstacle has; 0 without obstacles."""
+        return max((obstacle.levels - 1 for obstacle in self.obstacles), default=0)
 
     @property
     def highest_level(self) -> int:
-        """The largest level that any of its blocks may have: an inventory may replace blocks by higher ones."""
+        """The largest level that any block may have: an inventory may replace blocks by higher ones."""
         owned = (level for level, blocks in enumerate(self.inventory or (), 1) if blocks)
         return max([self.top_level, *owned])
 
     def _check_frames(self) -> None:
-        """Raise a ParameterError where a robot that is to get across can't get over the frames."""
+        """Raise a ParameterError if a robot that is to get across cannot get over the frames."""
         least = min(self.crossable_by[:2]) if self.crossable_by else self.frame_height_cm
         if self.boundary != "none" and self.frame_height_cm > least:
             raise ParameterError(
@@ -181,15 +188,51 @@ class MapDesign:
                 f"give boundary none, or a frame_height_cm of up to {least:g}",
             )
 
-    def _check_placement(self, where: str, placement: object) -> None:
-        if not isinstance(placement, Placement):
-            raise ParameterError(where, f"{shown(placement)} is not a placement, rsegen.Placement(obstacle=..., ...)")
+    def _check_obstacle(self, where: str, obstacle: object) -> None:
+        """Raise a ParameterError for what is no obstacle, or lies outside the map."""
+        from rsegen.field.obstacles import Obstacle
+
+        if not isinstance(obstacle, Obstacle):
+            raise ParameterError(where, f"{shown(obstacle)} is not an obstacle, such as rsegen.Peak(levels=5)")
         for end in ("first", "last"):
             for axis, cells in enumerate(self.grid.shape):
-                at = (getattr(placement, end) or (0, 0))[axis]
+                at = (getattr(obstacle, end) or (0, 0))[axis]
                 if at != "random" and at >= cells:
                     raise ParameterError(f"{where}.{end}[{axis}]", f"{shown(at)} is outside 0..{cells - 1}")
         try:
-            placement.obstacle.check_size(self.grid, placement.first, placement.last)
+            obstacle.check_size(self.grid)
         except ParameterError as error:
             raise error.inside(where) from None
+
+
+def with_keys(obstacles: tuple[Obstacle, ...]) -> tuple[Obstacle, ...]:
+    """Return obstacles that all have a key of their own: the given one, or one that is derived from their row."""
+    taken: set[str] = set()
+    for index, obstacle in enumerate(obstacles):
+        if obstacle.key in taken:
+            raise ParameterError(f"obstacles[{index}].key", f"{shown(obstacle.key)} is another obstacle's key too")
+        taken |= {obstacle.key} if obstacle.key else set()
+    free: dict[str, Iterator[str]] = {}
+    return tuple(obstacle if obstacle.key else _with_key(obstacle, taken, free) for obstacle in obstacles)
+
+
+_HASHED_NAMES = {"levels": "max_height"}
+"""Names of parameters that are other ones in the text of which a key is made.
+
+`levels` was called `max_height` when the first maps were made. The key decides what is drawn, so with another word in
+the hashed text every recipe whose rows have no key of their own would give other maps.
+"""
+
+
+def _with_key(obstacle: Obstacle, taken: Set[str], free: dict[str, Iterator[str]]) -> Obstacle:
+    """Return the obstacle with a key from a hash of its row; identical rows get -1, -2, ... behind it.
+
+    taken: keys that were given; free: for each hash, the keys that are left, so that numbering goes on.
+    """
+    row = {_HASHED_NAMES.get(name, name): value for name, value in obstacle.entry().items()}
+    digest = hashlib.blake2b(json.dumps(row, sort_keys=True).encode(), digest_size=4).hexdigest()
+    stem = f"{obstacle.kind}-{digest}"
+    numbered = free.setdefault(stem, (f"{stem}-{number}" if number else stem for number in count()))
+    keyed = copy(obstacle)  # not `replace`, which would check every cell of a large matrix once more
+    object.__setattr__(keyed, "key", next(key for key in numbered if key not in taken))
+    return keyed

@@ -1,15 +1,11 @@
 """A recipe: everything that determines a set of maps.
 
-    Run              how many maps, from which index on, under which name
-    MapDesign        what a map is: nothing else decides its levels
-    Representation   how it is represented in a simulator
+    Run              number of maps, first index, name
+    MapDesign        size, obstacles, constraints, seed: nothing else decides the levels of a map
+    Representation   meshes, collision shapes, friction, colours: the map in a simulator
 
 All three are one flat list of parameters in files, flags, Python and the window; inside, each part of rsegen takes the
 one that it needs.
-
-What one run makes of a map design: how many maps, from which index on, and what they are called.
-
-How a map is represented in a simulator: meshes, collision shapes, friction, colours.
 """
 
 from __future__ import annotations
@@ -22,14 +18,13 @@ from rsegen.errors import ParameterError, shown
 from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, ListOf, Text, changed, parameters, plain, validate
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.map_design import MapDesign
-from rsegen.recipe.placement import Placement
 
-__all__ = ["MapDesign", "Placement", "Recipe", "Representation", "Run"]
+__all__ = ["MapDesign", "Recipe", "Representation", "Run"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """How many maps to make, from which index on, and what they are called."""
+    """Number of maps to make, index of the first one, and their name."""
 
     name: Annotated[
         str,
@@ -56,11 +51,11 @@ class Run:
 
     @property
     def indices(self) -> range:
-        """The indices of its maps."""
+        """Indices of the maps of this run."""
         return range(self.first_map, self.first_map + self.maps)
 
     def map_name(self, index: int) -> str:
-        """What map `index` is called, on disk and in the simulator."""
+        """Return the name of map `index`, on disk and in the simulator."""
         return f"{self.name}_{index:04d}"
 
 
@@ -70,7 +65,7 @@ _COLOUR = Text("#[0-9A-Fa-f]{6}", "#rrggbb, in quotes")
 
 @dataclass(frozen=True, kw_only=True)
 class Representation:
-    """How a map is represented in a simulator; none of it changes the levels of a block."""
+    """Representation of a map in a simulator; no parameter of it changes the level of a block."""
 
     mesh_type: Annotated[
         str, Choice(("single", "multi", "pallet"), help="one model per map, per block, or per chunk")
@@ -172,31 +167,31 @@ class Recipe(Representation, MapDesign, Run):
 
     @cached_property
     def run(self) -> Run:
-        """How many maps to make, and what they are called."""
+        """Number of maps to make, and their name."""
         return self._part(Run)
 
     @cached_property
     def design(self) -> MapDesign:
-        """What a map is: two recipes of one design have maps of the same levels."""
+        """Design of the maps: two recipes of one design have maps of the same levels."""
         return self._part(MapDesign)
 
     @cached_property
     def representation(self) -> Representation:
-        """How a map is represented in a simulator."""
+        """Representation of a map in a simulator."""
         return self._part(Representation)
 
     def alone(self, index: int) -> Recipe:
-        """The recipe of map `index` and no other."""
+        """Return the recipe of map `index` and no other."""
         return replace(self, first_map=index, maps=1)
 
     def values(self) -> dict[str, Json]:
-        """Every global parameter that is not left open, as a file has it."""
+        """Return every global parameter that is not left open, as a file has it."""
         values = {name: getattr(self, name) for name in parameters(Recipe)}
         return {name: plain(value) for name, value in values.items() if value is not None}
 
     def entry(self) -> dict[str, Json]:
-        """The recipe as a file has it: the parameters that differ from their defaults, the seed, the obstacles."""
-        return changed(self) | {"obstacles": [placement.entry() for placement in self.obstacles]}
+        """Return the recipe as a file has it: parameters that differ from their defaults, the seed, the obstacles."""
+        return changed(self) | {"obstacles": [obstacle.entry() for obstacle in self.obstacles]}
 
     def _part(self, cls: type[_Part]) -> _Part:
-        return cls(**{each.name: getattr(self, each.name) for each in fields(cls)})
+        return cls(**{field.name: getattr(self, field.name) for field in fields(cls)})

@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import gcd
-from typing import Annotated
 
 import numpy as np
 
@@ -19,12 +18,12 @@ from rsegen.errors import ParameterError, TooLarge, inside
 from rsegen.field.metrics.catalogue import RMS, By, metric_by
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.robot_limits import RobotLimits
-from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Levels, StepField
+from rsegen.field.stepfield import Array, Levels, StepField
 from rsegen.footprints import Footprint, even_spots
-from rsegen.params.sorts import Float, Integer, ListOf, parameters, validate
+from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Integer, ListOf, validate
 from rsegen.params.streams import generator
-from rsegen.recipe.placement import Placement
 from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.terrain_design import TerrainDesign
 from rsegen.recipe.tiles import (
     Span,
     amid,
@@ -41,19 +40,20 @@ from rsegen.recipe.tiles import (
 )
 
 _ALIKE = ("unit_cm", "block_width_cm", "friction", "level_friction", "level_colours")
-"""Parameters that the whole terrain has once."""
+"""Parameters that must be the same in all recipes, as the whole terrain has one value of each."""
 
 _LARGEST_CHUNK = 1000
+"""Largest `chunk_size` of a recipe, of which a terrain as one map is made."""
 
 _MOST_CELLS = 2**27
-"""Of a terrain: what follows from them takes hundreds of bytes for each."""
+"""Largest number of cells of a terrain: a mesh takes hundreds of bytes for each."""
 
 SIZE, _COUNT = ListOf(Float(0.01, 100, unit="m"), 2), Integer(1, 1000)
 _ENVIRONMENTS = Integer(1, 10_000_000)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Terrain:
+class Terrain(TerrainDesign):
     """Maps of one or several recipes as one field, harder from row to row.
 
     recipes: its kinds, each in as many neighbouring columns as the others; all tiles are of the same size.
@@ -67,14 +67,6 @@ class Terrain:
     """
 
     recipes: Recipe | Sequence[Recipe]
-    rows: Annotated[int, Integer(1, 1000, help="tiles along x, from the easiest to the hardest")] = 10
-    columns: Annotated[int, Integer(1, 1000, help="tiles along y")] = 20
-    difficulty: Annotated[
-        tuple[float, float], ListOf(Float(0, 1), 2, help="difficulty of the first row and of the last: 0 flat, 1 full")
-    ] = (0.0, 1.0)
-    gap: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground between tiles")] = 0
-    border: Annotated[int, Integer(0, 1000, unit="blocks", help="flat ground around all tiles")] = 10
-    name: Annotated[str, replace(parameters(Recipe)["name"], help="name of the terrain as a map")] = "terrain"
     by: By = RMS
     robot: RobotLimits | None = None
     progress: Callable[[], object] | None = None
@@ -86,8 +78,8 @@ class Terrain:
                 "recipes", f"{len(self._kinds)} for {self.columns} columns; give at most one per column"
             )
         refuse_unlike(self._kinds, _ALIKE)
-        for number, recipe in enumerate(self._kinds):
-            self._check_tile(f"recipes[{number}]", recipe)
+        for index, recipe in enumerate(self._kinds):
+            self._check_tile(f"recipes[{index}]", recipe)
         metric_by(self.by, self.robot)
         n_x, n_y = self._shape
         if n_x * n_y > _MOST_CELLS:
@@ -158,7 +150,7 @@ class Terrain:
         return np.concatenate([self._middles, amid(self.levels)[..., None] * (self._kinds[0].unit_cm / 100)], axis=2)
 
     def grid_origins(self, count: int) -> Array:
-        """Places for `count` environments in an even grid over all tiles, (count, 3), metres, along x first.
+        """Return places for `count` environments in an even grid over all tiles, (count, 3), metres, along x first.
 
         z is the highest of the cells that meet there, as in `origins`: for policies that stay where they are.
         """
@@ -180,7 +172,7 @@ class Terrain:
         seed: int = 0,
         evenest: bool = False,
     ) -> Array:
-        """Even places on each tile for a start or a goal, (rows, columns, count, 4): x, y, z [m] and yaw [rad].
+        """Return even places on each tile for a start or a goal, (rows, columns, count, 4): x, y, z [m] and yaw [rad].
 
         footprint: of a robot, or the length and width in metres of one that stands on all of its rectangle, level
         within 3 degrees; evenest: where no place of a tile is even, take the least uneven one. ParameterError names the
@@ -189,17 +181,17 @@ class Terrain:
         if not isinstance(footprint, Footprint):
             footprint = Footprint.of_size(*SIZE.check("footprint", footprint))
         count = _COUNT.check("count", count)
-        found = np.empty((self.rows, self.columns, count, 4))
+        poses = np.empty((self.rows, self.columns, count, 4))
         for row in range(self.rows):
             for column in range(self.columns):
                 tile = self._tile(row, column)
                 rng = generator(seed, self._index(row, column), "spots of a terrain")
                 with inside(f"tile {row}, {column}"):
                     spots = even_spots(tile, footprint, count, rng, evenest=evenest)
-                found[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in spots]
+                poses[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in spots]
                 self._tell_progress()
-        found[..., :2] += self._middles[:, :, None]
-        return found
+        poses[..., :2] += self._middles[:, :, None]
+        return poses
 
     @cached_property
     def recipe(self) -> Recipe:
@@ -219,12 +211,12 @@ class Terrain:
             max_step=None,
             crossable_by=None,
             inventory=None,
-            obstacles=(Placement(obstacle=Matrix.of(self.field.levels), key="terrain"),),
+            obstacles=(Matrix.of(self.field.levels, key="terrain"),),
         )
 
     @property
     def _block_width(self) -> float:
-        """Metres."""
+        """Side of a block, metres."""
         return self._kinds[0].block_width_cm / 100
 
     @property
@@ -238,13 +230,13 @@ class Terrain:
         return along_x, along_y
 
     def _window(self, row: int, column: int) -> tuple[slice, slice]:
-        """The cells of a tile in the field."""
+        """Return the cells of a tile in the field."""
         n_x, n_y = tile_shape(self._kinds[0])
         x, y = (self.border + tile * (cells + self.gap) for tile, cells in ((row, n_x), (column, n_y)))
         return slice(x, x + n_x), slice(y, y + n_y)
 
     def _tile(self, row: int, column: int) -> StepField:
-        """A tile as a field of its own."""
+        """Return a tile as a field of its own."""
         levels = self.levels[row, column]
         return replace(self.field, levels=levels, frame=np.zeros(levels.shape, dtype=bool))
 
@@ -259,7 +251,7 @@ class Terrain:
         return np.round(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1), NANOMETRE_DIGITS)
 
     def _share(self, row: int, column: int) -> float:
-        """The share of its recipe's difficulty that a tile has."""
+        """Return the share of its recipe's difficulty that a tile has."""
         difficulty = float(self.difficulties[row])
         if self.by == RMS:
             return difficulty
@@ -268,22 +260,22 @@ class Terrain:
 
     @cached_property
     def _spans(self) -> dict[tuple[int, int], tuple[Span, Span]]:
-        """By tile: the values of the metric of its map, and the mean of those of its kind."""
-        found: dict[tuple[int, int], tuple[Span, Span]] = {}
+        """For each tile: the metric's range on its map, and the mean range of its recipe."""
+        spans_of_tile: dict[tuple[int, int], tuple[Span, Span]] = {}
         metric = metric_by(self.by, self.robot)
         for kind, recipe in enumerate(self._kinds):
             tiles = [tile for tile in np.ndindex(self.rows, self.columns) if self._kind_of(tile[1]) == kind]
             spans = [span_of(recipe, self._index(*tile), metric) for tile in tiles]
             mean = mean_of(spans, metric.name)
-            found.update((tile, (span, mean)) for tile, span in zip(tiles, spans, strict=True))
-        return found
+            spans_of_tile.update((tile, (span, mean)) for tile, span in zip(tiles, spans, strict=True))
+        return spans_of_tile
 
     def _tell_progress(self) -> None:
         if self.progress:
             self.progress()
 
     def _index(self, row: int, column: int) -> int:
-        """The index of the map of a tile in its recipe."""
+        """Return the index of the map of a tile in its recipe."""
         return row * self.columns + column
 
     def _kind_of(self, column: int) -> int:

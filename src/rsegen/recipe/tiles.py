@@ -1,11 +1,14 @@
-"""A map as a tile of a larger terrain: its cells are levels, frames too, and its difficulty is a share of its own.
+"""Maps as tiles of a terrain or data set: their levels, and the difficulty at which one has a wanted value of a metric.
 
-Several recipes whose maps go together, in a terrain or a data set: its kinds.
+The cells of a tile are levels, frames too, and its difficulty is a share of the one that its recipe gives. Several
+recipes may go together; each is a kind of tiles. For a metric other than the rms step,
 
-The difficulty at which a map has a wanted value of a metric, whatever the metric.
+    recipe, index --span_of--> its values on level ground and on the whole map --mean_of--> the range of several maps
+    value in that range --share_of--> the difficulty at which a map has it
 
-recipe, index --span_of--> its values from level ground to the whole map --mean_of--> those of several maps
-value --share_of--> the difficulty at which a map has it
+Both ask for the metric of the map at some difficulties and halve an interval, so the cost is `_HALVINGS` maps and
+metrics per tile. A metric that does not rise or fall evenly with the difficulty still gets a value between two others,
+as bisection keeps one below and one above, but perhaps not the only one.
 """
 
 from __future__ import annotations
@@ -35,7 +38,7 @@ def check_tile(recipe: Recipe) -> None:
 
 
 def tile_shape(recipe: Recipe) -> tuple[int, int]:
-    """Cells of a map along x and y, frames counted."""
+    """Return the cells of a map along x and y, frames counted."""
     n_x, n_y = recipe.grid.shape
     if recipe.boundary == "none":
         return n_x, n_y
@@ -44,54 +47,54 @@ def tile_shape(recipe: Recipe) -> tuple[int, int]:
 
 
 def amid(levels: Ints | Array) -> Ints | Array:
-    """The highest of the cells that meet in the middle of each map, (...,), of levels or heights (..., n_x, n_y)."""
+    """Return the highest cell of those that meet in the middle of each map: (..., n_x, n_y) -> (...,)."""
     x, y = (slice((cells - 1) // 2, cells // 2 + 1) for cells in levels.shape[-2:])
     return np.asarray(levels[..., x, y].max(axis=(-2, -1)))
 
 
 def eased(recipe: Recipe, share: float) -> Recipe:
-    """The recipe at a share of its difficulty, which is one number."""
+    """Return the recipe at a share of its difficulty, which is one number."""
     return replace(recipe, difficulty=float(share) * recipe.difficulty)  # type: ignore[operator]  # one number
 
 
 def tile_levels(recipe: Recipe, index: int) -> Levels:
-    """The levels of the cells of map `index`, frames as blocks of their height: (n_x, n_y)."""
+    """Return the levels of the cells of map `index`, frames as blocks of their height: (n_x, n_y)."""
     field = build(recipe, index)
     frame = round(recipe.frame_height_cm / recipe.unit_cm)
     return np.where(field.frame, np.int16(frame), field.levels).astype(np.int16)
 
 
 def recipes_of(given: Recipe | Sequence[Recipe]) -> tuple[Recipe, ...]:
-    """One recipe or several as a tuple; ParameterError if it is neither."""
-    found = (given,) if isinstance(given, Recipe) else given
-    if not isinstance(found, list | tuple) or not all(isinstance(one, Recipe) for one in found):
+    """Return one recipe or several as a tuple; ParameterError if it is neither."""
+    recipes = (given,) if isinstance(given, Recipe) else given
+    if not isinstance(recipes, list | tuple) or not all(isinstance(recipe, Recipe) for recipe in recipes):
         raise ParameterError("recipes", f"{shown(given)} is not a recipe or a list of recipes")
-    return tuple(found)
+    return tuple(recipes)
 
 
 def refuse_unlike(recipes: Sequence[Recipe], names: Iterable[str]) -> None:
     """Raise a ParameterError for the first of these parameters in which a recipe differs from the first one."""
-    for number, recipe in enumerate(recipes):
+    for index, recipe in enumerate(recipes):
         for name in names:
             own, others = getattr(recipe, name), getattr(recipes[0], name)
             if own != others:
                 problem = f"{shown(own)}, and {shown(others)} in the first recipe; give one for all"
-                raise ParameterError(f"recipes[{number}].{name}", problem)
+                raise ParameterError(f"recipes[{index}].{name}", problem)
 
 
 def kind_of_column(column: int, columns: int, kinds: int) -> int:
-    """Which of the kinds a column has: each has as many neighbouring columns as the others, as far as that goes."""
+    """Return the kind of a column: all kinds have equally many neighbouring columns, as far as that goes."""
     return column * kinds // columns
 
 
 _HALVINGS = 12
-"""Of the interval 0..1 in the search for a difficulty: finer than one block changes most metrics."""
+"""Halvings of the interval 0..1 in the search for a difficulty: finer than one block changes most metrics."""
 
 
 class Span(NamedTuple):
-    """The metric of a map that is level, and at its full difficulty; `hardest`: that difficulty, as a share.
+    """A metric's value on level ground and on the hardest map that has one; `hardest`: its difficulty, as a share.
 
-    If the whole map has no value, as the cost for a robot that cannot cross it, full is that of the hardest that has.
+    The hardest map is the whole one, unless that has no value, as the cost for a robot that cannot cross it.
     """
 
     level: float
@@ -99,20 +102,22 @@ class Span(NamedTuple):
     hardest: float = 1.0
 
     def value(self, difficulty: float) -> float:
-        """The value at a share of the way from level to full."""
+        """Return the value at a share of the way from level to full."""
         return self.level + difficulty * (self.full - self.level)
 
 
 def mean_of(spans: Sequence[Span], name: str) -> Span:
-    """The mean of the values of several maps; ParameterError if they stay the same, with the name of the metric."""
-    level, full = (fsum(values) / len(spans) for values in zip(*((one.level, one.full) for one in spans), strict=True))
+    """Return the mean of several spans of the metric `name`; ParameterError if its level and full are equal."""
+    level, full = (
+        fsum(values) / len(spans) for values in zip(*((span.level, span.full) for span in spans), strict=True)
+    )
     if level == full:
         raise ParameterError("by", f"{name} is {level:g} at difficulty 0 and at 1; give a metric that changes")
     return Span(level, full)
 
 
 def span_of(recipe: Recipe, index: int, metric: Metric) -> Span:
-    """The values of a metric over the difficulties of map `index`; ParameterError if its level ground has none."""
+    """Return the span of a metric over the difficulties of map `index`; ParameterError if level ground has no value."""
     level, full = (_value(recipe, index, metric, share) for share in (0.0, 1.0))
     if isnan(level):
         name = recipe.map_name(index)
@@ -127,10 +132,11 @@ def span_of(recipe: Recipe, index: int, metric: Metric) -> Span:
 
 
 def share_of(recipe: Recipe, index: int, metric: Metric, own: Span, line: Span, difficulty: float) -> float:
-    """The share of the recipe's difficulty at which map `index` is nearest to the value of a difficulty on a line.
+    """Return the share of the recipe's difficulty at which map `index` is nearest to a wanted value.
 
-    own: its values. It is the hardest at most, the difficulty itself if the values are all the same, and otherwise the
-    nearest that a bisection comes by; if several difficulties have that value, the least of them.
+    own: the span of the map. The wanted value lies at `difficulty` on the span `line`. The share is `own.hardest` at
+    most, the difficulty itself if all values are the same, and otherwise the nearest of the shares that a bisection
+    tries; of equally near ones, the least.
     """
     wanted, sign = line.value(difficulty), 1 if own.full >= own.level else -1
     if own.level == own.full:
@@ -140,14 +146,15 @@ def share_of(recipe: Recipe, index: int, metric: Metric, own: Span, line: Span, 
     if sign * (wanted - own.full) >= 0:
         return own.hardest
     low, high = 0.0, own.hardest
-    seen = {low: own.level, high: own.full}
+    tried = {low: own.level, high: own.full}
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
         value = _value(recipe, index, metric, middle)
-        seen[middle] = sign * inf if isnan(value) else value
-        low, high = (middle, high) if sign * (wanted - seen[middle]) > 0 else (low, middle)
-    return min(seen, key=lambda share: (abs(wanted - seen[share]), share))
+        tried[middle] = sign * inf if isnan(value) else value
+        low, high = (middle, high) if sign * (wanted - tried[middle]) > 0 else (low, middle)
+    return min(tried, key=lambda share: (abs(wanted - tried[share]), share))
 
 
 def _value(recipe: Recipe, index: int, metric: Metric, share: float) -> float:
+    """Return the metric of map `index` at a share of the recipe's difficulty; nan if it has no value."""
     return metric(build(eased(recipe, share), index))

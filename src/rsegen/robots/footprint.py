@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from math import inf, sqrt, tan
 
@@ -11,6 +13,7 @@ import numpy as np
 from rsegen.field.stepfield import Array
 from rsegen.footprints import Footprint, Rectangle, Underside
 from rsegen.footprints.footprint import TILT, TOUCHING
+from rsegen.robots import robot_of
 from rsegen.robots.base import DrivableRobot, Robot
 from rsegen.robots.links import Box, Cylinder, Part, PoseTuple, rotation
 
@@ -75,3 +78,17 @@ def _half(part: Part, turned: Array) -> Array:
 def _chord(radius: float, rise: float) -> float:
     """Half of the width of a circle at a height above its lowest point."""
     return radius if rise >= radius else sqrt(rise * (2 * radius - rise))
+
+
+def spot_footprint(
+    robot: str | os.PathLike[str] | DrivableRobot, size: Sequence[float] | None, max_difference_cm: float | None
+) -> Footprint:
+    """Return the footprint of a robot, or of a rectangle of this length and width [m] in its place."""
+    if size is not None:
+        length, width = size
+        footprint = Footprint.of_size(length, width)
+    else:
+        footprint = footprint_of(robot_of(robot))
+    if max_difference_cm is None:
+        return footprint
+    return replace(footprint, most=max_difference_cm / 100)

@@ -8,7 +8,7 @@ replaces another grows in `.rsegen.next` of that folder, and takes its place in 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
@@ -21,8 +21,6 @@ from rsegen.io.dataset.layout import MANIFEST, Shard, ShardLayout, header, manif
 from rsegen.io.dataset.reading import Dataset, arrow, npy, table
 from rsegen.io.resources import maps_in_memory, refuse_full, refuse_too_large
 from rsegen.recipe.batch import build_many
-from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.tiles import recipes_of
 from rsegen.run.execute import Execution
 from rsegen.run.journal import Journal, is_empty, is_intact, read_errors, read_journal
 from rsegen.run.plan import OnExisting, Output, RunPlan, run_in
@@ -36,37 +34,6 @@ class Progress(Protocol):
 
     def __call__(self, maps: int, *, already: bool) -> None:
         """`maps` more exist; `already`: from an earlier run."""
-
-
-def make_dataset(  # noqa: PLR0913  # each is a flag of the command
-    recipe: Recipe | Sequence[Recipe],
-    folder: str | Path,
-    *,
-    metrics: str = "npy",
-    shard_maps: int = 0,
-    force: bool = False,
-    resume: bool = False,
-    workers: int = 1,
-    scheduler: str | None = None,
-    sync: bool = True,
-    progress: Progress | None = None,
-) -> Dataset:
-    """Make a data set of all maps of some recipes, in shards of `shard_maps` (0: about a million cells each).
-
-    Several recipes have different names, and maps of one size, unit, width of blocks and boundary. `metrics` is the
-    form of their table: npy, parquet or none. `force` replaces a data set that exists, in one step once the new one is
-    complete; `resume` continues one that was stopped, or completes one whose files are missing. With `workers` beyond 1
-    a script needs `if __name__ == "__main__":`. `scheduler` is the address of a Dask cluster whose workers see the same
-    folder, or `local` for one with `workers` workers. `sync` waits until the disk has each shard, so that a power
-    failure loses none that is finished. Raises a ParameterError if the recipes do not go together; an OutputError
-    before anything is written if the folder holds something else, TooLarge if there is too little space.
-    """
-    layout = ShardLayout(recipes=recipes_of(recipe), shard_maps=shard_maps, metrics=metrics)
-    on_existing = OnExisting.of(force=force, resume=resume)
-    execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
-    plan = plan_dataset(layout, Path(folder), on_existing, execution)
-    _make(plan, progress)
-    return Dataset(folder)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -153,8 +120,8 @@ def complete_shards(layout: ShardLayout, folder: Path, journal: Journal) -> list
     ]
 
 
-def _make(plan: DatasetPlan, progress: Progress | None) -> None:
-    """Make the shards that are missing, then the manifest."""
+def make_shards(plan: DatasetPlan, progress: Progress | None) -> Dataset:
+    """Make the shards that are missing, then the manifest; return the data set."""
     layout, made = plan.layout, plan.run
     with _opened(plan) as store:
         journal = store.journal.content
@@ -177,6 +144,7 @@ def _make(plan: DatasetPlan, progress: Progress | None) -> None:
         ]
         if made.to_make or not is_intact(store.folder, MANIFEST, store.journal.content):
             store.put({MANIFEST: [manifest(layout, shards)]}, force=True)
+    return Dataset(plan.run.folder)
 
 
 @contextmanager

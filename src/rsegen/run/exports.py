@@ -27,7 +27,7 @@ from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.execute import Execution
 from rsegen.run.journal import Journal, compare, is_intact, read_errors, read_journal, refuse_link, refuse_loss
-from rsegen.run.plan import OnExisting, Output, RunPlan, has_content, run
+from rsegen.run.plan import OnExisting, Output, RunPlan, has_content
 from rsegen.run.store import (
     new_root,
     open_store,
@@ -58,23 +58,16 @@ class Exported:
     files: tuple[Path, ...]
 
 
-def export(
+def export_one(
     map: Recipe | Scene,  # noqa: A002  # the field's word
-    path: str | Path,
-    format: str | None = None,  # noqa: A002  # the command line's word
+    path: Path,
+    format: str | None,  # noqa: A002  # the command line's word
     *,
-    index: int = 0,
-    force: bool = False,
-    **options: Any,
+    index: int,
+    force: bool,
+    options: Mapping[str, Any],
 ) -> Exported:
-    """Write one map in another format: `rsegen.export(recipe, "map.glb")`.
-
-    map: a scene, or a recipe, of which map `index` is written. path: a file if it has a suffix, else a folder, in which
-    the files are as in one of `export_maps`. format: a name in `rsegen.FORMATS`; by default the suffix of `path` names
-    it. options: those of the format, as in `rsegen.export(recipe, "folder", "mjcf", shape="hfield")`. `force` replaces
-    what rsegen made before. A UserError says what is wrong before anything is written.
-    """
-    path = Path(path)
+    """Write one map in one format: as a file if the path has a suffix, else as a folder. See `rsegen.export`."""
     chosen = _format(path, format, options)
     refuse_unready([chosen])
     recipe = map.recipe if isinstance(map, Scene) else map
@@ -132,35 +125,6 @@ class MapExport:
 ExportsPlan = RunPlan[MapExport, ExportedMap]
 
 Progress = Callable[[ExportedMap], None]
-
-
-def export_maps(  # noqa: PLR0913  # each is a flag of the command
-    recipes: Sequence[Recipe],
-    folder: str | Path,
-    formats: Sequence[Format],
-    *,
-    force: bool = False,
-    resume: bool = False,
-    workers: int = 1,
-    scheduler: str | None = None,
-    sync: bool = True,
-    progress: Progress | None = None,
-) -> tuple[ExportedMap, ...]:
-    """Write every map of some recipes in other formats as `folder/NAME_000k`, without its world.
-
-    If the map exists already, as a world or exported before, the formats are added and all else stays; `force`
-    replaces formats that it has, `resume` keeps those that are complete and have the same options. `workers`,
-    `scheduler`, `sync` and `progress` are as in `generate`; gives the maps that were written. Raises an OutputError
-    before anything is written if a folder of that name holds something else, a format exists already, or two maps have
-    one name; TooLarge if memory or disk space are too small. A format that joins the maps, such as `ros2` with a
-    `package`, is alone, and writes them into one folder of that name: all of them or none.
-    """
-    on_existing, folder = OnExisting.of(force=force, resume=resume), Path(folder)
-    together = joining(formats)
-    execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
-    if together:
-        return _export_joined(recipes, folder, together, on_existing, progress, sync=sync)
-    return run(plan_exports(recipes, folder, formats, on_existing, execution), progress)
 
 
 def plan_exports(
@@ -329,7 +293,7 @@ def joining(formats: Sequence[Format]) -> Format | None:
     return joined[0] if joined else None
 
 
-def _export_joined(
+def export_joined(
     recipes: Sequence[Recipe],
     folder: Path,
     chosen: Format,

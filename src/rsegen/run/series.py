@@ -6,18 +6,14 @@ recipe --plan_series--> SeriesRun --run--> rows and maps --> Series
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from math import prod
 from pathlib import Path
 
-from rsegen.exporters.formats import Format
 from rsegen.exporters.scene import compose
-from rsegen.field.metrics.catalogue import RMS, By
-from rsegen.field.robot_limits import RobotLimits
 from rsegen.io.resources import check_needs
 from rsegen.recipe.codec import to_json
-from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import Span
 from rsegen.run.execute import Execution, execute
 from rsegen.run.journal import read_journal
@@ -49,40 +45,11 @@ class Series:
         return self.folder / PICTURE
 
 
-def series(  # noqa: PLR0913  # each is a flag of the command
-    recipe: Recipe,
-    folder: str | Path,
-    *,
-    maps: int | None = None,
-    from_: float = 0.1,
-    to: float = 1.0,
-    same_field: bool = False,
-    by: By = RMS,
-    robot: RobotLimits | None = None,
-    force: bool = False,
-    resume: bool = False,
-    preview: bool = False,
-    sheet: bool = False,
-    formats: Sequence[Format] = (),
-    workers: int = 1,
-    scheduler: str | None = None,
-    sync: bool = True,
-    progress: Callable[[SeriesRow], None] | None = None,
+def make_series(
+    series_plan: SeriesPlan, plan: SeriesRun, progress: Callable[[SeriesRow], None] | None = None
 ) -> Series:
-    """Write maps of evenly rising difficulty, series.csv and series.png into a folder; as many as the recipe has.
-
-    With `same_field` all are one field, else each is a new one. `by`: the metric that rises evenly, by its name in
-    `rsegen metrics --csv`, or a function StepField -> float, which is called in this process alone; `robot`: for
-    metrics of a robot, such as `reach.west_east.cost`. The rest is as in `generate`; `progress` is called with the row
-    of each map that is done. Table and picture come last, whole or not at all.
-    """
-    recipe = recipe if maps is None else replace(recipe, maps=maps)
-    series_plan = SeriesPlan(recipe=recipe, from_=from_, to=to, same_field=same_field, by=by, robot=robot)
-    sidecars = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
-    on_existing = OnExisting.of(force=force, resume=resume)
-    execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
-    plan = plan_series(series_plan, Path(folder), sidecars, on_existing, execution)
-    with open_store(plan.folder, sync=sync) as store:
+    """Make the maps of a planned series, then its table and its picture; `progress` is called with each map's row."""
+    with open_store(plan.folder, sync=plan.execution.sync) as store:
         results = run_in(store, plan, progress and (lambda result: progress(result[0])))
         rows, made = tuple(row for row, _ in results), tuple(made for _, made in results if made)
         store.put({TABLE: [rows_as_csv(rows)], PICTURE: [_chart(series_plan, rows)]}, force=plan.replaces)

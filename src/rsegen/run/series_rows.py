@@ -19,8 +19,7 @@ from rsegen.field.metrics.catalogue import RMS, By, Metric, metric_by
 from rsegen.field.metrics.roughness import spread, steps
 from rsegen.field.metrics.traversability import percolation
 from rsegen.field.robot_limits import RobotLimits
-from rsegen.field.stepfield import NANOMETRE_DIGITS
-from rsegen.params.sorts import Flag, Float, validate
+from rsegen.params.sorts import NANOMETRE_DIGITS, Flag, Float, validate
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import Span, mean_of, share_of, span_of

@@ -77,9 +77,9 @@ class Sidecars:
         """The function that makes each file except those of formats, by its name."""
         found: dict[str, Callable[[Scene], bytes]] = {}
         if self.preview:
-            from rsegen.exporters.pictures.preview import preview_image
+            from rsegen.exporters.pictures.preview import preview
 
-            found["preview.png"] = preview_image
+            found["preview.png"] = preview
         if self.sheet:
             from rsegen.exporters.sheet import sheet
 
@@ -139,38 +139,6 @@ class Generated:
     folder: Path
     maps: tuple[GeneratedMap, ...]
     already: tuple[int, ...] = ()
-
-
-def generate(  # noqa: PLR0913  # each is a flag of the command
-    recipe: Recipe,
-    folder: str | Path,
-    *,
-    force: bool = False,
-    resume: bool = False,
-    preview: bool = False,
-    sheet: bool = False,
-    formats: Sequence[Format] = (),
-    workers: int = 1,
-    scheduler: str | None = None,
-    sync: bool = True,
-    progress: Callable[[GeneratedMap], None] | None = None,
-) -> Generated:
-    """Write every map of a recipe as `folder/NAME_000k`; `progress` is called with each that is done, in their order.
-
-    `force` replaces maps that exist already; `resume` keeps them, if each is the one that would be made, and makes
-    the others; `preview` adds a picture to each, `sheet` a build sheet, `formats` files for other programs. With
-    `workers` beyond 1, other processes take a part if that is quicker; a script then needs
-    `if __name__ == "__main__":`. `scheduler` is the address of a Dask cluster whose workers see the same folder, or
-    `local` for one of `workers` processes. `sync` waits until the disk has the files: without it many small maps are
-    made a little quicker, and a power failure may leave some of them empty, which `resume` makes again. Raises, before
-    anything is written, an OutputError if a map's folder is taken or has files that rsegen did not write, TooLarge if
-    memory or disk space are too small, a ParameterError if maps are too large for build sheets.
-    """
-    sidecars = Sidecars(preview=preview, sheet=sheet, formats=tuple(formats))
-    on_existing = OnExisting.of(force=force, resume=resume)
-    execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
-    plan = plan_worlds(recipe, Path(folder), sidecars, on_existing, execution)
-    return make_worlds(recipe, plan, progress)
 
 
 WorldsPlan = RunPlan[int, GeneratedMap]

@@ -1,4 +1,4 @@
-"""Finds the step field in a point cloud: ground plane, grid of blocks, a level for every cell with its confidence.
+"""Search for the step field in a point cloud: ground plane, grid of blocks, a level for every cell with its confidence.
 
 points --level_frame--> heights above the ground --find_unit, find_grid, refined--> cells --read_cells--> levels
 """

@@ -1,6 +1,17 @@
-"""Which cells of a grid are the field: a rectangle round all that is above the ground, or where a known map fits.
+"""The part of a cloud's grid that is the field, and the frames in it.
 
-Frames round a field: cells of one height at its rim, or round every chunk.
+Three cases. Nothing is known: the rectangle around the largest group of raised cells. The size is known: the rectangle
+of that size with the most raised cells. The map is known: the place and the quarter turn at which most heights agree.
+Then chunk sizes are tried until all cells of their frames have one height:
+
+     # # # # # # #
+     # . . # . . #      side 2: the cells # are equally high, so they are frames; for any other side, blocks of
+     # . . # . . #      several levels would be on the frames
+     # # # # # # #
+
+Sums over rectangles come from one table of cumulative sums along both axes, so each place of a rectangle costs four
+look-ups; a known map is compared at the best places only. A rim at level 0 looks like floor: then the size has to be
+given.
 """
 
 from __future__ import annotations
@@ -16,15 +27,23 @@ from rsegen.params.sorts import Cell
 from rsegen.scanning.levels import Reading
 
 _NEIGHBOURS = 2
-"""Blocks at most this many cells apart belong to the same field."""
+"""Blocks at most this many cells apart belong to the same field.
+
+2 leaps over one row at level 0, or one that no camera saw. With 1 such a row cuts the field in two; with more,
+furniture next to the field belongs to it.
+"""
 
 _MOST_INSIDE = 0.85
-"""Places are tried that have so many of the raised cells inside, as a share of the most that any place has."""
+"""Share of the raised cells of the best place that a place must have inside to be tried.
+
+Below 1, as cells that no camera saw, and raised things next to the field, move the best count away from the field;
+each place that is tried costs a comparison of all cells.
+"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Fit:
-    """Where a known field lies in a reading: quarter turns, corner, and how many cells that were seen agree."""
+    """The place of a known field in a reading: quarter turns, corner, cells that were seen, and those that agree."""
 
     turns: int
     corner: Cell
@@ -33,9 +52,10 @@ class Fit:
 
 
 def extent_of(reading: Reading, unit: float, shape: Cell | None = None) -> tuple[Cell, Cell]:
-    """Corner and shape of the field: the rectangle round the largest group of raised cells.
+    """Return corner and shape of the field: the rectangle around the largest group of raised cells.
 
-    shape: cells along x and y, frames counted, if they are known; the rectangle of these that has the most of them.
+    shape: cells along x and y, frames counted, if they are known; then the rectangle of this shape that has the most
+    raised cells, and of equal ones the middle one.
     """
     raised = reading.levels(unit) > 0
     if not raised.any():
@@ -50,15 +70,15 @@ def extent_of(reading: Reading, unit: float, shape: Cell | None = None) -> tuple
     return (int(middle[0]), int(middle[1])), shape
 
 
-def _counts_within(found: Mask, shape: Cell) -> Ints:
-    """How many true cells are in each rectangle of a shape."""
-    sums = np.pad(found.astype(np.int64).cumsum(axis=0).cumsum(axis=1), [(1, 0), (1, 0)])
+def _counts_within(cells: Mask, shape: Cell) -> Ints:
+    """Return the number of true cells in each rectangle of a shape, from cumulative sums along both axes."""
+    sums = np.pad(cells.astype(np.int64).cumsum(axis=0).cumsum(axis=1), [(1, 0), (1, 0)])
     n_x, n_y = shape
     return np.asarray(sums[n_x:, n_y:] - sums[:-n_x, n_y:] - sums[n_x:, :-n_y] + sums[:-n_x, :-n_y])
 
 
 def _largest_group(raised: Mask) -> Mask:
-    """The raised cells of the group that has most of them; cells of one group are near one another."""
+    """Return the raised cells of the largest group: labels spread to near cells until every group has one label."""
     labels = np.where(raised, np.arange(1, raised.size + 1).reshape(raised.shape), 0)
     while True:
         spread = _spread(labels)
@@ -70,21 +90,21 @@ def _largest_group(raised: Mask) -> Mask:
 
 
 def _spread(labels: Ints) -> Ints:
-    """The largest label within so many cells along x and y of each."""
-    found = labels
+    """Return the largest label within _NEIGHBOURS cells of each cell along x and y."""
     for axis in (0, 1):
-        padded = np.pad(found, [(_NEIGHBOURS, _NEIGHBOURS) if side == axis else (0, 0) for side in (0, 1)])
-        found = np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEIGHBOURS + 1, axis=axis).max(axis=-1)
-    return np.asarray(found)
+        padded = np.pad(labels, [(_NEIGHBOURS, _NEIGHBOURS) if side == axis else (0, 0) for side in (0, 1)])
+        labels = np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEIGHBOURS + 1, axis=axis).max(axis=-1)
+    return np.asarray(labels)
 
 
 def best_fit(reading: Reading, heights: Array, tolerance: float) -> Fit:
-    """Where a field of known heights (n_x, n_y) [m] agrees with the most cells, over all quarter turns.
+    """Return the place and quarter turn at which a field of known heights (n_x, n_y) [m] agrees with the most cells.
 
-    Cells agree whose heights differ by less than the tolerance [m]; raised cells beside the field count against it.
+    Cells agree whose heights differ by less than the tolerance [m]; raised cells outside the field count against it.
     """
-    found = []
+    fits = []
     for turns in range(4):
+        # The reading with a margin of one field on every side, so that the field may stick out of what was seen.
         turned = np.pad(reading.quarter_turned(turns).heights, [(n, n) for n in heights.shape], constant_values=np.nan)
         with np.errstate(invalid="ignore"):
             raised = turned > tolerance
@@ -94,18 +114,24 @@ def best_fit(reading: Reading, heights: Array, tolerance: float) -> Fit:
                 agree = int((np.abs(window - heights) < tolerance).sum())
                 outside = int(raised.sum() - inside[i, j])
                 corner = int(i) - heights.shape[0], int(j) - heights.shape[1]
-                found.append((agree - outside, agree, int(np.isfinite(window).sum()), -turns, corner))
-    _, agree, seen, turns, corner = max(found)
+                fits.append((agree - outside, agree, int(np.isfinite(window).sum()), -turns, corner))
+    _, agree, seen, turns, corner = max(fits)  # of equally good ones that with fewer turns
     return Fit(turns=-turns, corner=corner, agree=agree, seen=seen)
 
 
 _MOST_OTHERS = 0.02
-"""Share of the cells of a frame that may be of another height, as misread."""
+"""Share of the cells of a frame that may have another height, as they were misread.
+
+A wrong chunk size puts blocks of all levels on frames, far more than 2 %. With 0 one misread cell hides all frames.
+"""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Frames:
-    """boundary and side of a chunk as in recipes; blocks: along x and y without frames; height: metres."""
+class FrameLayout:
+    """The arrangement of frames in a field.
+
+    boundary, side: of a chunk, as in recipes; blocks: along x and y without frames; height: metres.
+    """
 
     boundary: str
     side: int | None
@@ -114,7 +140,7 @@ class Frames:
 
     @cached_property
     def cells(self) -> Mask:
-        """Which cells of the field, frames counted, are frames."""
+        """Cells of the field that are frames, (n_x, n_y) with frames."""
         _, frame = framed(np.zeros(self.blocks, dtype=np.int16), self.side or max(self.blocks), self.boundary)
         return frame
 
@@ -125,31 +151,34 @@ class Frames:
 
 
 @dataclass(frozen=True, kw_only=True)
-class KnownFrames(Frames):
+class KnownFrameLayout(FrameLayout):
     """The frames of a field that is known."""
 
     field: StepField
 
     @cached_property
     def cells(self) -> Mask:
-        """Which cells of the field are frames."""
+        """Cells of the field that are frames."""
         return self.field.frame
 
 
-def frames_of(reading: Reading, unit: float, boundary: str | None = None, side: int | None = None) -> Frames | None:
-    """The frames that a field has if all cells of them are equally high; None if it has none.
+def frames_of(
+    reading: Reading, unit: float, boundary: str | None = None, side: int | None = None
+) -> FrameLayout | None:
+    """Return the frames of a field, all of whose cells are equally high; None if it has none.
 
-    unit: of heights [m]; boundary, side: those to look for; else frames round every chunk are tried first, from small
-    chunks to large ones.
+    unit: of heights [m]; boundary, side: to look for, if they are known; else frames around every chunk are tried
+    first, from small chunks to large ones.
     """
     n_x, n_y = reading.heights.shape
+    # A chunk with its frame is two cells wider than its blocks; one chunk alone has an outer frame.
     sides = [side] if side else range(2, min(n_x, n_y) - 1)
     divided = [
-        Frames(boundary="divided", side=own, blocks=(n_x // (own + 2) * own, n_y // (own + 2) * own))
+        FrameLayout(boundary="divided", side=own, blocks=(n_x // (own + 2) * own, n_y // (own + 2) * own))
         for own in sides
         if n_x % (own + 2) == 0 and n_y % (own + 2) == 0 and (n_x, n_y) != (own + 2, own + 2)
     ]
-    outer = [Frames(boundary="outer", side=side or int(np.gcd(n_x - 2, n_y - 2)), blocks=(n_x - 2, n_y - 2))]
+    outer = [FrameLayout(boundary="outer", side=side or int(np.gcd(n_x - 2, n_y - 2)), blocks=(n_x - 2, n_y - 2))]
     tried = divided * (boundary != "outer") + outer * (boundary != "divided" and min(n_x, n_y) > 3)
     for frames in tried:
         height = _height(reading, unit, frames.cells)
@@ -159,10 +188,10 @@ def frames_of(reading: Reading, unit: float, boundary: str | None = None, side: 
 
 
 def _height(reading: Reading, unit: float, frame: Mask) -> float | None:
-    """The height that all frame cells have which were seen [m]; None if they differ, or are the ground."""
+    """Return the common height of the frame cells that were seen [m]; None if they differ, or are the ground."""
     heights = reading.heights[frame & reading.seen]
-    if len(heights) < frame.sum() / 2:
+    if len(heights) < frame.sum() / 2:  # too few to say that the others have the same height
         return None
     height = float(np.median(heights))
-    others = np.abs(heights - height) > unit / 2
+    others = np.abs(heights - height) > unit / 2  # of another level; less than a quarter unit high is ground
     return height if height > unit / 4 and others.mean() <= _MOST_OTHERS else None

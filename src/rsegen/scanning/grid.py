@@ -1,8 +1,17 @@
-"""The grid of blocks in a cloud: its heading, the width of a block, and where its lines are, by the edges of blocks.
+"""The grid of blocks in an upright cloud: its heading, the width of a block and its origin, from the edges of blocks.
 
-A point cloud from above, as square pixels with the median height of their points.
+1. Raster: the cloud from above as pixels of some six points each, with the median of their heights. Neighbouring pixels
+   whose heights differ by half a unit are edges; flat pixels are tops.
+2. Heading: edges of blocks lie on few lines, so the histogram of edges across the right heading has few, high bins:
+   the sum of their squares is largest.
+3. Width: edges at s across the lines have the power |mean exp(2 pi i s / w)|^2, which is 1 for a width w of which all
+   distances are whole multiples. Halves and thirds of the true width have as much, so the widest counts.
+4. Least squares: every edge belongs to the nearest line; both origins, the width and the heading follow together.
+5. Refinement: edges of noisy clouds are off by a pixel or more, tops are not. Hill climbing moves the grid until
+   as many points as possible are at the most frequent level of their cell.
 
-Moves a grid until every cell has as few different heights as it can: what a block's top is.
+Cost: linear in the points, of which at most 200,000 are used; the refinement counts 60,000 points some 170 times.
+It fails without steps in both directions, and if most edges are those of something else.
 """
 
 from __future__ import annotations
@@ -18,53 +27,65 @@ from rsegen.field.stepfield import Array, Ints
 from rsegen.scanning.ground import sample
 
 _POINTS_PER_PIXEL = 6
+"""Points in the pixel of a typical point. With 3 outliers move the median, with 10 pixels are too coarse: 5 and 4 of
+nine fields are found, instead of 7."""
+
 _FEWEST_POINTS = 3
-"""In a pixel of a dense cloud: single points in the air are outliers."""
+"""Points in a pixel of a dense cloud, at the least: single points in the air are outliers. With 2 and 5 of them, 5 and
+6 of nine fields are found, instead of 7."""
 
 _FINEST = 0.002
+"""Smallest side of a pixel in metres: a fiftieth of a block of 10 cm, finer than any cloud shows an edge."""
+
 _MOST_PIXELS = 4_000_000
+"""Pixels of a raster, at the most: 32 MB of heights."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Raster:
-    """heights: (n_x, n_y) [m], nan where hardly a point is; pixel: its side [m]; corner: x and y of the first one."""
+    """Median heights of the points in square pixels.
+
+    heights: (n_x, n_y) [m], nan where too few points are; corner: x and y of the first pixel; pixel: its side [m].
+    """
 
     heights: Array
     corner: Array
     pixel: float
 
-    def centres(self, found: Ints) -> Array:
-        """The middles of pixels (n, 2) [m], of which the indices are given."""
-        return np.asarray(self.corner + (found + 0.5) * self.pixel)
+    def centres(self, indices: Ints) -> Array:
+        """Return the centres of the pixels of some indices (n, 2) [m]."""
+        return np.asarray(self.corner + (indices + 0.5) * self.pixel)
 
 
 def pixel_size(points: Array, coarsest: float) -> float:
-    """The side of a pixel that has some six points [m], or the coarsest that is allowed."""
+    """Return the side of a pixel that has some six points [m], or the coarsest that is allowed."""
     extent = np.ptp(points[:, :2], axis=0).max()
     pixel = max(_FINEST, float(extent) / float(np.sqrt(_MOST_PIXELS)))
     while pixel < coarsest:
         _, counts = np.unique(_keys(points, pixel)[0], return_counts=True)
         if np.median(np.repeat(counts, counts)) >= _POINTS_PER_PIXEL:
             return pixel
-        pixel *= 1.3
+        pixel *= 1.3  # in small steps, so that it is at most a third coarser than needed
     return pixel
 
 
 def rasterized(points: Array, pixel: float) -> Raster:
-    """The raster of points (n, 3): x, y and height [m]."""
+    """Return the raster of points (n, 3): x, y and height [m]."""
+    # Sorted by pixel and then by height, the points of a pixel follow one another, and their median is in the middle.
     keys, corner, shape = _keys(points, pixel)
     order = np.lexsort((points[:, 2], keys))
     keys, heights = keys[order], points[order, 2]
     starts = np.flatnonzero(np.diff(keys, prepend=-1))
     counts = np.diff(np.append(starts, len(keys)))
-    found = np.full(shape[0] * shape[1], np.nan)
+    raster = np.full(shape[0] * shape[1], np.nan)
     median = (heights[starts + (counts - 1) // 2] + heights[starts + counts // 2]) / 2
     dense = np.median(np.repeat(counts, counts)) >= _POINTS_PER_PIXEL
-    found[keys[starts]] = np.where(counts >= (_FEWEST_POINTS if dense else 1), median, np.nan)
-    return Raster(heights=found.reshape(shape), corner=corner, pixel=pixel)
+    raster[keys[starts]] = np.where(counts >= (_FEWEST_POINTS if dense else 1), median, np.nan)
+    return Raster(heights=raster.reshape(shape), corner=corner, pixel=pixel)
 
 
 def _keys(points: Array, pixel: float) -> tuple[Ints, Array, tuple[int, int]]:
+    """Return the flat index of each point's pixel, the corner of the first pixel and the shape of the raster."""
     corner = points[:, :2].min(axis=0)
     i, j = np.floor((points[:, :2] - corner) / pixel).astype(np.int64).T
     shape = int(i.max()) + 1, int(j.max()) + 1
@@ -72,7 +93,7 @@ def _keys(points: Array, pixel: float) -> tuple[Ints, Array, tuple[int, int]]:
 
 
 def flat_heights(raster: Raster, most: float) -> Array:
-    """The heights (n,) of pixels whose neighbours along x and y differ by at most so much: those of tops [m]."""
+    """Return the heights (n,) of the pixels on tops, whose neighbours along x and y differ by less than `most` [m]."""
     heights = raster.heights
     inner = heights[1:-1, 1:-1]
     with np.errstate(invalid="ignore"):
@@ -82,26 +103,35 @@ def flat_heights(raster: Raster, most: float) -> Array:
 
 
 def edge_pixels(raster: Raster, least: float, axis: int) -> Array:
-    """The middles (n, 2) of pixels whose neighbours along an axis differ in height by at least so much [m]."""
+    """Return the centres (n, 2) of pixels whose neighbours along an axis differ in height by more than `least` [m]."""
     heights = raster.heights if axis == 0 else raster.heights.T
     with np.errstate(invalid="ignore"):
-        found = np.argwhere(np.abs(heights[2:] - heights[:-2]) > least)
-    found[:, 0] += 1  # the pixel between the two
-    return raster.centres(found if axis == 0 else found[:, ::-1])
+        edges = np.argwhere(np.abs(heights[2:] - heights[:-2]) > least)
+    edges[:, 0] += 1  # the pixel between the two
+    return raster.centres(edges if axis == 0 else edges[:, ::-1])
 
 
 _FEWEST_EDGES = 40
+"""Edge pixels, at the least, and a quarter of them in each direction: a single block of 10 pixels per side has 40."""
+
 _OFF = 0.06
-"""Share by which blocks of a given width may be wider or narrower in the cloud."""
+"""Share by which blocks of a given width may be wider or narrower in the cloud, by gaps between them and by scale."""
 
 _SPLIT = 0.75
-"""A wider grid is taken if it explains so much of what the best one explains."""
+"""Share of the power of the best width that makes a wider grid preferable.
+
+Half the true width explains every edge as well as the true one, and noise may make it the better of the two: with a
+share near 1 it is taken. Edges on every line cancel out at twice the width, but not quite, as some lines have more of
+them than others: with half the share 3 of nine fields are found, instead of 7.
+"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Grid:
-    """heading: by how much the grid's x is turned from the cloud's [radians]; width: of a block [m];
-    origin: where a crossing of lines is along the grid's own x and y [m].
+class CloudGrid:
+    """The lines between blocks in an upright cloud.
+
+    heading: angle from the cloud's x to the grid's [radians]; width: of a block [m]; origin: a crossing of lines, along
+    the grid's own x and y [m].
     """
 
     heading: float
@@ -110,18 +140,19 @@ class Grid:
 
     @property
     def rotation(self) -> Array:
-        """(2, 2), takes x and y of the cloud to those of the grid."""
+        """Rotation (2, 2) from x and y of the cloud to those of the grid."""
         c, s = cos(self.heading), sin(self.heading)
         return np.array([[c, s], [-s, c]])
 
 
-def find_grid(points: Array, unit: float, noise: float, pixel: float, width: float | None = None) -> Grid:
-    """The grid of points (n, 3): x, y and height above the ground [m].
+def find_grid(points: Array, unit: float, noise: float, pixel: float, width: float | None = None) -> CloudGrid:
+    """Return the grid of points (n, 3): x, y and height above the ground [m].
 
     unit: height of a unit [m]; noise: standard deviation of heights [m]; pixel: side of a pixel of the raster [m];
-    width: of a block [m], if it is known. A ScanError if there is no grid, or one of other blocks.
+    width: of a block [m], if it is known. Raises a ScanError if there is no grid, or one of other blocks.
     """
     few = sample(points)
+    # An edge is a step of nearly half a unit, or more than the noise makes, but never as much as a whole unit.
     least = max(0.4 * unit, min(2.5 * noise, 0.8 * unit))
     raster = rasterized(few, pixel)
     edges = np.concatenate([edge_pixels(raster, least, axis) for axis in (0, 1)])
@@ -132,12 +163,15 @@ def find_grid(points: Array, unit: float, noise: float, pixel: float, width: flo
     lines = [edge_pixels(raster, least, axis)[:, [axis, 1 - axis]] for axis in (0, 1)]
     if min(len(line) for line in lines) < _FEWEST_EDGES / 4:
         raise ScanError("no grid of blocks: the steps in the cloud all run in one direction")
-    found = _width([line[:, 0] for line in lines], pixel, width)
-    return _fitted(lines, heading, found)
+    return _fitted(lines, heading, _width([line[:, 0] for line in lines], pixel, width))
 
 
 def _heading(edges: Array, pixel: float) -> float:
-    """The direction, within a quarter turn, along which the edges of blocks lie on the fewest lines [radians]."""
+    """Return the direction, within a quarter turn, along which edges lie on the fewest lines [radians].
+
+    Half a degree over 2 m is 17 mm, about two pixels, so the first search cannot step over the peak; a tenth of a
+    degree is 3 mm, less than a pixel, and the least squares fit finds the rest.
+    """
     few = sample(edges, 8_000)
     few = few - np.median(few, axis=0)
     coarse = np.radians(np.arange(0, 90, 0.5))
@@ -148,7 +182,7 @@ def _heading(edges: Array, pixel: float) -> float:
 
 
 def _concentration(edges: Array, angle: float, slice_: float) -> float:
-    """The sum of squares of how many edges there are per slice, across and along a direction."""
+    """Return the sum of squares of the numbers of edges per slice, across and along a direction."""
     c, s = cos(angle), sin(angle)
     total = 0.0
     for along in (edges @ (c, s), edges @ (-s, c)):
@@ -158,6 +192,7 @@ def _concentration(edges: Array, angle: float, slice_: float) -> float:
 
 
 def _turned_raster(points: Array, heading: float, pixel: float) -> Raster:
+    """Return the raster of a cloud that is turned by a heading, in which edges run along the axes."""
     c, s = cos(heading), sin(heading)
     turned = points.copy()
     turned[:, :2] = points[:, :2] @ np.array([[c, -s], [s, c]])
@@ -165,11 +200,13 @@ def _turned_raster(points: Array, heading: float, pixel: float) -> Raster:
 
 
 def _width(lines: list[Array], pixel: float, given: float | None) -> float:
-    """The distance of neighbouring lines [m], from the places of edges across them."""
+    """Return the distance of neighbouring lines [m], from the places of edges across them."""
     widest = max(float(np.ptp(np.quantile(line, [0.02, 0.98]))) for line in lines if len(line))
     if given is not None:
-        own = given * np.linspace(1 - _OFF, 1 + _OFF, 241)
+        own = given * np.linspace(1 - _OFF, 1 + _OFF, 241)  # in steps of half a thousandth
         return float(own[int(_power(lines, own).argmax())])
+    # Evenly spaced in 1 / width, in which peaks are equally broad: six samples per peak, from the whole extent down to
+    # blocks of four pixels, below which tops have no flat pixel.
     widths = 1 / np.linspace(1 / widest, 1 / (4 * pixel), max(64, min(6000, int(6 * widest / pixel))))
     power = _power(lines, widths)
     first = int(np.argmax(power >= _SPLIT * power.max()))  # the widest
@@ -178,7 +215,7 @@ def _width(lines: list[Array], pixel: float, given: float | None) -> float:
 
 
 def _power(lines: list[Array], widths: Array) -> Array:
-    """For each width: how well edges lie a whole number of widths apart, from 0 to 1."""
+    """Return how well edges lie a whole number of widths apart, from 0 to 1, for each width."""
     total = np.zeros(len(widths))
     for line in lines:
         if len(line):
@@ -188,13 +225,15 @@ def _power(lines: list[Array], widths: Array) -> Array:
     return total / sum(len(line) for line in lines)
 
 
-def _fitted(lines: list[Array], heading: float, width: float) -> Grid:
-    """The grid through the edges by least squares: both origins, the width and the heading together.
+def _fitted(lines: list[Array], heading: float, width: float) -> CloudGrid:
+    """Return the grid through the edges by least squares: both origins, the width and the heading together.
 
     An edge at s across and t along its line is on line i: s = origin + i width + slope t; slope is the heading's rest.
     """
     origin = np.array([_phase(line[:, 0], width) for line in lines])
     slope = 0.0
+    # Edges farther from their line than a share of the width belong to other things; the share shrinks as the fit
+    # becomes better, and the last one is repeated until the choice of edges settles.
     for within in (0.3, 0.25, 0.2, 0.2):
         rows, values = [], []
         for axis, line in enumerate(lines):
@@ -209,15 +248,15 @@ def _fitted(lines: list[Array], heading: float, width: float) -> Grid:
             rows.append(columns)
             values.append(line[near, 0])
         solved = np.linalg.lstsq(np.concatenate(rows), np.concatenate(values), rcond=None)[0]
-        if not 0.7 * width < solved[2] < 1.4 * width:
+        if not 0.7 * width < solved[2] < 1.4 * width:  # it ran away to another multiple of the width
             raise ScanError("no grid of blocks: the steps in the cloud are not on evenly spaced lines")
         origin, width, slope = solved[:2], float(solved[2]), float(solved[3])
     turn = -float(np.arctan(slope))
-    return Grid(heading=heading + turn, width=width * cos(turn), origin=origin * cos(turn))
+    return CloudGrid(heading=heading + turn, width=width * cos(turn), origin=origin * cos(turn))
 
 
 def _phase(across: Array, width: float) -> float:
-    """Where the line nearest to 0 is."""
+    """Return the place of a line near the middle of some edges: the mean phase of the edges, as a length."""
     if not len(across):
         return 0.0
     middle = float(across.mean())
@@ -226,25 +265,36 @@ def _phase(across: Array, width: float) -> float:
 
 
 _MOST_POINTS = 60_000
+"""Points of the refinement: 600 per cell of 10 x 10, of which it needs a few dozen; its time is in proportion."""
+
 _NEAR_LEVEL = 0.3
-"""Of a unit: points farther from any level are of sides, and tell nothing here."""
+"""Share of a unit: points farther from any level are of sides, and tell nothing here."""
 
 _HIGHEST = 30
+"""Highest level that counts: 3 m of blocks of 10 cm; higher points are of other things."""
+
 _HALVINGS = 7
+"""Halvings of the steps of the climb: the last are 0.08 / 2^6, about a thousandth of a width."""
+
 _MOST_LEFT = 0.6
-"""Of the points that are not at their cell's level in a grid half a block away, so many may be left at most."""
+"""Share of the points off their cell's level in a grid half a block away that may be left in the best grid.
+
+In a cloud of blocks most points of the shifted grid are off, and few of the true one; if there is hardly a difference,
+the edges are not those of blocks. With half the share 4 of 7 true grids are refused, as noise puts points off too.
+"""
 
 
-def refined(grid: Grid, points: Array, unit: float) -> Grid:
-    """The grid whose cells are of one level each as nearly as can be, near the one that is given.
+def refined(grid: CloudGrid, points: Array, unit: float) -> CloudGrid:
+    """Return the grid near a given one whose cells have as few different levels as possible.
 
-    points: (n, 3), x, y and height above the ground [m]; unit: height of a unit [m]. The sum of the points at each
-    cell's most frequent level is raised, by steps that are halved. A ScanError if the cells of a grid half a block
-    away are nearly as much of one level each: then the edges of the cloud are not those of blocks.
+    points: (n, 3), x, y and height above the ground [m]; unit: height of a unit [m]. Hill climbing raises the number of
+    points at the most frequent level of their cell. Raises a ScanError if a grid half a block away does nearly as well:
+    then the edges of the cloud are not those of blocks.
     """
     levels, places = _tops(points, unit)
-    if len(levels) < 100:
+    if len(levels) < 100:  # fewer than one per cell of 10 x 10
         raise ScanError("hardly a point is on top of a block; give a scan from above, or another unit_cm")
+    # The crossing nearest to the middle of the field stays in place while the grid is turned and stretched.
     middle = np.rint((np.median(places[levels > 0], axis=0) @ grid.rotation.T - grid.origin) / grid.width)
     pivot = (grid.origin + middle * grid.width) @ grid.rotation
 
@@ -262,23 +312,23 @@ def refined(grid: Grid, points: Array, unit: float) -> Grid:
 
 
 def _climbed(alike: Callable[[Array], int]) -> Array:
-    """The change of a grid for which most points are alike: of heading, width, and place along x and y."""
+    """Return the correction (heading, width, x, y) that puts most points at the most frequent level of their cell."""
     steps = np.array([0.01, 0.01, 0.08, 0.08])  # of a radian, of the width, of a width along x and y
     best, most = np.zeros(4), alike(np.zeros(4))
     for _ in range(_HALVINGS):
-        for change in np.concatenate([np.diag(steps), -np.diag(steps)] * 3):
-            found = alike(best + change)
-            if found > most:
-                best, most = best + change, found
+        for change in np.concatenate([np.diag(steps), -np.diag(steps)] * 3):  # each direction three times
+            count = alike(best + change)
+            if count > most:
+                best, most = best + change, count
         steps = steps / 2
     return best
 
 
 def _tops(points: Array, unit: float) -> tuple[Ints, Array]:
-    """The level and the place (x, y) of points near a level, in the part of the cloud that is above the ground."""
+    """Return level and place (x, y) of points near a level, in and around the part of the cloud that is raised."""
     raised = points[(points[:, 2] > unit / 2) & (points[:, 2] < (_HIGHEST + 0.5) * unit)]
     low, high = np.quantile(raised[:, :2], 0.02, axis=0), np.quantile(raised[:, :2], 0.98, axis=0)
-    reach = 0.15 * (high - low)
+    reach = 0.15 * (high - low)  # some floor around the field: two or three of 10 cells
     inside = ((points[:, :2] > low - reach) & (points[:, :2] < high + reach)).all(axis=1)
     few = sample(points[inside], _MOST_POINTS)
     levels = np.rint(few[:, 2] / unit)
@@ -286,14 +336,14 @@ def _tops(points: Array, unit: float) -> tuple[Ints, Array]:
     return levels[near].astype(np.int64), few[near, :2]
 
 
-def _moved(grid: Grid, pivot: Array, change: Array) -> Grid:
-    """A grid turned and stretched about a point (x, y) of the cloud, and moved."""
+def _moved(grid: CloudGrid, pivot: Array, change: Array) -> CloudGrid:
+    """Return a grid that is turned and stretched about a point (x, y) of the cloud, and moved."""
     turned = replace(grid, heading=grid.heading + change[0], width=grid.width * (1 + change[1]))
     return replace(turned, origin=turned.rotation @ pivot + change[2:] * grid.width)
 
 
-def _one_level(places: Array, levels: Ints, grid: Grid) -> int:
-    """The number of points at the most frequent level of their cell."""
+def _one_level(places: Array, levels: Ints, grid: CloudGrid) -> int:
+    """Return the number of points at the most frequent level of their cell, by one histogram of (cell, level)."""
     cells = np.floor((places @ grid.rotation.T - grid.origin) / grid.width).astype(np.int64)
     cells -= cells.min(axis=0)
     keys = (cells[:, 0] * (int(cells[:, 1].max()) + 1) + cells[:, 1]) * (_HIGHEST + 1) + levels

@@ -1,6 +1,16 @@
-"""Reads the height of every cell of a grid from a cloud, and how sure it is.
+"""The height of a unit in a cloud, and the level of every cell with its confidence.
 
-The height of one unit, from the heights at which a cloud has its tops.
+Unit: tops at heights h agree on a unit u as far as the mean of cos(2 pi h / u) goes, which is 1 if all heights are
+whole multiples of u and about 0 for others. A half or a third of the unit agrees as well, so the largest that does
+counts.
+
+Cells: the height of a cell is the mean of the points near their median, in the inner 60 % of the cell, where no point
+of a side is. A plane (the ground was off by a little) and the unit are then fitted through all tops. The confidence of
+a level is the probability that a normal error, of the mean of its points and of what all heights have in common, is
+less than half a unit.
+
+Cost: linear in the points, and sorting them by cell. It fails if tops of one level only are seen, for which every
+height is a unit, and if fewer than half of a cell's points are of its top.
 """
 
 from __future__ import annotations
@@ -13,23 +23,30 @@ import numpy as np
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.params.sorts import Cell
-from rsegen.scanning.grid import Grid
+from rsegen.scanning.grid import CloudGrid
 
 _CORE = 0.3
-"""Points up to this share of a width from a cell's middle count: those of its sides are at 0.5."""
+"""Points up to this share of a width from a cell's middle count. Points of sides are at 0.5; the rest is room for a
+grid that is off, and for blocks that stand crooked. With 0.48 some levels of nine fields are wrong, with less there are
+fewer points."""
 
 _FEWEST_POINTS = 5
+"""Points of a height, at the least: the median of five stands two outliers."""
+
 _FEWEST_SHARE = 0.04
-"""Of the points of a usual cell: of fewer, those that belong to its sides may be most."""
+"""Share of the points of a typical cell, at the least: of fewer, most may be of sides or of noise."""
 
 _MOST_CELLS = 4_000_000
+"""Cells of a reading, at the most: 64 MB; a larger grid has been found in something else than blocks."""
+
 _MOST_SHIFT = 0.35
-"""Of a unit: a cell whose height is farther from a level does not decide how the plane lies."""
+"""Share of a unit: a cell whose height is farther from a level does not decide how the plane lies. At half a unit it
+may belong to either level."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Reading:
-    """What a cloud tells of each cell of a rectangle of its grid; all arrays (n_x, n_y).
+    """Heights that a cloud has in the cells of a rectangle of its grid; all arrays (n_x, n_y).
 
     heights: of the tops above the ground [m], nan where too few points are; counts: points that agree on it;
     spread: standard deviation of one point [m]; first: the grid's indices of cell (0, 0).
@@ -42,17 +59,18 @@ class Reading:
 
     @property
     def seen(self) -> Mask:
-        """Which cells have a height."""
+        """Cells that have a height."""
         return np.isfinite(self.heights)
 
     def levels(self, unit: float) -> Ints:
-        """The nearest level of every cell, -1 where it was not seen."""
+        """Return the nearest level of every cell, -1 where it was not seen."""
         return np.where(self.seen, np.maximum(np.rint(np.nan_to_num(self.heights) / unit), 0), -1).astype(np.int64)
 
     def confidence(self, unit: float) -> Array:
-        """The probability that each level is right, 0 where a cell was not seen.
+        """Return the probability that each level is right, 0 where a cell was not seen.
 
-        The error of a height is normal: that of the mean of its points, and what all heights are off their levels.
+        The error of a height is normal; its variance is that of the mean of its points, plus the mean square by which
+        all heights are off their levels.
         """
         off = (self.heights - self.levels(unit) * unit)[self.seen]
         shared = float(np.sqrt(np.mean(np.minimum(np.abs(off), unit / 2) ** 2))) if off.size else unit
@@ -60,12 +78,12 @@ class Reading:
         error = np.maximum(error, 1e-6 * unit)  # of a cloud without errors
         below = np.array([erf(x) for x in (unit / 2 - off) / error / sqrt(2)])
         above = np.array([erf(x) for x in (unit / 2 + off) / error / sqrt(2)])
-        found = np.zeros(self.heights.shape)
-        found[self.seen] = np.clip((below + above) / 2, 0, 1)
-        return found
+        confidence = np.zeros(self.heights.shape)
+        confidence[self.seen] = np.clip((below + above) / 2, 0, 1)
+        return confidence
 
     def part(self, corner: Cell, shape: Cell) -> Reading:
-        """A rectangle of its cells; those outside were not seen."""
+        """Return a rectangle of its cells; cells outside were not seen."""
         heights = np.full(shape, np.nan)
         counts = np.zeros(shape, dtype=np.int64)
         own = tuple(
@@ -79,12 +97,13 @@ class Reading:
         )
 
     def quarter_turned(self, turns: int) -> Reading:
-        """The same turned counterclockwise by quarter turns about its middle; `first` is kept."""
+        """Return the reading turned counterclockwise by quarter turns about its middle; `first` is kept."""
         return replace(self, heights=np.rot90(self.heights, turns), counts=np.rot90(self.counts, turns))
 
 
-def read_cells(points: Array, grid: Grid, unit: float, noise: float) -> Reading:
-    """The heights of all cells of a grid that the points (n, 3) are in; unit and noise in metres."""
+def read_cells(points: Array, grid: CloudGrid, unit: float, noise: float) -> Reading:
+    """Return the heights of all cells of a grid that the points (n, 3) are in; unit and noise in metres."""
+    # The grid ends where 99.6 % of the points do, as a few outliers may be far away.
     across = (points[:, :2] @ grid.rotation.T - grid.origin) / grid.width
     cells = np.floor(across).astype(np.int64)
     low, high = (np.floor(np.quantile(across, q, axis=0)).astype(np.int64) for q in (0.002, 0.998))
@@ -93,6 +112,7 @@ def read_cells(points: Array, grid: Grid, unit: float, noise: float) -> Reading:
         raise ScanError(f"{shape[0]:,} x {shape[1]:,} cells in the cloud; cut everything else out of it")
     core = (np.abs(across - cells - 0.5) < _CORE).all(axis=1) & (cells >= low).all(axis=1) & (cells <= high).all(axis=1)
     keys = (cells[core, 0] - low[0]) * shape[1] + cells[core, 1] - low[1]
+    # Points of a top are within 0.4 units of its median, or, if the noise is large, 2.5 standard deviations (99 %).
     heights, counts, spread = _agreed(keys, points[core, 2], shape[0] * shape[1], max(0.4 * unit, 2.5 * noise))
     return Reading(
         heights=heights.reshape(shape),
@@ -103,7 +123,7 @@ def read_cells(points: Array, grid: Grid, unit: float, noise: float) -> Reading:
 
 
 def _agreed(keys: Ints, heights: Array, cells: int, within: float) -> tuple[Array, Ints, float]:
-    """Per cell the mean of the heights near their median and how many these are, and one height's deviation."""
+    """Return per cell the mean of the heights near their median and their number; and one height's deviation."""
     order = np.lexsort((heights, keys))
     keys, heights = keys[order], heights[order]
     totals = np.bincount(keys, minlength=cells)
@@ -114,30 +134,31 @@ def _agreed(keys: Ints, heights: Array, cells: int, within: float) -> tuple[Arra
     near = np.abs(heights - median[keys]) < within
     counts = np.bincount(keys[near], minlength=cells)
     sums = np.bincount(keys[near], weights=heights[near], minlength=cells)
-    usual = counts[totals > _FEWEST_POINTS]
-    fewest = max(_FEWEST_POINTS, _FEWEST_SHARE * float(np.median(usual))) if len(usual) else _FEWEST_POINTS
-    seen = (counts >= fewest) & (counts >= totals / 2)
+    typical = counts[totals > _FEWEST_POINTS]
+    fewest = max(_FEWEST_POINTS, _FEWEST_SHARE * float(np.median(typical))) if len(typical) else _FEWEST_POINTS
+    seen = (counts >= fewest) & (counts >= totals / 2)  # if fewer than half agree, the cell has two heights
     means = np.where(seen, sums / np.maximum(counts, 1), np.nan)
     off = (heights - means[keys])[near & seen[keys]]
-    spread = 1.4826 * float(np.median(np.abs(off))) if off.size else 0.0
+    spread = 1.4826 * float(np.median(np.abs(off))) if off.size else 0.0  # robust standard deviation, as in ground.py
     return means, counts, spread
 
 
 def levelled(reading: Reading, unit: float) -> tuple[Reading, float]:
-    """The reading with the ground fitted anew through all tops, and the unit that fits them best [m].
+    """Return the reading with the ground fitted anew through all tops, and the unit that fits them best [m].
 
     Heights are `level unit + a + b x + c y`, by least squares over all cells that were seen.
     """
-    for _ in range(3):
+    for _ in range(3):  # a better plane may change the levels of a few cells; three times is enough for a small tilt
         levels = reading.levels(unit)
         off = reading.heights - levels * unit
         used = reading.seen & (np.abs(np.nan_to_num(off, nan=np.inf)) < _MOST_SHIFT * unit)
-        if used.sum() < 8:
+        if used.sum() < 8:  # twice the four numbers that are fitted
             return reading, unit
         i, j = np.nonzero(used)
         columns = [np.ones(len(i)), i - i.mean(), j - j.mean()]
         if len(np.unique(levels[used])) > 1:
             columns.append(levels[used].astype(float))
+        # A mean of n points has the weight sqrt(n); beyond 50 the common error of all heights is the larger part.
         weights = np.sqrt(np.minimum(reading.counts[used], 50))
         solved = np.linalg.lstsq(np.stack(columns, axis=1) * weights[:, None], off[used] * weights, rcond=None)[0]
         x, y = np.indices(off.shape)
@@ -148,19 +169,29 @@ def levelled(reading: Reading, unit: float) -> tuple[Reading, float]:
 
 
 _MOST_LEVELS = 12
+"""Levels that a field may have if its unit is not known: units down to a twelfth of the highest top are tried. Small
+units agree with anything that is noisy."""
+
 _NEARLY_BEST = 0.85
+"""Share of the best agreement that a larger unit needs to be taken: half the unit agrees as well as the unit itself,
+and a little better by chance."""
+
 _CLEAR = 0.25
-"""How well heights have to agree on a unit, from 0 for heights at random to 1."""
+"""Agreement of heights on a unit, at the least: from 0 for heights at random to 1. Noise of a quarter of a unit, which
+mixes the levels, leaves exp(-(2 pi / 4)^2 / 2) = 0.29."""
 
 _WRONG = 0.4
+"""Share of the best agreement below which a given unit is not that of the cloud."""
 
 
 def find_unit(heights: Array, noise: float, given: float | None = None) -> float:
-    """The height of a unit in a cloud [m]: the largest of which the heights above the ground are whole multiples.
+    """Return the height of a unit in a cloud [m]: the largest of which heights above the ground are whole multiples.
 
     heights: of points or pixels above the ground [m]; given: what the unit should be, which is then found within a few
-    per cent. A ScanError if the cloud has no such unit, or another one than the one that is given.
+    per cent. Raises a ScanError if the cloud has no such unit, or another one than the one that is given.
     """
+    # Units are tried from twice the noise, 3 mm or a twelfth of the highest top (its 98 % quantile) up to that top; of
+    # the last run of units that agree nearly as well as the best one, its own best is the largest unit.
     values, weights = _raised(heights, noise, given)
     highest = float(values[np.cumsum(weights) >= 0.98 * weights.sum()][0])
     candidates = np.geomspace(max(2 * noise, highest / _MOST_LEVELS, 0.003), highest * 1.06, 1500)
@@ -169,24 +200,26 @@ def find_unit(heights: Array, noise: float, given: float | None = None) -> float
     last = int(np.flatnonzero(agreement >= _NEARLY_BEST * best)[-1])
     run = int(np.argmax(np.append(agreement[last::-1] < _NEARLY_BEST * best, True)))  # of candidates nearly as good
     first = last - run + 1
-    found = float(candidates[first + int(agreement[first : last + 1].argmax())])
+    unit = float(candidates[first + int(agreement[first : last + 1].argmax())])
     if given is None:
         if best < _CLEAR:
             raise ScanError("the heights above the ground are no whole multiples of a unit; give unit_cm if they are")
-        return found
-    own = given * np.linspace(0.95, 1.05, 41)
+        return unit
+    own = given * np.linspace(0.95, 1.05, 41)  # blocks may be 5 % higher or lower than they should
     agrees = _agreement(values, weights, own)
     if best >= _CLEAR and agrees.max() < _WRONG * best:
         raise ScanError(
-            f"blocks rise by {found * 100:.3g} cm in the cloud, not {given * 100:g} cm; give another unit_cm or values"
+            f"blocks rise by {unit * 100:.3g} cm in the cloud, not {given * 100:g} cm; give another unit_cm or values"
         )
     return float(own[int(agrees.argmax())]) if agrees.max() >= _CLEAR else given
 
 
 def _raised(heights: Array, noise: float, given: float | None) -> tuple[Array, Array]:
-    """Heights above the ground and their weights: of a histogram, so that one large plateau does not outweigh all."""
+    """Return heights above the ground and their weights: roots of a histogram's counts, so that no plateau outweighs
+    all.
+    """
     above = heights[heights > (given / 2 if given else max(2 * noise, 0.005))]
-    if len(above) < 20:
+    if len(above) < 20:  # single outliers
         raise ScanError("nothing is above the ground plane; is there a field in the cloud, and is it not upside down?")
     top = float(np.quantile(above, 0.995))
     counts, edges = np.histogram(above, bins=400, range=(0, top * 1.02))
@@ -195,6 +228,6 @@ def _raised(heights: Array, noise: float, given: float | None) -> tuple[Array, A
 
 
 def _agreement(values: Array, weights: Array, units: Array) -> Array:
-    """For each unit: the mean of cos(2 pi h / unit), 1 if all heights are whole multiples of it."""
+    """Return the mean of cos(2 pi h / unit) for each unit: 1 if all heights are whole multiples of it."""
     waves = np.cos(2 * np.pi * values[None] / units[:, None])
     return np.asarray(waves @ weights / weights.sum())

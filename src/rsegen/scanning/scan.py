@@ -1,6 +1,7 @@
-"""What is known of a field before it is looked for in a cloud, and what was found.
+"""The input and the result of a scan: what is known of a field before, what was found, and the transform between.
 
-From the frame of a cloud to that of the map that was found in it.
+A transform is `rotation @ point + translation`, from the frame of the cloud to that of the map: upright, along the grid
+of blocks, the origin at the centre of the field, z = 0 on the ground.
 """
 
 from __future__ import annotations
@@ -12,17 +13,17 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.sorts import Cell
-from rsegen.scanning.grid import Grid
+from rsegen.scanning.grid import CloudGrid
 from rsegen.scanning.ground import GroundFrame
 from rsegen.scanning.levels import Reading
 
 SURE = 0.95
-"""Levels of a lower confidence are named to the user."""
+"""Levels of a lower confidence are listed: one in twenty of them may be wrong, the usual 95 % of statistics."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ScanSettings:
-    """What is known of a field before it is looked for; None is found from the cloud.
+    """Properties of a field that are known before the scan; None is found from the cloud.
 
     block_width, unit: metres; blocks: along x and y, without frames; boundary: as in recipes; chunk_size: side of a
     chunk in blocks; up: a direction that is nearly up; eye: the place of the camera [m]; base: thickness of a board
@@ -41,7 +42,7 @@ class ScanSettings:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Scan:
-    """The field that stands in a cloud. Arrays (n_x, n_y) have all its cells, frames counted.
+    """The field that was found in a cloud. Arrays (n_x, n_y) have all its cells, frames counted.
 
     levels: -1 where a cell was not seen, 0 in frames; heights: of the tops as measured [m], nan where not seen;
     confidence: the probability that a level is right, 0 where not seen; counts: points of each cell's top.
@@ -68,12 +69,12 @@ class Scan:
 
     @property
     def seen(self) -> Mask:
-        """Which cells were seen."""
+        """Cells that were seen."""
         return np.isfinite(self.heights)
 
     @property
     def errors(self) -> Array:
-        """By how much each top is above its level [m], nan where a cell was not seen."""
+        """Height of each top above its level [m], nan where a cell was not seen."""
         expected = np.where(self.frame, self.frame_height, np.maximum(self.levels, 0) * self.measured_unit)
         return np.asarray(self.heights - expected)
 
@@ -94,7 +95,7 @@ class Scan:
         )
 
     def placed(self, points: Array) -> Array:
-        """Points (n, 3) of the cloud in the map's frame [m]: the field is centred, z is the height above the ground."""
+        """Return points (n, 3) of the cloud in the map's frame [m]: about the field's centre, z above the ground."""
         return np.asarray(points @ self.rotation.T + self.translation)
 
 
@@ -111,8 +112,8 @@ class Transform:
     width: float
 
     @classmethod
-    def of(cls, ground: GroundFrame, grid: Grid, reading: Reading, base: float) -> Transform:
-        """Into the frame of a reading, whose cell (0, 0) has its corner at the origin; base: height of level 0 [m]."""
+    def of(cls, ground: GroundFrame, grid: CloudGrid, reading: Reading, base: float) -> Transform:
+        """Return the transform into the frame of a reading, cell (0, 0) at the origin; base: height of level 0 [m]."""
         about_z = np.eye(3)
         about_z[:2, :2] = grid.rotation
         corner = grid.origin + np.array(reading.first) * grid.width
@@ -125,11 +126,11 @@ class Transform:
         )
 
     def after(self, middle: Array) -> Transform:
-        """The same for points from which a middle (3,) was not yet subtracted."""
+        """Return the transform for points from which a middle (3,) was not yet subtracted."""
         return replace(self, translation=self.translation - self.rotation @ middle)
 
     def quarter_turned(self, turns: int) -> Transform:
-        """The same with the cells turned counterclockwise about their middle, which gets its corner at the origin."""
+        """Return the transform with the cells turned counterclockwise, the corner of the turned cells at the origin."""
         n_x, n_y = self.cells
         cells = (n_x, n_y) if turns % 2 == 0 else (n_y, n_x)
         c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[turns % 4]
@@ -143,6 +144,6 @@ class Transform:
         )
 
     def moved(self, corner: Cell, shape: Cell) -> Transform:
-        """Into the frame of a rectangle of the cells: its middle is the origin."""
+        """Return the transform into the frame of a rectangle of the cells, whose middle is the origin."""
         shift = [(at + cells / 2) * self.width for at, cells in zip(corner, shape, strict=True)]
         return replace(self, translation=self.translation - np.array([*shift, 0]), cells=shape)

@@ -10,13 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, shown
-from rsegen.params.sorts import Float
 from rsegen.simulation.simulators import Installation, LaunchCommand, OpenRequest
 from rsegen.simulation.simulators.process import ErrorRelay
 from rsegen.simulation.simulators.server import choose_installation, has_screen, run_until_end
-from rsegen.simulation.worlds import Target, world_of
-
-SECONDS = Float(0, 1e9, unit="s")
+from rsegen.simulation.worlds import World
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -40,27 +37,18 @@ class OpenResult:
     errors: tuple[str, ...]
 
 
-def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
-    target: Target,
+def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
+    world: World,
+    simulator: str | None,
     *,
-    map: int | str | None = None,  # noqa: A002  # the flag's name
-    simulator: str | None = None,
-    headless: bool = False,
-    seconds: float | None = None,
-    shared: bool = False,
-    on_start: Callable[[OpenedWorld], None] = lambda _: None,
-    on_error: Callable[[str], None] = lambda _: None,
+    headless: bool,
+    seconds: float | None,
+    shared: bool,
+    on_start: Callable[[OpenedWorld], None],
+    on_error: Callable[[str], None],
 ) -> OpenResult:
-    """Open a world in the newest Gazebo that is installed and can, and wait until it ends; Ctrl-C ends it too.
-
-    headless: the server alone, without a window; seconds: end after this many seconds of wall time; shared: at the
-    default address, where other programs look, instead of one of its own. `on_start` is called once before the
-    simulator runs, `on_error` with each of its error lines: of lines that differ in numbers alone with the first at
-    once, and in the end with their count. SimulatorFailed if the world is not loaded, or if a headless server ends by
-    itself or prints errors.
-    """
-    limit = math.inf if seconds is None else SECONDS.check("seconds", seconds)
-    world = world_of(target, map)
+    """Open a world in a simulator, and wait until it ends or the seconds are over; see `rsegen.open`."""
+    limit = math.inf if seconds is None else seconds
     here = choose_installation(world.made_for, simulator)
     if not (headless or has_screen()):
         where = "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)"
@@ -72,19 +60,11 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
         return _run(here, launch, opened, limit, on_error, headless=headless)
 
 
-def launch_command(
-    target: Target,
-    *,
-    map: int | str | None = None,  # noqa: A002  # the flag's name
-    simulator: str | None = None,
-    headless: bool = False,
-    shared: bool = False,
-) -> LaunchCommand:
-    """The command that `open` runs for a world that is on disk already."""
-    world = world_of(target, map)
+def launch_command(world: World, target: str, simulator: str | None, *, headless: bool, shared: bool) -> LaunchCommand:
+    """Return the command that opens a world which is on disk already; `target` names it in the error if it is not."""
     here = choose_installation(world.made_for, simulator)
     if not world.file:
-        raise ParameterError("print", f"{shown(str(target))} has no world yet; make one with rsegen generate")
+        raise ParameterError("print", f"{shown(target)} has no world yet; make one with rsegen generate")
     return _launch(here, OpenRequest(world=world.file, shared=shared), headless=headless)
 
 

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Placement, Random, Recipe, StepField
+from rsegen import Random, Recipe, StepField
 from rsegen.exporters.browser.page import ShownMap, page
 from rsegen.exporters.levels import fingerprint
 from rsegen.recipe.examples import EXAMPLES
@@ -20,7 +20,7 @@ from tests.exporters.browser.pages import Tags, addresses, cells_of, heights_of,
 from tests.support.strategies import fields, recipes
 
 HOSTILE = "</script><script>window.hurt = 1</script><img src=x onerror='hurt=1'><!--&amp;{{data}}\u2028 $&"
-ROUGH = Recipe(seed=3, obstacles=[Placement(obstacle=Random(max_height=5))])
+ROUGH = Recipe(seed=3, obstacles=[Random(levels=5)])
 
 
 @given(fields())

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from rsegen import Matrix, Placement, Random, Recipe, Scene, compose
+from rsegen import Matrix, Random, Recipe, Scene, compose
 from rsegen.exporters.formats import Format
 
-RANDOM = Placement(obstacle=Random(max_height=5))
-TOUCHING = Placement(obstacle=Matrix.of(np.array([[3, 0, 2], [0, 1, 0]])))
+RANDOM = Random(levels=5)
+TOUCHING = Matrix.of(np.array([[3, 0, 2], [0, 1, 0]]))
 
 RECIPES: Mapping[str, Recipe] = {
     "no frames, blocks of 8.5 cm": Recipe(
@@ -24,9 +24,7 @@ RECIPES: Mapping[str, Recipe] = {
     "blocks that touch along an edge": Recipe(
         seed=7, chunks=(2, 3), chunk_size=1, boundary="none", obstacles=(TOUCHING,)
     ),
-    "one block": Recipe(
-        seed=8, chunk_size=1, boundary="none", obstacles=(Placement(obstacle=Matrix.of(np.array([[1]]))),)
-    ),
+    "one block": Recipe(seed=8, chunk_size=1, boundary="none", obstacles=(Matrix.of(np.array([[1]])),)),
     "frames alone": Recipe(seed=9, chunks=(2, 1), chunk_size=2),
     "nothing": Recipe(seed=10, chunk_size=2, boundary="none"),
 }

@@ -13,13 +13,13 @@ import pytest
 import yaml
 from PIL import Image
 
-from rsegen import Matrix, Placement, Recipe, Scene, build, compose, imported, load
+from rsegen import Matrix, Recipe, Scene, build, compose, imported, load
 from rsegen.cli import main
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats import Format
 from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
-from rsegen.io.importers.image import Occupancy as ReadOccupancy
+from rsegen.io.importers.image import OccupancyImage
 from tests.exporters.formats.maps import SCENES, made
 
 SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))
@@ -29,7 +29,7 @@ PIXELS = pytest.mark.parametrize("pixels", [1, 3])
 def of_levels(levels: list[list[int]], **recipe: float) -> Scene:
     matrix = Matrix.of(np.array(levels))
     size = {"chunk_size": 1, "chunks": matrix.size, "boundary": "none"}
-    return compose(replace(Recipe(seed=1, **size, obstacles=(Placement(obstacle=matrix),)), **recipe))  # type: ignore[arg-type]
+    return compose(replace(Recipe(seed=1, **size, obstacles=(matrix,)), **recipe))  # type: ignore[arg-type]
 
 
 def put(kind: Format, scene: Scene, folder: Path) -> None:
@@ -95,7 +95,7 @@ def test_frames_too_high_for_16_bits_are_refused() -> None:
 def test_cells_above_the_climb_are_occupied_at_their_place(scene: Scene, pixels: int, tmp_path: Path) -> None:
     put(Occupancy(pixels=pixels), scene, tmp_path)
     field, said = scene.field, yaml.safe_load((tmp_path / "map.yaml").read_text("utf-8"))
-    recipe = imported(tmp_path / said["image"].replace("pgm", "yaml"), ReadOccupancy())
+    recipe = imported(tmp_path / said["image"].replace("pgm", "yaml"), OccupancyImage())
     walls = build(recipe).levels > 0
     expected = (field.heights > field.unit).repeat(pixels, axis=0).repeat(pixels, axis=1)
     np.testing.assert_array_equal(walls, expected)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rsegen import Matrix, Placement, Recipe, Scene, StepField, compose
+from rsegen import Matrix, Recipe, Scene, StepField, compose
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.mjcf import Mjcf
 from tests.exporters.formats.maps import RECIPES, SCENES, made
@@ -21,9 +21,7 @@ mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 SHAPES = ["boxes", "hfield", "mesh"]
 SHAPE = pytest.mark.parametrize("shape", SHAPES)
 SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))
-NEAR_FLAT = Recipe(
-    seed=11, chunk_size=2, boundary="none", obstacles=(Placement(obstacle=Matrix.of(np.array([[3, 3], [3, 3]]))),)
-)
+NEAR_FLAT = Recipe(seed=11, chunk_size=2, boundary="none", obstacles=(Matrix.of(np.array([[3, 3], [3, 3]])),))
 
 SLIPPERY, *_, SLIPPERY_HIGH = map(compose, slippery())
 

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.io import loadmat
 
-from rsegen import DiagonalBarrier, HorizontalBarrier, Peak, Placement, Random, Recipe, Scene, StepField, build, compose
+from rsegen import DiagonalBarrier, HorizontalBarrier, Peak, Random, Recipe, Scene, StepField, build, compose
 from rsegen.exporters.formats.posture import COLUMNS, Posture, edges, peaks_and_pits
 from rsegen.recipe.codec import decode
 from tests.exporters.formats.maps import SCENES, made
@@ -26,10 +26,10 @@ COURSE = compose(
         seed=2,
         chunks=(2, 1),
         obstacles=(
-            Placement(obstacle=Random(max_height=2)),
-            Placement(obstacle=HorizontalBarrier(max_height=5), first=(3, 0), last=(3, 9)),
-            Placement(obstacle=DiagonalBarrier(max_height=4), first=(10, 0), last=(19, 9)),
-            Placement(obstacle=Peak(max_height=5), first=(5, 5), last=(7, 7)),
+            Random(levels=2),
+            HorizontalBarrier(levels=5, first=(3, 0), last=(3, 9)),
+            DiagonalBarrier(levels=4, first=(10, 0), last=(19, 9)),
+            Peak(levels=5, first=(5, 5), last=(7, 7)),
         ),
     )
 )

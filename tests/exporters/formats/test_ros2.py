@@ -21,7 +21,7 @@ from rsegen import Recipe, Scene, compose
 from rsegen.exporters.formats.ros2 import Ros2, package_name
 from rsegen.exporters.gazebo import single
 from rsegen.io.importers import imported
-from rsegen.io.importers.image import Occupancy as ReadOccupancy
+from rsegen.io.importers.image import OccupancyImage
 from tests.exporters.formats.maps import RECIPES, SCENES
 from tests.exporters.formats.maps import made as made_files
 from tests.simulation.real.conftest import missing
@@ -164,7 +164,7 @@ def test_the_occupancy_grid_has_free_ground_around_the_map_and_the_start_pose_on
     scene: Scene, tmp_path: Path
 ) -> None:
     folder = written(scene, tmp_path) / "maps" / scene.name
-    grid, field = imported(folder / "map.yaml", ReadOccupancy()), scene.field
+    grid, field = imported(folder / "map.yaml", OccupancyImage()), scene.field
     levels = rsegen.build(grid).levels
     margin = round(2 / field.block_width + 0.499)
     inside = levels[margin:-margin, margin:-margin]

@@ -13,7 +13,7 @@ import pytest
 import trimesh
 from hypothesis import given
 
-from rsegen import Placement, Random, Recipe, compose
+from rsegen import Random, Recipe, compose
 from rsegen.exporters.gazebo import MESH_TYPES, export, obj
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
@@ -48,7 +48,7 @@ def test_same_recipe_same_bytes(recipe: Recipe) -> None:
 def test_a_mesh_has_the_same_bytes_however_many_lines_are_made_at_once(
     monkeypatch: pytest.MonkeyPatch, mesh: str
 ) -> None:
-    scene = compose(Recipe(seed=7, mesh=mesh, obstacles=(Placement(obstacle=Random(max_height=4)),)))
+    scene = compose(Recipe(seed=7, mesh=mesh, obstacles=(Random(levels=4),)))
     whole = files_of(scene)
     assert whole["meshes/rse_0000.obj"].count(b"\ng ") == 4
     for lines in (1, 7, 100):
@@ -142,7 +142,7 @@ def test_multi_has_a_static_box_for_each_cell_above_the_ground(recipe: Recipe) -
 
 
 def test_multi_names_blocks_by_cell_with_frames_left_out() -> None:
-    rows = [{"kind": "random", "max_height": 2, "weights": [0, 1]}]
+    rows = [{"kind": "random", "levels": 2, "weights": [0, 1]}]
     scene = compose(decode({"chunk_size": 2, "chunks": 2, "mesh_type": "multi", "obstacles": rows}))
     poses = {model.get("name"): text_of(model, "pose") for model in world_of(scene).findall("model")[1:]}
     assert sum(name.startswith("block_") for name in poses if name) == 16
@@ -167,7 +167,7 @@ def test_pallets_hold_all_blocks_at_their_place(recipe: Recipe) -> None:
 
 @pytest.mark.parametrize("mesh_type", MESH_TYPES)
 def test_worlds_need_nothing_from_elsewhere(mesh_type: str) -> None:
-    scene = compose(decode({"mesh_type": mesh_type, "obstacles": [{"kind": "random", "max_height": 5}]}))
+    scene = compose(decode({"mesh_type": mesh_type, "obstacles": [{"kind": "random", "levels": 5}]}))
     files = files_of(scene)
     world = world_of(scene)
     assert not world.findall("include")
@@ -179,9 +179,7 @@ def test_worlds_need_nothing_from_elsewhere(mesh_type: str) -> None:
 
 @pytest.mark.parametrize("mesh_type", MESH_TYPES)
 def test_every_collision_has_the_friction_of_the_recipe_and_soft_contact(mesh_type: str) -> None:
-    scene = compose(
-        decode({"mesh_type": mesh_type, "friction": 0.65, "obstacles": [{"kind": "random", "max_height": 5}]})
-    )
+    scene = compose(decode({"mesh_type": mesh_type, "friction": 0.65, "obstacles": [{"kind": "random", "levels": 5}]}))
     for model in world_of(scene).findall("model"):
         for collision in model.iter("collision"):
             friction = [text_of(collision, f"surface/friction/ode/{name}") for name in ("mu", "mu2")]

@@ -41,7 +41,7 @@ BOXES: tuple[Shape, ...] = (
     {"mesh_type": "multi"},
 )
 COEFFICIENTS = st.sampled_from([0.05, 0.3, 1.0])
-LEVELS = {"kind": "matrix", "max_height": 4, "rows": ["1 2 0", "3 1 2"]}
+LEVELS = {"kind": "matrix", "levels": 4, "rows": ["1 2 0", "3 1 2"]}
 SMALL = {"chunk_size": 3, "chunks": 1, "seed": 1, "obstacles": [LEVELS]}
 
 Face = tuple[tuple[float, ...], ...]
@@ -219,7 +219,7 @@ def test_a_friction_that_cannot_be_is_one_line(
 
 def test_a_map_of_a_data_set_has_the_frictions_of_its_recipe(tmp_path: Path) -> None:
     flags = ["--level-friction", "0.9,0.1", "--frame-friction", "0.2", "--seed", "1", "--chunk-size", "4"]
-    obstacle = ["--obstacle", "random max_height=3"]
+    obstacle = ["--obstacle", "random levels=3"]
     assert main(["dataset", *obstacle, *flags, "--maps", "5", "-o", str(tmp_path / "set")]) == 0
     assert main(["generate", f"{tmp_path / 'set'}#3", "-o", str(tmp_path / "worlds")]) == 0
     assert main(["generate", *obstacle, *flags, "--first-map", "3", "-o", str(tmp_path / "plain")]) == 0

@@ -21,7 +21,7 @@ from rsegen.recipe.codec import decode
 
 MESHES = parameters(Recipe)["mesh"].schema()["enum"]
 COLLISIONS = parameters(Recipe)["collision"].schema()["enum"]
-ROWS = [{"kind": "random", "max_height": 4}]
+ROWS = [{"kind": "random", "levels": 4}]
 
 
 def scene_of(**entries: object) -> Scene:
@@ -91,7 +91,7 @@ def test_tiles_have_every_face_of_the_map_once() -> None:
 
 
 def test_a_tile_without_blocks_has_no_file() -> None:
-    rows = [{"kind": "random", "max_height": 2, "weights": [0, 1], "first": [0, 0], "last": [2, 2]}]
+    rows = [{"kind": "random", "levels": 2, "weights": [0, 1], "first": [0, 0], "last": [2, 2]}]
     scene = compose(decode({"boundary": "none", "tile": 5, "obstacles": rows}))
     assert [path for path in files_of(scene) if path.endswith(".obj")] == [f"meshes/{scene.name}_0_0.obj"]
 

@@ -13,7 +13,7 @@ from rsegen.io.input_files import JOURNAL
 from rsegen.recipe.examples import EXAMPLES
 
 PALLET = EXAMPLES["red-diagonal-pallet"]
-RANDOM = ["--obstacle", "random max_height=5", "--chunk-size", "4", "--seed", "7"]
+RANDOM = ["--obstacle", "random levels=5", "--chunk-size", "4", "--seed", "7"]
 
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:

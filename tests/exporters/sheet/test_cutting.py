@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from rsegen import CutSettings, Recipe
 from rsegen.errors import ParameterError
-from rsegen.exporters.sheet.timber import CuttingPlan, frames, nanometres, plan_cuts
+from rsegen.exporters.cut_settings import nanometres
+from rsegen.exporters.sheet.timber import CuttingPlan, frames, plan_cuts
 
 CM = nanometres(1)
 SAWS = st.builds(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from rsegen import CutSettings, Placement, Random, Recipe, build, compose, imported, load, sheet
+from rsegen import CutSettings, Random, Recipe, build, compose, imported, load, sheet
 from rsegen.cli import main
 from rsegen.errors import FileError, ParameterError
 from rsegen.exporters.levels import fingerprint
@@ -19,7 +19,7 @@ from rsegen.io.importers.table import Table
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.strategies import recipes
 
-BLOCKS = (Placement(obstacle=Random(max_height=5)),)
+BLOCKS = (Random(levels=5),)
 RECIPE = Recipe(seed=7, chunk_size=2, chunks=(2, 1), obstacles=BLOCKS)
 
 

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 
 from rsegen import Recipe, compose
-from rsegen.exporters.sheet.timber import building_order, length_counts, name, nanometres, placing_order
+from rsegen.exporters.cut_settings import nanometres
+from rsegen.exporters.sheet.timber import building_order, length_counts, name, placing_order
 from tests.support.strategies import recipes
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from pypdf import PageObject, PdfReader
 
-from rsegen import CutSettings, Placement, Random, Recipe, Scene, __version__, compose, load, sheet
+from rsegen import CutSettings, Random, Recipe, Scene, __version__, compose, load, sheet
 from rsegen.errors import ParameterError
 from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.sheet import page_count
@@ -24,7 +24,7 @@ from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.long import long_unless
 
-BLOCKS = (Placement(obstacle=Random(max_height=5)),)
+BLOCKS = (Random(levels=5),)
 POINTS_A_MM = 72 / 25.4
 
 
@@ -71,7 +71,7 @@ def cells(page: PageObject, shape: tuple[int, int], top: float = 40, side: float
 
 def inside(grid: list[list[str]], scene: Scene, number: int) -> list[list[str]]:
     """What stands in the cells that are no frame."""
-    field = building_order(scene)[number].pallet.field
+    field = building_order(scene)[number].chunk.field
     rows = [row for row, kept in zip(grid, field.inside(1)[::-1], strict=True) if kept]
     return [[text for text, kept in zip(row, field.inside(0), strict=True) if kept] for row in rows]
 
@@ -106,7 +106,7 @@ def test_every_cell_of_a_pallet_has_its_height_on_its_page(name: str) -> None:
     recipe = RECIPES[name]
     scene, pages = compose(recipe), read(recipe).pages
     for number, each in enumerate(building_order(scene)):
-        grid = inside(cells(pages[number + 1], each.pallet.field.shape)["large"], scene, number)
+        grid = inside(cells(pages[number + 1], each.chunk.field.shape)["large"], scene, number)
         heights = [[float(text) for text in row] for row in grid]
         assert heights == [[level * recipe.unit_cm for level in row] for row in as_read(each.levels)]
 
@@ -115,7 +115,7 @@ def test_every_cell_of_a_pallet_has_its_height_on_its_page(name: str) -> None:
 def test_blocks_of_small_pallets_have_their_order(name: str) -> None:
     scene, pages = compose(RECIPES[name]), read(RECIPES[name]).pages
     for number, each in enumerate(building_order(scene)):
-        grid = inside(cells(pages[number + 1], each.pallet.field.shape)["small"], scene, number)
+        grid = inside(cells(pages[number + 1], each.chunk.field.shape)["small"], scene, number)
         assert [[int(text or 0) for text in row] for row in grid] == as_read(placing_order(each.levels))
         assert "Small numbers are the order of placing" in words(pages[number + 1])
 
@@ -133,7 +133,7 @@ def test_cells_too_small_for_heights_have_levels_and_it_is_said() -> None:
 def test_cut_lists_are_the_blocks_of_the_map_and_of_each_pallet(name: str) -> None:
     recipe = RECIPES[name]
     scene, pages = compose(recipe), read(recipe).pages
-    fields = [scene.field, *(each.pallet.field for each in building_order(scene))]
+    fields = [scene.field, *(each.chunk.field for each in building_order(scene))]
     for field, page in zip(fields, pages[:-2], strict=True):
         counts = {level: count for level, count in field.level_counts().items() if level}
         for level, count in counts.items():
@@ -199,7 +199,7 @@ def test_every_pallet_has_its_fingerprint_on_its_page() -> None:
 
 
 def test_a_long_name_and_a_long_way_to_cut_stay_on_the_page() -> None:
-    recipe = Recipe(seed=3, name="n" * 64, unit_cm=0.125, obstacles=(Placement(obstacle=Random(max_height=12)),))
+    recipe = Recipe(seed=3, name="n" * 64, unit_cm=0.125, obstacles=(Random(levels=12),))
     first = read(recipe).pages[0]
     counts = {level: count for level, count in compose(recipe).field.level_counts().items() if level}
     parts = " + ".join(f"{count} x {level / 8:g}" for level, count in reversed(counts.items()))
@@ -229,12 +229,12 @@ def test_the_first_page_says_which_blocks_each_pallet_needs_where_there_is_room(
     recipe = load(EXAMPLES["five-pallet-dash"])
     first = words(read(recipe).pages[0])
     for each in building_order(compose(recipe)):
-        counts = each.pallet.field.level_counts()
+        counts = each.chunk.field.level_counts()
         assert f"{each.number} {each.name} {' '.join(str(counts.get(level, 0)) for level in range(1, 5))}" in first
 
 
 def test_many_lengths_are_listed_in_narrow_columns_and_what_is_left_out_is_counted() -> None:
-    recipe = Recipe(seed=2, chunk_size=20, unit_cm=1, obstacles=(Placement(obstacle=Random(max_height=31)),))
+    recipe = Recipe(seed=2, chunk_size=20, unit_cm=1, obstacles=(Random(levels=31),))
     counts = compose(recipe).field.level_counts()
     first, second, *_ = map(words, read(recipe).pages)
     for level in range(1, 31):
@@ -286,7 +286,7 @@ def test_pallets_of_other_shapes_read_north_up() -> None:
         scene = replace(scene, field=replace(scene.field, levels=levels))
         last = building_order(scene)[0] if size == (1, 2) else building_order(scene)[1]
         page = PdfReader(io.BytesIO(sheet(scene))).pages[last.number]
-        grid = inside(cells(page, last.pallet.field.shape)["large"], scene, last.number - 1)
+        grid = inside(cells(page, last.chunk.field.shape)["large"], scene, last.number - 1)
         assert grid == [["0", "0", "40"], ["0"] * 3, ["0"] * 3]
 
 

@@ -31,7 +31,7 @@ def test_many_maps_have_the_metrics_of_each(recipe: Recipe, first: int, frame: f
 
 
 def test_large_maps_open_at_the_same_step_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    recipe = Recipe(seed=7, chunks=(1, 2), obstacles=[rsegen.Placement(obstacle=rsegen.Random(max_height=5))])
+    recipe = Recipe(seed=7, chunks=(1, 2), obstacles=[rsegen.Random(levels=5)])
     levels, like = np.array([blocks(recipe, index) for index in range(20)]), rsegen.build(recipe)
     at_once = batch_metrics(levels, like)
     monkeypatch.setattr(batch, "LARGE", 0)

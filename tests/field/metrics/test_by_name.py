@@ -32,7 +32,7 @@ def test_every_name_is_that_of_the_table(field: StepField) -> None:
 
 
 def test_an_opening_has_the_width_of_the_robot() -> None:
-    recipe = rsegen.Recipe(seed=3, boundary="none", obstacles=[rsegen.Placement(obstacle=rsegen.Random(max_height=9))])
+    recipe = rsegen.Recipe(seed=3, boundary="none", obstacles=[rsegen.Random(levels=9)])
     field = rsegen.build(recipe)
     wide = metric_by("opening.west_east", RobotLimits(climb_cm=1, width_cm=30))(field)
     assert wide == rsegen.metrics(field, RobotLimits(climb_cm=1, width_cm=30)).opening.west_east

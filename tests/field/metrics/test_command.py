@@ -26,7 +26,7 @@ TEN = ["--climb-cm", "10"]
 @pytest.fixture
 def maps(tmp_path: Path) -> Path:
     """A folder of three maps."""
-    flags = ["--maps", "3", "--seed", "7", "--obstacle", "random max_height=3"]
+    flags = ["--maps", "3", "--seed", "7", "--obstacle", "random levels=3"]
     assert main(["generate", *flags, "-o", str(tmp_path / "maps")]) == 0
     return tmp_path / "maps"
 
@@ -51,7 +51,7 @@ def test_a_page_tells_of_the_pallet_in_centimetres(capsys: pytest.CaptureFixture
 
 def test_a_page_stays_short_whatever_steps_there_are(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / "many.yaml"
-    path.write_text("unit_cm: 0.1\nseed: 1\nobstacles:\n  - {kind: random, max_height: 500}\n")
+    path.write_text("unit_cm: 0.1\nseed: 1\nobstacles:\n  - {kind: random, levels: 500}\n")
     page = printed(capsys, path)
     assert "sizes, which --json lists" in page
     assert len(page.splitlines()) < 12
@@ -78,7 +78,7 @@ def test_one_of_many_is_a_page(capsys: pytest.CaptureFixture[str], maps: Path) -
 
 def test_a_recipe_and_its_maps_have_the_same_metrics(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
     recipe = maps.parent / "three.yaml"
-    recipe.write_text("maps: 3\nseed: 7\nobstacles:\n  - {kind: random, max_height: 3}\n")
+    recipe.write_text("maps: 3\nseed: 7\nobstacles:\n  - {kind: random, levels: 3}\n")
     assert printed(capsys, recipe, "--csv", *TEN) == printed(capsys, maps, "--csv", *TEN)
 
 

@@ -72,7 +72,7 @@ def test_of_equally_cheap_ways_the_shortest_is_taken(found: StepField, climber: 
 
 def test_a_mirrored_field_has_the_same_length() -> None:
     limits = RobotLimits(climb_cm=40)
-    recipe = rsegen.Recipe(seed=1, obstacles=[rsegen.Placement(obstacle=rsegen.Random(max_height=5))])
+    recipe = rsegen.Recipe(seed=1, obstacles=[rsegen.Random(levels=5)])
     detours = 0
     for index in range(30):
         made = rsegen.build(recipe, index)

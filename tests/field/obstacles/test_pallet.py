@@ -16,13 +16,13 @@ PATTERN = pytest.mark.parametrize("pattern", ["flat", "hill", "diagonal"])
 
 
 def made(chunks: tuple[int, int] = (1, 1), side: int = 10, height: int = 5, **values: object) -> rsegen.Recipe:
-    obstacle = rsegen.Pallet(max_height=height, **values)  # type: ignore[arg-type]
+    obstacle = rsegen.Pallet(levels=height, key="k", **values)  # type: ignore[arg-type]
     return rsegen.Recipe(
         seed=3,
         chunk_size=side,
         chunks=chunks,
         boundary="none",
-        obstacles=[rsegen.Placement(obstacle=obstacle, key="k")],
+        obstacles=[obstacle],
     )
 
 
@@ -45,7 +45,7 @@ def test_a_diagonal_has_the_ridge_and_the_shoulders_of_the_measured_one() -> Non
         assert sorted(one[abs(i - j) == 1]) == [2] * 9 + [3] * 9
 
 
-def test_its_metrics_are_those_of_the_measured_one() -> None:
+def test_metrics_of_diagonals_are_near_those_of_the_measured_one() -> None:
     real = rsegen.metrics(rsegen.build(MEASURED))
     found = [rsegen.metrics(rsegen.build(made(), index)) for index in range(40)]
     assert all(one.steps.highest == real.steps.highest for one in found)
@@ -56,7 +56,7 @@ def test_its_metrics_are_those_of_the_measured_one() -> None:
     )
 
 
-def test_its_neighbours_differ_less_often_than_those_of_the_measured_one() -> None:
+def test_neighbours_in_diagonals_differ_less_often_than_in_the_measured_one() -> None:
     """As docs/metrics.md says."""
     assert list(rsegen.metrics(rsegen.build(MEASURED)).steps.counts.values()) == [28, 101, 51]
     found = [rsegen.metrics(rsegen.build(made(), index)).steps.counts for index in range(40)]
@@ -80,7 +80,7 @@ def test_no_step_is_above_half_the_ridge(pattern: str) -> None:
         assert max(steps.counts) == 2
 
 
-def test_a_symmetric_one_is_its_own_mirror_image() -> None:
+def test_a_symmetric_pallet_is_its_own_mirror_image() -> None:
     assert all((found == found.T).all() for found in (levels(made(symmetry="symmetric"), index) for index in range(5)))
     for pattern in ("hill", "flat"):
         found = levels(made(pattern=pattern, symmetry="symmetric"))
@@ -88,14 +88,14 @@ def test_a_symmetric_one_is_its_own_mirror_image() -> None:
         assert (found != found[:, ::-1]).any()
 
 
-def test_one_is_turned_by_quarters() -> None:
+def test_pallets_are_turned_by_quarters() -> None:
     straight, turned = (levels(made(pattern="hill", turns=(turns,))) for turns in (0, 1))
     assert (straight[4:6] == 4).all()
     assert (turned[:, 4:6] == 4).all()
     assert (np.rot90(straight) == turned).all()
 
 
-def test_patterns_and_turns_are_taken_in_turn_along_x() -> None:
+def test_patterns_and_turns_alternate_along_x() -> None:
     found = levels(made(chunks=(3, 2), pattern=("flat", "hill"), turns=(0, 0, 0, 1)))
     ridges = [[bool((tile == 4).any()) for tile in np.split(row, 3)] for row in np.split(found, 2, axis=1)]
     assert ridges == [[False, True, False], [True, False, True]]
@@ -103,19 +103,19 @@ def test_patterns_and_turns_are_taken_in_turn_along_x() -> None:
     assert (found[:10, 14:16] == 4).all()
 
 
-def test_every_chunk_is_another_one_and_made_of_the_same_blocks() -> None:
+def test_chunks_differ_and_are_made_of_the_same_blocks() -> None:
     tiles = np.split(levels(made(chunks=(4, 1))), 4)
     assert len({tile.tobytes() for tile in tiles}) == 4
     assert len({tuple(sorted(tile.ravel())) for tile in tiles}) == 1
 
 
-def test_one_lies_in_a_rectangle() -> None:
-    obstacle = rsegen.Pallet(max_height=5, pattern=("diagonal",))
+def test_a_pallet_fills_the_rectangle_of_its_ends_alone() -> None:
+    obstacle = rsegen.Pallet(levels=5, pattern=("diagonal",), first=(12, 3), last=(2, 8))
     recipe = rsegen.Recipe(
         seed=1,
         chunk_size=20,
         boundary="none",
-        obstacles=[rsegen.Placement(obstacle=obstacle, first=(12, 3), last=(2, 8))],
+        obstacles=[obstacle],
     )
     found = levels(recipe)
     assert found[2, 3] == found[12, 8] == 4
@@ -124,7 +124,7 @@ def test_one_lies_in_a_rectangle() -> None:
     assert not outside.any()
 
 
-def test_full_cubic_ones_in_half_units() -> None:
+def test_full_cubic_pallets_have_even_levels_in_half_units() -> None:
     assert set(np.unique(levels(made(height=9, step=2)))) == {0, 2, 4, 6, 8}
     with pytest.raises(rsegen.UserError, match="step: 5 is more than the highest level, 4"):
         made(step=5)

@@ -15,12 +15,11 @@ COUNTS = (9, 27, 33, 21, 10)
 
 
 def made(place: Mapping[str, object] | None = None, side: int = 10, **values: object) -> rsegen.Recipe:
-    obstacle = rsegen.Random(**{"max_height": 5, **values})  # type: ignore[arg-type]
-    placed = rsegen.Placement(obstacle=obstacle, key="k", **place or {})  # type: ignore[arg-type]
-    return rsegen.Recipe(seed=3, chunk_size=side, boundary="none", obstacles=[placed])
+    obstacle = rsegen.Random(**{"levels": 5, "key": "k", **values, **(place or {})})  # type: ignore[arg-type]
+    return rsegen.Recipe(seed=3, chunk_size=side, boundary="none", obstacles=[obstacle])
 
 
-def test_there_are_just_so_many_blocks() -> None:
+def test_counts_of_blocks_are_met() -> None:
     maps = [rsegen.build(made(counts=COUNTS), index) for index in range(5)]
     assert all(one.level_counts() == dict(enumerate(COUNTS)) for one in maps)
     assert len({one.levels.tobytes() for one in maps}) == 5
@@ -28,29 +27,29 @@ def test_there_are_just_so_many_blocks() -> None:
 
 @pytest.mark.parametrize("limit", [1, 2, 3])
 @pytest.mark.parametrize("side", [10, 40])
-def test_the_same_blocks_in_an_order_without_large_steps(limit: int, side: int) -> None:
+def test_max_step_reorders_the_same_blocks(limit: int, side: int) -> None:
     for index in range(3):
         free, ordered = (rsegen.build(made(side=side, max_step=most), index) for most in (None, limit))
         assert ordered.level_counts() == free.level_counts()
         assert rsegen.metrics(ordered).steps.highest == pytest.approx(limit * 0.1)
 
 
-def test_counted_blocks_in_an_order_without_large_steps() -> None:
+def test_max_step_reorders_counted_blocks() -> None:
     field = rsegen.build(made(counts=COUNTS, max_step=1))
     assert field.level_counts() == dict(enumerate(COUNTS))
     assert max(rsegen.metrics(field).steps.counts) == 1
 
 
-def test_what_is_in_order_already_stays() -> None:
+def test_blocks_without_large_steps_keep_their_order() -> None:
     assert (rsegen.build(made(max_step=4)).levels == rsegen.build(made()).levels).all()
 
 
-def test_an_order_that_cannot_be_is_refused() -> None:
+def test_an_impossible_order_is_refused() -> None:
     with pytest.raises(rsegen.UserError, match=r"obstacles\[0\].max_step: 3: no order of these blocks was found"):
         rsegen.build(made(counts=(50, 0, 0, 0, 50), max_step=3))
 
 
-def test_counts_and_cells_are_as_many() -> None:
+def test_counts_that_do_not_fill_the_cells_are_refused() -> None:
     assert rsegen.build(made({"first": (1, 1), "last": (2, 3)}, counts=(1, 2, 0, 2, 1))).levels.sum() == 12
     for place, counts, says in (
         ({}, (9, 27, 33, 21, 9), "counts: 99 blocks for 100 cells: the counts must add up to the number of cells"),

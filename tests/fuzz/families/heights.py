@@ -23,7 +23,7 @@ _OPTIONS: tuple[list[str], ...] = (
 _IMAGE_OPTIONS: tuple[list[str], ...] = (
     [],
     [],
-    ["--max-height", "9"],
+    ["--levels", "9"],
     ["--size", "3x3"],
     ["--threshold", "50"],
     ["--invert"],

@@ -28,7 +28,7 @@ LEFT = Qt.MouseButton.LeftButton
 @pytest.fixture
 def window(app: QApplication, tmp_path: Path) -> Iterator[Window]:
     window = Window(Session.new())
-    window.session.add({"kind": "random", "max_height": 3})
+    window.session.add({"kind": "random", "levels": 3})
     window.forms.start_form.folder = tmp_path / "my worlds"
     window.activateWindow()
     with shown(window):

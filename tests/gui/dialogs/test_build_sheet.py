@@ -33,7 +33,7 @@ def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     window.session.set("chunk_size", 4)
     window.session.set("maps", 3)
-    window.session.add({"kind": "random", "max_height": 3})
+    window.session.add({"kind": "random", "levels": 3})
     with shown(window):
         yield window
 

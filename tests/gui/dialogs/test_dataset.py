@@ -20,7 +20,7 @@ from PySide6.QtGui import QAction, QDropEvent, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox, QFileDialog, QLabel, QMessageBox, QSpinBox
 
-from rsegen import Dataset, Placement, Random, Recipe, build, compose, make_dataset
+from rsegen import Dataset, Random, Recipe, build, compose, make_dataset
 from rsegen.gui.dialogs.gallery import PICTURE_SIDE as SIDE
 from rsegen.gui.dialogs.gallery import DatasetDialog
 from rsegen.gui.model.session import Session
@@ -31,7 +31,7 @@ from tests.support.waiting import exposed, until
 
 LEFT = Qt.MouseButton.LeftButton
 CONTROL = Qt.KeyboardModifier.ControlModifier
-OBSTACLE = Placement(obstacle=Random(max_height=5))
+OBSTACLE = Random(levels=5)
 RECIPE = Recipe(seed=7, chunk_size=6, chunks=(2, 1), maps=40, first_map=1000, obstacles=[OBSTACLE])
 Said = QMessageBox.StandardButton
 
@@ -163,7 +163,7 @@ def test_a_number_beyond_them_and_a_data_set_that_is_damaged_are_one_line_each(w
 
 
 def test_what_is_not_saved_is_asked_for(window: Window, rubble: Path) -> None:
-    window.session.add({"kind": "peak", "max_height": 3})
+    window.session.add({"kind": "peak", "levels": 3})
     before = window.session
     window.files.open(rubble)
     question = answer(Said.Cancel)

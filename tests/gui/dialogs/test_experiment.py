@@ -37,7 +37,7 @@ seconds: 1
 repeats: 2
 paces: [free]
 rows:
-  - {robot: burger, robots: 1, sizes: [0, 10], unit_cm: 0.3, max_height: 3}
+  - {robot: burger, robots: 1, sizes: [0, 10], unit_cm: 0.3, levels: 3}
 """
 TRIALS = 4
 

@@ -43,7 +43,7 @@ CONTROL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftM
 @pytest.fixture
 def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
-    window.session.add({"kind": "random", "max_height": 3})
+    window.session.add({"kind": "random", "levels": 3})
     with shown(window):
         yield window
 

@@ -27,7 +27,7 @@ RECIPE = decode(
         "maps": 5,
         "first_map": 10,
         "difficulty": [0, 1],
-        "obstacles": [{"kind": "random", "max_height": 5}, {"kind": "peak", "max_height": 5}],
+        "obstacles": [{"kind": "random", "levels": 5}, {"kind": "peak", "levels": 5}],
     }
 )
 

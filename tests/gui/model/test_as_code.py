@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from hypothesis import example, given
 
-from rsegen import Peak, Placement, Recipe
+from rsegen import Peak, Recipe
 from rsegen.cli.commands import parser
 from rsegen.cli.flags import recipe_from
 from rsegen.gui.model.as_code import command_line, python_code
@@ -37,8 +37,8 @@ class Hill(Peak):
 
 
 def test_the_python_code_imports_kinds_of_other_packages() -> None:
-    recipe = Recipe(seed=1, obstacles=[Placement(obstacle=Hill(max_height=3)), Placement(obstacle=Peak(max_height=5))])
+    recipe = Recipe(seed=1, obstacles=[Hill(levels=3), Peak(levels=5)])
     code = python_code(recipe, "worlds").splitlines()
     assert code[:2] == ["import rsegen", f"from {Hill.__module__} import Hill"]
-    assert any("obstacle=Hill(max_height=3" in line for line in code)
-    assert any("obstacle=rsegen.Peak(" in line for line in code)
+    assert any(line.startswith("        Hill(levels=3, key=") for line in code)
+    assert any(line.startswith("        rsegen.Peak(levels=5, key=") for line in code)

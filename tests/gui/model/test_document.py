@@ -8,8 +8,8 @@ from rsegen.gui.model.document import Document
 from rsegen.gui.model.painting import UNPAINTED
 from rsegen.gui.model.session import Session
 
-PEAK = {"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]}
-BARRIER = {"kind": "horizontal_barrier", "max_height": 3}
+PEAK = {"kind": "peak", "levels": 5, "first": [2, 2], "last": [7, 7]}
+BARRIER = {"kind": "horizontal_barrier", "levels": 3}
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ SIZES = [{"chunk_size": 10, "chunks": [1, 1]}, {"chunk_size": 5, "chunks": [4, 2
 @pytest.mark.parametrize("size", SIZES, ids=str)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_random_position_is_fixed_where_it_was_drawn(kind: str, size: dict[str, object]) -> None:
-    entry = {"kind": kind, "max_height": 5, "key": "one"}
+    entry = {"kind": kind, "levels": 5, "key": "one"}
     recipe = decode({"seed": 3, "maps": 5, **size, "obstacles": [entry]})
     for index in range(5):
         found = fixed(entry, recipe, index)
@@ -30,9 +30,9 @@ def test_a_random_position_is_fixed_where_it_was_drawn(kind: str, size: dict[str
 @pytest.mark.parametrize(
     "entry",
     [
-        {"kind": "peek", "max_height": 5},
-        {"kind": "peak", "max_height": "high"},
-        {"kind": "random", "max_height": 2, "counts": [1, 1]},
+        {"kind": "peek", "levels": 5},
+        {"kind": "peak", "levels": "high"},
+        {"kind": "random", "levels": 2, "counts": [1, 1]},
     ],
 )
 def test_what_is_invalid_stays_as_it_is(entry: dict[str, object]) -> None:
@@ -52,11 +52,11 @@ def test_what_is_invalid_stays_as_it_is(entry: dict[str, object]) -> None:
 def test_a_barrier_keeps_its_direction_when_a_coordinate_is_set(
     before: tuple[list[int], list[int]], end: str, place: list[int], after: tuple[list[int], list[int]]
 ) -> None:
-    was = {"kind": "horizontal_barrier", "max_height": 5, "first": before[0], "last": before[1]}
+    was = {"kind": "horizontal_barrier", "levels": 5, "first": before[0], "last": before[1]}
     found = shifted(was, {**was, end: place}, end)
     assert (found["first"], found["last"]) == after
 
 
 def test_an_obstacle_that_may_have_any_ends_keeps_the_other_one() -> None:
-    was = {"kind": "peak", "max_height": 5, "first": [2, 2], "last": [2, 7]}
+    was = {"kind": "peak", "levels": 5, "first": [2, 2], "last": [2, 7]}
     assert shifted(was, {**was, "first": [4, 2]}, "first") == {**was, "first": [4, 2]}

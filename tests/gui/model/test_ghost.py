@@ -20,10 +20,10 @@ from rsegen.recipe.recipe import Recipe
 def test_a_ghost_is_where_the_obstacle_will_be(kind: str, blend: str) -> None:
     document = Document(Session.new())
     document.session.set("chunks", [2, 2])
-    document.add({"kind": "random", "max_height": 4})
+    document.add({"kind": "random", "levels": 4})
     document.select(-1)
     before = document.session.recipe
-    entry = document.keyed({"kind": kind, "max_height": 5, "blend": blend})
+    entry = document.keyed({"kind": kind, "levels": 5, "blend": blend})
     ghost = ghost_of(compose(before, 0), entry)
     assert ghost is not None
     document.add(entry)
@@ -35,12 +35,12 @@ def test_a_ghost_is_where_the_obstacle_will_be(kind: str, blend: str) -> None:
 
 def test_what_is_invalid_has_no_ghost() -> None:
     scene = compose(Recipe(seed=1), 0)
-    assert ghost_of(scene, {"kind": "peak", "max_height": 5, "first": [99, 0], "last": [3, 3]}) is None
-    assert ghost_of(scene, {"kind": "peek", "max_height": 5}) is None
+    assert ghost_of(scene, {"kind": "peak", "levels": 5, "first": [99, 0], "last": [3, 3]}) is None
+    assert ghost_of(scene, {"kind": "peek", "levels": 5}) is None
 
 
 def test_a_preview_has_the_ghost_and_its_blocks() -> None:
-    found = preview(Recipe(seed=1), 0, {"kind": "peak", "max_height": 5})
+    found = preview(Recipe(seed=1), 0, {"kind": "peak", "levels": 5})
     assert found.ghost is not None
     assert found.ghost_solid is not None
     assert len(found.ghost_solid.faces)
@@ -49,8 +49,8 @@ def test_a_preview_has_the_ghost_and_its_blocks() -> None:
 
 
 def test_only_the_ghost_of_a_map_that_is_shown_is_made_anew() -> None:
-    shown = preview(Recipe(seed=1), 0, {"kind": "peak", "max_height": 5})
-    other = preview(Recipe(seed=1), 0, {"kind": "peak", "max_height": 3}, shown)
+    shown = preview(Recipe(seed=1), 0, {"kind": "peak", "levels": 5})
+    other = preview(Recipe(seed=1), 0, {"kind": "peak", "levels": 3}, shown)
     assert other.scene is shown.scene
     assert other.ghost is not shown.ghost
     assert preview(Recipe(seed=1), 0, None, other).ghost is None

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 import rsegen
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.gui.model.solid import Shading, border, finest, shading, with_grain
 
-RECIPE = Recipe(seed=3, boundary="none", look="wood", obstacles=(Placement(obstacle=Random(max_height=5)),))
+RECIPE = Recipe(seed=3, boundary="none", look="wood", obstacles=(Random(levels=5),))
 
 
 def both(recipe: Recipe) -> tuple[Shading, Shading]:

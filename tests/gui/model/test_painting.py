@@ -52,18 +52,18 @@ def test_what_is_painted_is_what_is_built(strokes: list[tuple[list[tuple[int, in
 
 
 def test_painting_keeps_what_else_the_row_says() -> None:
-    entry = {"kind": "matrix", "max_height": 9, "rows": ["1 2"], "first": [3, 3], "key": "mine", "blend": "max"}
+    entry = {"kind": "matrix", "levels": 9, "rows": ["1 2"], "first": [3, 3], "key": "mine", "blend": "max"}
     after = painted(entry, [(4, 4)], 5)
-    assert (after["max_height"], after["key"], after["blend"]) == (9, "mine", "max")
+    assert (after["levels"], after["key"], after["blend"]) == (9, "mine", "max")
     assert after["rows"] == [". 5", "1 2"]
 
 
 def test_cells_are_put_only_into_a_matrix_in_its_own_size_and_place() -> None:
-    entry = {"kind": "matrix", "max_height": 5, "rows": ["1 2"]}
+    entry = {"kind": "matrix", "levels": 5, "rows": ["1 2"]}
     assert can_paint(entry)
     assert can_paint({**entry, "first": [3, 3], "last": [4, 3]})
     assert not can_paint({**entry, "first": [3, 3], "last": [6, 3]})
     assert not can_paint({**entry, "first": ["random", 3]})
     assert not can_paint({**entry, "softness": 50})
     assert not can_paint({**entry, "rows": []})
-    assert not can_paint({"kind": "peak", "max_height": 5})
+    assert not can_paint({"kind": "peak", "levels": 5})

@@ -7,12 +7,12 @@ import itertools
 import numpy as np
 import pytest
 
-from rsegen import Peak, Placement, Random, Recipe, build, compose
+from rsegen import Peak, Random, Recipe, build, compose
 from rsegen.gui.model.document import Document
 from rsegen.gui.model.painting import cell_hit, is_inside
 from rsegen.gui.model.session import Session
 
-FIELD = build(Recipe(seed=1, chunk_size=6, chunks=(2, 1), obstacles=[Placement(obstacle=Random(max_height=5))]))
+FIELD = build(Recipe(seed=1, chunk_size=6, chunks=(2, 1), obstacles=[Random(levels=5)]))
 EAST, HIGH = np.array([10.0, 0.0, 0.0]), np.array([0.0, 0.0, 5.0])
 
 
@@ -55,9 +55,9 @@ def test_a_cell_is_in_a_window_but_not_at_its_end() -> None:
 
 def test_the_last_obstacle_around_a_cell_is_chosen_and_none_beside_all() -> None:
     obstacles = [
-        Placement(obstacle=Random(max_height=3), first=(0, 0), last=(9, 9)),
-        Placement(obstacle=Peak(max_height=4), first=(2, 2), last=(5, 5)),
-        Placement(obstacle=Peak(max_height=4), first=(8, 8), last=(7, 6)),
+        Random(levels=3, first=(0, 0), last=(9, 9)),
+        Peak(levels=4, first=(2, 2), last=(5, 5)),
+        Peak(levels=4, first=(8, 8), last=(7, 6)),
     ]
     recipe = Recipe(seed=1, boundary="none", obstacles=obstacles, chunks=(2, 1))
     document = Document(Session.imported(recipe))

@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import Placement, Random, Recipe, StepField, build
+from rsegen import Random, Recipe, StepField, build
 from rsegen.gui.model.plan_layout import PlanLayout, fit, ticks
 
 BOUNDARIES = ("none", "divided", "outer")
 
 
 def field(boundary: str) -> StepField:
-    obstacles = [Placement(obstacle=Random(max_height=5))]
+    obstacles = [Random(levels=5)]
     return build(Recipe(seed=1, chunk_size=3, chunks=(3, 2), boundary=boundary, obstacles=obstacles), 0)
 
 

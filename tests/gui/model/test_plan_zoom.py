@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import Placement, Random, Recipe, build
+from rsegen import Random, Recipe, build
 from rsegen.gui.model.plan_layout import PlanLayout, fit, resized, shifted, visible, zoomed
 
 AREA = (30.0, 5.0, 300.0, 240.0)
-FIELD = build(Recipe(seed=1, chunk_size=8, chunks=(3, 2), obstacles=[Placement(obstacle=Random(max_height=5))]))
+FIELD = build(Recipe(seed=1, chunk_size=8, chunks=(3, 2), obstacles=[Random(levels=5)]))
 FITTED = fit(FIELD, AREA)
 POINTS = st.tuples(st.floats(30, 330), st.floats(5, 245))
 SHIFTS = st.tuples(st.floats(-500, 500), st.floats(-500, 500))

@@ -9,7 +9,7 @@ import psutil
 import pytest
 from hypothesis import given
 
-from rsegen import Peak, Placement, Random, Recipe, compose
+from rsegen import Peak, Random, Recipe, compose
 from rsegen.errors import TooLarge
 from rsegen.exporters.map_summary import map_summary
 from rsegen.gui.model.colours import GROUND, cells, palette
@@ -26,7 +26,7 @@ from rsegen.gui.model.preview import (
 )
 from tests.support.strategies import recipes
 
-ROUGH = Recipe(seed=1, obstacles=[Placement(obstacle=Random(max_height=5))])
+ROUGH = Recipe(seed=1, obstacles=[Random(levels=5)])
 
 
 @given(recipes())
@@ -63,12 +63,12 @@ def test_a_map_too_large_to_be_counted_is_warned_of_all_the_same() -> None:
 
 def test_level_ground_is_warned_of_only_where_there_should_be_something() -> None:
     assert costs(compose(replace(ROUGH, obstacles=()))).warnings == ()
-    nothing = replace(ROUGH, obstacles=[Placement(obstacle=Random(max_height=5, softness=100))])
+    nothing = replace(ROUGH, obstacles=[Random(levels=5, softness=100)])
     assert "nothing to see" in costs(compose(nothing)).warnings[0]
 
 
 def test_size_and_largest_step_are_said() -> None:
-    peak = Placement(obstacle=Peak(max_height=5, softness=0), first=(2, 2), last=(7, 7))
+    peak = Peak(levels=5, softness=0, first=(2, 2), last=(7, 7))
     scene = compose(replace(ROUGH, boundary="none", obstacles=[peak]))
     assert size_text(scene) == "10 x 10 cells, 1 x 1 m, largest step 40 cm"
     assert largest_step(scene.field) == 0.4

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe, compose
+from rsegen import Random, Recipe, compose
 from rsegen.field.metrics.traversability import traversability
 from rsegen.field.robot_limits import cells_to_each_side
 from rsegen.footprints import Rectangle, Spot
@@ -18,7 +18,7 @@ from rsegen.gui.model.simulation import reach
 from rsegen.robots import ROBOTS
 from rsegen.simulation.driving.routes import planned_way
 
-ROUGH = Recipe(seed=5, chunks=(3, 2), boundary="none", obstacles=[Placement(obstacle=Random(max_height=3))])
+ROUGH = Recipe(seed=5, chunks=(3, 2), boundary="none", obstacles=[Random(levels=3)])
 
 
 @pytest.mark.parametrize("unit_cm", [0.5, 3, 10])

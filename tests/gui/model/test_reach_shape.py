@@ -8,13 +8,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe, compose
+from rsegen import Random, Recipe, compose
 from rsegen.footprints import Rectangle
 from rsegen.gui.model.reach import Reach, Way, dashes, draped, reach_shape
 from rsegen.gui.model.simulation import reach
 from rsegen.gui.model.solid import solid
 
-RECIPE = Recipe(seed=5, chunk_size=6, chunks=(3, 2), obstacles=[Placement(obstacle=Random(max_height=4))])
+RECIPE = Recipe(seed=5, chunk_size=6, chunks=(3, 2), obstacles=[Random(levels=4)])
 FIELD = compose(RECIPE).field
 OUTLINE = Rectangle(-0.1, -0.1, 0.1, 0.1)
 

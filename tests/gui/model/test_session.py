@@ -13,8 +13,8 @@ from rsegen.gui.model.session import Session, draft_of
 from tests.support.samples import FULL
 from tests.support.strategies import recipes
 
-PEAK = {"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]}
-RANDOM = {"kind": "random", "max_height": 3}
+PEAK = {"kind": "peak", "levels": 5, "first": [2, 2], "last": [7, 7]}
+RANDOM = {"kind": "random", "levels": 3}
 
 
 @pytest.fixture
@@ -106,14 +106,14 @@ def test_a_row_that_is_switched_off_is_not_in_the_recipe(session: Session) -> No
     session.add(PEAK)
     session.add(RANDOM)
     session.enable(0, enabled=False)
-    assert [placement.obstacle.kind for placement in session.recipe.obstacles] == ["random"]
+    assert [obstacle.kind for obstacle in session.recipe.obstacles] == ["random"]
 
 
 def test_parameters_may_change_while_what_was_drawn_stays(session: Session) -> None:
-    session.add({"kind": "peak", "max_height": 5})
+    session.add({"kind": "peak", "levels": 5})
     session.set("chunks", [3, 3])
     before = build(session.recipe).levels
-    session.change(0, {"kind": "peak", "max_height": 4})
+    session.change(0, {"kind": "peak", "levels": 4})
     after = build(session.recipe).levels
     assert (before.nonzero()[0].min(), before.nonzero()[1].min()) == (
         after.nonzero()[0].min(),
@@ -139,7 +139,7 @@ def test_the_window_is_told_of_every_change(session: Session) -> None:
     assert told == [1, 0, 1]
 
 
-BARRIER = {"kind": "horizontal_barrier", "max_height": 3}
+BARRIER = {"kind": "horizontal_barrier", "levels": 3}
 
 
 @pytest.mark.parametrize(

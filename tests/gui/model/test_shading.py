@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rsegen import Matrix, Placement, Random, Recipe, Scene, compose
+from rsegen import Matrix, Random, Recipe, Scene, compose
 from rsegen.field.stepfield import StepField
 from rsegen.gui.model.solid import SUN, Shading, border, foot, length_text, lit, round_length, shading
 
 
 def scene(*rows: str) -> Scene:
-    matrix = Matrix(max_height=9, rows=rows)
-    return compose(Recipe(seed=1, chunk_size=len(rows), boundary="none", obstacles=[Placement(obstacle=matrix)]))
+    matrix = Matrix(levels=9, rows=rows)
+    return compose(Recipe(seed=1, chunk_size=len(rows), boundary="none", obstacles=[matrix]))
 
 
 def tower() -> StepField:
@@ -62,7 +62,7 @@ def test_the_light_map_of_a_huge_map_is_not_huge() -> None:
 
 
 def test_every_corner_of_a_top_is_at_its_own_place_of_the_light_map() -> None:
-    random = compose(Recipe(seed=1, chunk_size=4, obstacles=[Placement(obstacle=Random(max_height=5))]))
+    random = compose(Recipe(seed=1, chunk_size=4, obstacles=[Random(levels=5)]))
     made, rim = lit(random), border(random.field)
     found = shading(random.field, rim)
     top = made.blocks.points[made.blocks.faces][np.ptp(made.blocks.points[made.blocks.faces][..., 2], axis=1) == 0]
@@ -74,7 +74,7 @@ def test_every_corner_of_a_top_is_at_its_own_place_of_the_light_map() -> None:
 
 
 def test_walls_are_darkest_at_their_foot() -> None:
-    made = lit(compose(Recipe(seed=1, chunk_size=4, obstacles=[Placement(obstacle=Random(max_height=5))])))
+    made = lit(compose(Recipe(seed=1, chunk_size=4, obstacles=[Random(levels=5)])))
     corners = made.blocks.points[made.blocks.faces]
     walls = np.ptp(corners[..., 2], axis=1) > 0
     rows = made.light[0, (made.blocks.places[made.blocks.faces][walls][..., 1] * made.light.shape[1]).astype(int)]

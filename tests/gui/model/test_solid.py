@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe, Scene, compose
+from rsegen import Random, Recipe, Scene, compose
 from rsegen.field.stepfield import Array, coarse, coarse_window, coarseness
 from rsegen.geometry import NORMALS, surface
 from rsegen.gui.model.colours import GROUND, bright, cells, legend, palette
@@ -25,8 +25,8 @@ from rsegen.gui.model.solid import (
 BOUNDS = (-2.0, 2.0, -1.0, 1.0, 0.0, 0.4)
 
 
-def scene(boundary: str = "divided", max_height: int = 5) -> Scene:
-    obstacles = [Placement(obstacle=Random(max_height=max_height))]
+def scene(boundary: str = "divided", levels: int = 5) -> Scene:
+    obstacles = [Random(levels=levels)]
     return compose(Recipe(seed=1, chunk_size=4, boundary=boundary, unit_cm=7, obstacles=obstacles))
 
 
@@ -73,7 +73,7 @@ def test_the_legend_names_every_height_and_the_frame() -> None:
 
 
 def test_the_legend_of_many_levels_stays_small() -> None:
-    assert len(legend(compose(Recipe(seed=1, obstacles=[Placement(obstacle=Random(max_height=90))])))) <= 25
+    assert len(legend(compose(Recipe(seed=1, obstacles=[Random(levels=90)])))) <= 25
 
 
 def test_cells_have_the_colour_of_their_level() -> None:

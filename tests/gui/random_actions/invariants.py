@@ -95,7 +95,7 @@ def _forms(window: Window) -> Iterator[str]:
                 yield f"{name} shows {each.value()!r}, and is {draft.values.get(name)!r}"
     if entry := document.selected_entry:
         shown = window.forms.obstacle.entry()
-        for name in ("kind", "max_height", "first", "last"):
+        for name in ("kind", "levels", "first", "last"):
             if shown.get(name) != entry.get(name):
                 yield f"the form shows {name} {shown.get(name)!r}, and it is {entry.get(name)!r}"
 

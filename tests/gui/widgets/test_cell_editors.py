@@ -24,7 +24,7 @@ from tests.support.waiting import until
 def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     window.resize(1280, 720)
-    window.document.add({"kind": "peak", "max_height": 5, "first": [1, "random"], "last": [7, 7]})
+    window.document.add({"kind": "peak", "levels": 5, "first": [1, "random"], "last": [7, 7]})
     with shown(window):
         yield window
 
@@ -56,7 +56,7 @@ def test_a_height_is_counted_up(window: Window) -> None:
     editor = opened(window, 2)
     QTest.keyClick(editor, Qt.Key.Key_Up)
     QTest.keyClick(editor, Qt.Key.Key_Return)
-    until(lambda: entry(window)["max_height"] == 6)
+    until(lambda: entry(window)["levels"] == 6)
 
 
 def test_softness_without_a_value_begins_at_none(window: Window) -> None:
@@ -115,7 +115,7 @@ def test_a_text_that_no_editor_can_show_is_edited_as_text(window: Window) -> Non
     assert isinstance(editor, QLineEdit)
     editor.setText("4")
     window.finish_typing()
-    assert entry(window)["max_height"] == 4
+    assert entry(window)["levels"] == 4
 
 
 def test_a_wrong_cell_is_red_with_its_reason_in_the_selected_row_too(window: Window) -> None:

@@ -33,7 +33,7 @@ def locale(app: QApplication, request: pytest.FixtureRequest) -> Iterator[str]:
 @pytest.fixture
 def window(locale: str) -> Iterator[Window]:
     window = Window(Session.new())
-    window.document.add({"kind": "peak", "max_height": 5, "first": [1, 1], "last": [7, 7]})
+    window.document.add({"kind": "peak", "levels": 5, "first": [1, 1], "last": [7, 7]})
     window.document.select(0)
     with shown(window):
         yield window
@@ -113,7 +113,7 @@ def test_a_text_field_of_one_number_takes_a_comma_and_a_list_keeps_its_own(windo
         (3, "softness", "7.5", 7.5),
         (3, "softness", "7,5", 7.5),
         (4, "first", "2, 3", [2, 3]),
-        (2, "max_height", "7.5", "7.5"),
+        (2, "levels", "7.5", "7.5"),
     ],
 )
 def test_a_cell_of_the_list_is_read_so(window: Window, column: int, key: str, text: str, wanted: object) -> None:

@@ -27,7 +27,7 @@ ROWS = {"Duplicate obstacle", "Remove obstacle", "Move obstacle up", "Move obsta
 def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     for kind in KINDS:
-        window.session.add({"kind": kind, "max_height": 3})
+        window.session.add({"kind": kind, "levels": 3})
     with shown(window):
         yield window
 
@@ -126,7 +126,7 @@ def test_a_kind_that_there_is_not_is_an_error_and_can_be_corrected(window: Windo
     edit(window, 0, 1, "peak")
     assert window.forms.error_label.isHidden()
     assert kinds(window)[0] == "peak"
-    assert window.session.draft.rows[0].entry["max_height"] == 4
+    assert window.session.draft.rows[0].entry["levels"] == 4
 
 
 @pytest.mark.parametrize(
@@ -134,10 +134,10 @@ def test_a_kind_that_there_is_not_is_an_error_and_can_be_corrected(window: Windo
     [
         (1, "peek", "type: unknown obstacle kind 'peek'; did you mean 'peak'?"),
         (1, "", "type: unknown obstacle kind ''"),
-        (2, "abc", "height: 'abc' is not a whole number; give 2..32767 units"),
-        (2, "5.5", "height: '5.5' is not a whole number; give 2..32767 units"),
-        (2, "9" * 30, f"height: {'9' * 30} is outside 2..32767 units"),
-        (2, "", "height: is missing; give 2..32767 units"),
+        (2, "abc", "levels: 'abc' is not a whole number; give 2..32767 units"),
+        (2, "5.5", "levels: '5.5' is not a whole number; give 2..32767 units"),
+        (2, "9" * 30, f"levels: {'9' * 30} is outside 2..32767 units"),
+        (2, "", "levels: is missing; give 2..32767 units"),
         (3, "a,b", "softness: 'a,b' is not a number; give 0..100 %"),
         (3, "nan", "softness: nan is not a finite number; give 0..100 %"),
         (3, "<b>7</b>", "softness: '<b>7</b>' is not a number; give 0..100 %"),
@@ -181,14 +181,14 @@ def test_a_place_is_typed_with_brackets_or_without(window: Window, text: str) ->
 
 
 def test_another_kind_that_is_typed_takes_over_what_it_has_too(window: Window) -> None:
-    window.session.change(0, {"kind": "matrix", "max_height": 3, "rows": ["1 2"], "softness": 10})
+    window.session.change(0, {"kind": "matrix", "levels": 3, "rows": ["1 2"], "softness": 10})
     edit(window, 0, 1, "matrx")
     edit(window, 0, 1, "matrix")
     assert window.session.draft.rows[0].entry["rows"] == ["1 2"]
     edit(window, 0, 1, "peak")
     assert dict(window.session.draft.rows[0].entry) | {"key": ""} == {
         "kind": "peak",
-        "max_height": 3,
+        "levels": 3,
         "softness": 10,
         "key": "",
     }
@@ -201,15 +201,15 @@ def test_the_form_keeps_what_is_wrong_until_it_is_changed_there(window: Window) 
     edit(window, 1, 5, "99, random")
     find(window.forms.obstacle, QDoubleSpinBox, "softness_field").setValue(40)
     entry = window.session.draft.rows[1].entry
-    assert (entry["max_height"], entry["last"], entry["softness"]) == ("abc", [99, "random"], 40)
-    height = find(window.forms.obstacle, QSpinBox, "max_height_field")
-    assert height.text() == "abc"
-    height.setValue(4)
-    assert height.text() == "4 units"
+    assert (entry["levels"], entry["last"], entry["softness"]) == ("abc", [99, "random"], 40)
+    levels = find(window.forms.obstacle, QSpinBox, "levels_field")
+    assert levels.text() == "abc"
+    levels.setValue(4)
+    assert levels.text() == "4 units"
     find(window.forms.obstacle, QSlider, "x_last").setValue(3)
     assert window.session.problem is None
     entry = window.session.draft.rows[1].entry
-    assert (entry["max_height"], entry["last"]) == (4, [3, "random"])
+    assert (entry["levels"], entry["last"]) == (4, [3, "random"])
 
 
 def test_a_kind_that_is_wrong_is_replaced_in_the_form(window: Window) -> None:
@@ -237,5 +237,5 @@ def test_a_row_is_selected_also_if_the_list_was_scrolled_over_a_long_text(window
     until(lambda: bar.maximum() > 0)
     bar.setValue(bar.maximum())
     window.document.open(Session.new())
-    window.document.add({"kind": "peak", "max_height": 3})
+    window.document.add({"kind": "peak", "levels": 3})
     assert (window.document.selected, window.views.table.selected) == (0, 0)

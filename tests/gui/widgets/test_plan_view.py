@@ -19,7 +19,7 @@ from PySide6.QtGui import QColor, QImage, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QSignalSpy, QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QVBoxLayout, QWidget
 
-from rsegen import Placement, Random, Recipe, Scene, compose
+from rsegen import Random, Recipe, Scene, compose
 from rsegen.errors import UserError
 from rsegen.gui.model.obstacle_ends import Handle
 from rsegen.gui.model.painting import UNPAINTED, Brush, Tool, connected
@@ -31,7 +31,7 @@ from tests.support.waiting import until
 
 LEFT = Qt.MouseButton.LeftButton
 SVG = "{http://www.w3.org/2000/svg}"
-RECIPE = Recipe(seed=1, chunk_size=5, chunks=(2, 2), obstacles=[Placement(obstacle=Random(max_height=5))])
+RECIPE = Recipe(seed=1, chunk_size=5, chunks=(2, 2), obstacles=[Random(levels=5)])
 HANDLES = (Handle(row=0), Handle(row=1, first=(1, 1), last=(6, 4)), Handle(row=2, first=(8, 8), last=(8, 2)))
 
 

@@ -28,7 +28,7 @@ Said = QMessageBox.StandardButton
 def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     window.resize(1280, 720)
-    window.session.add({"kind": "random", "max_height": 3})
+    window.session.add({"kind": "random", "levels": 3})
     with shown(window):
         yield window
 

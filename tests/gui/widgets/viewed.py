@@ -13,14 +13,14 @@ from PySide6.QtGui import QColor, QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from rsegen import Placement, Random, Recipe, compose
+from rsegen import Random, Recipe, compose
 from rsegen.errors import FileError
 from rsegen.gui.model.simulation import reach, robot_shape
 from rsegen.gui.widgets.field_view import FieldView
 from rsegen.gui.widgets.opengl import unavailable
 from rsegen.gui.widgets.view_camera import Side
 
-RECIPE = Recipe(seed=1, chunk_size=6, obstacles=[Placement(obstacle=Random(max_height=5))])
+RECIPE = Recipe(seed=1, chunk_size=6, obstacles=[Random(levels=5)])
 LARGE = replace(RECIPE, chunk_size=40, boundary="none")
 WINDOW = (slice(1, 4), slice(2, 6))
 

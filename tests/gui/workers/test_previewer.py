@@ -23,7 +23,7 @@ from tests.support.waiting import until
 def window(app: QApplication) -> Iterator[Window]:
     window = Window(Session.new())
     window.resize(1280, 720)
-    window.session.add({"kind": "random", "max_height": 5})
+    window.session.add({"kind": "random", "levels": 5})
     with shown(window):
         yield window
 

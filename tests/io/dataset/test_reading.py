@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Dataset, Placement, Recipe, make_dataset
+from rsegen import Dataset, Recipe, make_dataset
 from rsegen.errors import DatasetDamaged, ParameterError
 from rsegen.field.metrics.batch import COLUMNS
 from rsegen.field.metrics.catalogue import flattened, nested
@@ -27,7 +27,7 @@ RECIPE = Recipe(
     maps=20,
     chunk_size=4,
     chunks=(2, 3),
-    obstacles=[Placement(obstacle=rsegen.Random(max_height=4)), Placement(obstacle=rsegen.Peak(max_height=6))],
+    obstacles=[rsegen.Random(levels=4), rsegen.Peak(levels=6)],
 )
 
 

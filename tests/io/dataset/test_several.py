@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Dataset, Peak, Placement, Random, Recipe, make_dataset
+from rsegen import Dataset, Peak, Random, Recipe, make_dataset
 from rsegen.errors import DatasetDamaged, OutputError, UserError
 from rsegen.io.dataset.layout import MOST, ShardLayout
 from rsegen.run import dataset as dataset_module
@@ -28,7 +28,7 @@ RUBBLE = Recipe(
     chunk_size=4,
     chunks=(1, 2),
     difficulty=(0, 1),
-    obstacles=[Placement(obstacle=Random(max_height=4))],
+    obstacles=[Random(levels=4)],
 )
 HILL = replace(
     RUBBLE,
@@ -36,7 +36,7 @@ HILL = replace(
     seed=8,
     maps=9,
     first_map=100,
-    obstacles=[Placement(obstacle=Peak(max_height=300, softness=40))],
+    obstacles=[Peak(levels=300, softness=40)],
 )
 FLAT = replace(RUBBLE, name="flat", maps=1, obstacles=())
 ALL = (RUBBLE, HILL, FLAT)

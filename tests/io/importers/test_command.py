@@ -24,7 +24,7 @@ def test_heights_become_a_world_with_the_flags_of_a_recipe(tmp_path: Path, capsy
 
 def test_an_image_is_read_with_its_options(tmp_path: Path) -> None:
     Image.fromarray(np.array([[0, 255]], dtype=np.uint8)).save(tmp_path / "a.png")
-    words = ["import", str(tmp_path / "a.png"), "-o", str(tmp_path), "--max-height", "3", "--invert", "--size", "4x2"]
+    words = ["import", str(tmp_path / "a.png"), "-o", str(tmp_path), "--levels", "3", "--invert", "--size", "4x2"]
     assert main([*words, "--unit-cm", "5", "--chunk-size", "1"]) == 0
     recipe = load(tmp_path / "a_0000" / "recipe.json")
     assert build(recipe).levels.tolist() == [[2, 2], [2, 2], [0, 0], [0, 0]]

@@ -17,7 +17,7 @@ from rsegen import Recipe, build, generate, imported
 from rsegen.errors import FileError, ParameterError, UserError
 from rsegen.io.importers import IMPORTERS, importer_for
 from rsegen.io.importers.array import Saved
-from rsegen.io.importers.image import Occupancy, Picture
+from rsegen.io.importers.image import OccupancyImage, Picture
 from rsegen.io.importers.table import Table
 from rsegen.params.sorts import parameters
 
@@ -139,17 +139,17 @@ def test_a_pickle_is_not_opened(tmp_path: Path) -> None:
 
 
 def test_white_is_the_highest_and_the_upper_row_the_largest_y(tmp_path: Path) -> None:
-    levels = levels_of(imported(drawn(tmp_path, PICTURE), Picture(max_height=5)))
+    levels = levels_of(imported(drawn(tmp_path, PICTURE), Picture(levels=5)))
     assert levels[:, 1].tolist() == [0, 1, 4]
     assert levels[:, 0].tolist() == [4, 3, 0]
-    inverted = levels_of(imported(tmp_path / "grey.png", Picture(max_height=5, invert=True)))
+    inverted = levels_of(imported(tmp_path / "grey.png", Picture(levels=5, invert=True)))
     assert (inverted == 4 - levels).all()
 
 
 @pytest.mark.parametrize("suffix", [".png", ".pgm", ".tif", ".bmp", ".jpg"])
 def test_images_of_every_sort_say_the_same(suffix: str, tmp_path: Path) -> None:
     large = np.kron(PICTURE, np.ones((16, 16), dtype=np.uint8))
-    found = levels_of(imported(drawn(tmp_path, large, f"grey{suffix}"), Picture(max_height=5, size=(3, 2))))
+    found = levels_of(imported(drawn(tmp_path, large, f"grey{suffix}"), Picture(levels=5, size=(3, 2))))
     assert found.tolist() == [[4, 0], [3, 1], [0, 4]]
 
 
@@ -158,18 +158,18 @@ def test_levels_painted_in_8_or_16_bits_come_back(levels: np.ndarray, tmp_path_f
     folder = tmp_path_factory.mktemp("painted")
     for white, sort in ((255, np.uint8), (65535, np.uint16)):
         pixels = np.floor(levels.T[::-1] * white / 30).astype(sort)
-        found = levels_of(imported(drawn(folder, pixels), Picture(max_height=31)))
+        found = levels_of(imported(drawn(folder, pixels), Picture(levels=31)))
         assert np.array_equal(found, levels)
 
 
 def test_a_threshold_makes_two_levels(tmp_path: Path) -> None:
-    found = levels_of(imported(drawn(tmp_path, PICTURE), Picture(max_height=4, threshold=50)))
+    found = levels_of(imported(drawn(tmp_path, PICTURE), Picture(levels=4, threshold=50)))
     assert found.tolist() == [[3, 0], [3, 0], [0, 3]]
 
 
 def test_colours_count_by_brightness_and_transparent_parts_as_black(tmp_path: Path) -> None:
     colours = np.array([[[255, 255, 255, 255], [255, 255, 255, 0], [0, 0, 0, 255]]], dtype=np.uint8)
-    assert levels_of(imported(drawn(tmp_path, colours), Picture(max_height=5))).ravel().tolist() == [4, 0, 0]
+    assert levels_of(imported(drawn(tmp_path, colours), Picture(levels=5))).ravel().tolist() == [4, 0, 0]
 
 
 def test_a_huge_image_is_refused_before_it_is_decoded(tmp_path: Path) -> None:
@@ -190,18 +190,18 @@ def test_an_image_that_breaks_off_is_refused(tmp_path: Path) -> None:
 def test_a_map_of_ros_becomes_walls_of_its_cell_size(tmp_path: Path) -> None:
     drawn(tmp_path, np.array([[0, 205, 254]], dtype=np.uint8), "map.pgm")
     path = written(tmp_path, "image: map.pgm\nresolution: 0.05\norigin: [-1, -1, 0]\nnegate: 0\n", "map.yaml")
-    recipe = imported(path, Occupancy())
+    recipe = imported(path, OccupancyImage())
     assert levels_of(recipe).ravel().tolist() == [1, 0, 0]
     assert (recipe.block_width_cm, recipe.unit_cm) == (5, 100)
     path.write_text(path.read_text("utf-8") + "free_thresh: 0.19\n", "utf-8")
-    assert levels_of(imported(path, Occupancy(unknown=True), 30)).ravel().tolist() == [1, 1, 0]
+    assert levels_of(imported(path, OccupancyImage(unknown=True), 30)).ravel().tolist() == [1, 1, 0]
 
 
 def test_a_map_of_ros_without_its_image_or_resolution_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ParameterError, match=r"map\.yaml: resolution: "):
-        imported(written(tmp_path, "image: map.pgm\n", "map.yaml"), Occupancy())
+        imported(written(tmp_path, "image: map.pgm\n", "map.yaml"), OccupancyImage())
     with pytest.raises(FileError, match=r"map\.pgm: No such file"):
-        imported(written(tmp_path, "image: map.pgm\nresolution: 1\n", "map.yaml"), Occupancy())
+        imported(written(tmp_path, "image: map.pgm\nresolution: 1\n", "map.yaml"), OccupancyImage())
 
 
 @pytest.mark.parametrize(

@@ -123,9 +123,9 @@ def test_holes_are_filled_on_request_and_listed_apart(tmp_path: Path) -> None:
     levels = build(recipe).levels
     assert (levels[~np.isnan(heights)] == LEVELS[~np.isnan(heights)]).all()
     assert [each.key for each in recipe.obstacles] == ["heights", "filled-holes"]
-    apart = recipe.obstacles[1].obstacle
+    apart = recipe.obstacles[1]
     assert isinstance(apart, Matrix)
-    assert np.argwhere(apart.levels() >= 0).tolist() == [[2, 3], [3, 3]]
+    assert np.argwhere(apart.cell_levels() >= 0).tolist() == [[2, 3], [3, 3]]
     assert str(heights_in(path, Table(fill_holes=True)).rounding) == "2 holes filled from the neighbours"
 
 

@@ -20,7 +20,7 @@ from rsegen.field.metrics.traversability import crossing
 from tests.support.complaints import the_line
 
 COUNTS = (9, 27, 33, 21, 10)
-RANDOM = (rsegen.Placement(obstacle=rsegen.Random(max_height=5)),)
+RANDOM = (rsegen.Random(levels=5),)
 
 
 def recipe(seed: int = 3, **values: object) -> rsegen.Recipe:
@@ -87,7 +87,7 @@ def test_a_map_that_loses_no_block_to_its_largest_step_stays_as_it_is() -> None:
 
 def test_a_shape_is_arranged_where_it_was_designed() -> None:
     """A ridge along the middle, of fewer blocks than its slopes need: the high blocks stay on it."""
-    ridge = rsegen.Placement(obstacle=rsegen.HorizontalBarrier(max_height=5), first=(0, 5), last=(9, 5))
+    ridge = rsegen.HorizontalBarrier(levels=5, first=(0, 5), last=(9, 5))
     field = rsegen.build(recipe(obstacles=[ridge], inventory=(25, 10, 0, 0), max_step=1))
     assert field.level_counts() == {0: 65, 1: 25, 2: 10}
     assert (field.blocks[:, 5] == 2).sum() >= 8
@@ -96,20 +96,20 @@ def test_a_shape_is_arranged_where_it_was_designed() -> None:
 
 
 def test_counted_blocks_are_all_kept_if_the_largest_step_allows_it(capsys: pytest.CaptureFixture[str]) -> None:
-    counted = (rsegen.Placement(obstacle=rsegen.Random(max_height=5, counts=COUNTS)),)
+    counted = (rsegen.Random(levels=5, counts=COUNTS),)
     made = recipe(obstacles=counted, max_step=1)
     field = rsegen.build(made)
     assert field.level_counts() == dict(enumerate(COUNTS))
     assert differences(field).max() == 1
     assert not list(block_warnings(rsegen.compose(made)))
-    uneven = (rsegen.Placement(obstacle=rsegen.Random(max_height=5, counts=(40, 3, 3, 4, 50))),)
+    uneven = (rsegen.Random(levels=5, counts=(40, 3, 3, 4, 50)),)
     assert list(block_warnings(rsegen.compose(replace(made, obstacles=uneven)))) == [
         "no order of the counted blocks keeps to max_step 1: the map has others"
     ]
 
 
 def test_what_is_left_in_the_box_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    asked = ["--seed", "3", "--obstacle", "random max_height=5", "--max-step", "1", "--inventory", "10,4,20,40"]
+    asked = ["--seed", "3", "--obstacle", "random levels=5", "--max-step", "1", "--inventory", "10,4,20,40"]
     assert main(["generate", *asked, "-o", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     found = json.loads((tmp_path / "rse_0000/constraints.json").read_text())["inventory"]
@@ -126,7 +126,7 @@ def test_an_inventory_without_a_block_is_refused() -> None:
 
 
 def test_an_inventory_that_cannot_be_used_at_all_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    asked = ["--seed", "3", "--obstacle", "random max_height=5", "--max-step", "2", "--inventory", "0,0,0,50"]
+    asked = ["--seed", "3", "--obstacle", "random levels=5", "--max-step", "2", "--inventory", "0,0,0,50"]
     assert main(["generate", *asked, "-o", str(tmp_path / "out")]) == 2
     assert (
         "inventory: none of its 50 blocks can be used on 100 cells with a max_step of 2; "

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen.cli import main
-from rsegen.cli.inventory import inventory_in
 from rsegen.exporters.constraint_report import block_warnings, constraint_report
-from rsegen.exporters.pictures.preview import preview_image
+from rsegen.exporters.pictures.preview import preview
 from rsegen.field.metrics.roughness import differences
 from rsegen.field.metrics.traversability import crossing
+from rsegen.io.inventory import inventory_in
 from rsegen.params.streams import generator
 from rsegen.recipe.constraints import meeting
 from rsegen.recipe.constraints.inventory import fitted_to_inventory
@@ -27,7 +27,7 @@ from tests.support.complaints import the_line
 from tests.support.strategies import fields, recipes
 
 BURGER, CRAWLER = (1, 1, 17.8), (20, 20, 53)
-RANDOM = (rsegen.Placement(obstacle=rsegen.Random(max_height=5)),)
+RANDOM = (rsegen.Random(levels=5),)
 
 
 def recipe(**values: object) -> rsegen.Recipe:
@@ -105,10 +105,8 @@ def test_blocks_are_owned_and_few_are_replaced(field: rsegen.StepField, owned: l
 
 
 def test_a_block_that_is_missing_is_replaced_by_the_nearest() -> None:
-    matrix = rsegen.Matrix(max_height=5, rows=("4 4 4 4",))
-    made = rsegen.Recipe(
-        seed=1, chunk_size=1, chunks=(4, 1), boundary="none", obstacles=[rsegen.Placement(obstacle=matrix)]
-    )
+    matrix = rsegen.Matrix(levels=5, rows=("4 4 4 4",))
+    made = rsegen.Recipe(seed=1, chunk_size=1, chunks=(4, 1), boundary="none", obstacles=[matrix])
     scene = rsegen.compose(replace(made, inventory=(1, 0, 1, 1)))
     assert sorted(scene.field.levels.ravel()) == [0, 1, 3, 4]
     assert constraint_report(scene)["inventory"] == {
@@ -131,7 +129,7 @@ def test_all_of_it_at_once() -> None:
 
 def test_the_proof_is_written_and_measured_on_the_field(tmp_path: Path) -> None:
     asked = ["--max-step", "2", "--crossable-by", "crawler", "--inventory", "40,30,20,10"]
-    assert main(["generate", "--seed", "3", "--obstacle", "random max_height=5", *asked, "-o", str(tmp_path)]) == 0
+    assert main(["generate", "--seed", "3", "--obstacle", "random levels=5", *asked, "-o", str(tmp_path)]) == 0
     told = json.loads((tmp_path / "rse_0000/constraints.json").read_text())
     assert told["max_step"] == {"asked": 2, "is": 2}
     assert {name: told["crossable_by"][name] for name in ("climb_cm", "drop_cm", "width_cm")} == {
@@ -150,7 +148,7 @@ def test_the_proof_is_written_and_measured_on_the_field(tmp_path: Path) -> None:
 
 def test_it_is_said_what_the_map_keeps_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     asked = ["--max-step", "1", "--inventory", "1,1,1,1", "--crossable-by", "10,12.5,30"]
-    assert main(["generate", "--seed", "3", "--obstacle", "random max_height=5", *asked, "-o", str(tmp_path)]) == 0
+    assert main(["generate", "--seed", "3", "--obstacle", "random levels=5", *asked, "-o", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     assert "largest step between neighbours in units: 1, allowed: 1" in said
     assert "a robot that climbs 10 cm, descends 12.5 cm and is 30 cm wide can cross from west to east" in said
@@ -160,7 +158,7 @@ def test_it_is_said_what_the_map_keeps_to(tmp_path: Path, capsys: pytest.Capture
 def test_an_inventory_from_a_file(tmp_path: Path) -> None:
     file = tmp_path / "blocks.csv"
     file.write_text("height_cm,count\n10,40\n40,3\n5,9\n\n10,2\n")
-    asked = ["--inventory", str(file), "--unit-cm", "5", "--obstacle", "random max_height=9", "--seed", "1"]
+    asked = ["--inventory", str(file), "--unit-cm", "5", "--obstacle", "random levels=9", "--seed", "1"]
     assert main(["generate", *asked, "-o", str(tmp_path)]) == 0
     made = rsegen.load(tmp_path / "rse_0000/recipe.json")
     assert made.inventory == (9, 42, 0, 0, 0, 0, 0, 3)
@@ -204,7 +202,7 @@ def test_a_map_of_blocks_higher_than_its_obstacles_is_drawn_and_coloured(tmp_pat
     assert (made.top_level, made.highest_level) == (4, 5)
     assert set(scene.field.level_counts()) == {0, 5}
     assert scene.colour(5) == scene.colour(4)
-    assert len(preview_image(scene)) > 10_000
+    assert len(preview(scene)) > 10_000
     (one,) = rsegen.generate(made, tmp_path).maps
     text = (one.folder / "meshes" / f"{scene.name}.obj").read_text()
     used = {line.split()[1] for line in text.splitlines() if line.startswith("usemtl")}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.recipe.constraints import meeting
 from rsegen.recipe.constraints.inventory import refilled, used
 from rsegen.recipe.constraints.meeting import crossing_caps
@@ -20,7 +20,7 @@ def recipe(seed: int, climb: float) -> Recipe:
         boundary="none",
         inventory=STOCK,
         crossable_by=(climb, climb, 30),
-        obstacles=(Placement(obstacle=Random(max_height=5)),),
+        obstacles=(Random(levels=5),),
     )
 
 

@@ -14,7 +14,7 @@ import psutil
 import pytest
 
 import rsegen
-from rsegen import Dataset, Placement, Recipe, make_dataset
+from rsegen import Dataset, Recipe, make_dataset
 from rsegen.errors import OutputError, TooLarge
 from rsegen.io.input_files import JOURNAL
 from rsegen.recipe.codec import decode
@@ -24,7 +24,7 @@ from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.long import long_unless
 from tests.support.runs import contents, ended, started, until_it_has
 
-OBSTACLE = ["--obstacle", "random max_height=5", "--seed", "7"]
+OBSTACLE = ["--obstacle", "random levels=5", "--seed", "7"]
 MANY = ["dataset", *OBSTACLE, "--maps", "40000", "--shard-maps", "500", "--workers", "2"]
 RECIPE = Recipe(
     seed=7,
@@ -32,7 +32,7 @@ RECIPE = Recipe(
     first_map=9_995,
     chunk_size=4,
     chunks=(1, 2),
-    obstacles=[Placement(obstacle=rsegen.Random(max_height=3)), Placement(obstacle=rsegen.Peak(max_height=5))],
+    obstacles=[rsegen.Random(levels=3), rsegen.Peak(levels=5)],
 )
 
 
@@ -226,7 +226,7 @@ def test_more_than_the_disk_has_is_refused_before_anything_is_made(tmp_path: Pat
 
 
 def test_high_levels_have_room(tmp_path: Path) -> None:
-    obstacle = Placement(obstacle=rsegen.Random(max_height=300))
+    obstacle = rsegen.Random(levels=300)
     found = make_dataset(Recipe(seed=7, maps=5, obstacles=[obstacle]), tmp_path)
     assert found.levels.dtype == np.int16
     assert found.field(4) == rsegen.build(found.recipe, 4)

@@ -5,18 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rsegen import Placement, Random, Recipe, StepField, build
+from rsegen import Random, Recipe, StepField, build, spots
 from rsegen.errors import ParameterError
 from rsegen.footprints.footprint import TOUCHING
 from rsegen.robots import ROBOTS, Robot, SdfRobot
 from rsegen.robots.footprint import footprint_of
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, GAP, adjacent_pose, finish_x, robot_runs
-from rsegen.simulation.driving.spots import spots
 
 ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
-RECIPE = Recipe(
-    chunk_size=20, boundary="none", unit_cm=1, seed=1, obstacles=(Placement(obstacle=Random(max_height=2)),)
-)
+RECIPE = Recipe(chunk_size=20, boundary="none", unit_cm=1, seed=1, obstacles=(Random(levels=2),))
 
 
 def flat(blocks: int) -> StepField:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rsegen import Placement, Random, Recipe, generate
+from rsegen import Random, Recipe, generate
 from rsegen.errors import FileError
 from rsegen.robots import robot
 from rsegen.simulation.driving.recording import time_step, world_with_robots
@@ -18,7 +18,7 @@ NAMES = ("real_time_update_rate", "real_time_factor")
 
 @pytest.fixture
 def world(tmp_path: Path) -> Path:
-    random = Placement(obstacle=Random(max_height=5))
+    random = Random(levels=5)
     return generate(Recipe(seed=1, obstacles=(random,)), tmp_path).maps[0].world
 
 

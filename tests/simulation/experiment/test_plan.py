@@ -62,7 +62,7 @@ def test_trials_are_mixed_and_each_cell_comes_once_in_every_repeat() -> None:
 
 
 def test_a_map_is_random_in_the_levels_that_the_row_says() -> None:
-    field = build(TableRow(max_height=10, unit_cm=10).map_of(40, seed=3))
+    field = build(TableRow(levels=10, unit_cm=10).map_of(40, seed=3))
     assert sorted(field.level_counts()) == list(range(10))
     assert field.unit == 0.1
     assert not build(TableRow().map_of(0, seed=3)).levels.any()
@@ -70,7 +70,7 @@ def test_a_map_is_random_in_the_levels_that_the_row_says() -> None:
 
 def test_a_row_names_its_obstacles_by_their_kinds() -> None:
     row = TableRow(
-        recipe={"obstacles": [{"kind": "peak", "max_height": 3}, {"kind": "random", "max_height": 3}], "mesh": "blocks"}
+        recipe={"obstacles": [{"kind": "peak", "levels": 3}, {"kind": "random", "levels": 3}], "mesh": "blocks"}
     )
     assert row.label == "3 burger, unit 1 cm, 5 levels, obstacles peak and random, mesh blocks"
 

@@ -41,7 +41,7 @@ def examples() -> Iterator[rsegen.Recipe]:
 
 def variants() -> Iterator[rsegen.Recipe]:
     """A small random map of two chunks in every mesh type with every boundary."""
-    random = rsegen.Placement(obstacle=rsegen.Random(max_height=4))
+    random = rsegen.Random(levels=4)
     for mesh_type, boundary in product(MESH_TYPES, BOUNDARIES):
         yield rsegen.Recipe(
             name=f"{mesh_type}-{boundary}",
@@ -56,7 +56,7 @@ def variants() -> Iterator[rsegen.Recipe]:
 
 def textured() -> Iterator[rsegen.Recipe]:
     """A small map of two friction coefficients in every mesh type, with every look, shadows and a sky."""
-    random = rsegen.Placement(obstacle=rsegen.Random(max_height=4))
+    random = rsegen.Random(levels=4)
     for mesh_type, look in product(MESH_TYPES, ("levels", "wood", "friction")):
         yield rsegen.Recipe(
             name=f"{mesh_type}-{look}",
@@ -115,7 +115,7 @@ def slippery() -> Iterator[rsegen.Recipe]:
         friction=0.9,
         frame_friction=0.05,
         level_friction=(0.05,),
-        obstacles=(rsegen.Placement(obstacle=rsegen.Matrix.of(levels)),),
+        obstacles=(rsegen.Matrix.of(levels),),
     )
     for shape in (*SHAPES, {"mesh_type": "pallet"}, {"mesh_type": "multi"}):
         yield replace(low, name=f"slippery-{shape_name(shape)}", **shape)
@@ -133,7 +133,7 @@ def lanes(scene: rsegen.Scene) -> Iterator[tuple[str, tuple[float, float, float]
 def kinds() -> Iterator[rsegen.Recipe]:
     """A small map with nothing but one obstacle, for every kind, in turn as one mesh and as boxes."""
     for kind, mesh_type in zip(rsegen.KINDS, cycle(("single", "multi"))):
-        placement = rsegen.Placement(obstacle=rsegen.KINDS[kind](max_height=4, softness=40))
+        placement = rsegen.KINDS[kind](levels=4, softness=40)
         yield rsegen.Recipe(
             name=f"{kind}-{mesh_type}", chunk_size=6, mesh_type=mesh_type, seed=1, obstacles=(placement,)
         )

@@ -28,8 +28,8 @@ def mesh(scene: rsegen.Scene) -> dict[str, Place]:
 
 
 def pallets(scene: rsegen.Scene) -> dict[str, Place]:
-    found = scene.field.pallets(scene.recipe.chunk_size)
-    return {"pallet_{}_{}".format(*pallet.chunk): micrometres(*pallet.centre, 0) for pallet in found}
+    found = scene.field.chunks(scene.recipe.chunk_size)
+    return {"pallet_{}_{}".format(*pallet.index): micrometres(*pallet.centre, 0) for pallet in found}
 
 
 def boxes(scene: rsegen.Scene) -> dict[str, Place]:

@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import Matrix, Placement, Recipe, generate
+from rsegen import Matrix, Recipe, generate
 from rsegen.cli import main
 from rsegen.robots import ROBOTS
 from rsegen.simulation.experiment.plan import ExperimentPlan, TableRow
@@ -36,7 +36,7 @@ def course(folder: Path, unit_cm: float) -> Path:
         boundary="none",
         unit_cm=unit_cm,
         seed=1,
-        obstacles=(Placement(obstacle=HILL),),
+        obstacles=(HILL,),
     )
     return generate(recipe, folder).maps[0].folder
 

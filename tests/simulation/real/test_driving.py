@@ -174,7 +174,7 @@ def written(levels: Levels, folder: Path, shape: Shape) -> Path:
     """The world of a field as one model."""
     no_frame = np.zeros(levels.shape, dtype=bool)
     field = rsegen.StepField(levels=levels, frame=no_frame, block_width=WIDTH, unit=UNIT, frame_height=WIDTH)
-    colours = rsegen.Placement(obstacle=rsegen.Random(max_height=LEVELS))
+    colours = rsegen.Random(levels=LEVELS)
     recipe = replace(rsegen.Recipe(name="lanes", seed=0, obstacles=(colours,)), **shape)
     scene = rsegen.Scene(recipe=recipe, index=0, field=field)
     write_folder(export(scene), folder / "lanes")

@@ -138,7 +138,7 @@ def course(  # what a world is made of
     collision: str = "mesh",
 ) -> Path:
     """A world of blocks 10 cm wide with a robot a little above a place."""
-    matrix = rsegen.Placement(obstacle=rsegen.Matrix.of(levels))
+    matrix = rsegen.Matrix.of(levels)
     recipe = rsegen.Recipe(
         chunk_size=len(levels), boundary="none", unit_cm=unit_cm, collision=collision, seed=1, obstacles=(matrix,)
     )

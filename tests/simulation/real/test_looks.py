@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Matrix, Placement, Recipe
+from rsegen import Matrix, Recipe
 
 cv2 = pytest.importorskip("cv2", reason="opencv-python-headless is not installed")
 pytestmark = pytest.mark.long(reason="a camera without a graphics card")
 
 BLOCKS = 8
-PLATEAU = Placement(obstacle=Matrix.of(np.full((BLOCKS, BLOCKS), 2)))
+PLATEAU = Matrix.of(np.full((BLOCKS, BLOCKS), 2))
 LEAST = {"levels": 4, "wood": 4}
 """Corners per block."""
 
@@ -54,7 +54,7 @@ def seen_in_gazebo(look: str, folder: Path) -> np.ndarray:
 
 def seen_in_mujoco(look: str, folder: Path) -> np.ndarray:
     scene = rsegen.compose(plateau(look))
-    scene.export(folder / look, "mjcf")
+    rsegen.export(scene, folder / look, "mjcf")
     picture = folder / f"{look}.npy"
     model = next((folder / look).rglob("scene.xml"))
     subprocess.run([sys.executable, "-c", RENDER, str(model), str(picture)], check=True)

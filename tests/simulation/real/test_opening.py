@@ -41,7 +41,7 @@ def mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def made(tmp_path: Path, name: str) -> Path:
-    random = rsegen.Placement(obstacle=rsegen.Random(max_height=3))
+    random = rsegen.Random(levels=3)
     return generated(rsegen.Recipe(name=name, chunk_size=3, seed=1, obstacles=(random,)), tmp_path).world
 
 

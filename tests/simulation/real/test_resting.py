@@ -38,7 +38,7 @@ def test_bodies_rest_on_heights_from_elsewhere(name: str, gazebo: Installation, 
     Image.fromarray((HEIGHTS * 257 * 255 // 40).astype(np.uint16)).save(tmp_path / "heights.png")
     Image.fromarray(walls).save(tmp_path / "map.pgm")
     (tmp_path / "map.yaml").write_text("image: map.pgm\nresolution: 0.2\norigin: [0, 0, 0]\nnegate: 0\n")
-    how = {"heights.csv": ["--unit-cm", "5"], "heights.png": ["--unit-cm", "5", "--max-height", "9"], "map.yaml": []}
+    how = {"heights.csv": ["--unit-cm", "5"], "heights.png": ["--unit-cm", "5", "--levels", "9"], "map.yaml": []}
 
     made = from_command(tmp_path / "worlds", "import", tmp_path / name, *how[name])
 
@@ -51,7 +51,7 @@ def test_bodies_rest_on_the_blocks_of_an_inventory(gazebo: Installation, tmp_pat
     (tmp_path / "blocks.csv").write_text("height_cm,count\n10,30\n20,20\n30,10\n40,5\n")
     asked = ["--inventory", str(tmp_path / "blocks.csv"), "--crossable-by", "crawler", "--max-step", "2"]
 
-    made = from_command(tmp_path / "worlds", "generate", "--obstacle", "random max_height=5", *asked, "--seed", "1")
+    made = from_command(tmp_path / "worlds", "generate", "--obstacle", "random levels=5", *asked, "--seed", "1")
 
     counts = made.scene.field.level_counts()
     assert all(counts.get(level, 0) <= owned for level, owned in enumerate((30, 20, 10, 5), 1))

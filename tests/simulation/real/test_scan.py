@@ -8,13 +8,13 @@ import pytest
 import rsegen
 from benchmarks.depth_camera import Flaws, turned, with_flaws
 from benchmarks.gazebo_depth import depth_clouds
-from rsegen import Placement, Random, Recipe
+from rsegen import Random, Recipe
 from rsegen.scanning import find_field
 from rsegen.simulation.simulators import Installation
 
 pytestmark = pytest.mark.long(reason="two cameras without a graphics card")
 
-RECIPE = Recipe(seed=5, boundary="outer", obstacles=(Placement(obstacle=Random(max_height=5)),))
+RECIPE = Recipe(seed=5, boundary="outer", obstacles=(Random(levels=5),))
 PLACES = ((0.6, 0.1, 2.2), (-0.5, -0.3, 2.2))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Matrix, Placement, Recipe
+from rsegen import Matrix, Recipe
 from rsegen.exporters.gazebo import sdf
 from rsegen.robots import SdfRobot, from_file
 from rsegen.simulation.driving.recording import RobotRun, record_drive
@@ -86,7 +86,7 @@ def test_the_file_of_a_robot_is_spawned_on_an_even_place_of_the_map(
         boundary="none",
         unit_cm=2,
         seed=1,
-        obstacles=(Placement(obstacle=Matrix.of(rows)),),
+        obstacles=(Matrix.of(rows),),
     )
     monkeypatch.chdir(tmp_path)
     Path("mine.sdf").write_text(two_wheels())

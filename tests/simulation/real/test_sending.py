@@ -40,7 +40,7 @@ def test_a_map_is_sent_and_the_next_one_takes_its_place(
         window.show()
         QTest.qWaitForWindowExposed(window)
         message = window.forms.note.text
-        window.session.add({"kind": "peak", "max_height": 5, "first": [2, 2], "last": [7, 7]})
+        window.session.add({"kind": "peak", "levels": 5, "first": [2, 2], "last": [7, 7]})
         for told in ("rse_0000-1 is in the simulation", "rse_0000-2 is in the simulation, in place of rse_0000-1"):
             QTest.keyClick(window, Qt.Key.Key_F6)
             until(lambda told=told: message() == told)  # type: ignore[misc]

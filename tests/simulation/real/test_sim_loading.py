@@ -39,7 +39,7 @@ def mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 @pytest.fixture
 def world(tmp_path: Path) -> Path:
-    random = rsegen.Placement(obstacle=rsegen.Random(max_height=3))
+    random = rsegen.Random(levels=3)
     return generated(rsegen.Recipe(name="course", chunk_size=3, seed=1, obstacles=(random,)), tmp_path).world
 
 

@@ -31,7 +31,7 @@ COURSE = rsegen.Recipe(
     chunk_size=8,
     unit_cm=1,
     seed=5,
-    obstacles=(rsegen.Placement(obstacle=rsegen.Random(max_height=3)),),
+    obstacles=(rsegen.Random(levels=3),),
 )
 
 SINKING = 1e-4
@@ -40,7 +40,7 @@ SINKING = 1e-4
 _REMOVED = "this entity does not exist. This create component request will be ignored."
 """What Fortress says at every step of a model with plug-ins that was removed."""
 
-EASY = replace(COURSE, obstacles=(rsegen.Placement(obstacle=rsegen.Random(max_height=2)),))
+EASY = replace(COURSE, obstacles=(rsegen.Random(levels=2),))
 """Its steps are of 1 cm, which the Burger climbs."""
 
 

@@ -85,7 +85,7 @@ def test_open_shows_the_map_in_its_colours_in_the_window(windowed: Installation,
 @pytest.mark.slow
 @pytest.mark.parametrize("pace", ["camera", "window"])
 def test_a_trial_counts_the_frames_that_are_drawn(pace: str, windowed: Installation, screen: str) -> None:
-    row = TableRow(robots=1, sizes=(10,), unit_cm=0.5, max_height=3)
+    row = TableRow(robots=1, sizes=(10,), unit_cm=0.5, levels=3)
     plan = ExperimentPlan(name="frames", rows=(row,), paces=(pace,), seconds=3)
     found = run_trial(plan, Cell(row=0, size=10, pace=pace), 0, windowed).outcome
     assert found.fps is not None

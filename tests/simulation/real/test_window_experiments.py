@@ -31,7 +31,7 @@ seconds: {seconds}
 repeats: 1
 paces: [free]
 rows:
-  - {{robot: burger, robots: 1, sizes: [0, 10], unit_cm: 0.3, max_height: 3}}
+  - {{robot: burger, robots: 1, sizes: [0, 10], unit_cm: 0.3, levels: 3}}
 """
 
 

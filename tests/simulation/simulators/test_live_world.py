@@ -125,9 +125,7 @@ def test_a_robot_and_a_map_are_spawned_respawned_and_removed_in_sim(
 
 
 def test_a_map_of_many_boxes_is_spawned(sim_address: Mapping[str, str]) -> None:
-    recipe = rsegen.Recipe(
-        seed=1, chunks=(3, 3), collision="boxes", obstacles=(rsegen.Placement(obstacle=rsegen.Random(max_height=5)),)
-    )
+    recipe = rsegen.Recipe(seed=1, chunks=(3, 3), collision="boxes", obstacles=(rsegen.Random(levels=5),))
     assert rsegen.spawn(recipe, simulator="sim").name == "rse_0000"
     assert Path("worlds/rse_0000/model.sdf").stat().st_size > 2**17
 

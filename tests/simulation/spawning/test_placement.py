@@ -17,9 +17,7 @@ METRES = st.floats(-20, 20)
 SIZES = st.floats(0, 3)
 TAKEN = st.lists(st.builds(Rectangle, METRES, METRES, SIZES, SIZES), max_size=8)
 FIELD = rsegen.build(
-    rsegen.Recipe(
-        seed=3, chunk_size=6, chunks=(2, 1), obstacles=(rsegen.Placement(obstacle=rsegen.Random(max_height=4)),)
-    ),
+    rsegen.Recipe(seed=3, chunk_size=6, chunks=(2, 1), obstacles=(rsegen.Random(levels=4),)),
     0,
 )
 

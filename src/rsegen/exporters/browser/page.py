@@ -4,9 +4,7 @@ The page is page.html with its style and scripts, which are files of this folder
 recipes may have any letters: in the HTML they are escaped, in the JSON there is no `<`, and the scripts set text as
 text.
 
-What the page says of a map: cells, palette, facts, metrics and recipe, as values for JSON.
-
-The metrics of a map as the page shows them: name, value with its unit, meaning.
+    Scene or StepField --ShownMap--> values for JSON: cells, palette, facts, metrics, recipe --page--> bytes of HTML
 """
 
 from __future__ import annotations
@@ -33,15 +31,17 @@ from rsegen.field.stepfield import Array, Ints, StepField
 
 
 def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]]:
-    """The metrics of a field, lengths in the units of its recipe; none if it has no block."""
+    """Yield name, value and meaning of the metrics of a field, lengths in the units of its recipe; none without
+    blocks.
+    """
     if field.frame.all():
         return
-    found = metrics(field)
+    measured = metrics(field)
 
     def length(metres: float | None) -> str:
         return "–" if metres is None else f"{written.short(_tenth(metres))} {written.unit}"  # noqa: RUF001  # a dash
 
-    spread, steps, rugged, opens = found.spread, found.steps, found.ruggedness, found.opening
+    spread, steps, rugged, opens = measured.spread, measured.steps, measured.ruggedness, measured.opening
     yield "mean height", length(spread.mean), f"{length(spread.lowest)} to {length(spread.highest)}"
     yield "standard deviation", length(spread.deviation), "of the heights"
     yield "entropy", f"{spread.entropy:.2f} bits", "of the distribution of levels"
@@ -51,13 +51,13 @@ def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]
     yield "surface", f"{rugged.surface_ratio:.2f}", "area of the surface, over that of the plan"
     yield "opens west to east", length(opens.west_east), "smallest step at which the map can be crossed"
     yield "opens south to north", length(opens.south_north), "the same, from the south"
-    if found.scale.hurst is not None:
-        weak = ", weak: of few lags" if found.scale.hurst_is_weak else ""
-        yield "Hurst exponent", f"{round(found.scale.hurst, 2) + 0:.2f}", f"how differences grow with distance{weak}"
+    if measured.scale.hurst is not None:
+        weak = ", weak: of few lags" if measured.scale.hurst_is_weak else ""
+        yield "Hurst exponent", f"{round(measured.scale.hurst, 2) + 0:.2f}", f"how differences grow with distance{weak}"
 
 
 def _tenth(metres: float) -> int:
-    """Nanometres, rounded to a tenth of a millimetre."""
+    """Return a length in nanometres, rounded to a tenth of a millimetre."""
     return round(metres * 1e4) * 100_000
 
 
@@ -72,7 +72,7 @@ _FRAME = -1
 class ShownMap:
     """A map on a page: what is drawn, and the text of its recipe with the name of a file for it; empty if it has none.
 
-    units: of the heights, as in a recipe
+    units: of the heights, as in a recipe.
     """
 
     drawn: Drawable
@@ -85,7 +85,7 @@ class ShownMap:
 
     @classmethod
     def of(cls, scene: Scene, recipe: str, suffix: str) -> ShownMap:
-        """The map of a scene, with its recipe in a text for a file of that suffix."""
+        """Return the map of a scene, with the text of its recipe for a file of some suffix."""
         return cls(
             drawn=scene,
             name=scene.name,
@@ -98,12 +98,12 @@ class ShownMap:
 
     @classmethod
     def of_field(cls, field: StepField, name: str = "step field") -> ShownMap:
-        """A field that belongs to no recipe, in the default colours."""
+        """Return a field that belongs to no recipe, in the default colours."""
         return cls(drawn=ColouredField(field=field), name=name)
 
 
 def content(shown: ShownMap) -> dict[str, Any]:
-    """All that the page needs of a map."""
+    """Return everything that the page needs of a map, as JSON values."""
     field, written = shown.drawn.field, lengths_in(shown.units)
     materials, cells = np.unique(np.where(field.frame, _FRAME, field.levels), return_inverse=True)
     return {
@@ -123,17 +123,19 @@ def content(shown: ShownMap) -> dict[str, Any]:
 
 
 def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[dict[str, Any]]:
-    """What stands in cells, lowest level first, after the frame: level (None for frames), height, colours, number.
+    """Yield the materials of cells, the frame first, then the lowest level: level (None for frames), height, colours,
+    count.
 
-    colour: on the plan; surface: in the 3D view, as in previews
+    colour: on the plan; surface: in the 3D view, as in previews.
     """
+    # In the order of np.unique, which the cells refer to.
     field, written = shown.drawn.field, lengths_in(shown.units)
     for material, count in zip(materials.tolist(), counts.tolist(), strict=True):
         is_frame = material == _FRAME
         height = round(field.frame_height if is_frame else material * field.unit, 9)
         colours = (
-            each(0 if is_frame else material) if material else _GROUND
-            for each in (shown.drawn.colour, shown.drawn.surface_colour)
+            colour_of(0 if is_frame else material) if material else _GROUND
+            for colour_of in (shown.drawn.colour, shown.drawn.surface_colour)
         )
         colour, surface = map(_hex, colours)
         yield {
@@ -151,7 +153,7 @@ def _hex(colour: Colour) -> str:
 
 
 def _encoded(cells: Ints | Array, entries: int) -> dict[str, Any]:
-    """The number of each cell's entry in the palette, all of the first i first, in base64."""
+    """Return the index of each cell's entry in the palette, all of the first i first, in base64."""
     size = 1 if entries <= 256 else 2
     return {"bytes": size, "content": b64encode(cells.ravel().astype(f"<u{size}").tobytes()).decode()}
 
@@ -175,26 +177,26 @@ _SCRIPTS = ("field.js", "solid.js", "plan.js", "page.js")
 
 
 def page(maps: Sequence[ShownMap]) -> bytes:
-    """The page that shows maps, one at a time, as the bytes of an HTML file; the same maps give the same bytes."""
+    """Return the page that shows maps, one at a time, as the bytes of an HTML file; equal maps give equal bytes."""
     title = maps[0].name if len(maps) == 1 else f"{maps[0].name} and {len(maps) - 1} more"
     parts = {
         "title": escape(title),
         "generator": f"rsegen {__version__}",
         "css": _source("page.css"),
-        "data": _json({"maps": [content(each) for each in maps]}),
+        "data": _json({"maps": [content(shown) for shown in maps]}),
         "licence": _source("three.LICENSE"),
         "three": _source("three.min.js"),
         "script": "\n".join(map(_source, _SCRIPTS)),
     }
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], _source("page.html")).encode()
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _source("page.html")).encode()
 
 
 def _source(name: str) -> str:
-    """A file of this folder."""
+    """Return the text of a file of this folder."""
     return files("rsegen.exporters.browser").joinpath(name).read_text("utf-8")
 
 
 def _json(value: object) -> str:
-    """JSON of ASCII letters in which no tag of HTML can begin or end."""
+    """Return JSON of ASCII letters in which no tag of HTML can begin or end."""
     text = json.dumps(value, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

@@ -32,7 +32,8 @@ class Arrays(Format):
     step: ClassVar[Step] = "build"
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The arrays, of shape (n_x, n_y) with frames, the table and the metadata."""
+        """Return the arrays, of shape (n_x, n_y) with frames, the table and the metadata."""
+        # The metadata explain only files that are written; without scipy there is no MAT file.
         field = scene.field
         variables = {
             "levels": field.levels,

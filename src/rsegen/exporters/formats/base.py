@@ -1,11 +1,9 @@
-"""What a format is: options with their bounds, and the files that it makes of a scene.
+"""Formats: options with their bounds, and the files that a format makes of a scene.
 
-A format is one file of this folder with one class: a frozen dataclass whose annotated fields are its options, under
-`@register`. Nothing else needs to know of it. Its files are in a folder of its name, inside the map's own.
+    Scene --Format.files--> files in a folder of the format's name, inside the map's own
 
-A map in the formats of other programs: every file of this folder with a `@register` is one, found by being there.
-
-Scene --Format.files--> files in a folder of the format's name
+A format is a file of this folder with a class: a frozen dataclass whose annotated fields are its options, under
+`@register`. Nothing else needs to know of it.
 """
 
 from __future__ import annotations
@@ -36,13 +34,13 @@ class Format(ABC):
 
     name: ClassVar[str]
     extra: ClassVar[Extra | None] = None
-    """What none of its files can be written without."""
+    """The extra without which none of its files can be written."""
 
     step: ClassVar[Step] = "measure"
-    """The step of making a map that needs about as much memory as making its files."""
+    """Step of making a map that needs about as much memory as making its files."""
 
     mat_file: ClassVar[str] = ""
-    """The one file that needs scipy, and is left out if that is not installed."""
+    """The file that needs scipy, and is left out if that is not installed; empty if there is none."""
 
     def __post_init__(self) -> None:
         validate(self)
@@ -54,21 +52,23 @@ class Format(ABC):
 
     @property
     def options(self) -> dict[str, Json]:
-        """The value of each option."""
+        """Value of each option."""
         return {name: getattr(self, name) for name in parameters(type(self))}
 
     @property
     def joins(self) -> str:
-        """The folder at the top of its files, if an export of several maps joins them in one such; else empty."""
+        """Folder at the top of its files, if an export of several maps joins them in one folder; else empty."""
         return ""
 
     @abstractmethod
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The files by their path in the format's folder, each to be read once; the same scene gives the same bytes."""
+        """Return the files by their path in the format's folder, each to be read once; equal scenes give equal
+        bytes.
+        """
 
     @property
     def left_out(self) -> str:
-        """Which file is not written as scipy is not installed, and what to do; empty if all are written."""
+        """Message about the file that is not written as scipy is not installed; empty if all are written."""
         if not self.mat_file or not MAT.is_missing:
             return ""
         return f"{self.name}: {self.mat_file} is left out, as scipy is not installed; {pip_install([MAT.name])}"
@@ -80,10 +80,10 @@ class Format(ABC):
 
 def refuse_missing(formats: Iterable[Format]) -> None:
     """Raise a UserError that names everything that is not installed and the formats need, with the one remedy."""
-    lacking = {each.name: each.extra for each in formats if each.extra and each.extra.is_missing}
+    lacking = {format_.name: format_.extra for format_ in formats if format_.extra and format_.extra.is_missing}
     if not lacking:
         return
-    modules, extras = (dict.fromkeys(getattr(one, key) for one in lacking.values()) for key in ("module", "name"))
+    modules, extras = (dict.fromkeys(getattr(extra, key) for extra in lacking.values()) for key in ("module", "name"))
     need, are = ("needs", "is") if len(lacking) == 1 else ("need", "are" if len(modules) > 1 else "is")
     raise UserError(
         f"{', '.join(lacking)} {need} {', '.join(modules)}, which {are} not installed; {pip_install(extras)}"
@@ -94,20 +94,20 @@ RESERVED = frozenset(
     {"recipe", "target", "file", "map", "to", "output", "force", "resume", "preview", "sheet", "formats", "json"}
     | {"list", "errors", "workers", "obstacle", "plugin", "help", "run", *parameters(Recipe)}
 )
-"""The flags of the commands that write formats, so no option has such a name."""
+"""Flags of the commands that write formats, so no option has such a name."""
 
 READING = frozenset(
     {"values", "rounded", "any_heights", "datum_cm", "fill_holes", "size", "cells_per_block", "origin", "rotation"}
-    | {"max_height", "invert", "threshold", "camera_cm", "unknown"}
+    | {"levels", "invert", "threshold", "camera_cm", "unknown"}
 )
-"""The flags of `rsegen import`, which writes formats too."""
+"""Flags of `rsegen import`, which writes formats too."""
 
 
 def _problem(cls: type[Format]) -> str:
-    """What is wrong with the name and the options of a plug-in's format."""
+    """Return the problem of the name and the options of a plug-in's format; an empty text if there is none."""
     if not (cls.name.isidentifier() and cls.name.islower()):
         return f"has the name {cls.name!r}; give one of small letters, digits and _, as its folder is called so"
-    return clash(cls, RESERVED | READING, FORMATS.own()) or ("" if cls() else "cannot be made without options")
+    return clash(cls, RESERVED | READING, others=FORMATS.own()) or ("" if cls() else "cannot be made without options")
 
 
 FORMATS: Registry[type[Format]] = Registry(
@@ -128,32 +128,32 @@ def register(cls: _Format) -> _Format:
 
 
 def format_named(name: str, where: str = "formats") -> type[Format]:
-    """The format of a name, or an UnknownName that lists the known ones."""
+    """Return the format of a name, or raise an UnknownName that lists the known ones."""
     return FORMATS.named(name, where)
 
 
 def refuse_unready(formats: Iterable[Format]) -> None:
     """Raise a UserError if one of the formats is given twice, or some need what is not installed."""
     formats, seen = tuple(formats), set()
-    for each in formats:
-        if each.name in seen:
-            raise ParameterError("formats", f"{each.name} is given twice")
-        seen.add(each.name)
+    for format_ in formats:
+        if format_.name in seen:
+            raise ParameterError("formats", f"{format_.name} is given twice")
+        seen.add(format_.name)
     refuse_missing(formats)
 
 
 def options(formats: Sequence[Format]) -> dict[str, Json]:
-    """What formats.json of a map says: the options of each format that is there, and the plug-in that it is from."""
-    return {each.name: {**each.options, **_origin(each.name)} for each in formats}
+    """Return the content of a map's formats.json: the options of each format, and the plug-in that it is from."""
+    return {format_.name: {**format_.options, **_origin(format_.name)} for format_ in formats}
 
 
 def added(scene: Scene, formats: Sequence[Format]) -> Bundle:
-    """What formats add to the files of a map; nothing where there are none."""
+    """Return the files that formats add to those of a map; none without formats."""
     return dict(_added(scene, formats))
 
 
 def exported(scene: Scene, formats: Sequence[Format]) -> Bundle:
-    """The files of a map in these formats alone, with the recipe that makes it again."""
+    """Return the files of a map in some formats alone, with the recipe that makes it again."""
     return {PurePosixPath("recipe.json"): [map_json(scene.recipe, scene.index)], **added(scene, formats)}
 
 
@@ -163,8 +163,8 @@ def _origin(name: str) -> dict[str, Json]:
 
 
 def _added(scene: Scene, formats: Sequence[Format]) -> Iterator[tuple[PurePosixPath, Iterable[bytes]]]:
-    for each in formats:
-        for path, content in each.files(scene).items():
-            yield PurePosixPath(each.name) / path, content
+    for format_ in formats:
+        for path, content in format_.files(scene).items():
+            yield PurePosixPath(format_.name) / path, content
     if formats:
         yield PurePosixPath("formats.json"), [(json.dumps(options(formats), indent=2) + "\n").encode()]

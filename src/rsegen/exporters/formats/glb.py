@@ -32,21 +32,21 @@ class Glb(Format):
     step: ClassVar[Step] = "mesh"
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """One GLB file."""
+        """Return a GLB file."""
         return {f"{scene.name}.glb": _glb(scene)}
 
 
 def _glb(scene: Scene) -> Iterator[bytes]:
     import trimesh
 
-    found = trimesh.Scene()
+    picture = trimesh.Scene()
     for name, mesh in _textured(scene) if scene.recipe.is_textured else _coloured(scene):
-        found.add_geometry(mesh, node_name=name, geom_name=name)
-    yield found.export(file_type="glb") if found.geometry else _EMPTY
+        picture.add_geometry(mesh, node_name=name, geom_name=name)
+    yield picture.export(file_type="glb") if picture.geometry else _EMPTY
 
 
 def _coloured(scene: Scene) -> Iterator[tuple[str, Any]]:
-    """A mesh per material, by its name."""
+    """Yield a mesh per material, with its name."""
     from trimesh.visual import TextureVisuals
 
     for material, part in solid(scene.field).parts():
@@ -57,7 +57,7 @@ def _coloured(scene: Scene) -> Iterator[tuple[str, Any]]:
 
 
 def _textured(scene: Scene) -> Iterator[tuple[str, Any]]:
-    """A mesh per material and texture, by its name."""
+    """Yield a mesh per material and texture, with its name."""
     from PIL import Image
     from trimesh.visual import TextureVisuals
 
@@ -72,7 +72,7 @@ def _textured(scene: Scene) -> Iterator[tuple[str, Any]]:
 
 
 def _matte(name: str, colour: Colour, **texture: Any) -> Any:
-    """The material of a surface without gloss."""
+    """Return the material of a surface without gloss."""
     from trimesh.visual.material import PBRMaterial
 
     factor = [*srgb_to_linear(colour), 1.0]
@@ -80,7 +80,7 @@ def _matte(name: str, colour: Colour, **texture: Any) -> Any:
 
 
 def _y_up(vertices: Array) -> Array:
-    """Vertices x, y, z as x, z, -y: rotated by 90 degrees about x."""
+    """Return vertices x, y, z as x, z, -y: rotated by 90 degrees about x."""
     return vertices[:, [0, 2, 1]] * [1, 1, -1] + 0.0
 
 

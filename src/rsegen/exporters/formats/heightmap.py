@@ -91,4 +91,4 @@ def _import_command(scene: Scene, step: int) -> str:
     """The command that imports the image again; frames become blocks."""
     field, (n_x, n_y) = scene.field, scene.field.shape
     lengths = f"--unit-cm {decimal(field.unit * 100)} --block-width-cm {decimal(field.block_width * 100)}"
-    return f"rsegen import {scene.name}.png --max-height {WHITE // step + 1} --size {n_x}x{n_y} {lengths} -o DIR"
+    return f"rsegen import {scene.name}.png --levels {WHITE // step + 1} --size {n_x}x{n_y} {lengths} -o DIR"

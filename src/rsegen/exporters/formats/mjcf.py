@@ -85,9 +85,9 @@ class _Body:
 
 def _boxes(scene: Scene) -> _Body:
     """Boxes for both visual and collision geometry."""
-    found = list(columns(scene.field))
-    geoms = (_box(scene, column, f' material="{_material(scene, column.material)}"') for column in found)
-    return _Body(assets=_materials(scene, {column.material for column in found}), geoms=geoms)
+    boxes = list(columns(scene.field))
+    geoms = (_box(scene, column, f' material="{_material(scene, column.material)}"') for column in boxes)
+    return _Body(assets=_materials(scene, {column.material for column in boxes}), geoms=geoms)
 
 
 def _meshes(scene: Scene) -> _Body:
@@ -138,6 +138,7 @@ def _height_field(scene: Scene, pixels: int) -> _Body:
     MuJoCo scales samples to 0..1, so the position of the geom gives the lowest one; and it puts the first and the last
     sample of a row on the sides of the field, which therefore are those of the outermost samples.
     """
+    # From lowest to highest sample; a flat map has an extent of 1 m that nothing uses, as 0 is not allowed.
     heights = _sampled(scene.field, pixels)
     low, high = float(heights.min()), float(heights.max())
     sides = ((extent - extent / count) / 2 for extent, count in zip(scene.field.extent, heights.shape, strict=True))
@@ -174,7 +175,8 @@ def _samples(heights: Array) -> Iterator[bytes]:
 
 
 def _map(scene: Scene, body: _Body) -> Iterator[str]:
-    """The file of the body alone, to be included or attached."""
+    """Yield the file of the body alone, to be included or attached."""
+    # In pieces, as a large map has many geoms; names have the map's name, so that two maps can be in a scene.
     name = scene.name
     yield f"""\
 <!-- made by rsegen: metres, z up, the middle of the map at 0 0 0, the ground at z = 0 -->
@@ -197,7 +199,8 @@ def _map(scene: Scene, body: _Body) -> Iterator[str]:
 
 
 def _scene(scene: Scene) -> Iterator[str]:
-    """The scene with light, a ground plane and a camera; the free camera of viewers sees the whole map."""
+    """Yield the scene with light, a ground plane and a camera; the free camera of viewers sees the whole map."""
+    # Viewers put the free camera at 1.5 times `extent` from the centre.
     across = hypot(*scene.field.extent)
     top = float(scene.field.heights.max())
     shadows = "true" if scene.recipe.shadows else "false"

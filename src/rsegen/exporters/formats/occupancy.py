@@ -13,14 +13,14 @@ from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
-from rsegen.params.sorts import Float, Integer
+from rsegen.field.stepfield import StepField
+from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Integer
 
 _OCCUPIED, _FREE = 0, 254
-"""Grey values as map_server writes them."""
+"""Grey values of occupied and free cells, as map_server writes them."""
 
 _MOST_PIXELS = 100_000_000
-"""Of an image with a margin."""
+"""Pixels of an image with a margin, at the most: 100 MB."""
 
 
 @register
@@ -46,7 +46,8 @@ class Occupancy(Format):
         return self.pixels**2
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The image, north up, and its YAML metadata; the centre of the map is the origin of the world."""
+        """Return the image, north up, and its YAML metadata; the centre of the map is the origin of the world."""
+        # The thresholds are those that map_saver writes; with mode `trinary` black is occupied and 254 is free.
         field, margin = scene.field, self._margin(scene.field)
         climb = field.unit if self.climb_cm is None else self.climb_cm / 100
         occupied = np.pad(field.heights > round(climb, NANOMETRE_DIGITS), margin)
@@ -67,7 +68,7 @@ class Occupancy(Format):
         return {"map.yaml": ["\n".join([*lines, ""]).encode()], "map.pgm": [head.encode(), rows.tobytes()]}
 
     def _margin(self, field: StepField) -> int:
-        """The cells of free ground on each side; a ParameterError if the image would be too large."""
+        """Return the cells of free ground on each side; a ParameterError if the image would be too large."""
         margin = ceil(round(self.margin_cm / 100 / field.block_width, NANOMETRE_DIGITS))
         width, height = ((n + 2 * margin) * self.pixels for n in field.shape)
         if margin and width * height > _MOST_PIXELS:

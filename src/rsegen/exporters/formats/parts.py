@@ -1,10 +1,8 @@
-"""A map as boxes on the ground of one colour each, for both visual and collision geometry.
+"""Parts of a map that several formats need: boxes of a colour, meshes split by material or texture, linear colours.
 
-The surface of a map split by material, for programs that use one material per mesh file.
-
-The parts of a surface with one material and one texture each, for glb and usd.
-
-Linear colours, which glTF and USD use.
+columns        boxes on the ground, each of one material, for both visual and collision geometry: mjcf, learning
+coloured_objs  the surface in a file per material: mjcf, urdf
+textured_...   the surface in parts of one material and one texture: mjcf, glb, usd
 """
 
 from __future__ import annotations
@@ -32,24 +30,24 @@ class Column(NamedTuple):
 
 
 def columns(field: StepField) -> Iterator[Column]:
-    """Few boxes that together fill the blocks and frames of a field and do not overlap."""
+    """Yield few boxes that together fill the blocks and frames of a field and do not overlap."""
     grid = label_grid(field)
-    found = merge(grid.cells)
-    rank, material = np.divmod(found.label, grid.materials)
+    rectangles = merge(grid.cells)
+    rank, material = np.divmod(rectangles.label, grid.materials)
     x, y, z = grid.lattice.lines
-    low = np.stack([x[found.u0], y[found.v0], np.zeros(len(rank))], axis=1)
-    high = np.stack([x[found.u1], y[found.v1], z[rank]], axis=1)
+    low = np.stack([x[rectangles.u0], y[rectangles.v0], np.zeros(len(rank))], axis=1)
+    high = np.stack([x[rectangles.u1], y[rectangles.v1], z[rank]], axis=1)
     rows = zip(((low + high) / 2).tolist(), (high - low).tolist(), material.tolist(), strict=True)
     return (Column(tuple(centre), tuple(size), kind) for centre, size, kind in rows)
 
 
 def coloured_objs(scene: Scene) -> Mapping[int, Iterable[bytes]]:
-    """An OBJ file per material of the map; the colours are in the map's MTL file in the same folder."""
+    """Return an OBJ file per material of the map; the colours are in the map's MTL file in the same folder."""
     return {material: obj([part], f"{scene.name}.mtl") for material, part in coloured(surface(scene.field))}
 
 
 def textured_objs(scene: Scene) -> Iterator[tuple[int, str, Iterable[bytes]]]:
-    """An OBJ file with texture coordinates per material of the map and per texture, `top` or `side`."""
+    """Yield an OBJ file with texture coordinates per material of the map and per texture, `top` or `side`."""
     for material, mesh in coloured(surface(scene.field)):
         sides = texture_coordinates(mesh, scene.field).sides
         for part, chosen in zip(PARTS, (~sides, sides), strict=True):
@@ -58,7 +56,7 @@ def textured_objs(scene: Scene) -> Iterator[tuple[int, str, Iterable[bytes]]]:
 
 
 def coloured(mesh: Mesh) -> Iterator[tuple[int, Mesh]]:
-    """Each material with the mesh of its faces and the vertices that they use."""
+    """Yield each material with the mesh of its faces and the vertices that they use."""
     for material in np.unique(mesh.materials).tolist():
         yield material, mesh.part(mesh.materials == material)
 
@@ -73,26 +71,26 @@ class TexturedPart(NamedTuple):
     triangles: Ints
 
 
-def textured_groups(found: Solid) -> Iterator[tuple[int, str, Mask]]:
-    """Each material with each texture that it has, and its triangles as a mask."""
-    for material in np.unique(found.materials).tolist():
-        for part, sides in zip(PARTS, (~found.sides, found.sides), strict=True):
-            chosen = (found.materials == material) & sides
+def textured_groups(mesh: Solid) -> Iterator[tuple[int, str, Mask]]:
+    """Yield each material with each texture that it has, and its triangles as a mask."""
+    for material in np.unique(mesh.materials).tolist():
+        for part, sides in zip(PARTS, (~mesh.sides, mesh.sides), strict=True):
+            chosen = (mesh.materials == material) & sides
             if chosen.any():
                 yield material, part, chosen
 
 
-def textured_parts(found: Solid) -> Iterator[TexturedPart]:
-    """The triangles of each material and texture; a vertex is there once per pair of texture coordinates."""
-    for material, part, chosen in textured_groups(found):
-        places = found.vertices[found.triangles[chosen]]
-        corners = np.concatenate([places, found.coordinates[chosen]], axis=2).reshape(-1, 5)
+def textured_parts(mesh: Solid) -> Iterator[TexturedPart]:
+    """Yield the triangles of each material and texture, with a vertex per pair of texture coordinates."""
+    for material, part, chosen in textured_groups(mesh):
+        places = mesh.vertices[mesh.triangles[chosen]]
+        corners = np.concatenate([places, mesh.coordinates[chosen]], axis=2).reshape(-1, 5)
         known, numbers = np.unique(corners, axis=0, return_inverse=True)
         yield TexturedPart(material, part, known[:, :3], known[:, 3:], numbers.reshape(-1, 3))
 
 
 def srgb_to_linear(colour: Colour) -> Colour:
-    """The linear colour of an sRGB colour (IEC 61966-2-1)."""
+    """Return the linear colour of an sRGB colour (IEC 61966-2-1)."""
     red, green, blue = (
         round(part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4, 6) for part in colour
     )

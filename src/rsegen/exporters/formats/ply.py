@@ -22,7 +22,7 @@ class Ply(Format):
     step: ClassVar[Step] = "mesh"
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """One PLY file."""
+        """Return a PLY file."""
         return {f"{scene.name}.ply": _ply(scene)}
 
 

@@ -3,15 +3,15 @@
 It has what Magid and Tsubouchi's work on static balance in Random Step Environments (2010 on) needs: a fine raster
 without smoothed edges (5 x 5 or 10 x 10 cells per block), edges, start and goal, tags. The files follow no standard.
 
-Tags of cells: the obstacles of the recipe, and the peaks and pits of the field.
-
-A plateau is a connected area of blocks of one height; frames and the ground around the map are no plateaus, but can be
-neighbours of one. Neighbours share a side.
+Edges are the sides of cells at which the height changes. Tags name the obstacles of the recipe in whose cells a block
+is, and the peaks and pits of the field. A plateau is a connected area of blocks of one height; frames and the ground
+around the map are no plateaus, but can be neighbours of one. Neighbours share a side.
 
     peak   a plateau that is higher than each of its neighbours by more than a limit
     pit    a plateau that is lower than each of its neighbours by more than a limit
 
-The edges of a field: every side of a cell at which the height changes.
+Plateaus are connected components (field/metrics/graphs.py); the least rise to any neighbour decides. Linear in the
+cells.
 """
 
 from __future__ import annotations
@@ -29,11 +29,12 @@ from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics.graphs import connected, neighbours
 from rsegen.field.obstacles.base import Shaped
-from rsegen.field.stepfield import NANOMETRE_DIGITS, Array, Ints, Mask, StepField
-from rsegen.params.sorts import Cell, Float, Integer, Json
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.params.sorts import NANOMETRE_DIGITS, Cell, Float, Integer, Json
 from rsegen.recipe.building import placed
 
 _BLOCK, _FRAME, _GROUND = range(3)
+"""Sorts of cells, for plateaus."""
 
 
 class ObstacleCells(NamedTuple):
@@ -51,27 +52,27 @@ class ObstacleCells(NamedTuple):
     cells: Mask
 
     def entry(self) -> dict[str, Json]:
-        """The obstacle as a dict for JSON, with the number of its cells."""
+        """Return the obstacle as a dict for JSON, with the number of its cells."""
         named = {"number": self.number, "kind": self.kind, "key": self.key}
         return {**named, "first": list(self.first), "last": list(self.last), "cells": int(self.cells.sum())}
 
 
 def obstacle_cells(scene: Scene) -> Iterator[ObstacleCells]:
-    """The cells of every barrier and peak of the recipe; a matrix and random kinds have none."""
+    """Yield the cells of every barrier and peak of the recipe; a matrix and random kinds have none."""
     field, recipe = scene.field, scene.recipe
     inside = np.ix_(field.inside(0), field.inside(1))
-    for number, placement in enumerate(recipe.obstacles):
-        if isinstance(placement.obstacle, Shaped):
-            first, last, patch = placed(recipe, placement, scene.index)
+    for index, obstacle in enumerate(recipe.obstacles):
+        if isinstance(obstacle, Shaped):
+            first, last, patch = placed(recipe, obstacle, scene.index)
             blocks = np.zeros(recipe.grid.shape, dtype=bool)
             blocks[patch.window] = patch.footprint
             cells = np.zeros(field.shape, dtype=bool)
             cells[inside] = blocks
-            yield ObstacleCells(number, placement.obstacle.kind, placement.key or "", first, last, cells)
+            yield ObstacleCells(index, obstacle.kind, obstacle.key or "", first, last, cells)
 
 
 def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
-    """For each cell the number of its peak, and of its pit, (n_x, n_y) each; -1 for none; limit: metres."""
+    """Return for each cell the index of its peak, and of its pit, (n_x, n_y) each; -1 for none; limit: metres."""
     tops = np.pad(np.rint(field.heights * 10**NANOMETRE_DIGITS).astype(np.int64), 1)
     sort = np.pad(np.where(field.frame, _FRAME, _BLOCK), 1, constant_values=_GROUND)
     a, b = neighbours(tops.shape)
@@ -88,7 +89,7 @@ def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
 
 
 def _beyond(height: Ints, a: Ints, b: Ints, rise: int) -> Mask:
-    """Which plateaus are higher than each adjacent plateau by more than `rise`."""
+    """Return which plateaus are higher than each adjacent plateau by more than `rise`."""
     least = np.full(height.size, np.iinfo(np.int64).max)
     np.minimum.at(least, a, height[a] - height[b])
     np.minimum.at(least, b, height[b] - height[a])
@@ -96,10 +97,10 @@ def _beyond(height: Ints, a: Ints, b: Ints, rise: int) -> Mask:
 
 
 def _numbered(plateau: Ints, chosen: Mask) -> Ints:
-    """The plateau number of chosen cells, counted from 0 in the order of first cells; -1 for all others."""
-    found = np.full(plateau.size, -1)
-    found[chosen] = np.unique(plateau[chosen], return_inverse=True)[1].ravel()
-    return found
+    """Return the plateau index of chosen cells, from 0 in the order of first cells; -1 for all others."""
+    indices = np.full(plateau.size, -1)
+    indices[chosen] = np.unique(plateau[chosen], return_inverse=True)[1].ravel()
+    return indices
 
 
 COLUMNS = {
@@ -121,7 +122,8 @@ FRAME = -1
 
 
 def edges(field: StepField) -> Array:
-    """The edges of a field, one per row (n, 10): the sides of cells at which the height changes, also to the ground.
+    """Return the edges of a field, one per row (n, 10): the sides of cells at which the height changes, also to the
+    ground.
 
     First those that run along y, then those along x; by i, then by j.
     """
@@ -139,14 +141,14 @@ def edges(field: StepField) -> Array:
 
 
 def _jumps(levels: Array, heights: Array) -> Array:
-    """The edges across the first axis: (n, 7) line, row, sign of the rise; level and height of low and high."""
+    """Return the edges across the first axis: (n, 7) line, row, sign of the rise; level and height of low and high."""
     at = np.argwhere(heights[1:] != heights[:-1])
     line, row = at.T
     rises = heights[line + 1, row] > heights[line, row]
     low, high = line + ~rises, line + rises
     sign = np.where(rises, 1, -1)
-    found = [line, row, sign, levels[low, row], heights[low, row], levels[high, row], heights[high, row]]
-    return np.stack(found, axis=1).astype(np.float64)
+    columns = [line, row, sign, levels[low, row], heights[low, row], levels[high, row], heights[high, row]]
+    return np.stack(columns, axis=1).astype(np.float64)
 
 
 _RASTER = "float64 (n_x, n_y) * cells_per_block, height above the ground, metres; every sub-cell has its block's height"
@@ -190,33 +192,36 @@ class Posture(Format):
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """Arrays with axis 0 along x, tables of heights north up, and metadata; lengths in metres."""
-        found = self._found(scene)
+        features = self._features(scene)
         raster = scene.field.heights.repeat(self.per_block, axis=0).repeat(self.per_block, axis=1)
-        variables = {"raster": raster, **self._variables(found)}
+        variables = {"raster": raster, **self._variables(features)}
         head = f"heights in metres, {self.per_block} x {self.per_block} cells for each block"
         return {
             "raster.npy": [npy(raster)],
             "raster.csv": north_up(scene.field.heights, head, self.per_block),
-            "edges.csv": _table(COLUMNS, (map(decimal, row) for row in found.edges.tolist())),
-            "tags.csv": _table(["i", "j", "level", "tag", "from", "number"], found.tagged()),
+            "edges.csv": _table(COLUMNS, (map(decimal, row) for row in features.edges.tolist())),
+            "tags.csv": _table(["i", "j", "level", "tag", "from", "number"], features.tagged()),
             **({} if self.left_out else {"posture.mat": [mat(variables)]}),
-            "posture.json": [as_json(self._metadata(found))],
+            "posture.json": [as_json(self._metadata(features))],
         }
 
-    def _found(self, scene: Scene) -> _Found:
+    def _features(self, scene: Scene) -> _Features:
         field = scene.field
         limit = field.unit if self.climb_cm is None else self.climb_cm / 100
         peaks, pits = peaks_and_pits(field, limit)
-        return _Found(scene, limit, edges(field), tuple(obstacle_cells(scene)), peaks, pits)
+        return _Features(scene, limit, edges(field), tuple(obstacle_cells(scene)), peaks, pits)
 
     def _pose(self, field: StepField, side: int) -> dict[str, Json]:
-        """The start pose, west of the map (side -1), or the goal pose, east of it (side 1), both heading east."""
+        """Return the start pose, west of the map (side -1), or the goal pose, east of it (side 1), both heading
+        east.
+        """
         x = side * (field.extent[0] / 2 + self.clearance_cm / 100)
         return {"x": round(x, NANOMETRE_DIGITS), "y": 0.0, "z": 0.0, "yaw": 0.0}
 
-    def _variables(self, found: _Found) -> dict[str, object]:
-        """The variables for MATLAB, in which plateaus are numbered from 1, and 0 is none."""
-        field = found.scene.field
+    def _variables(self, features: _Features) -> dict[str, object]:
+        """Return the variables for MATLAB, in which plateaus are numbered from 1, and 0 is none."""
+        # Texts as arrays of objects become cell arrays; masks of obstacles are stacked along a third axis.
+        field = features.scene.field
         return {
             "levels": field.levels,
             "heights": field.heights,
@@ -224,22 +229,23 @@ class Posture(Format):
             "cells_per_block": self.per_block,
             "unit": field.unit,
             "block_width": field.block_width,
-            "edges": found.edges,
+            "edges": features.edges,
             "edge_columns": np.array(list(COLUMNS), dtype=object),
             "start": [list(self._pose(field, -1).values())],
             "goal": [list(self._pose(field, 1).values())],
-            "shapes": _stacked([shape.cells for shape in found.shapes], field),
-            "shape_kinds": np.array([shape.kind for shape in found.shapes], dtype=object),
-            "peaks": found.peaks + 1,
-            "pits": found.pits + 1,
-            "limit": found.limit,
-            "seed": np.int64(found.scene.recipe.seed),
-            "name": found.scene.name,
+            "shapes": _stacked([shape.cells for shape in features.shapes], field),
+            "shape_kinds": np.array([shape.kind for shape in features.shapes], dtype=object),
+            "peaks": features.peaks + 1,
+            "pits": features.pits + 1,
+            "limit": features.limit,
+            "seed": np.int64(features.scene.recipe.seed),
+            "name": features.scene.name,
         }
 
-    def _metadata(self, found: _Found) -> dict[str, Json]:
-        scene = found.scene
-        plateaus = {tag: int(where.max()) + 1 for tag, where in (("peaks", found.peaks), ("pits", found.pits))}
+    def _metadata(self, features: _Features) -> dict[str, Json]:
+        scene = features.scene
+        # Every file is explained here, as no other program writes this format.
+        plateaus = {tag: int(where.max()) + 1 for tag, where in (("peaks", features.peaks), ("pits", features.pits))}
         return {
             **metadata(scene),
             "cells_per_block": self.per_block,
@@ -248,18 +254,18 @@ class Posture(Format):
             "start": self._pose(scene.field, -1),
             "goal": self._pose(scene.field, 1),
             "poses": "metres and radians; on the flat ground, which goes on around the map; yaw 0 heads along +x",
-            "edges": {"count": len(found.edges), "columns": COLUMNS},
+            "edges": {"count": len(features.edges), "columns": COLUMNS},
             "tags": {
                 "columns": _TAGS,
-                "limit_m": found.limit,
-                "recipe": [shape.entry() for shape in found.shapes],
+                "limit_m": features.limit,
+                "recipe": [shape.entry() for shape in features.shapes],
                 "field": plateaus,
             },
             "recipe": recipe_json(scene),
         }
 
 
-class _Found(NamedTuple):
+class _Features(NamedTuple):
     """Edges, obstacle cells, peaks and pits of a map, computed once for all files; limit: metres."""
 
     scene: Scene
@@ -270,7 +276,7 @@ class _Found(NamedTuple):
     pits: Ints
 
     def tagged(self) -> Iterator[tuple[str, ...]]:
-        """The rows of tags.csv: cells of the recipe's obstacles, then of peaks, then of pits."""
+        """Yield the rows of tags.csv: cells of the recipe's obstacles, then of peaks, then of pits."""
         levels = self.scene.field.levels
         for shape in self.shapes:
             for i, j in np.argwhere(shape.cells).tolist():
@@ -281,7 +287,7 @@ class _Found(NamedTuple):
 
 
 def _stacked(masks: Sequence[Mask], field: StepField) -> Mask:
-    """Masks stacked to (n_x, n_y, number of masks), also if there are none."""
+    """Return masks stacked to (n_x, n_y, number of masks), also if there are none."""
     return np.moveaxis(np.array(masks, dtype=bool).reshape(len(masks), *field.shape), 0, 2)
 
 

@@ -14,8 +14,8 @@ from rsegen.exporters.formats.urdf import urdf_files
 from rsegen.exporters.gazebo import sdf, single
 from rsegen.exporters.ros2.package import common_files
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
-from rsegen.params.sorts import Float, Json, Text
+from rsegen.field.stepfield import StepField
+from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Json, Text
 
 _DROP_HEIGHT = 0.1
 """Metres above the ground at which robots are spawned: the origin of many is at the height of their axles."""
@@ -54,18 +54,18 @@ class Ros2(Format):
 
     @property
     def joins(self) -> str:
-        """The folder of the one package of all maps, if its name is given."""
+        """Folder of the package of all maps, if its name is given."""
         return self.package or ""
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The files of the package, in a folder of its name."""
         package = self.package or package_name(scene.name)
-        found: dict[str, Iterable[bytes]] = {path: [text.encode()] for path, text in common_files(package).items()}
-        found |= _model(scene)
-        found |= urdf_files(scene, f"urdf/{scene.name}/", f"package://{package}/urdf/{scene.name}/")
-        found |= {f"maps/{scene.name}/{path}": content for path, content in self._map(scene).items()}
-        found[f"worlds/{scene.name}.world"] = sdf.utf8(sdf.world(scene, [_INCLUDE.format(name=scene.name)]))
-        return {f"{package}/{path}": content for path, content in found.items()}
+        contents: dict[str, Iterable[bytes]] = {path: [text.encode()] for path, text in common_files(package).items()}
+        contents |= _model(scene)
+        contents |= urdf_files(scene, f"urdf/{scene.name}/", f"package://{package}/urdf/{scene.name}/")
+        contents |= {f"maps/{scene.name}/{path}": content for path, content in self._map(scene).items()}
+        contents[f"worlds/{scene.name}.world"] = sdf.utf8(sdf.world(scene, [_INCLUDE.format(name=scene.name)]))
+        return {f"{package}/{path}": content for path, content in contents.items()}
 
     def _map(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The occupancy grid, and the start pose."""

@@ -1,4 +1,14 @@
-"""A watertight mesh that stays watertight when a program merges equal vertices, for stl, ply, glb and usd."""
+"""A watertight mesh that stays watertight when a program merges equal vertices, for stl, ply, glb and usd.
+
+STL has no vertex indices, and importers of the others merge vertices at one position. Where two blocks touch only along
+a vertical edge, four faces would then meet in it:
+
+     seen from the side, the faces of one of the two blocks are bisected at the middle of the edge:
+
+         |         |
+         |         *      so the edges of the two blocks have different ends,
+         |         |      and each of them has two faces
+"""
 
 from __future__ import annotations
 
@@ -27,18 +37,18 @@ class Solid(NamedTuple):
 
     @property
     def mesh(self) -> Any:
-        """The mesh as a trimesh.Trimesh, not processed."""
+        """Mesh as a trimesh.Trimesh, not processed."""
         import trimesh
 
         return trimesh.Trimesh(self.vertices, self.triangles, process=False)
 
     def parts(self) -> Iterator[tuple[int, Solid]]:
-        """Each material with the mesh of its triangles, which has vertices of its own."""
+        """Yield each material with the mesh of its triangles, which has vertices of its own."""
         for material in np.unique(self.materials).tolist():
             yield material, self.of([material])
 
     def of(self, materials: Sequence[int]) -> Solid:
-        """The mesh of the triangles of these materials, with vertices of its own."""
+        """Return the mesh of the triangles of some materials, with vertices of its own."""
         chosen = np.isin(self.materials, materials)
         used, corners = np.unique(self.triangles[chosen], return_inverse=True)
         triangles = corners.reshape(-1, 3)
@@ -49,11 +59,12 @@ class Solid(NamedTuple):
 
 
 def solid(field: StepField, *, textured: bool = False) -> Solid:
-    """The watertight mesh of a field, which stays watertight when vertices at one position are merged.
+    """Return the watertight mesh of a field, which stays watertight when vertices at one position are merged.
 
     If two blocks touch only along a vertical edge, four faces meet in it. One of the two blocks has an additional
     vertex in the middle of that edge: so no edge between two vertices has more than two faces, and no point has moved.
     """
+    # Edges that are equal by position but not by vertices; all but the first of them are bisected.
     mesh = watertight(field)
     edges = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]]
     own = _numbered(edges, len(mesh.places))
@@ -61,38 +72,38 @@ def solid(field: StepField, *, textured: bool = False) -> Solid:
     edge = np.unique(_numbered(places[edges], len(places)), return_inverse=True)[1].reshape(own.shape)
     lowest = np.full(own.size, np.iinfo(np.int64).max)
     np.minimum.at(lowest, edge, own)
-    found = Solid(mesh.vertices, mesh.triangles, mesh.materials)
+    closed = Solid(mesh.vertices, mesh.triangles, mesh.materials)
     if textured:
         texture = texture_coordinates(mesh, field)
-        found = found._replace(sides=texture.sides, coordinates=texture.values[texture.corners] / TILES)
-    return _bisected(found, own, own != lowest[edge])
+        closed = closed._replace(sides=texture.sides, coordinates=texture.values[texture.corners] / TILES)
+    return _bisected(closed, own, own != lowest[edge])
 
 
 def _numbered(edges: Ints, count: int) -> Ints:
-    """One number (m, 3) per undirected edge (m, 3, 2)."""
+    """Return a number (m, 3) per undirected edge (m, 3, 2)."""
     ends = np.sort(edges, axis=2).astype(np.int64)
     return ends[..., 0] * count + ends[..., 1]
 
 
-def _bisected(found: Solid, edges: Ints, chosen: Ints) -> Solid:
-    """The mesh with triangles bisected at the chosen edges; these are vertical, so no triangle has two of them."""
+def _bisected(mesh: Solid, edges: Ints, chosen: Ints) -> Solid:
+    """Return the mesh with triangles bisected at the chosen edges: vertical ones, of which no triangle has two."""
     cut, side = np.nonzero(chosen)
-    start, end = (found.triangles[cut, (side + step) % 3] for step in range(2))
-    known, first, number = np.unique(edges[cut, side], return_index=True, return_inverse=True)
-    middles = (found.vertices[start[first]] + found.vertices[end[first]]) / 2
-    vertices = np.concatenate([found.vertices, middles.reshape(len(known), 3)])
-    triangles = _halved(found.triangles, cut, side, len(found.vertices) + number.ravel())
-    faces = np.concatenate([np.delete(np.arange(len(found.triangles)), cut), cut, cut])
-    made = Solid(vertices, triangles, found.materials[faces])
-    if not len(found.sides):
+    start, end = (mesh.triangles[cut, (side + step) % 3] for step in range(2))
+    known, first, edge = np.unique(edges[cut, side], return_index=True, return_inverse=True)
+    middles = (mesh.vertices[start[first]] + mesh.vertices[end[first]]) / 2
+    vertices = np.concatenate([mesh.vertices, middles.reshape(len(known), 3)])
+    triangles = _halved(mesh.triangles, cut, side, len(mesh.vertices) + edge.ravel())
+    faces = np.concatenate([np.delete(np.arange(len(mesh.triangles)), cut), cut, cut])
+    made = Solid(vertices, triangles, mesh.materials[faces])
+    if not len(mesh.sides):
         return made
-    between = (found.coordinates[cut, side] + found.coordinates[cut, (side + 1) % 3]) / 2
-    coordinates = _halved(found.coordinates, cut, side, between)
-    return made._replace(sides=found.sides[faces], coordinates=coordinates)
+    between = (mesh.coordinates[cut, side] + mesh.coordinates[cut, (side + 1) % 3]) / 2
+    coordinates = _halved(mesh.coordinates, cut, side, between)
+    return made._replace(sides=mesh.sides[faces], coordinates=coordinates)
 
 
 def _halved(corners: NDArray[Any], cut: Ints, side: Ints, middle: NDArray[Any]) -> NDArray[Any]:
-    """Values at the corners (m, 3, ...) of all triangles after those in `cut` were bisected: these come last."""
+    """Return values at the corners (m, 3, ...) of all triangles after those in `cut` were bisected: these come last."""
     start, end, tip = (corners[cut, (side + step) % 3] for step in range(3))
     halves = [np.stack(parts, axis=1) for parts in ((start, middle, tip), (middle, end, tip))]
     return np.concatenate([np.delete(corners, cut, axis=0), *halves])

@@ -22,7 +22,7 @@ class Stl(Format):
     step: ClassVar[Step] = "mesh"
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """One STL file."""
+        """Return an STL file."""
         return {f"{scene.name}.stl": _stl(scene)}
 
 

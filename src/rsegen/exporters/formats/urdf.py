@@ -62,10 +62,10 @@ def _robot(scene: Scene, materials: Iterable[int], root: str, *, world: bool) ->
         yield '  <link name="world"/>\n'
         yield _joint("world", scene.name)
     visuals = [_visual(scene, material, root) for material in materials]
-    for number, (friction, field) in enumerate(split_by_friction(scene, scene.field)):
-        name = f"{scene.name}_friction_{decimal(friction)}" if number else scene.name
-        yield from _link(name, friction, chain([] if number else visuals, _collisions(field)))
-        if number:
+    for index, (friction, field) in enumerate(split_by_friction(scene, scene.field)):
+        name = f"{scene.name}_friction_{decimal(friction)}" if index else scene.name
+        yield from _link(name, friction, chain([] if index else visuals, _collisions(field)))
+        if index:
             yield _joint(scene.name, name)
     yield "</robot>\n"
 
@@ -101,8 +101,8 @@ def _visual(scene: Scene, material: int, root: str) -> str:
 
 
 def _collisions(field: StepField) -> Iterator[str]:
-    found = boxes(field)
-    for size, centre in zip(found.sizes.tolist(), found.centres.tolist(), strict=True):
+    cut = boxes(field)
+    for size, centre in zip(cut.sizes.tolist(), cut.centres.tolist(), strict=True):
         yield f"""\
     <collision>
       <origin xyz="{numbers(centre)}"/>

@@ -1,8 +1,7 @@
 """The format `usd`: the map as a mesh with a material per colour, and a static triangle mesh collider.
 
 Engines such as Newton read one friction per mesh, so a map of several has a mesh prim for each part of its surface.
-
-Textures of a USD mesh: UsdPreviewSurface materials that read an image at the primvar `st`.
+Textured looks are UsdPreviewSurface materials that read an image at the primvar `st`, bound to subsets of faces.
 """
 
 from __future__ import annotations
@@ -27,17 +26,17 @@ from rsegen.params.extras import USD, Extra
 from rsegen.params.sorts import Flag
 
 
-def bind_textures(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
+def bind_textures(root: Any, scene: Scene, mesh: Any, surface: Solid) -> None:
     """Give a mesh prim its texture coordinates, and each subset of its faces a material."""
     from pxr import Sdf, UsdGeom, UsdShade, Vt
 
-    values, index = np.unique(found.coordinates.reshape(-1, 2), axis=0, return_inverse=True)
+    values, index = np.unique(surface.coordinates.reshape(-1, 2), axis=0, return_inverse=True)
     kind = Sdf.ValueTypeNames.TexCoord2fArray
     st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", kind, UsdGeom.Tokens.faceVarying)
     st.Set(Vt.Vec2fArray.FromNumpy(values.astype(np.float32)))
     st.SetIndices(Vt.IntArray.FromNumpy(index.ravel().astype(np.int32)))
     binding = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
-    for material, part, chosen in textured_groups(found):
+    for material, part, chosen in textured_groups(surface):
         faces = Vt.IntArray.FromNumpy(np.flatnonzero(chosen).astype(np.int32))
         subset = binding.CreateMaterialBindSubset(textured_name(material, part), faces)
         UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(_textured_material(root, scene, material, part))
@@ -45,14 +44,15 @@ def bind_textures(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
 
 
 def _textured_material(root: Any, scene: Scene, material: int, part: str) -> Any:
-    """The material of a surface without gloss: an image times the tint of the material."""
+    """Return the material of a surface without gloss: an image times the tint of the material."""
     from pxr import Gf, Sdf, UsdGeom, UsdShade
 
     stage, types = root.GetPrim().GetStage(), Sdf.ValueTypeNames
     looks = root.GetPath().AppendChild("Looks")
     UsdGeom.Scope.Define(stage, looks)
     path = looks.AppendChild(textured_name(material, part))
-    found = UsdShade.Material.Define(stage, path)
+    result = UsdShade.Material.Define(stage, path)
+    # Three shaders in a row: texture coordinates -> image -> surface.
     reader = _shader(stage, path.AppendChild("st"), "UsdPrimvarReader_float2")
     reader.CreateInput("varname", types.String).Set("st")
     image = _shader(stage, path.AppendChild("image"), "UsdUVTexture")
@@ -66,8 +66,8 @@ def _textured_material(root: Any, scene: Scene, material: int, part: str) -> Any
     colour = surface.CreateInput("diffuseColor", types.Color3f)
     colour.ConnectToSource(image.CreateOutput("rgb", types.Float3))
     surface.CreateInput("roughness", types.Float).Set(1.0)
-    found.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", types.Token))
-    return found
+    result.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", types.Token))
+    return result
 
 
 def _shader(stage: Any, path: Any, kind: str) -> Any:
@@ -93,7 +93,7 @@ class Usd(Format):
     ] = True
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """One USD file, and the images of its textures if the recipe's look has any."""
+        """Return a USD file, and the images of its textures if the recipe's look has any."""
         images = texture_files(scene) if scene.field.stands() else {}
         if self.binary:
             return {f"{scene.name}.usdc": _binary(scene), **images}
@@ -132,58 +132,60 @@ def _stage(scene: Scene) -> Any:
     root = UsdGeom.Xform.Define(stage, f"/{prim_name(scene.name)}")
     Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
     stage.SetDefaultPrim(root.GetPrim())
-    found = solid(scene.field, textured=scene.recipe.is_textured)
-    for number, (friction, part) in enumerate(_by_friction(scene, found)):
-        own = f"friction_{decimal(friction).replace('.', '_')}" if number else "friction"
-        mesh = _mesh(root, scene, part, f"surface_{own}" if number else "surface")
+    surface = solid(scene.field, textured=scene.recipe.is_textured)
+    for index, (friction, part) in enumerate(_by_friction(scene, surface)):
+        own = f"friction_{decimal(friction).replace('.', '_')}" if index else "friction"
+        mesh = _mesh(root, scene, part, f"surface_{own}" if index else "surface")
         bind = bind_textures if scene.recipe.is_textured else _bind_colours
         bind(root, scene, mesh, part)
         _add_physics(root, mesh, friction, own)
     return stage
 
 
-def _by_friction(scene: Scene, found: Solid) -> Iterator[tuple[float, Solid]]:
-    """Each friction coefficient with its part of a surface; most often all of it has the same."""
+def _by_friction(scene: Scene, surface: Solid) -> Iterator[tuple[float, Solid]]:
+    """Yield each friction coefficient with its part of a surface; most often there is only one."""
     for friction, materials in scene.by_friction(scene.field):
-        part = found if materials is None else found.of(materials)
+        part = surface if materials is None else surface.of(materials)
         if len(part.triangles):
             yield friction, part
 
 
-def _mesh(root: Any, scene: Scene, found: Solid, name: str) -> Any:
+def _mesh(root: Any, scene: Scene, surface: Solid, name: str) -> Any:
     """A mesh prim: triangles with a colour and a normal each, in single precision, as in USD."""
     from pxr import UsdGeom, Vt
 
+    # Everything that viewers need even if they know no materials: points, faces, normals, a colour per face.
     mesh = UsdGeom.Mesh.Define(root.GetPrim().GetStage(), root.GetPath().AppendChild(name))
-    points = Vt.Vec3fArray.FromNumpy(found.vertices.astype(np.float32))
+    points = Vt.Vec3fArray.FromNumpy(surface.vertices.astype(np.float32))
     mesh.CreatePointsAttr(points)
     mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(points))
-    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(found.triangles), 3, dtype=np.int32)))
-    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(found.triangles.astype(np.int32).ravel()))
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(surface.triangles), 3, dtype=np.int32)))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(surface.triangles.astype(np.int32).ravel()))
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(_normals(found).astype(np.float32)))
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(_normals(surface).astype(np.float32)))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.uniform)
     colours = np.array(
-        [srgb_to_linear(scene.surface_colour(kind)) for kind in range(int(found.materials.max()) + 1)], dtype=np.float32
+        [srgb_to_linear(scene.surface_colour(level)) for level in range(int(surface.materials.max()) + 1)],
+        dtype=np.float32,
     )
     shown = mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.uniform)
-    shown.Set(Vt.Vec3fArray.FromNumpy(colours[found.materials]))
+    shown.Set(Vt.Vec3fArray.FromNumpy(colours[surface.materials]))
     return mesh
 
 
-def _normals(found: Solid) -> Array:
+def _normals(surface: Solid) -> Array:
     """The normal of each triangle, (m, 3), along an axis."""
-    first, second, third = (found.vertices[found.triangles[:, corner]] for corner in range(3))
+    first, second, third = (surface.vertices[surface.triangles[:, corner]] for corner in range(3))
     return np.sign(np.round(np.cross(second - first, third - first), 15)) + 0.0
 
 
-def _bind_colours(root: Any, scene: Scene, mesh: Any, found: Solid) -> None:
+def _bind_colours(root: Any, scene: Scene, mesh: Any, surface: Solid) -> None:
     """Bind a subset of the faces to each material."""
     from pxr import UsdGeom, UsdShade, Vt
 
     binding = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
-    for kind in np.unique(found.materials).tolist():
-        faces = np.flatnonzero(found.materials == kind).astype(np.int32)
+    for kind in np.unique(surface.materials).tolist():
+        faces = np.flatnonzero(surface.materials == kind).astype(np.int32)
         subset = binding.CreateMaterialBindSubset(material_name(kind), Vt.IntArray.FromNumpy(faces))
         material = _material(root, material_name(kind), srgb_to_linear(scene.colour(kind)))
         UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)

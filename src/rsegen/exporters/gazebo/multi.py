@@ -11,24 +11,25 @@ from rsegen.exporters.gazebo import sdf, shapes
 from rsegen.exporters.gazebo.obj import material_name, obj
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
+from rsegen.field.stepfield import StepField
 from rsegen.geometry import surface
+from rsegen.params.sorts import NANOMETRE_DIGITS
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
-    """The world file, generated while it is written."""
+    """Return the world file, generated while it is written, and the meshes of textured blocks."""
     return {f"{scene.name}.world": sdf.utf8(sdf.world(scene, boxes(scene))), **_mesh_files(scene)}
 
 
 def model_count(scene: Scene) -> int:
-    """The number of cells above the ground."""
+    """Return the number of cells above the ground."""
     field = scene.field
     frames = np.count_nonzero(field.frame) if 0 in _heights(field) else 0
     return int(np.count_nonzero(field.levels) + frames)
 
 
 def collision_count(scene: Scene) -> int:
-    """One collision shape per box."""
+    """Return the number of collision shapes: one per box."""
     return model_count(scene)
 
 
@@ -40,6 +41,7 @@ def boxes(scene: Scene) -> Iterator[str]:
     field = scene.field
     x, y = ([decimal(at) for at in ((line[:-1] + line[1:]) / 2).tolist()] for line in field.edges())
     block_x, block_y = (field.numbered(axis).tolist() for axis in (0, 1))
+    # A model differs from others of its material in name, x and y only, so it is one text with three placeholders.
     templates = {material: _templates(scene, material, height) for material, height in _heights(field).items()}
     for i in range(field.shape[0]):
         row = zip(field.levels[i].tolist(), field.frame[i].tolist(), strict=True)
@@ -58,7 +60,8 @@ def _heights(field: StepField) -> dict[int, float]:
 
 
 VARIANTS = 4
-"""Different textures of the blocks of one level."""
+"""Different textures of the blocks of a level: (i + 2 j) % 4 gives a block and its four neighbours different ones but
+for one pair; each is a mesh file."""
 
 
 def _templates(scene: Scene, material: int, height: float) -> list[str]:
@@ -82,13 +85,13 @@ def _textured(scene: Scene, material: int, height: float, variant: int) -> sdf.S
 
 def _mesh_files(scene: Scene) -> dict[str, Iterable[bytes]]:
     """The meshes of textured blocks, VARIANTS per level, and their materials."""
-    found: dict[str, Iterable[bytes]] = {}
+    contents: dict[str, Iterable[bytes]] = {}
     for material in _heights(scene.field) if scene.recipe.is_textured else ():
         for variant in range(VARIANTS):
             block = _block(scene.field, material, variant)
             mesh = obj([surface(block)], f"{scene.name}.mtl", block)
-            found[f"meshes/{_mesh_name(scene, material, variant)}"] = mesh
-    return found | (shapes.material_files(scene) if found else {})
+            contents[f"meshes/{_mesh_name(scene, material, variant)}"] = mesh
+    return contents | (shapes.material_files(scene) if contents else {})
 
 
 def _mesh_name(scene: Scene, material: int, variant: int) -> str:

@@ -22,7 +22,7 @@ _Texts = NDArray[np.void]
 """Texts of one width, padded with zero bytes, as items of that many bytes."""
 
 STRIP = 2**15
-"""Lines that are made at once: enough to be fast, few enough to stay in the CPU cache."""
+"""Lines that are made at once: enough to be fast, few enough to stay in the CPU cache (some 2 MB)."""
 
 
 def obj(meshes: Iterable[Mesh], mtl_name: str, textured: StepField | None = None) -> Iterator[bytes]:
@@ -71,7 +71,7 @@ def _material(name: str, colour: Colour) -> str:
 
 
 PARTS = ("top", "side")
-"""The parts of a block that have textures of their own; frames have that of the sides all over."""
+"""Parts of a block that have textures of their own; frames have the texture of sides all over."""
 
 
 def texture_name(scene: Scene, part: str) -> str:
@@ -105,9 +105,9 @@ def _vertices(mesh: Mesh) -> Iterator[bytes]:
 
 
 def _faces(mesh: Mesh, first: int) -> Iterator[bytes]:
-    """The faces, one group per material; `first` is the number of the first vertex."""
+    """Yield the faces, a group per material; `first` is the number of the first vertex."""
     numbers = _counted(first, len(mesh.places))
-    normals = _texts([f"//{number + 1}" for number in range(len(NORMALS))])
+    normals = _texts([f"//{row + 1}" for row in range(len(NORMALS))])
     before = -1
     for strip in _strips(0, len(mesh.faces)):
         normal = normals[mesh.normals[strip]]
@@ -130,10 +130,11 @@ def _coordinates(texture: TextureCoordinates) -> Iterator[bytes]:
 
 def _textured_faces(mesh: Mesh, texture: TextureCoordinates, first: int, first_coordinate: int) -> Iterator[bytes]:
     """The faces with texture coordinates, one group per material of tops and one per material of sides."""
+    # As in _faces, with tops before sides of a material, each a group of its own.
     order = np.lexsort((texture.sides, mesh.materials))
     numbers = _counted(first, len(mesh.places))
-    own = _texts([f"/{number}" for number in range(first_coordinate, first_coordinate + len(texture.values))])
-    normals = _texts([f"/{number + 1}" for number in range(len(NORMALS))])
+    own = _texts([f"/{index}" for index in range(first_coordinate, first_coordinate + len(texture.values))])
+    normals = _texts([f"/{index + 1}" for index in range(len(NORMALS))])
     before = -1
     for strip in _strips(0, len(order)):
         rows = order[strip]
@@ -168,13 +169,14 @@ def _texts(texts: Sequence[str]) -> _Texts:
 def _counted(first: int, count: int) -> _Texts:
     """The texts of the numbers from `first` on, put together from texts of four digits each."""
     numbers = np.arange(first, first + count)
-    if first + count > 10**8:
+    if first + count > 10**8:  # more than eight digits
         return _texts(numbers.astype("S").tolist())
     high, low = np.divmod(numbers.astype(np.int32), 10_000)
     halves = np.stack([_BARE[high], np.where(high > 0, _PADDED[low], _BARE[low])], axis=1)
     return halves.reshape(-1).view("V8")
 
 
+# Texts of four digits, as 32-bit numbers: with leading zeros, and without any (which is padding for `_bare`).
 _PADDED = np.array([f"{number:04d}" for number in range(10_000)], dtype="S4").view(np.uint32)
 _BARE = np.array([f"{number}" if number else "" for number in range(10_000)], dtype="S4").view(np.uint32)
 
@@ -182,9 +184,9 @@ _BARE = np.array([f"{number}" if number else "" for number in range(10_000)], dt
 def _page(parts: Sequence[_Texts | bytes], count: int) -> _Texts:
     """`count` lines, each with the texts of all parts one after the other; a part of bytes is in every line."""
     widths = [f"S{len(part)}" if isinstance(part, bytes) else part.dtype for part in parts]
-    page = np.empty(count, dtype=[(str(number), width) for number, width in enumerate(widths)])
-    for number, part in enumerate(parts):
-        page[str(number)] = part
+    page = np.empty(count, dtype=[(str(index), width) for index, width in enumerate(widths)])
+    for index, part in enumerate(parts):
+        page[str(index)] = part
     return page
 
 

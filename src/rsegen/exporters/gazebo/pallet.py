@@ -6,15 +6,15 @@ from collections.abc import Iterable, Iterator
 
 from rsegen.exporters.gazebo import sdf, shapes
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Pallet
+from rsegen.field.stepfield import Chunk
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
     """The world of pallets and a mesh for each; pallets without a block above the ground are left out."""
-    found: dict[str, Iterable[bytes]] = {f"{scene.name}.world": sdf.utf8(sdf.world(scene, _models(scene)))}
+    contents: dict[str, Iterable[bytes]] = {f"{scene.name}.world": sdf.utf8(sdf.world(scene, _models(scene)))}
     for pallet in _pallets(scene):
-        found |= shapes.mesh_files(scene, pallet.field, _stem(scene, pallet))
-    return found
+        contents |= shapes.mesh_files(scene, pallet.field, _stem(scene, pallet))
+    return contents
 
 
 def model_count(scene: Scene) -> int:
@@ -34,13 +34,13 @@ def _models(scene: Scene) -> Iterator[str]:
         yield from sdf.model(_name(pallet), visuals, collisions, sdf.numbers((*pallet.centre, 0)))
 
 
-def _pallets(scene: Scene) -> Iterator[Pallet]:
-    return (pallet for pallet in scene.field.pallets(scene.recipe.chunk_size) if pallet.field.stands())
+def _pallets(scene: Scene) -> Iterator[Chunk]:
+    return (pallet for pallet in scene.field.chunks(scene.recipe.chunk_size) if pallet.field.stands())
 
 
-def _name(pallet: Pallet) -> str:
-    return "pallet_{}_{}".format(*pallet.chunk)
+def _name(chunk: Chunk) -> str:
+    return "pallet_{}_{}".format(*chunk.index)
 
 
-def _stem(scene: Scene, pallet: Pallet) -> str:
-    return f"{scene.name}_{_name(pallet)}"
+def _stem(scene: Scene, chunk: Chunk) -> str:
+    return f"{scene.name}_{_name(chunk)}"

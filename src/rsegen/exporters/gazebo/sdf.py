@@ -1,6 +1,7 @@
 """SDF texts for both Gazebo Classic 11 and Gazebo Sim: version 1.6, no plugins, no downloads.
 
-The names of Gazebo Sim's systems: `DiffDrive` is ignition-gazebo-diff-drive-system in Fortress, gz-sim-... later.
+Everything is text in pieces, so that a world of many models is written while it is made. Gazebo Sim's systems have
+other names in Fortress than later: `DiffDrive` is ignition-gazebo-diff-drive-system there, gz-sim-... later.
 """
 
 from __future__ import annotations
@@ -153,7 +154,9 @@ def utf8(texts: Iterable[str]) -> Iterator[bytes]:
 
 
 LIFT = 0.00001
-"""Metres above the ground plane, so that a model that is a body has no contacts with it in every step."""
+"""Metres by which a model that is a body is above the ground plane, so that it has no contacts with it in every
+step.
+"""
 
 
 def _raised(shape: Shape) -> Shape:
@@ -201,7 +204,7 @@ class SystemName(NamedTuple):
 
 
 def prefixes(backend: str) -> SystemName:
-    """What the names of all systems begin with; backend: `fortress`, or `sim` for all later versions."""
+    """Return the beginning of the names of all systems; backend: `fortress`, or `sim` for all later versions."""
     return SystemName("gz-sim", "gz::sim") if backend == "sim" else SystemName("ignition-gazebo", "ignition::gazebo")
 
 

@@ -23,20 +23,20 @@ from rsegen.geometry import Boxes, Mesh, box_per_block, boxes, meshes, split_win
 def mesh_files(scene: Scene, field: StepField, stem: str) -> dict[str, Iterable[bytes]]:
     """The mesh files of a field by their path in the map's folder, and the MTL file; generated while they are read."""
     textured = field if scene.recipe.is_textured else None
-    found: dict[str, Iterable[bytes]] = {
+    contents: dict[str, Iterable[bytes]] = {
         f"meshes/{name}.obj": obj(meshes(field, scene.recipe.mesh, part), f"{scene.name}.mtl", textured)
         for name, part in _parts(scene, field, stem)
     }
-    for each in _collision_meshes(scene, field, stem):
-        if each.materials is not None:
-            found[each.path] = obj(_of(each, scene, field), f"../{scene.name}.mtl")
-    return found | (material_files(scene) if found else {})
+    for collision in _collision_meshes(scene, field, stem):
+        if collision.materials is not None:
+            contents[collision.path] = obj(_of(collision, scene, field), f"../{scene.name}.mtl")
+    return contents | (material_files(scene) if contents else {})
 
 
 def material_files(scene: Scene) -> dict[str, Iterable[bytes]]:
     """The MTL file and the images of its textures by their path in the map's folder."""
-    found = {f"{scene.name}.mtl": mtl(scene)} | texture_files(scene)
-    return {f"meshes/{name}": content for name, content in found.items()}
+    contents = {f"{scene.name}.mtl": mtl(scene)} | texture_files(scene)
+    return {f"meshes/{name}": content for name, content in contents.items()}
 
 
 def visuals(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:
@@ -49,9 +49,9 @@ def visuals(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterat
 def collisions(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:
     """The collision shapes of a field: the visual meshes, whole or split by friction, or boxes, as the recipe says."""
     if scene.recipe.collision == "mesh":
-        found = list(_collision_meshes(scene, field, stem))
-        for shape, each in zip(_called("collision", len(found)), found, strict=True):
-            yield sdf.mesh(shape, root + each.path)._replace(friction=each.friction)
+        cut = list(_collision_meshes(scene, field, stem))
+        for shape, collision in zip(_called("collision", len(cut)), cut, strict=True):
+            yield sdf.mesh(shape, root + collision.path)._replace(friction=collision.friction)
         return
     numbers = count()
     for friction, part in _boxes(scene, field):
@@ -91,10 +91,10 @@ def _collision_meshes(scene: Scene, field: StepField, stem: str) -> Iterator[_Co
             yield _CollisionMesh(f"meshes/{'touched/' if cut else ''}{name}{cut}.obj", part, friction, materials)
 
 
-def _of(each: _CollisionMesh, scene: Scene, field: StepField) -> Iterator[Mesh]:
+def _of(collision: _CollisionMesh, scene: Scene, field: StepField) -> Iterator[Mesh]:
     """The faces of the materials of a collision mesh."""
-    for mesh in meshes(field, scene.recipe.mesh, each.part):
-        yield mesh.part(np.isin(mesh.materials, each.materials or ()))
+    for mesh in meshes(field, scene.recipe.mesh, collision.part):
+        yield mesh.part(np.isin(mesh.materials, collision.materials or ()))
 
 
 def _boxes(scene: Scene, field: StepField) -> Iterator[tuple[float, Boxes]]:
@@ -108,10 +108,10 @@ def _parts(scene: Scene, field: StepField, stem: str) -> Iterator[tuple[str, Cel
     tile = scene.recipe.tile
     for part in split_window(field.whole, tile or max(field.shape)):
         if field.stands(part):
-            number = f"_{part[0].start // tile}_{part[1].start // tile}" if tile else ""
-            yield f"{stem}{number}", part
+            suffix = f"_{part[0].start // tile}_{part[1].start // tile}" if tile else ""
+            yield f"{stem}{suffix}", part
 
 
 def _called(word: str, shapes: int) -> list[str]:
     """The names of the shapes of one link."""
-    return [word] if shapes == 1 else [f"{word}_{number}" for number in range(shapes)]
+    return [word] if shapes == 1 else [f"{word}_{index}" for index in range(shapes)]

@@ -1,8 +1,8 @@
-"""A scan from above with the grid that was found in it, beside how far each top is from its level.
+"""Pictures of measured fields, north up: how a scan was read, what is built wrong, how far heights were rounded.
 
-What is built wrong, as a plan for the person with the mallet.
-
-How far heights were rounded to the levels of a map, cell by cell, as a picture.
+scan_plot         the points from above with the grid that was found, and how far each top is from its level
+comparison_plot   what to change, for the person with the mallet, and the field as it should be
+rounding_plot     how far each measured height is from its level
 """
 
 from __future__ import annotations
@@ -24,7 +24,13 @@ if TYPE_CHECKING:
 
 
 _MOST_POINTS = 60_000
+"""Points that are drawn: a point is 3 pixels wide, so they cover half of the plot; more take longer and hide the
+grid.
+"""
+
 _FARTHEST = 1e9
+"""Metres beyond which points are left out, as matplotlib fails on them."""
+
 _MARGIN = 0.25
 """Metres of floor that are shown round the field."""
 
@@ -32,12 +38,13 @@ _UNSEEN = "#b9b9b9"
 
 
 def scan_plot(scan: Scan, points: Array, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """The picture as the bytes of an image file.
+    """Return the points from above with the grid, and the errors of all tops, as the bytes of an image file.
 
-    points: (n, 3) of the cloud that was read [m]; some of them are drawn
+    points: (n, 3) of the cloud that was read [m]; some of them are drawn.
     """
     from matplotlib.figure import Figure
 
+    # Two plots of 7 inches with their bars leave 5.6 for the map; 1.2 for titles.
     n_x, n_y = scan.levels.shape
     height = float(np.clip(5.6 * n_y / n_x + 1.2, 3.5, 12))
     figure = Figure(figsize=(14, height), dpi=100, layout="constrained")
@@ -55,6 +62,7 @@ def scan_plot(scan: Scan, points: Array, format: str = "png") -> bytes:  # noqa:
 
 
 def _draw_points(axes: Axes, scan: Scan, points: Array) -> None:
+    # In the frame of the map, the highest last, so that tops hide what is below them.
     few = points[:: max(1, len(points) // _MOST_POINTS)]
     x, y, z = scan.placed(few[(np.abs(few) < _FARTHEST).all(axis=1)]).T
     half_x, half_y = (cells * scan.measured_width / 2 for cells in scan.levels.shape)
@@ -80,6 +88,7 @@ def _draw_points(axes: Axes, scan: Scan, points: Array) -> None:
 
 
 def _draw_errors(axes: Axes, scan: Scan) -> None:
+    # Colours end at half a unit, in centimetres: beyond it the level would be another one.
     half = scan.measured_unit * 50
     edges_x, edges_y = scan.field.edges()
     shown = axes.imshow(
@@ -109,18 +118,19 @@ _TOO_HIGH, _TOO_LOW, _RIGHT, _UNSEEN_CELL = (
     (0.93, 0.95, 0.92),
     (0.73, 0.73, 0.73),
 )
+"""Red and blue of about equal lightness (ends of ColorBrewer's RdBu), which colour-blind people tell apart; greys."""
 
 
 def comparison_plot(comparison: Comparison, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """The picture as the bytes of an image file, north up: what to change, beside the field as it should be."""
+    """Return the picture as the bytes of an image file, north up: what to change, next to the field as it should be."""
     from matplotlib.figure import Figure
 
     n_x, n_y = comparison.wanted.shape
     figure = Figure(figsize=(14, float(np.clip(6.2 * n_y / n_x + 1.4, 3.5, 14))), dpi=100, layout="constrained")
     changes, wanted = figure.subplots(1, 2)
     _draw_changes(changes, comparison)
-    said = draw_heights(wanted, ColouredField(field=comparison.wanted))
-    wanted.set_title(f"as it should be: {said}")
+    title = draw_heights(wanted, ColouredField(field=comparison.wanted))
+    wanted.set_title(f"as it should be: {title}")
     figure.suptitle(summary(comparison))
     figure.draw_without_rendering()  # places the axes, so that there is room for as many numbers as are asked for
     for axes in (changes, wanted):
@@ -129,7 +139,7 @@ def comparison_plot(comparison: Comparison, format: str = "png") -> bytes:  # no
 
 
 def summary(comparison: Comparison) -> str:
-    """One line: how many cells are right, too high, too low and not seen."""
+    """Return a line: the numbers of cells that are right, too high, too low and not seen."""
     cells = comparison.wrong.size
     high, low = int((comparison.differences > 0).sum()), int((comparison.differences < 0).sum())
     unseen = int((~comparison.seen).sum())
@@ -171,12 +181,13 @@ def _write_changes(axes: Axes, comparison: Comparison) -> None:
 
 
 def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """The picture as the bytes of an image file, north up, which carries the map's recipe.
+    """Return the picture as the bytes of an image file, north up, which carries the map's recipe.
 
-    errors_cm, holes: (n_x, n_y), by how much each block was measured above its level [cm], and which were filled.
+    errors_cm: (n_x, n_y), measured height of each block above its level [cm]; holes: (n_x, n_y), true if filled.
     """
     from matplotlib.figure import Figure
 
+    # The colours end at half a unit, the largest possible rounding.
     n_x, n_y = errors_cm.shape
     figure = Figure(figsize=(8, float(np.clip(6.5 * n_y / n_x + 1, 3, 16))), dpi=100, layout="constrained")
     axes = figure.subplots()

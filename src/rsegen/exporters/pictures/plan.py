@@ -1,6 +1,6 @@
-"""The plan of a field, north up, with the heights in its cells if they fit.
+"""The plan of a field, north up: colours of cells, heights if they fit, outlines of the obstacles of a map.
 
-The outlines of a map's obstacles on its plan, numbered from 0 as messages number them: obstacles[0], ...
+Obstacles are numbered from 0, as in messages: obstacles[0], ...
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ import numpy as np
 
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Colour, Scene
+from rsegen.field.obstacles import Obstacle
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.recipe.building import placed
-from rsegen.recipe.placement import Placement
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
 LEGIBLE = 26
-"""Plans of up to this many cells per side have the heights in their cells."""
+"""Cells per side up to which a plan has the heights in its cells: the font is then 5.8 points."""
 
 
 class Drawable(Protocol):
@@ -29,13 +29,13 @@ class Drawable(Protocol):
 
     @property
     def field(self) -> StepField:
-        """The blocks and frames to draw."""
+        """Blocks and frames to draw."""
 
     def colour(self, material: int) -> Colour:
-        """The colour of a material: 0 is the frame, any other number a level."""
+        """Return the colour of a material: 0 is the frame, any other number a level."""
 
     def surface_colour(self, material: int) -> Colour:
-        """The colour that its surface has from afar, in views."""
+        """Return the colour that the surface of a material has from afar, in views."""
 
 
 def draw_plan(axes: Axes, drawn: Drawable) -> None:
@@ -44,7 +44,7 @@ def draw_plan(axes: Axes, drawn: Drawable) -> None:
 
 
 def draw_heights(axes: Axes, drawn: Drawable) -> str:
-    """Draw a field from above without a title; gives what the title should say."""
+    """Draw a field from above without a title; return what the title should say."""
     colours = draw_cells(axes, drawn)
     if max(drawn.field.shape) > LEGIBLE:
         return "plan"
@@ -67,6 +67,7 @@ def _write_heights(axes: Axes, drawn: Drawable, colours: Array) -> None:
     size = min(11.0, 150 / max(drawn.field.shape))
     heights = drawn.field.heights
     for i, j in zip(*np.nonzero(~drawn.field.frame), strict=True):
+        # Legible on its colour, by the luma of ITU-R BT.601; the font shrinks with the cells.
         ink = "white" if colours[i, j] @ (0.3, 0.59, 0.11) < 0.5 else "black"
         text = decimal(round(heights[i, j] * 100, 4))
         axes.text(middle_x[i], middle_y[j], text, ha="center", va="center", fontsize=size, color=ink)
@@ -81,7 +82,7 @@ def number_cells(axes: Axes, field: StepField) -> None:
         inches = axes.get_window_extent().size[axis] / axes.figure.dpi
         step = next(step for step in _STEPS if step * inches / field.shape[axis] >= _APART)
         own = axes.yaxis if axis else axes.xaxis
-        own.set_ticks(list(middles[::step]), [str(number) for number in range(0, len(middles), step)])
+        own.set_ticks(list(middles[::step]), [str(cell) for cell in range(0, len(middles), step)])
         own.set_label_text(f"{name} [cells]")
         metres = axes.secondary_yaxis("right") if axis else axes.secondary_xaxis("top")
         (metres.yaxis if axis else metres.xaxis).set_major_locator(
@@ -91,60 +92,65 @@ def number_cells(axes: Axes, field: StepField) -> None:
 
 
 _APART = 0.26
+"""Inches between the numbers of cells, at the least: three digits of 10 points."""
+
 _STEPS = [factor * 10**power for power in range(6) for factor in (1, 2, 5)]
-"""Every how many cells one is numbered: the least of these whose numbers are so many inches apart."""
+"""Steps between the cells that are numbered, of which the least that leaves _APART is taken."""
 
 
 def cell_colours(colour: Callable[[int], Colour], field: StepField) -> Array:
-    """The colour of each cell of a field, or of a coarser one, (n_x, n_y, 3); level ground is light grey."""
+    """Return the colour of each cell of a field, (n_x, n_y, 3); level ground is light grey."""
     palette = np.array([colour(level) for level in range(int(field.levels.max()) + 1)])
     colours = palette[np.where(field.frame, 0, field.levels)]
     return np.where((field.levels == 0)[..., None] & ~field.frame[..., None], 0.86, colours)
 
 
 _COLOURS = ("#ff2d95", "#ff8c00", "#7b2ff7", "#00a3ff", "#111111", "#b8002e")
+"""Colours of outlines, none of which is the colour of a level; the seventh obstacle has the first one again."""
 
 
 def draw_outlines(axes: Axes, scene: Scene) -> list[tuple[str, str]]:
-    """Draw around the cells of each obstacle; gives what the legend should say: colour, number and kind."""
+    """Draw around the cells of each obstacle; return what the legend should say: colour, number and kind."""
     from matplotlib.collections import LineCollection
 
     edges = scene.field.edges()
     width = float(np.clip(120 / max(scene.field.shape), 0.8, 3))
     shown = []
-    for number, placement in enumerate(scene.recipe.obstacles):
-        colour = _COLOURS[number % len(_COLOURS)]
-        cells = covered(scene, placement)
+    for index, obstacle in enumerate(scene.recipe.obstacles):
+        colour = _COLOURS[index % len(_COLOURS)]
+        cells = covered(scene, obstacle)
         lines = boundary(cells, *edges)
         for line, drawn in ((width + 1.6, "white"), (width, colour)):
             axes.add_collection(LineCollection(list(lines), colors=drawn, linewidths=line, capstyle="projecting"))
         if cells.any():
-            _write_number(axes, cells, edges, str(number), colour)
-        shown.append((colour, f"{number}  {placement.obstacle.kind}"))
+            _write_number(axes, cells, edges, str(index), colour)
+        shown.append((colour, f"{index}  {obstacle.kind}"))
     return shown
 
 
-def covered(scene: Scene, placement: Placement) -> Mask:
-    """The cells that an obstacle covers, with the frames between them, (n_x, n_y); later ones may replace it there."""
-    _, _, patch = placed(scene.recipe, placement, scene.index)
-    found = np.zeros(scene.field.shape, dtype=bool)
+def covered(scene: Scene, obstacle: Obstacle) -> Mask:
+    """Return the cells that an obstacle covers, with frames between them, (n_x, n_y); later ones may replace it
+    there.
+    """
+    _, _, patch = placed(scene.recipe, obstacle, scene.index)
+    cells = np.zeros(scene.field.shape, dtype=bool)
     i, j = (np.flatnonzero(scene.field.inside(axis))[patch.window[axis]] for axis in (0, 1))
-    found[np.ix_(i, j)] = patch.footprint
+    cells[np.ix_(i, j)] = patch.footprint
     for axis, lines in enumerate((i, j)):
         between = np.setdiff1d(np.arange(lines.min(), lines.max()), lines)
-        before, after = (np.take(found, _nearest(lines, between, side), axis) for side in (-1, 1))
-        found[(slice(None),) * axis + (between,)] = before & after
-    return found
+        before, after = (np.take(cells, _nearest(lines, between, side), axis) for side in (-1, 1))
+        cells[(slice(None),) * axis + (between,)] = before & after
+    return cells
 
 
 def _nearest(lines: Ints, between: Ints, side: int) -> Ints:
-    """Of lines between others, which are sorted, the nearest of the others before or after each."""
+    """Return the nearest of some sorted lines before (side -1) or after (side 1) each line between them."""
     at = np.searchsorted(lines, between)
     return lines[at if side > 0 else at - 1]
 
 
 def boundary(cells: Mask, edges_x: Array, edges_y: Array) -> Array:
-    """The sides of cells beyond which there are others, as lines: metres, (m, 2, 2)."""
+    """Return the sides between cells of a mask and cells outside it, as lines: metres, (m, 2, 2)."""
     region = np.pad(cells, 1)
     i, j = np.nonzero(region[1:, 1:-1] != region[:-1, 1:-1])
     upright = np.stack([np.stack([edges_x[i], edges_y[j + side]], axis=-1) for side in (0, 1)], axis=1)

@@ -1,13 +1,13 @@
 """The preview of a map: a plan with its heights and a 3D view; it needs no display.
 
-Where plan, 3D view and legend of a preview are: side by side, or one below the other for long maps.
+The view is from the south-east and above, by parallel projection. It is exact: columns on a grid are drawn from the
+farthest to the nearest (the painter's algorithm), so that they hide one another as the blocks do. Plan and view are
+side by side, or one below the other for long maps. The cost is that of drawing three polygons per column, so of large
+maps each column is the highest of several cells.
 
-A 3D view of a field from the south-east and above, by parallel projection.
-
-The view is exact: columns on a grid are drawn from the farthest to the nearest, so that they hide one another as the
-blocks do.
-
-Pictures of a field that belongs to no recipe: a preview as large as a map's, and a small plan for notebooks.
+     _______________________________       p = (-x sin a + y cos a,  z cos e + (-x cos a - y sin a) sin e)
+    |  plan   |   view     | legend |      for the azimuth a and the elevation e
+    |_________|____________|________|
 """
 
 from __future__ import annotations
@@ -34,19 +34,19 @@ if TYPE_CHECKING:
 
 
 Box = tuple[float, float, float, float]
-"""Left, low, width and height; inches, or shares of the picture."""
+"""Left, low, width and height of a part of the picture; inches, or shares of the picture."""
 
 WIDTH = 16.0
-"""Inches of a picture, at the most."""
+"""Width of a picture in inches, at the most: 1600 pixels."""
 
 _TALLEST = 8.5
-"""Inches of a plan or view."""
+"""Height of a plan or view in inches, at the most, so that the picture of a tall map fits on a screen."""
 
 _LONG = 2.0
-"""Maps that are so many times as long along x as along y have their view below the plan."""
+"""Ratio of length to width from which the view is below the plan: next to it both would be low and small."""
 
 _BESIDE, _BELOW, _ABOVE, _GAP, _EDGE = 0.7, 0.6, 0.8, 0.25, 0.12
-"""Inches beside, below and above a plan for its numbers and title, between plan and view, and at the edge."""
+"""Inches left and right of, below and above a plan for its numbers and title; between plan and view; at the edge."""
 
 _TITLE, _HEAD = 0.35, 0.35
 """Inches of the title of the picture, and of that of the view."""
@@ -62,18 +62,18 @@ class Layout:
     legend: float
 
     def share(self, box: Box) -> Box:
-        """A box as shares of the picture, as matplotlib wants it."""
+        """Return a box as shares of the picture, as matplotlib takes it."""
         (wide, high), (left, low, width, height) = self.size, box
         return left / wide, low / high, width / wide, height / high
 
 
 def layout(plan: float, view: float, legend: float) -> Layout:
-    """The layout for a plan and a view of these ratios of width to height and a legend of so many inches."""
+    """Return the layout for a plan and a view of some ratios of width to height and a legend of a width in inches."""
     return (_one_below_the_other if plan > _LONG else _side_by_side)(plan, view, legend)
 
 
 def _side_by_side(plan: float, view: float, legend: float) -> Layout:
-    """The view is higher than the plan, as it has no numbers above and below."""
+    """Return the layout in a row; the view is higher than the plan, as it has no numbers above and below."""
     more = _BELOW + _ABOVE - _HEAD - _EDGE
     free = WIDTH - 2 * _BESIDE - _GAP - legend - _EDGE
     height = min((free - more * view) / (plan + view), _TALLEST)
@@ -100,16 +100,22 @@ def _one_below_the_other(plan: float, view: float, legend: float) -> Layout:
 
 
 DRAWN = 200
-"""Views of more cells per side are drawn coarser, each cell as the highest of several."""
+"""Cells per side above which views are drawn coarser: a column is then three pixels wide, and 120,000 polygons take two
+seconds."""
 
 _AZIMUTH, _ELEVATION = np.radians(-62), np.radians(38)
+"""Direction of the view: x runs nearly to the right, and tops are seen as well as sides. At 45 degrees both sides of a
+block would be equally wide, and rows behind one another hard to tell apart."""
+
 _LIT = {"top": 1.0, "x": 0.8, "y": 0.62}
+"""Brightness of tops and of sides to the east and to the south, as if the sun were in the east."""
+
 _APART, _ARROW = 0.06, 0.25
-"""How far the arrows along x and y are from the map, and how long, as shares of the mean side."""
+"""Distance of the arrows along x and y from the map, and their length, as shares of the mean side."""
 
 
 def view_bounds(drawn: Drawable) -> Array:
-    """The corners of the view in the plane of the picture, metres: [[left, low], [right, high]]."""
+    """Return the corners of the view in the plane of the picture, metres: [[left, low], [right, high]]."""
     (along_x, along_y), mean = drawn.field.extent, _mean_side(drawn)
     ends = ((-along_x / 2, along_x / 2), (-along_y / 2, along_y / 2), (0.0, float(drawn.field.heights.max())))
     x, y = (-along / 2 - _APART * mean for along in (along_x, along_y))
@@ -120,7 +126,7 @@ def view_bounds(drawn: Drawable) -> Array:
 
 
 def draw_view(axes: Axes, drawn: Drawable) -> str:
-    """Draw it, without a title; gives what the title should say."""
+    """Draw the view without a title; return what the title should say."""
     from matplotlib.collections import PolyCollection
 
     factor = min(-(-max(drawn.field.shape) // DRAWN), *drawn.field.shape)
@@ -136,13 +142,14 @@ def draw_view(axes: Axes, drawn: Drawable) -> str:
 
 
 def _polygons(heights: Array, colours: Array, width: float) -> tuple[Array, Array]:
-    """Tops and the two visible sides of every column, the farthest first: (m, 4, 2) in the picture, (m, 3) colours."""
+    """Return tops and visible sides of all columns, the farthest first: (m, 4, 2) in the picture, (m, 3) colours."""
+    # The farthest column is in the north-west: i ascending, j descending. A side is what rises above the neighbour.
     n_x, n_y = heights.shape
     padded = np.pad(heights, 1)
     i, j = (np.ravel(index) for index in np.meshgrid(np.arange(n_x), np.arange(n_y)[::-1], indexing="ij"))
     x0, y0 = (i - n_x / 2) * width, (j - n_y / 2) * width
     x1, y1, top = x0 + width, y0 + width, heights[i, j]
-    east, south = (np.minimum(top, beside) for beside in (padded[i + 2, j + 1], padded[i + 1, j]))
+    east, south = (np.minimum(top, adjacent) for adjacent in (padded[i + 2, j + 1], padded[i + 1, j]))
     faces = {
         "top": ((x0, y0, top), (x1, y0, top), (x1, y1, top), (x0, y1, top)),
         "x": ((x1, y0, east), (x1, y1, east), (x1, y1, top), (x1, y0, top)),
@@ -159,7 +166,7 @@ def _level_ground_is_grey(colours: Array, top: Array) -> Array:
 
 
 def _project(x: Array, y: Array, z: Array) -> Array:
-    """Points in the plane of the picture, by parallel projection."""
+    """Return points in the plane of the picture, by parallel projection."""
     across = -x * np.sin(_AZIMUTH) + y * np.cos(_AZIMUTH)
     away = -x * np.cos(_AZIMUTH) - y * np.sin(_AZIMUTH)
     return np.stack([across, z * np.cos(_ELEVATION) + away * np.sin(_ELEVATION)], axis=-1)
@@ -177,21 +184,28 @@ def _draw_axes(axes: Axes, drawn: Drawable) -> None:
 
 
 def _mean_side(drawn: Drawable) -> float:
-    """The side of a square of the area of a map, metres."""
+    """Return the side of a square of the area of a map, metres."""
     along_x, along_y = drawn.field.extent
     return float(np.sqrt(along_x * along_y))
 
 
-FORMATS = ("png", "svg", "pdf", "jpg", "webp")
+IMAGE_FORMATS = ("png", "svg", "pdf", "jpg", "webp")
 
 
-def preview_image(scene: Scene, format: str = "png", *, outlines: bool = False) -> bytes:  # noqa: A002  # matplotlib's word
-    """The plan and the 3D view of a map as the bytes of an image file; outlines: of its obstacles, on the plan."""
-    return figure_bytes(preview_figure(scene, _title(scene), outlined=scene if outlines else None), scene, format)
+def preview(shown: StepField | Scene, format: str = "png", *, outlines: bool = False) -> bytes:  # noqa: A002  # matplotlib's word
+    """Return the plan and a 3D view of a field or a scene as the bytes of an image file: png, svg, pdf, jpg or webp.
+
+    outlines: draw the outline of every obstacle on the plan; a field has none. The file of a scene carries its recipe.
+    """
+    if isinstance(shown, Scene):
+        return figure_bytes(preview_figure(shown, _title(shown), outlined=shown if outlines else None), shown, format)
+    (n_x, n_y), (along_x, along_y) = shown.shape, map(decimal, shown.extent)
+    title = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
+    return encoded(preview_figure(ColouredField(field=shown), title), format)
 
 
 def preview_figure(drawn: Drawable, title: str, *, outlined: Scene | None = None) -> Figure:
-    """The plan and the 3D view of a field, with a legend of its heights; outlined: whose obstacles are on the plan."""
+    """Return the plan and the 3D view of a field with a legend; outlined: the scene whose obstacles are on the plan."""
     from matplotlib.figure import Figure
 
     along_x, along_y = drawn.field.extent
@@ -209,12 +223,12 @@ def preview_figure(drawn: Drawable, title: str, *, outlined: Scene | None = None
 
 
 def figure_bytes(figure: Figure, scene: Scene, format: str) -> bytes:  # noqa: A002  # matplotlib's word
-    """A figure about a map as the bytes of an image file, which carries the map's recipe."""
+    """Return a figure about a map as the bytes of an image file, which carries the map's recipe."""
     return encoded(figure, format, _metadata(scene, format))
 
 
 def encoded(figure: Figure, format: str, metadata: dict[str, Any] | None = None) -> bytes:  # noqa: A002  # the same
-    """A figure as the bytes of an image file; the same figure gives the same bytes."""
+    """Return a figure as the bytes of an image file; equal figures give equal bytes."""
     from matplotlib import rc_context
 
     stream = io.BytesIO()
@@ -224,7 +238,7 @@ def encoded(figure: Figure, format: str, metadata: dict[str, Any] | None = None)
 
 
 def pdf_bytes(figures: Iterable[Figure], scene: Scene) -> bytes:
-    """Figures about a map as the pages of a PDF, which carries the map's recipe."""
+    """Return figures about a map as the pages of a PDF, which carries the map's recipe."""
     from matplotlib.backends.backend_pdf import PdfPages
 
     stream = io.BytesIO()
@@ -235,10 +249,10 @@ def pdf_bytes(figures: Iterable[Figure], scene: Scene) -> bytes:
 
 
 def image_format(path: Path) -> str:
-    """The image format of a file name, or a FileError that lists the known ones."""
+    """Return the image format of a file name; raise a FileError that lists the known ones for another name."""
     name = path.suffix.lower().removeprefix(".").replace("jpeg", "jpg")
-    if name not in FORMATS:
-        raise FileError(f"{path}: not a picture's name; end it in one of .{', .'.join(FORMATS)}")
+    if name not in IMAGE_FORMATS:
+        raise FileError(f"{path}: not a picture's name; end it in one of .{', .'.join(IMAGE_FORMATS)}")
     return name
 
 
@@ -247,10 +261,11 @@ def _draw_legend(figure: Figure, drawn: Drawable, left: float, outlines: Sequenc
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
+    # Of too many heights every second, third, ... is shown; a legend of more than one column of entries is smaller.
     levels = [level for level in drawn.field.level_counts() if level]
     shown = levels[:: -(-len(levels) // _SWATCHES) or 1]
     unit = drawn.field.unit * 100
-    entries: list[Any] = [Patch(facecolor=drawn.colour(each), label=f"{decimal(each * unit)} cm") for each in shown]
+    entries: list[Any] = [Patch(facecolor=drawn.colour(level), label=f"{decimal(level * unit)} cm") for level in shown]
     if drawn.field.frame.any():
         frame = decimal(drawn.field.frame_height * 100)
         entries.append(Patch(facecolor=drawn.colour(0), label=f"frame, {frame} cm"))
@@ -274,7 +289,7 @@ def _title(scene: Scene) -> str:
 
 
 def _metadata(scene: Scene, format: str) -> dict[str, Any] | None:  # noqa: A002  # matplotlib's word
-    """The recipe of the map, if the format has a place for it, and no date: the same map gives the same bytes."""
+    """Return the recipe of the map, if the format has a place for it, and no date: equal maps give equal bytes."""
     recipe = to_json(scene.alone)
     known: dict[str, dict[str, Any]] = {
         "png": {"Description": recipe},
@@ -295,25 +310,19 @@ class ColouredField:
     field: StepField
 
     def colour(self, material: int) -> Colour:
-        """The colour of a material: 0 is the frame, any other number a level."""
+        """Return the colour of a material: 0 is the frame, any other number a level."""
         return level_colour(material, int(self.field.levels.max())) if material else FRAME_COLOUR
 
     def surface_colour(self, material: int) -> Colour:
-        """The same, in views."""
+        """Return the colour of a material in views, which is that of plans."""
         return self.colour(material)
 
 
-def field_preview(field: StepField, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """The plan and the 3D view of a field as the bytes of an image file."""
-    (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
-    title = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
-    return encoded(preview_figure(ColouredField(field=field), title), format)
-
-
-def thumbnail(drawn: Drawable) -> bytes:
-    """A small plan as the bytes of a PNG file, north up; large fields show the highest of several cells."""
+def thumbnail(shown: StepField | Scene) -> bytes:
+    """Return a small plan as the bytes of a PNG file, north up; large fields show the highest of several cells."""
     from PIL import Image
 
+    drawn: Drawable = ColouredField(field=shown) if isinstance(shown, StepField) else shown
     field = coarse(drawn.field, coarseness(drawn.field, THUMBNAIL))
     pixels = max(THUMBNAIL // max(field.shape), 1)
     colours = np.rint(255 * cell_colours(drawn.colour, field)).astype(np.uint8).transpose(1, 0, 2)[::-1]

@@ -1,7 +1,4 @@
-"""The traversability of a map as a picture: a robot's cheapest paths on the plan, and a map of path costs.
-
-Spots as a picture: the footprints of a robot on the plan of a map, numbered, each with an arrow ahead.
-"""
+"""Pictures of a robot on a map: its cheapest paths with a map of their costs, and spots where it stands level."""
 
 from __future__ import annotations
 
@@ -27,7 +24,7 @@ _DIRECTIONS = {"west to east": "#ff2d95", "south to north": "#ff8c00"}
 
 
 def path_plot(scene: Scene, reach: Traversability, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """The plot of paths and costs as the bytes of an image file, which carries the map's recipe."""
+    """Return the plot of paths and costs as the bytes of an image file, which carries the map's recipe."""
     from matplotlib.figure import Figure
 
     along_x, along_y = scene.field.extent
@@ -44,7 +41,7 @@ def path_plot(scene: Scene, reach: Traversability, format: str = "png") -> bytes
 
 
 def describe_robot(climber: RobotLimits) -> str:
-    """The limits of a robot in words."""
+    """Describe the limits of a robot in words."""
     up, down = (decimal(limit / 1e7) for limit in climber.limits)
     wide = f", {decimal(climber.width_cm)} cm wide" if climber.width_cm else ""
     return f"a robot that climbs {up} cm and gets down {down} cm{wide}"
@@ -87,10 +84,11 @@ def _outline(axes: Axes, reach: Traversability, edges_x: Array, edges_y: Array) 
 
 
 _COLOUR = "#ff2d95"
+"""Colour of footprints, which no level has."""
 
 
 def spots_plot(scene: Scene, outline: Rectangle, spots: Sequence[Spot], format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """The picture as the bytes of an image file, which carries the map's recipe; outline: around the robot."""
+    """Return the spots on the plan as the bytes of an image file with the map's recipe; outline: around the robot."""
     from matplotlib.figure import Figure
 
     along_x, along_y = scene.field.extent
@@ -98,14 +96,14 @@ def spots_plot(scene: Scene, outline: Rectangle, spots: Sequence[Spot], format: 
     figure = Figure(figsize=(9, height), dpi=100, layout="constrained")
     axes = figure.subplots()
     draw_plan(axes, scene)
-    for number, spot in enumerate(spots):
-        _draw_spot(axes, outline, spot, number)
+    for index, spot in enumerate(spots):
+        _draw_spot(axes, outline, spot, str(index))
     figure.suptitle(f"{scene.name}: spots for {outline.length * 100:.3g} x {outline.width * 100:.3g} cm")
     return figure_bytes(figure, scene, format)
 
 
-def _draw_spot(axes: Axes, outline: Rectangle, spot: Spot, number: int) -> None:
-    """Draw the outline, the number at its rear half, and an arrow from its middle to its front."""
+def _draw_spot(axes: Axes, outline: Rectangle, spot: Spot, text: str) -> None:
+    """Draw the outline, a text at its rear half, and an arrow from its middle to its front."""
     low_x, low_y, high_x, high_y = outline
     middle_x, middle_y = outline.middle
     corners = _placed(spot, [(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y)])
@@ -116,10 +114,10 @@ def _draw_spot(axes: Axes, outline: Rectangle, spot: Spot, number: int) -> None:
         "", xy=head, xytext=tail, arrowprops={"arrowstyle": "-|>", "color": "black", "shrinkA": 0, "shrinkB": 0}
     )
     label = {"facecolor": "white", "edgecolor": "none", "pad": 1}
-    axes.text(float(name[0]), float(name[1]), str(number), ha="center", va="center", fontsize=8, bbox=label)
+    axes.text(float(name[0]), float(name[1]), text, ha="center", va="center", fontsize=8, bbox=label)
 
 
 def _placed(spot: Spot, points: Sequence[tuple[float, float]]) -> Array:
-    """Points in the frame of a robot, where they are on the map, shape (n, 2)."""
+    """Return points of the frame of a robot in the frame of the map, shape (n, 2)."""
     c, s = cos(spot.yaw), sin(spot.yaw)
     return np.array([(spot.x + c * x - s * y, spot.y + s * x + c * y) for x, y in points])

@@ -1,12 +1,12 @@
-"""The launch files that open a world in Gazebo Sim or Gazebo Classic, and spawn a robot in it.
+"""The launch files of a package, the configuration of RViz, and the package's own test, as texts.
 
-They keep to ament_flake8: single quotes, lines of at most 99 characters.
+They find the maps in the folder of the package, and keep to ament_flake8: single quotes, lines of at most 99
+characters.
 
-The launch files that publish the occupancy grid of a map and show the map in RViz, and their test in the package.
-
-map_server is a lifecycle node: it publishes nothing until the lifecycle manager configures and activates it.
-
-What RViz shows: the URDF of the map and the occupancy grid, in the frame map.
+    SIM, CLASSIC     open a world in Gazebo Sim or Gazebo Classic, and include
+    SPAWN_ROBOT      which spawns a robot at the map's start pose
+    MAP_SERVER       publishes the occupancy grid; a lifecycle node, so a manager has to configure and activate it
+    RVIZ             shows the URDF of the map and the occupancy grid, in the frame map
 """
 
 from __future__ import annotations
@@ -223,7 +223,7 @@ def robot(file, topic):
 '''
 
 NAMESPACE = "step_field"
-"""Of the nodes that describe the map, so that a robot's own robot_description stays free."""
+"""Namespace of the nodes that describe the map, so that a robot's own robot_description stays free."""
 
 RVIZ_CONFIG = f"""\
 Panels:

@@ -1,15 +1,13 @@
-"""What every ROS 2 package has whatever maps are in it: manifest, build file, launch files, configurations, licence.
+"""The files of a ROS 2 package that do not depend on its maps: manifest, build file, launch files, configurations.
 
-name of the package --common_files--> the text of each file
+    name of the package --common_files--> the text of each file
 
-The launch files look for the maps beside them, so packages of one name can be joined: only the maps differ.
+Launch files look for the maps next to them, so packages of one name can be joined: only the maps differ. colcon and
+rosdep read package.xml, CMakeLists.txt and the environment hook.
 
-What colcon and rosdep read of a package: package.xml, CMakeLists.txt, the environment hook.
-
-The systems that a Gazebo Sim server loads for a world that names none, as the package's worlds do.
-
-Up to 6.7 a server loads only what such a file names, so physics, user commands and scene broadcaster are named too.
-The names are those of the installed systems: `ignition-gazebo-...` in Fortress, `gz-sim-...` from Garden on.
+A Gazebo Sim server loads the systems of its configuration for a world that names none, as the package's worlds do. Up
+to 6.7 it loads only these, so physics, user commands and scene broadcaster are named too. The names are those of the
+installed version: `ignition-gazebo-...` in Fortress, `gz-sim-...` from Garden on.
 """
 
 from __future__ import annotations
@@ -36,7 +34,10 @@ _LINTERS = ("ament_cmake_flake8", "ament_cmake_lint_cmake", "ament_cmake_pep257"
 
 
 def package_xml(package: str) -> str:
-    """The text of package.xml, which depends on gazebo_ros if the distribution has it, as up to Humble and Iron."""
+    """Return the text of package.xml, which depends on gazebo_ros if the distribution has it, as up to Humble and
+    Iron.
+    """
+    # Format 3 (REP 149), which has conditions.
     return f"""\
 <?xml version="1.0"?>
 <package format="3">
@@ -62,7 +63,8 @@ def _depends(tag: str, packages: Sequence[str]) -> str:
 
 
 def cmake_lists(package: str) -> str:
-    """The text of CMakeLists.txt; where ROS's linters and pytest are not installed, it builds without tests."""
+    """Return the text of CMakeLists.txt; if ROS's linters and pytest are not installed, it builds without tests."""
+    # Nothing is compiled: files are installed, and the hook adds the models to Gazebo's search paths.
     return f"""\
 cmake_minimum_required(VERSION 3.8)
 project({package} NONE)
@@ -104,7 +106,7 @@ _SYSTEMS = MappingProxyType(
         "Contact": "",
     }
 )
-"""The parameters of each system."""
+"""Systems of a server with the parameters of each."""
 
 
 def _config(backend: str) -> str:

@@ -1,10 +1,6 @@
-"""The build sheet: instructions for building a map in wood, as PDF or CSV.
+"""The build sheet: instructions for building a map in wood, as PDF or CSV."""
 
-Scene --pages--> a page for the map, and one for each pallet --> PDF
-Scene --listing--> a row for each cell --> CSV, which `rsegen import` reads
-"""
+from rsegen.exporters.cut_settings import CutSettings
+from rsegen.exporters.sheet.document import SHEET_FORMATS, page_count, pages, refuse_unbuildable, sheet, sheet_format
 
-from rsegen.exporters.sheet.document import FORMATS, page_count, pages, refuse_unbuildable, sheet, sheet_format
-from rsegen.exporters.sheet.timber import CutSettings
-
-__all__ = ["FORMATS", "CutSettings", "page_count", "pages", "refuse_unbuildable", "sheet", "sheet_format"]
+__all__ = ["SHEET_FORMATS", "CutSettings", "page_count", "pages", "refuse_unbuildable", "sheet", "sheet_format"]

@@ -11,21 +11,27 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rsegen.errors import FileError, ParameterError, UnknownName
+from rsegen.exporters.cut_settings import CutSettings
 from rsegen.exporters.pictures.preview import pdf_bytes
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.listing import listing
-from rsegen.exporters.sheet.timber import CutSettings, building_order
+from rsegen.exporters.sheet.timber import building_order
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-FORMATS = ("pdf", "csv")
+SHEET_FORMATS = ("pdf", "csv")
+
 MOST_PALLETS = 400
+"""Pallets of a sheet, at the most: a page for each."""
+
 LARGEST_PALLET = 60
-"""Blocks per side: more of them are not legible on A4."""
+"""Blocks per side of a pallet, at the most: more are not legible on A4."""
+
 MOST_BLOCKS = 40_000
+"""Blocks of a sheet, at the most: nobody places more by hand, and each is a text of the PDF."""
 
 
 def sheet(
@@ -35,13 +41,14 @@ def sheet(
     *,
     progress: Callable[[Figure], None] | None = None,
 ) -> bytes:
-    """The build sheet as the bytes of a file, `pdf` or `csv`; a ParameterError if the map is too large for one.
+    """Return the build sheet as the bytes of a file, `pdf` or `csv`; a ParameterError if the map is too large for it.
 
-    saw: kerf and stock length, by default those of the recipe's units. `progress` is called with each page of a PDF.
+    saw: kerf, stock length and so on, by default as usual in the recipe's units. `progress` is called with each page of
+    a PDF.
     """
     saw = saw or CutSettings.default(scene.recipe.units)
-    if format not in FORMATS:
-        raise UnknownName.among("format", "format", format, FORMATS)
+    if format not in SHEET_FORMATS:
+        raise UnknownName.among("format", "format", format, SHEET_FORMATS)
     refuse_unbuildable(scene.recipe, saw)
     if format == "csv":
         return "".join(listing(scene, saw)).encode()
@@ -49,7 +56,8 @@ def sheet(
 
 
 def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
-    """The pages: the map, each pallet in build order, frames and cost, and a form for repetitions."""
+    """Yield the pages: the map, each pallet in build order, frames and cost, and a form for repetitions."""
+    # Each page is yielded before the next is drawn, so that only one is in memory.
     from rsegen.exporters.sheet.overview import draw_materials, draw_overview
     from rsegen.exporters.sheet.page import Page
     from rsegen.exporters.sheet.pallet_page import draw_form, draw_pallet
@@ -71,15 +79,15 @@ def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
 
 
 def page_count(recipe: Recipe) -> int:
-    """The number of pages of the sheet of each map of a recipe."""
+    """Return the number of pages of the sheet of each map of a recipe."""
     m_x, m_y = recipe.chunks
     return 3 + m_x * m_y
 
 
 def sheet_format(path: Path) -> str:
-    """The sheet format of a file name, or a FileError that lists the known ones."""
+    """Return the sheet format of a file name; raise a FileError that lists the known ones for another name."""
     name = path.suffix.lower().removeprefix(".")
-    if name not in FORMATS:
+    if name not in SHEET_FORMATS:
         raise FileError(f"{path}: not a name of a build sheet; end it in .pdf or .csv")
     return name
 

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from rsegen import __version__
+from rsegen.exporters.cut_settings import CutSettings
 from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.timber import (
-    CutSettings,
     CuttingPlan,
     NumberedPallet,
     building_order,
@@ -22,17 +22,17 @@ from rsegen.exporters.sheet.timber import (
 )
 
 COLUMNS = ("pallet", "order", "x", "y", "height_cm")
-"""The columns of the rows; x and y count the block cells of the map; a cell without a block has no order.
+"""Columns of the rows; x and y count the block cells of the map; a cell without a block has no order.
 
 In sheets in inches the last one is height_in.
 """
 
 RECIPE_KEYS = ("chunk_size", "unit_cm", "block_width_cm", "boundary", "frame_height_cm", "units")
-"""The recipe parameters in the comments, from which the map can be imported again."""
+"""Recipe parameters in the comments, from which the map can be imported again."""
 
 
 def listing(scene: Scene, settings: CutSettings) -> Iterator[str]:
-    """The lines of the CSV file; `#` starts a comment, and no comment has a comma."""
+    """Yield the lines of the CSV file; `#` starts a comment, and no comment has a comma."""
     yield f"# build sheet of {scene.name} with seed {scene.recipe.seed}\n"
     yield f"# rsegen {__version__}\n"
     yield f"# fingerprint of the levels: {fingerprint(scene.field.blocks)}\n"
@@ -53,19 +53,19 @@ def listing(scene: Scene, settings: CutSettings) -> Iterator[str]:
 
 
 def _timber(scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[str]:
-    found = materials(scene.field, scene.recipe, settings)
-    for one, count in length_counts(scene.field).items():
-        yield f"# cut: {count} blocks of {written.short(one)} {written.unit}\n"
-    yield from _plan("blocks", "saw", found.blocks, written)
-    for one, count in found.frames.all_boards.items() if found.frames else ():
-        yield f"# frames: {count} boards of {written.short(one)} {written.unit}\n"
-    if found.boards:
-        yield from _plan("frames", "saw for frames", found.boards, written)
-    yield f"# base boards: {found.bases} of {' x '.join(map(written.short, found.base))} {written.unit}\n"
-    weights = f"{written.weight(found.block_weight)} blocks + {written.weight(found.frame_weight)} frames"
+    needed = materials(scene.field, scene.recipe, settings)
+    for block, count in length_counts(scene.field).items():
+        yield f"# cut: {count} blocks of {written.short(block)} {written.unit}\n"
+    yield from _plan("blocks", "saw", needed.blocks, written)
+    for board, count in needed.frames.all_boards.items() if needed.frames else ():
+        yield f"# frames: {count} boards of {written.short(board)} {written.unit}\n"
+    if needed.boards:
+        yield from _plan("frames", "saw for frames", needed.boards, written)
+    yield f"# base boards: {needed.bases} of {' x '.join(map(written.short, needed.base))} {written.unit}\n"
+    weights = f"{written.weight(needed.block_weight)} blocks + {written.weight(needed.frame_weight)} frames"
     yield f"# weight: {weights}\n".replace(",", "")
-    if found.price is not None:
-        yield f"# cost without base boards: {found.price:.2f}\n"
+    if needed.price is not None:
+        yield f"# cost without base boards: {needed.price:.2f}\n"
 
 
 def _plan(what: str, saw: str, plan: CuttingPlan, written: Lengths) -> Iterator[str]:
@@ -73,7 +73,7 @@ def _plan(what: str, saw: str, plan: CuttingPlan, written: Lengths) -> Iterator[
     losses = f"{written.cut(plan.settings.kerf)} per cut and {written.short(plan.settings.trim)} {written.unit} of ends"
     yield f"# stock for the {what}: {stock} less {losses}\n"
     for pattern in plan.patterns:
-        parts = " + ".join(f"{count} x {written.short(one)} {written.unit}" for one, count in pattern.parts)
+        parts = " + ".join(f"{count} x {written.short(part)} {written.unit}" for part, count in pattern.parts)
         yield f"# {saw}: {pattern.pieces} pieces into {parts}\n"
 
 

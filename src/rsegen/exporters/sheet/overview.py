@@ -1,8 +1,8 @@
-"""The first page of a build sheet: the arrangement of pallets, the timber to buy and the cutting plan.
+"""The pages of a build sheet about the whole map: the overview, and what is needed besides blocks.
 
-The cut list on a page: the blocks of a map or pallet with their lengths, numbers and timber.
-
-The page of what a map needs besides its blocks: frame boards and how to cut them, base boards, weight and cost.
+The overview has the arrangement of pallets, the blocks to cut, the timber to buy and how each piece is cut. The page of
+materials has frame boards and how to cut them, base boards, weight and cost. Lists that do not fit are counted, and the
+sheet as CSV has all of them.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 
 from rsegen import __version__
+from rsegen.exporters.cut_settings import CutSettings, nanometres
 from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.scene import Scene
-from rsegen.exporters.sheet.page import EMPTY, GREY, POINT, ROW, Page, PlanView, draw_run
+from rsegen.exporters.sheet.page import EMPTY, GREY, POINT, ROW, Page, PrintedPlan, draw_run
 from rsegen.exporters.sheet.timber import (
-    CutSettings,
     CuttingPlan,
-    Frames,
+    FrameBoards,
     Materials,
     NumberedPallet,
     Pattern,
@@ -26,20 +26,19 @@ from rsegen.exporters.sheet.timber import (
     length,
     length_counts,
     materials,
-    nanometres,
     plan_cuts,
 )
 from rsegen.field.stepfield import StepField
 
 COLUMN = 82.0
-"""The width of the list in millimetres."""
+"""Width of a list in millimetres: two of them fit between the margins."""
 
 _ABREAST = 3
-"""The number of narrow columns for lists that are too long for one column."""
+"""Narrow columns of lists that are too long for one column."""
 
 
 def draw_cut_list(page: Page, scene: Scene, field: StepField, place: tuple[float, float], bottom: float) -> float:
-    """Draw the cut list above `bottom`, counting what does not fit; returns the y of the next line."""
+    """Draw the cut list above `bottom`, counting what does not fit; return the y of the next line."""
     x, y = place
     y = page.heading(x, y, "Blocks to cut", COLUMN)
     counts = {level: count for level, count in field.level_counts().items() if level}
@@ -62,18 +61,18 @@ def _columns(x: float) -> list[float]:
 
 
 def _draw_table(page: Page, scene: Scene, counts: Mapping[int, int], place: tuple[float, float], room: int) -> float:
-    """Draw a line per level; returns the y of the next line."""
+    """Draw a line per level; return the y of the next line."""
     (x, y), written = place, lengths_in(scene.recipe.units)
     y = page.table(y, _columns(x), [("level", f"length {written.name}", "number", "timber")], size=8, color=GREY)
     for level, count in counts.items():
         page.swatch(x, y, scene.colour(level))
-        one = length(level, scene.field)
-        y = page.table(y, _columns(x), [(str(level), written.short(one), f"{count:,}", written.long(one * count))])
+        block = length(level, scene.field)
+        y = page.table(y, _columns(x), [(str(level), written.short(block), f"{count:,}", written.long(block * count))])
     return y
 
 
 def _draw_narrow(page: Page, scene: Scene, counts: Mapping[int, int], place: tuple[float, float], room: int) -> float:
-    """Draw several levels per line, in narrow columns; returns the y of the next line."""
+    """Draw several levels per line, in narrow columns; return the y of the next line."""
     (x, y), width = place, (COLUMN + 4) / _ABREAST
     page.text(x, y, f"number x length in {lengths_in(scene.recipe.units).name}", 8, color=GREY)
     rows = max(1, min(room - 2, -(-len(counts) // _ABREAST)))
@@ -92,17 +91,19 @@ def _draw_narrow(page: Page, scene: Scene, counts: Mapping[int, int], place: tup
 
 
 _PLAN_HEIGHT = 112.0
+"""Height of the plan in millimetres, at the most: the lists below it need the rest of the page."""
+
 _SMALLEST = 4.0
-"""The smallest legible font size of names, in points."""
+"""Smallest legible font size of names, in points."""
 
 _LONGEST = 160
-"""The maximum number of characters of a description."""
+"""Characters of a description, at the most: a line in a small font."""
 
 _BROAD = 30
-"""The maximum number of characters in a line of a cutting pattern."""
+"""Characters in a line of a cutting pattern, at the most, so that the offcut fits next to it."""
 
 RIGHT = 113.0
-"""The x of the right column in millimetres."""
+"""x of the right column in millimetres."""
 
 
 def draw_overview(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], settings: CutSettings) -> None:
@@ -130,15 +131,16 @@ def _draw_head(page: Page, scene: Scene, pallets: int) -> None:
 
 
 def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> float:
-    """Draw the map from above with the name and number of each pallet; returns the y of its lower end."""
+    """Draw the map from above with the name and number of each pallet; return the y of its lower end."""
     n_x, n_y = scene.field.shape
     cell = min(page.across / n_x, _PLAN_HEIGHT / n_y)
     left, bottom = page.left + (page.across - n_x * cell) / 2, 43 + n_y * cell
     side = scene.field.block_width
-    for each in pallets:
-        field = each.pallet.field
-        (cells_x, cells_y), (x, y) = field.shape, each.pallet.centre
-        plan = PlanView(
+    # A plan per pallet, placed by its centre: the drawing of the whole map is made of those that the pallets have.
+    for pallet in pallets:
+        field = pallet.chunk.field
+        (cells_x, cells_y), (x, y) = field.shape, pallet.chunk.centre
+        plan = PrintedPlan(
             page=page,
             scene=scene,
             field=field,
@@ -149,7 +151,7 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> fl
         plan.draw(min(0.4, cell / 25))
         page.rectangle((plan.left, plan.top), (cells_x * cell, cells_y * cell), linewidth=1.2)
         if len(pallets) > 1:
-            _draw_name(plan, each)
+            _draw_name(plan, pallet)
     draw_run(page, (left, left + n_x * cell), bottom - n_y * cell / 2)
     if len(pallets) == 1:
         return bottom
@@ -158,25 +160,25 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> fl
     return bottom
 
 
-def _draw_name(plan: PlanView, each: NumberedPallet) -> None:
+def _draw_name(plan: PrintedPlan, pallet: NumberedPallet) -> None:
     """Draw the name of a pallet on a white card in its middle, with the number if there is room."""
     n_x, n_y = plan.field.shape
     x, y = plan.middle((n_x - 1) / 2, (n_y - 1) / 2)
     room = n_x * plan.cell / POINT
-    text = f"{each.number}: {each.name}"
+    text = f"{pallet.number}: {pallet.name}"
     if _size(text, room) < _SMALLEST:
-        text = each.name
+        text = pallet.name
     card = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "black", "linewidth": 0.5}
     plan.page.text(x, y, text, _size(text, room), ha="center", va="center", fontweight="bold", bbox=card)
 
 
 def _size(text: str, room: float) -> float:
-    """The font size with which a text and its card fit into `room` points."""
+    """Return the font size with which a text and its card fit into `room` points; a letter is 0.72 of it wide."""
     return min(15.0, room / (0.72 * len(text) + 1))
 
 
 def _draw_cutting_plan(page: Page, scene: Scene, settings: CutSettings, y: float) -> float:
-    """Draw what to buy and how every piece is cut; returns the y of the next line."""
+    """Draw what to buy and how every piece is cut; return the y of the next line."""
     counts = length_counts(scene.field)
     plan = plan_cuts(counts, settings)
     y = page.heading(RIGHT, y, "Timber to buy", COLUMN)
@@ -189,11 +191,11 @@ def _draw_cutting_plan(page: Page, scene: Scene, settings: CutSettings, y: float
 
 
 def draw_patterns(page: Page, plan: CuttingPlan, y: float, written: Lengths) -> float:
-    """Draw how every piece of stock is cut, in the right column; returns the y of the next line."""
+    """Draw how every piece of stock is cut, in the right column; return the y of the next line."""
     rows = [_pattern_row(pattern, plan.settings, written) for pattern in plan.patterns]
-    for number, (pieces, parts, offcut) in enumerate(rows):
+    for drawn, (pieces, parts, offcut) in enumerate(rows):
         if y + len(parts) * ROW > page.bottom:
-            page.text(RIGHT, y, f"and {len(rows) - number} more ways, which the sheet as CSV has", 8, color=GREY)
+            page.text(RIGHT, y, f"and {len(rows) - drawn} more ways, which the sheet as CSV has", 8, color=GREY)
             return y + ROW
         page.text(RIGHT + 10, y, pieces, ha="right")
         for at, line in enumerate(parts):
@@ -204,7 +206,7 @@ def draw_patterns(page: Page, plan: CuttingPlan, y: float, written: Lengths) -> 
 
 
 def _timber(scene: Scene, plan: CuttingPlan) -> Iterator[tuple[str, str]]:
-    """The lines about timber, each a text and an amount."""
+    """Yield the lines about timber, each a text and an amount."""
     written, settings = lengths_in(scene.recipe.units), plan.settings
     side = written.short(nanometres(scene.recipe.block_width_cm))
     yield f"blocks: {stock_length(scene, settings)} of {side} x {side} {written.unit}", _pieces(plan.pieces)
@@ -220,28 +222,28 @@ def _timber(scene: Scene, plan: CuttingPlan) -> Iterator[tuple[str, str]]:
             f"frames: {stock_length(scene, settings)} of {side} x {high} {written.unit}",
             _stock(scene, known, settings),
         )
-        for one, count in known.all_boards.items():
-            yield f"  {count:,} boards of {written.short(one)} {written.unit}", written.long(one * count)
+        for board, count in known.all_boards.items():
+            yield f"  {count:,} boards of {written.short(board)} {written.unit}", written.long(board * count)
 
 
 def stock_length(scene: Scene, settings: CutSettings) -> str:
-    """The length of a piece of stock with its unit."""
+    """Return the length of a piece of stock with its unit."""
     return f"{lengths_in(scene.recipe.units).short(settings.stock)} {lengths_in(scene.recipe.units).unit}"
 
 
-def _stock(scene: Scene, known: Frames, settings: CutSettings) -> str:
-    """The pieces of stock for the boards, if it is long enough for them."""
+def _stock(scene: Scene, known: FrameBoards, settings: CutSettings) -> str:
+    """Return the pieces of stock for the boards as text, or that it is too short for them."""
     return "too short" if max(known.boards) > settings.usable else _pieces(plan_cuts(known.all_boards, settings).pieces)
 
 
 def _pieces(count: int) -> str:
-    """A number of pieces of stock as text."""
+    """Return a number of pieces of stock as text."""
     return f"{count:,} piece{'s'[: count != 1]}"
 
 
 def _pattern_row(pattern: Pattern, settings: CutSettings, written: Lengths) -> tuple[str, list[str], str]:
-    """A cutting pattern as texts: number of pieces, parts in a few lines, and offcut."""
-    parts = " + ".join(f"{count}\xa0x\xa0{written.short(one)}" for one, count in pattern.parts)
+    """Return a cutting pattern as texts: number of pieces, parts in a few lines, and offcut."""
+    parts = " + ".join(f"{count}\xa0x\xa0{written.short(part)}" for part, count in pattern.parts)
     return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{written.short(pattern.offcut(settings))} left"
 
 
@@ -257,9 +259,9 @@ def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: 
         for level in levels
     ]
     y = page.table(y, columns, [("", "pallet", *heads)], size=8, color=GREY)
-    for each in pallets:
-        counts = each.pallet.field.level_counts()
-        row = (str(each.number), each.name, *(str(counts.get(level, 0)) for level in levels))
+    for pallet in pallets:
+        counts = pallet.chunk.field.level_counts()
+        row = (str(pallet.number), pallet.name, *(str(counts.get(level, 0)) for level in levels))
         y = page.table(y, columns, [row])
 
 
@@ -281,15 +283,16 @@ _STEPS = (
 
 def draw_materials(page: Page, scene: Scene, settings: CutSettings) -> None:
     """Draw the whole page."""
-    found, written = materials(scene.field, scene.recipe, settings), lengths_in(scene.recipe.units)
+    needed, written = materials(scene.field, scene.recipe, settings), lengths_in(scene.recipe.units)
     page.text(page.left, 22, "Frames, bases and cost", 20, fontweight="bold")
     page.fitted((page.left, 29), scene.name, 9, page.across)
+    # The left column says what is needed, the right one how to cut the boards and how to build.
     y = 40.0
     for heading, rows in (
-        ("Frames", list(_frames(found, scene, settings, written))),
-        ("Base boards", [(f"{found.bases:,} of {_by(found.base, written)}", "")]),
-        ("Weight", list(_weight(found, settings, written))),
-        ("Cost", list(_cost(found, settings))),
+        ("Frames", list(_frames(needed, scene, settings, written))),
+        ("Base boards", [(f"{needed.bases:,} of {_by(needed.base, written)}", "")]),
+        ("Weight", list(_weight(needed, settings, written))),
+        ("Cost", list(_cost(needed, settings))),
     ):
         y = page.heading(page.left, y, heading, COLUMN)
         for text, amount in rows:
@@ -298,27 +301,27 @@ def draw_materials(page: Page, scene: Scene, settings: CutSettings) -> None:
             y += ROW
         y += 4
     y = 40.0
-    if found.boards:
+    if needed.boards:
         y = page.heading(RIGHT, y, f"Cutting {stock_length(scene, settings)} of stock", COLUMN)
-        y = draw_patterns(page, found.boards, y, written) + 4
+        y = draw_patterns(page, needed.boards, y, written) + 4
     y = page.heading(RIGHT, y, "How to build it", COLUMN)
     for text in _STEPS:
         page.text(RIGHT, y, text, 8.2)
         y += 4.4 if text else 2
 
 
-def _frames(found: Materials, scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[tuple[str, str]]:
-    if found.frames is None:
+def _frames(needed: Materials, scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[tuple[str, str]]:
+    if needed.frames is None:
         yield "none", ""
         return
-    section = tuple(nanometres(each) for each in (scene.recipe.block_width_cm, scene.recipe.frame_height_cm))
-    yield f"boards, {_by(section, written)} high", written.long(found.frames.timber)
-    for one, count in found.frames.all_boards.items():
-        yield f"  {count:,} of {written.short(one)} {written.unit}", written.long(one * count)
-    if found.boards:
+    section = tuple(nanometres(side_cm) for side_cm in (scene.recipe.block_width_cm, scene.recipe.frame_height_cm))
+    yield f"boards, {_by(section, written)} high", written.long(needed.frames.timber)
+    for board, count in needed.frames.all_boards.items():
+        yield f"  {count:,} of {written.short(board)} {written.unit}", written.long(board * count)
+    if needed.boards:
         yield (
             f"stock of {stock_length(scene, settings)}",
-            f"{found.boards.pieces:,} piece{'s'[: found.boards.pieces != 1]}",
+            f"{needed.boards.pieces:,} piece{'s'[: needed.boards.pieces != 1]}",
         )
     else:
         yield f"they are longer than {stock_length(scene, settings)} of stock", ""
@@ -328,20 +331,20 @@ def _by(sides: tuple[int, ...], written: Lengths) -> str:
     return f"{' x '.join(map(written.short, sides))} {written.unit}"
 
 
-def _weight(found: Materials, settings: CutSettings, written: Lengths) -> Iterator[tuple[str, str]]:
-    yield f"blocks, of {settings.density:g} kg/m3", written.weight(found.block_weight)
-    if found.frames:
-        yield "frames", written.weight(found.frame_weight)
+def _weight(needed: Materials, settings: CutSettings, written: Lengths) -> Iterator[tuple[str, str]]:
+    yield f"blocks, of {settings.density:g} kg/m3", written.weight(needed.block_weight)
+    if needed.frames:
+        yield "frames", written.weight(needed.frame_weight)
 
 
-def _cost(found: Materials, settings: CutSettings) -> Iterator[tuple[str, str]]:
+def _cost(needed: Materials, settings: CutSettings) -> Iterator[tuple[str, str]]:
     if settings.price is None:
         yield "no price given (--price, --frame-price)", ""
         return
-    yield f"blocks: {found.blocks.pieces:,} x {settings.price:,.2f}", f"{found.blocks.pieces * settings.price:,.2f}"
-    if found.boards and settings.frame_price is not None:
+    yield f"blocks: {needed.blocks.pieces:,} x {settings.price:,.2f}", f"{needed.blocks.pieces * settings.price:,.2f}"
+    if needed.boards and settings.frame_price is not None:
         yield (
-            f"frames: {found.boards.pieces:,} x {settings.frame_price:,.2f}",
-            f"{found.boards.pieces * settings.frame_price:,.2f}",
+            f"frames: {needed.boards.pieces:,} x {settings.frame_price:,.2f}",
+            f"{needed.boards.pieces * settings.frame_price:,.2f}",
         )
-    yield "together, without base boards", "" if found.price is None else f"{found.price:,.2f}"
+    yield "together, without base boards", "" if needed.price is None else f"{needed.price:,.2f}"

@@ -1,6 +1,6 @@
-"""An A4 page with positions in millimetres from the upper left corner.
+"""An A4 page with positions in millimetres from the upper left corner, and plans on it, north up.
 
-Plan views on a page, north up: cells in the colours of their levels, frames hatched.
+A plan has cells in the colours of their levels, frames hatched, and marked corners if a cell has no block.
 """
 
 from __future__ import annotations
@@ -19,13 +19,15 @@ if TYPE_CHECKING:
 
 
 WIDTH, HEIGHT, MARGIN = 210.0, 297.0, 15.0
+"""A4 (ISO 216) in millimetres, with a margin that every printer leaves."""
+
 INCH = 25.4
 POINT = INCH / 72
 """A typographic point in millimetres."""
 
 INK, GREY, PALE = "#1a1a1a", "#666666", "#bbbbbb"
 ROW = 5.2
-"""The line height of tables in millimetres."""
+"""Line height of tables in millimetres: 14.7 points for texts of 9."""
 
 
 class Page:
@@ -71,13 +73,13 @@ class Page:
         )
 
     def heading(self, x: float, y: float, text: str, width: float) -> float:
-        """Draw a heading with a line under it; returns the y of the next line."""
+        """Draw a heading with a line under it; return the y of the next line."""
         self.text(x, y, text, 10, fontweight="bold")
         self.line((x, x + width), (y + 1.8, y + 1.8), 0.6, INK)
         return y + 7
 
     def table(self, y: float, columns: Sequence[float], rows: Iterable[Sequence[str]], **style: Any) -> float:
-        """Draw rows of texts that end at the x of their columns; returns the y of the next line."""
+        """Draw rows of texts that end at the x of their columns; return the y of the next line."""
         for row in rows:
             for x, text in zip(columns, row, strict=True):
                 self.text(x, y, text, ha="right", **style)
@@ -101,11 +103,11 @@ class Page:
 EMPTY: Colour = (1.0, 1.0, 1.0)
 _MARK = "#999999"
 _MARKED = 0.28
-"""The length of corner marks as a share of the way to the centre."""
+"""Length of corner marks as a share of the way to the centre: long enough to see, short enough for a number."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class PlanView:
+class PrintedPlan:
     """A field from above on a page: its upper left corner and the side of a cell in millimetres."""
 
     page: Page
@@ -116,7 +118,7 @@ class PlanView:
     cell: float
 
     def middle(self, i: float, j: float) -> tuple[float, float]:
-        """The centre of a cell on the page, frames counted."""
+        """Return the centre of a cell on the page, frames counted."""
         return self.left + (i + 0.5) * self.cell, self.top + (self.field.shape[1] - j - 0.5) * self.cell
 
     def draw(self, line: float) -> None:
@@ -144,7 +146,7 @@ class PlanView:
         self.page.rectangle((self.left, self.top), size, linewidth=0.8)
 
     def _corners(self, i: Ints, j: Ints) -> Array:
-        """The corners of cells on the page in order, shape (m, 4, 2)."""
+        """Return the corners of cells on the page in order, shape (m, 4, 2)."""
         x, y = self.left + i * self.cell, self.top + (self.field.shape[1] - 1 - j) * self.cell
         round_it = ((0, 0), (self.cell, 0), (self.cell, self.cell), (0, self.cell))
         return np.stack([np.stack([x + aside, y + down], axis=-1) for aside, down in round_it], axis=1)
@@ -158,11 +160,11 @@ def draw_run(page: Page, ends: tuple[float, float], y: float) -> None:
 
 
 def block_colour(scene: Scene, level: int) -> Colour:
-    """The colour of a level on the page; white for no block."""
+    """Return the colour of a level on the page; white for no block."""
     return scene.colour(level) if level else EMPTY
 
 
 def ink(colour: Colour) -> str:
-    """The text colour that is legible on a colour, in greyscale print too."""
+    """Return the text colour that is legible on a colour, in greyscale print too (luma of ITU-R BT.601)."""
     red, green, blue = colour
     return "white" if 0.3 * red + 0.59 * green + 0.11 * blue < 0.5 else "black"

@@ -1,6 +1,7 @@
-"""The page of one pallet: every cell with the height of its block, and the cut list.
+"""The pages of a build sheet for the builder and the tester: one of each pallet, and a form for repetitions.
 
-A form for the repetitions of a test on the map: attempts, successes, times.
+A pallet's page has every cell with the height of its block, the order of placing and the cut list. The form is for the
+repetitions of a test on the map: attempts, successes, times.
 """
 
 from __future__ import annotations
@@ -13,21 +14,25 @@ from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.overview import COLUMN, draw_cut_list
-from rsegen.exporters.sheet.page import GREY, INK, POINT, Page, PlanView, block_colour, ink
+from rsegen.exporters.sheet.page import GREY, INK, POINT, Page, PrintedPlan, block_colour, ink
 from rsegen.exporters.sheet.timber import NumberedPallet, length, placing_order
 
 ORDERED = 12
-"""Pallets of up to this many blocks per side have the placing order in their cells."""
+"""Blocks per side up to which a pallet has the placing order in its cells: smaller cells have no room for two
+numbers.
+"""
 
 _TOP, _SIDE = 40.0, 172.0
+"""Upper end and longer side of the plan in millimetres; the cut list needs the rest of the page."""
+
 _SMALLEST = 4.0
-"""The smallest legible font size of heights, in points."""
+"""Smallest legible font size of heights, in points."""
 
 _LINED = 1.5
-"""The smallest cell size in millimetres at which the map of pallets has grid lines."""
+"""Smallest cell size in millimetres at which the map of pallets has grid lines."""
 
 _NOTES = 113.0
-"""The x of the right column in millimetres."""
+"""x of the right column in millimetres."""
 
 _PLACING = (
     "Place row by row from the north-west corner, as one",
@@ -44,10 +49,10 @@ _RULE = (
 def draw_pallet(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int) -> None:
     """Draw the whole page."""
     _draw_head(page, scene, numbered, pallets)
-    field = numbered.pallet.field
+    field = numbered.chunk.field
     cell = _SIDE / max(field.shape)
     left = page.left + (page.across - field.shape[0] * cell) / 2
-    plan = PlanView(page=page, scene=scene, field=field, left=left, top=_TOP, cell=cell)
+    plan = PrintedPlan(page=page, scene=scene, field=field, left=left, top=_TOP, cell=cell)
     plan.draw(0.5)
     _draw_rulers(plan, numbered)
     notes = _draw_blocks(plan, numbered)
@@ -71,7 +76,7 @@ def _draw_head(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int)
 def _draw_position(page: Page, scene: Scene, numbered: NumberedPallet) -> None:
     """Draw the position of the pallet among the others, next to the compass."""
     m_x, m_y = scene.recipe.chunks
-    i, j = numbered.pallet.chunk
+    i, j = numbered.chunk.index
     cell = min(36 / m_x, 18 / m_y, 6)
     left, top, right, bottom = page.right - 12 - m_x * cell, 29 - m_y * cell, page.right - 12, 29.0
     if cell > _LINED:
@@ -83,26 +88,26 @@ def _draw_position(page: Page, scene: Scene, numbered: NumberedPallet) -> None:
     page.rectangle((left + i * cell, bottom - (j + 1) * cell), (cell, cell), facecolor=INK)
 
 
-def _draw_rulers(plan: PlanView, numbered: NumberedPallet) -> None:
+def _draw_rulers(plan: PrintedPlan, numbered: NumberedPallet) -> None:
     """Draw cell numbers on all four sides: all of them, or every fifth if they would overlap."""
     cells_x, cells_y = (plan.field.inside(axis).nonzero()[0].tolist() for axis in (0, 1))
     far_x, far_y = (cells * plan.cell for cells in plan.field.shape)
-    size, each = (8, 1) if plan.cell > 5 else (6, 5)
+    size, step = (8, 1) if plan.cell > 5 else (6, 5)
     style = {"color": GREY, "ha": "center", "va": "center"}
     for at, i in enumerate(cells_x):
-        if (numbered.corner[0] + at) % each == 0:
+        if (numbered.corner[0] + at) % step == 0:
             for y in (plan.top - 3, plan.top + far_y + 3):
                 plan.page.text(plan.middle(i, 0)[0], y, str(numbered.corner[0] + at), size, **style)
     for at, j in enumerate(cells_y):
-        if (numbered.corner[1] + at) % each == 0:
+        if (numbered.corner[1] + at) % step == 0:
             for x in (plan.left - 4, plan.left + far_x + 4):
                 plan.page.text(x, plan.middle(0, j)[1], str(numbered.corner[1] + at), size, **style)
     plan.page.text(plan.left + far_x / 2, plan.top + far_y + 8, "x", 9, color=GREY, ha="center", va="center")
     plan.page.text(plan.left - 10, plan.top + far_y / 2, "y", 9, color=GREY, ha="center", va="center")
 
 
-def _draw_blocks(plan: PlanView, numbered: NumberedPallet) -> tuple[str, ...]:
-    """Draw the height of every block, and its placing order if there is room; returns notes that explain them."""
+def _draw_blocks(plan: PrintedPlan, numbered: NumberedPallet) -> tuple[str, ...]:
+    """Draw the height of every block, and its placing order if there is room; return notes that explain them."""
     levels, order = numbered.levels, placing_order(numbered.levels)
     texts, notes = _labels(plan)
     size, ordered = _size(plan.cell, texts), max(levels.shape) <= ORDERED
@@ -118,8 +123,8 @@ def _draw_blocks(plan: PlanView, numbered: NumberedPallet) -> tuple[str, ...]:
     return (*notes, last)
 
 
-def _labels(plan: PlanView) -> tuple[dict[int, str], tuple[str, ...]]:
-    """The text of each level in the cells, and the notes that explain it."""
+def _labels(plan: PrintedPlan) -> tuple[dict[int, str], tuple[str, ...]]:
+    """Return the text of each level in the cells, and the notes that explain it."""
     field, written = plan.field, lengths_in(plan.scene.recipe.units)
     heights = {level: written.short(length(level, field)) for level in field.level_counts()}
     if _size(plan.cell, heights) >= _SMALLEST:
@@ -130,7 +135,7 @@ def _labels(plan: PlanView) -> tuple[dict[int, str], tuple[str, ...]]:
 
 
 def _size(cell: float, texts: dict[int, str]) -> float:
-    """The font size with which the longest of the texts fits into a cell."""
+    """Return the font size with which the longest of the texts fits into a cell; a digit is 0.64 of it wide."""
     widest = max(map(len, texts.values()))
     return min(18.0, 0.85 * cell / POINT / (0.64 * max(widest, 2)))
 
@@ -147,7 +152,10 @@ def _draw_notes(page: Page, notes: tuple[str, ...], y: float) -> None:
 _HEAD = (("Robot", 0, 85), ("Operator", 95, 85), ("Place and date", 0, 85), ("Time allowed", 95, 85))
 _COLUMNS = (("no.", 10), ("start", 26), ("goal", 26), ("time", 26), ("success", 20), ("what happened", 72))
 _ROWS = 30
+"""Attempts of a form: 30 fill the page."""
+
 _ROW = 6.2
+"""Height of a row in millimetres, for handwriting."""
 
 
 def draw_form(page: Page, scene: Scene) -> None:
@@ -155,8 +163,9 @@ def draw_form(page: Page, scene: Scene) -> None:
     page.text(page.left, 22, "Repetitions", 20, fontweight="bold")
     about = f"{scene.name}, fingerprint {fingerprint(scene.field.blocks)}; from start (west) to goal (east)"
     page.fitted((page.left, 29), about, 9, page.across)
-    for number, (text, x, width) in enumerate(_HEAD):
-        y = 40.0 + 9 * (number // 2)
+    # Two lines of two fields to fill in, a table with a row per attempt, and a line for the totals.
+    for field, (text, x, width) in enumerate(_HEAD):
+        y = 40.0 + 9 * (field // 2)
         page.text(page.left + x, y, text, 8, color=GREY)
         page.line((page.left + x + 24, page.left + x + width), (y + 1, y + 1))
     top = 60.0

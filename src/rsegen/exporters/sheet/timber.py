@@ -1,15 +1,18 @@
-"""The cutting plan: how many pieces of stock the blocks need, and how each piece is cut.
+"""Timber for a map: the cutting plan, the order of building, frame boards, base boards, weight and cost.
 
-Lengths are whole nanometres, so that twelve blocks of 20 cm are exactly 240 cm.
+Cutting plan: the one-dimensional cutting stock problem, by first-fit decreasing: the longest parts first, each into the
+first piece of stock with room for it. It needs at most 11/9 of the least number of pieces, plus 6/9 (Dosa 2007); on
+maps, whose parts are few multiples of a unit, mostly the least. Pieces that are cut alike are one `Pattern` with a
+count, so the time grows with the lengths, not with the blocks. Lengths are whole nanometres, so that twelve blocks of
+20 cm are exactly 240 cm.
 
-The build order: pallets and blocks are numbered row by row from the north-west to the south-east.
+     |trim| part |kerf| part |kerf| part |kerf| room |trim|
 
-A person at the south side of a pallet fills the far row first and never reaches over placed blocks; every block leans
-on the frame or on the previous one.
+Order of building: pallets and blocks are numbered row by row from the north-west to the south-east. A person at the
+south side of a pallet fills the far row first and never reaches over placed blocks; every block leans on the frame or
+on the previous one.
 
-The boards of frames: two as long as the frame, and two between them.
-
-What a map needs besides its blocks, what it weighs and what it costs.
+Frames: two boards as long as the frame is outside, and two between them.
 """
 
 from __future__ import annotations
@@ -17,81 +20,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated
 
 import numpy as np
 
-from rsegen.errors import ParameterError
-from rsegen.exporters.numbers import decimal
+from rsegen.exporters.cut_settings import CutSettings, nanometres
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Ints, Levels, Pallet, StepField
-from rsegen.params.sorts import Cell, Float, validate
+from rsegen.field.stepfield import Chunk, Ints, Levels, StepField
+from rsegen.params.sorts import Cell
 from rsegen.recipe.recipe import Recipe
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class CutSettings:
-    """How timber is bought and cut: the saw, the stock and its ends, the play in frames, weight and prices."""
-
-    kerf_mm: Annotated[
-        float,
-        Float(0, 100, unit="mm", help="width of material that the saw removes with every cut; 1/8 in with units in"),
-    ] = 3.0
-    stock_cm: Annotated[
-        float, Float(0.001, 100_000, unit="cm", help="length of the pieces of timber to buy; 8 ft with units in")
-    ] = 240.0
-    trim_cm: Annotated[
-        float, Float(0, 1000, unit="cm", help="cut off at each end of a piece of stock; 1/2 in with units in")
-    ] = 1.0
-    tolerance_mm: Annotated[
-        float, Float(0, 100, unit="mm", help="by how much a part may be cut too long; 1/32 in with units in")
-    ] = 0.5
-    play_mm: Annotated[float, Float(0, 1000, unit="mm", help="clearance of a row of blocks in its frame")] = 0.0
-    density: Annotated[float, Float(1, 10_000, unit="kg/m3", help="density of the timber; pine: about 500")] = 500.0
-    price: Annotated[float | None, Float(0, 1e9, help="price of a piece of stock for blocks; default: no cost")] = None
-    frame_price: Annotated[float | None, Float(0, 1e9, help="price of a piece of stock for frames")] = None
-
-    def __post_init__(self) -> None:
-        validate(self)
-        if self.usable <= 0:
-            raise ParameterError("trim_cm", f"nothing is left of {decimal(self.stock_cm)} cm of stock; give less")
-
-    @classmethod
-    def default(cls, units: str) -> CutSettings:
-        """Those of a recipe's units."""
-        return cls(stock_cm=243.84, kerf_mm=3.175, trim_cm=1.27, tolerance_mm=0.79375) if units == "in" else cls()
-
-    @property
-    def kerf(self) -> int:
-        """What a cut costs in nanometres: the kerf and the tolerance."""
-        return round((self.kerf_mm + self.tolerance_mm) * 1e6)
-
-    @property
-    def stock(self) -> int:
-        """The stock length in nanometres."""
-        return nanometres(self.stock_cm)
-
-    @property
-    def trim(self) -> int:
-        """What both ends of a piece of stock lose, in nanometres."""
-        return 2 * nanometres(self.trim_cm)
-
-    @property
-    def usable(self) -> int:
-        """The length of a piece of stock without its ends, in nanometres."""
-        return self.stock - self.trim
-
-    @property
-    def play(self) -> int:
-        """The play in nanometres."""
-        return round(self.play_mm * 1e6)
-
-    def check(self, length_cm: float, what: str = "the longest block") -> None:
-        """Raise a ParameterError if the stock is too short for a length."""
-        if nanometres(length_cm) > self.usable:
-            given, longest = decimal(self.stock_cm), decimal(length_cm)
-            least = decimal(round(length_cm + self.trim / 1e7, 7))
-            raise ParameterError("stock_cm", f"{given} is shorter than {what}, {longest} cm; give {least} or more")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -107,7 +43,7 @@ class Pattern:
     room: int
 
     def offcut(self, settings: CutSettings) -> int:
-        """The offcut of each piece in nanometres."""
+        """Return the offcut of each piece in nanometres."""
         return max(0, self.room - settings.kerf)
 
 
@@ -144,13 +80,8 @@ class CuttingPlan:
         return self.pieces * self.settings.trim
 
 
-def nanometres(length_cm: float) -> int:
-    """A length in centimetres as whole nanometres."""
-    return round(length_cm * 1e7)
-
-
 def plan_cuts(counts: Mapping[int, int], settings: CutSettings) -> CuttingPlan:
-    """The cutting plan for a number of parts of each length [nm], by the first-fit-decreasing rule."""
+    """Return the cutting plan for a number of parts of each length [nm], by the first-fit-decreasing rule."""
     patterns: list[Pattern] = []
     for length in sorted(counts, reverse=True):
         settings.check(length / 1e7)
@@ -161,7 +92,8 @@ def plan_cuts(counts: Mapping[int, int], settings: CutSettings) -> CuttingPlan:
 
 
 def _filled(patterns: Sequence[Pattern], length: int, count: int, kerf: int) -> Iterator[Pattern]:
-    """The patterns in order, each filled with as many parts of one length as fit, until `count` are placed."""
+    """Yield the patterns in order, each filled with as many parts of a length as fit, until `count` are placed."""
+    # A pattern of many pieces splits in up to three: pieces that are full, one with the rest, and pieces unchanged.
     for pattern in patterns:
         most = pattern.room // (length + kerf)
         full = min(pattern.pieces, count // most) if most else 0
@@ -186,31 +118,31 @@ class NumberedPallet:
     number: int
     name: str
     corner: Cell
-    pallet: Pallet
+    chunk: Chunk
 
     @property
     def levels(self) -> Levels:
-        """The levels of its blocks, shape (n_x, n_y)."""
-        return self.pallet.field.blocks
+        """Levels of its blocks, shape (n_x, n_y)."""
+        return self.chunk.field.blocks
 
 
 def building_order(scene: Scene) -> tuple[NumberedPallet, ...]:
-    """The pallets of a map in build order."""
+    """Return the pallets of a map in build order."""
     side = scene.recipe.chunk_size
-    pallets = sorted(scene.field.pallets(side), key=lambda pallet: (-pallet.chunk[1], pallet.chunk[0]))
+    chunks = sorted(scene.field.chunks(side), key=lambda chunk: (-chunk.index[1], chunk.index[0]))
     return tuple(
         NumberedPallet(
-            number=number,
-            name=name(pallet.chunk),
-            corner=(pallet.chunk[0] * side, pallet.chunk[1] * side),
-            pallet=pallet,
+            number=position,
+            name=name(chunk.index),
+            corner=(chunk.index[0] * side, chunk.index[1] * side),
+            chunk=chunk,
         )
-        for number, pallet in enumerate(pallets, 1)
+        for position, chunk in enumerate(chunks, 1)
     )
 
 
 def name(chunk: Cell) -> str:
-    """The name of a pallet as on a chess board: a letter along x, a number along y, A1 in the south-west."""
+    """Return the name of a pallet as on a chess board: a letter along x, a number along y, A1 in the south-west."""
     letters, column = "", chunk[0] + 1
     while column:
         column, letter = divmod(column - 1, 26)
@@ -219,25 +151,25 @@ def name(chunk: Cell) -> str:
 
 
 def placing_order(levels: Levels) -> Ints:
-    """The placing order of each block, from 1, shape (n_x, n_y); 0 for no block."""
+    """Return the placing order of each block, from 1, shape (n_x, n_y); 0 for no block."""
     as_read = levels.T[::-1]
     order = np.where(as_read > 0, np.cumsum(as_read > 0).reshape(as_read.shape), 0)
     return order[::-1].T
 
 
 def length_counts(field: StepField) -> Mapping[int, int]:
-    """The number of blocks of each length [nm], the shortest first."""
+    """Return the number of blocks of each length [nm], the shortest first."""
     counts = Counter({length(level, field): count for level, count in field.level_counts().items() if level})
     return dict(counts)
 
 
 def length(level: int, field: StepField) -> int:
-    """The length of a block of a level in nanometres."""
+    """Return the length of a block of a level in nanometres."""
     return nanometres(round(level * field.unit * 100, 7))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Frames:
+class FrameBoards:
     """Equal frames: their number, and the number of boards of each length [nm] per frame, the longest first."""
 
     number: int
@@ -254,21 +186,24 @@ class Frames:
         return sum(length * count for length, count in self.all_boards.items())
 
 
-def frames(recipe: Recipe, play: int = 0) -> Frames | None:
-    """The frames of a map, or None if it has none above the ground; play: of the blocks inside, in nanometres."""
+def frames(recipe: Recipe, play: int = 0) -> FrameBoards | None:
+    """Return the frames of a map, or None if it has none above the ground; play: of the blocks inside, in
+    nanometres.
+    """
     if recipe.boundary == "none" or not recipe.frame_height_cm:
         return None
     m_x, m_y = recipe.chunks
-    number, (n_x, n_y) = (
+    count, (n_x, n_y) = (
         (m_x * m_y, (recipe.chunk_size,) * 2) if recipe.boundary == "divided" else (1, recipe.grid.shape)
     )
     width = nanometres(recipe.block_width_cm)
     boards = Counter({(n_x + 2) * width + play: 2})
     boards[n_y * width + play] += 2
-    return Frames(number=number, boards=dict(sorted(boards.items(), reverse=True)))
+    return FrameBoards(number=count, boards=dict(sorted(boards.items(), reverse=True)))
 
 
 _METRE = 10**9
+"""Nanometres of a metre."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -279,7 +214,7 @@ class Materials:
     """
 
     blocks: CuttingPlan
-    frames: Frames | None
+    frames: FrameBoards | None
     boards: CuttingPlan | None
     bases: int
     base: tuple[int, int]
@@ -289,7 +224,7 @@ class Materials:
 
 
 def materials(field: StepField, recipe: Recipe, settings: CutSettings) -> Materials:
-    """The materials of a map."""
+    """Return the materials of a map."""
     blocks, known = plan_cuts(length_counts(field), settings), frames(recipe, settings.play)
     fits = known is not None and max(known.boards) <= settings.usable
     boards = plan_cuts(known.all_boards, settings) if known and fits else None
@@ -308,7 +243,7 @@ def materials(field: StepField, recipe: Recipe, settings: CutSettings) -> Materi
 
 
 def _bases(recipe: Recipe, settings: CutSettings) -> tuple[int, tuple[int, int]]:
-    """A base board below each chunk, frames included, or one below the map if it has a frame round it."""
+    """Return number and sides of base boards: one below each chunk with its frame, or one below a map in one frame."""
     m_x, m_y = recipe.chunks
     n_x, n_y = recipe.grid.shape if recipe.boundary == "outer" else (recipe.chunk_size,) * 2
     rim = 2 * nanometres(recipe.block_width_cm) + settings.play if recipe.boundary != "none" else 0
@@ -317,9 +252,9 @@ def _bases(recipe: Recipe, settings: CutSettings) -> tuple[int, tuple[int, int]]
 
 
 def _price(
-    blocks: CuttingPlan, boards: CuttingPlan | None, known: Frames | None, settings: CutSettings
+    blocks: CuttingPlan, boards: CuttingPlan | None, known: FrameBoards | None, settings: CutSettings
 ) -> float | None:
-    """The price of all timber whose price is given; None if that of some is missing."""
+    """Return the price of all timber; None if the price of some of it is not given."""
     if settings.price is None or (known and (boards is None or settings.frame_price is None)):
         return None
     return blocks.pieces * settings.price + (boards.pieces * (settings.frame_price or 0) if boards else 0)

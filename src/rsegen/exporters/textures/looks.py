@@ -2,6 +2,8 @@
 
 An image has TILES x TILES tiles, one per block, and is multiplied by the colour (tint) of a material. Nothing is
 computed with sines or powers, whose last digits differ between machines.
+
+    rng --pine.top, edged.side, ...--> tones 0..1 --64 steps--> indices into a palette --png--> bytes
 """
 
 from __future__ import annotations
@@ -24,22 +26,25 @@ class Textures(NamedTuple):
     side: bytes
 
 
+_TONES = 63
+"""Highest index of a palette of 64 colours: 6 bits per pixel, which the eye cannot tell from 8 on wood."""
+
 LOOKS = {"levels": edged, "friction": edged, "wood": pine}
 
 
 @lru_cache(maxsize=4)
 def textures(look: str, seed: int) -> Textures:
-    """The textures of a look, drawn from a seed."""
+    """Return the textures of a look, drawn from a seed."""
     made, rng = LOOKS[look], generator(seed, 0, "textures of blocks")
     return Textures(*(png(_indices(tones), made.PALETTE) for tones in (made.top(rng), made.side(rng))))
 
 
 def mean_colour(look: str) -> tuple[float, float, float]:
-    """The colour, 0..1, that the textures of a look have from afar."""
+    """Return the colour, 0..1, that the textures of a look have from afar."""
     red, green, blue = (round(float(part) / 255, 3) for part in LOOKS[look].PALETTE[LOOKS[look].MEAN])
     return red, green, blue
 
 
 def _indices(tones: Array) -> Array:
-    """Tones 0..1 as colours of a palette of 64."""
-    return np.clip(np.rint(tones * 63), 0, 63).astype(np.uint8)
+    """Return tones 0..1 as indices into a palette."""
+    return np.clip(np.rint(tones * _TONES), 0, _TONES).astype(np.uint8)

@@ -1,7 +1,9 @@
 """The metrics of many maps of one recipe at once, vectorised over the maps.
 
-The values are those of `metrics` under the names of its table, as float32; NaN stands for None. All sums are sums of
-integer levels, so they are the same on every machine.
+The values are equal to those of `metrics` under the names of its table, as float32; NaN stands for None. All sums are
+sums of integer levels, so they are the same on every machine. Maps are the last axis of every array, so that one numpy
+operation on a cell is one on that cell of all maps, in consecutive memory. Only the percolation step is not a sum: it
+is swept across all maps at once, as often as the most winding path needs.
 """
 
 from __future__ import annotations
@@ -30,25 +32,26 @@ COLUMNS = (
     "opening.west_east",
     "opening.south_north",
 )
-"""The names of the metrics; lengths in metres."""
+"""Names of the metrics; lengths in metres."""
 
 LARGE = 10_000
-"""Maps with more cells than this, frames counted, are faster one by one: measured on random maps."""
+"""Cells of a map, frames counted, from which maps are faster one by one: measured on random maps."""
 
 _DIRECTIONS = ("west_east", "south_north")
 
 Table = Mapping[str, NDArray[np.float32]]
-"""For each of COLUMNS an array of one value per map."""
+"""Array of one value per map, for each of COLUMNS."""
 
 
 def batch_metrics(levels: Ints, like: StepField) -> Table:
-    """The metrics of maps with block levels (maps, n_x, n_y) that otherwise are equal to `like`."""
+    """Return the metrics of maps with block levels (maps, n_x, n_y) that otherwise are equal to `like`."""
+    # Squares and sums of levels of 8 bits fit into 32 bits, which are twice as fast.
     exact = np.int64 if levels.itemsize > 1 else np.int32
     blocks: Ints = np.ascontiguousarray(np.moveaxis(levels, 0, -1), dtype=exact)
     whole: Ints = np.zeros((*like.shape, len(levels)), dtype=exact)
     whole[np.ix_(like.inside(0), like.inside(1))] = blocks
-    found = _spread(blocks, like) | _steps(whole, like) | _tri(whole, like) | _opening(whole, like)
-    return {name: found[name].astype(np.float32) for name in COLUMNS}
+    columns = _spread(blocks, like) | _steps(whole, like) | _tri(whole, like) | _opening(whole, like)
+    return {name: columns[name].astype(np.float32) for name in COLUMNS}
 
 
 def _spread(blocks: Ints, like: StepField) -> dict[str, Array]:
@@ -81,7 +84,7 @@ def _steps(whole: Ints, like: StepField) -> dict[str, Array]:
 
 
 def _tri(whole: Ints, like: StepField) -> dict[str, Array]:
-    """The ruggedness index of each map, over the blocks with 8 neighbouring blocks."""
+    """Return the ruggedness index of each map, over the blocks with 8 neighbouring blocks."""
     n_x, n_y = like.shape
     inner = _surrounded(~like.frame)
     if not inner.any():
@@ -95,20 +98,20 @@ def _tri(whole: Ints, like: StepField) -> dict[str, Array]:
 
 
 def _surrounded(block: Mask) -> Mask:
-    """Whether a cell and its 8 neighbours are blocks; without the outermost cells, which have fewer."""
+    """Return whether a cell and its 8 neighbours are blocks, without the outermost cells, which have fewer."""
     rows = block[2:] & block[1:-1] & block[:-2]
     return np.asarray(rows[:, 2:] & rows[:, 1:-1] & rows[:, :-2])
 
 
 def _opening(whole: Ints, like: StepField) -> dict[str, Array]:
-    """The percolation step of each map from the level ground on one side to that on the other, frames counted.
+    """Return the percolation step of each map from the level ground on one side to that on the other, frames counted.
 
     Paths across large maps are long and would need many sweeps: there, one map after the other is faster.
     """
     if like.frame.size > LARGE:
         fields = (replace(like, levels=whole[:, :, k].astype(np.int16)) for k in range(whole.shape[2]))
-        each = [percolation(field) for field in fields]
-        return {f"opening.{name}": np.array([getattr(one, name) for one in each]) for name in _DIRECTIONS}
+        steps = [percolation(field) for field in fields]
+        return {f"opening.{name}": np.array([getattr(step, name) for step in steps]) for name in _DIRECTIONS}
     heights, unit = _heights(whole, like)
     along = ((heights, like.frame), (heights.swapaxes(0, 1), like.frame.T))
     return {
@@ -118,7 +121,7 @@ def _opening(whole: Ints, like: StepField) -> dict[str, Array]:
 
 
 def _heights(whole: Ints, like: StepField) -> tuple[Ints, int]:
-    """The heights as integer multiples of their greatest common divisor, and that divisor in nanometres."""
+    """Return the heights as integer multiples of their greatest common divisor, and that divisor in nanometres."""
     levels = np.arange(int(whole.max()) + 1) * like.unit
     nanometres = np.rint(np.round([*levels, like.frame_height], 9) * NANOMETRES).astype(np.int64)
     unit = int(np.gcd.reduce(nanometres)) or 1
@@ -128,24 +131,27 @@ def _heights(whole: Ints, like: StepField) -> tuple[Ints, int]:
 
 
 def _minimax(heights: Ints, frame: Mask) -> Ints:
-    """For each map the smallest highest step of all paths along the first axis, by sweeps until nothing changes.
+    """Return the smallest highest step of all paths along the first axis, for each map, by sweeps until nothing
+    changes.
 
     No path goes along a row or column of only frame cells; before and behind the map there is level ground.
     """
+    # A cell costs the larger of its predecessor's cost and the step from it; the smallest cost of all predecessors
+    # counts.
     far = np.iinfo(heights.dtype).max
     ground = np.pad(heights, ((1, 1), (0, 0), (0, 0)))
     ahead, aside = (np.abs(np.diff(ground, axis=axis)) for axis in (0, 1))
     ahead[:, frame.all(axis=0)] = far
     aside[1:-1][frame.all(axis=1)] = far
-    found = np.full(ground.shape, far, dtype=heights.dtype)
-    found[0] = 0
+    lowest = np.full(ground.shape, far, dtype=heights.dtype)
+    lowest[0] = 0
     while True:
-        before = found.copy()
-        for costs, steps in ((found, ahead), (found.swapaxes(0, 1), aside.swapaxes(0, 1))):
+        before = lowest.copy()
+        for costs, steps in ((lowest, ahead), (lowest.swapaxes(0, 1), aside.swapaxes(0, 1))):
             _swept(costs, steps)
             _swept(costs[::-1], steps[::-1])
-        if (before == found).all():
-            return np.asarray(found[-1].min(axis=0))
+        if (before == lowest).all():
+            return np.asarray(lowest[-1].min(axis=0))
 
 
 def _swept(costs: Ints, steps: Ints) -> None:

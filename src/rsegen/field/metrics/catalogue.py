@@ -1,14 +1,9 @@
-"""The metrics of a map: roughness, and traversability for a robot; every module computes one family of them.
+"""The metrics of a map by their names: all of them, one of them, and those of plug-ins.
 
-StepField --metrics--> Metrics, in metres; docs/metrics.md has every formula with its source.
+StepField --metrics--> Metrics --nested--> JSON --flattened--> a row of a table
+by, robot --metric_by--> Metric: StepField -> float, NaN if a map has none
 
-Metrics as nested dicts for JSON and as flat rows for tables.
-
-One metric of a map, by its name in `rsegen metrics --csv` or as a function: what maps are ordered by.
-
-by, robot --metric_by--> Metric: StepField -> float, NaN where a map has none
-
-Metrics of plug-ins: functions StepField -> float with a name, a unit and help, listed beside rsegen's own.
+Metrics of plug-ins are functions StepField -> float with a name, a unit and help, listed after rsegen's own.
 """
 
 from __future__ import annotations
@@ -32,9 +27,10 @@ from rsegen.field.metrics.traversability import (
     traversability,
 )
 from rsegen.field.robot_limits import RobotLimits
-from rsegen.field.stepfield import NANOMETRE_DIGITS, StepField
+from rsegen.field.stepfield import StepField
 from rsegen.params.plugins import failure
 from rsegen.params.registry import Contract, Registry
+from rsegen.params.sorts import NANOMETRE_DIGITS
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -50,7 +46,7 @@ class Metrics:
 
 
 def metrics(field: StepField, climber: RobotLimits | None = None) -> Metrics:
-    """The metrics of a field: of its blocks without frames; and of the paths across it, frames counted."""
+    """Return the metrics of a field: of its blocks without frames; and of the paths across it, frames counted."""
     if field.frame.all():
         raise ParameterError("field", "has only frame cells; there is no block to measure")
     return Metrics(
@@ -64,7 +60,7 @@ def metrics(field: StepField, climber: RobotLimits | None = None) -> Metrics:
 
 
 def nested(value: Any) -> Any:
-    """Metrics as JSON values: dataclasses as objects, numbers rounded to nine decimals, without large arrays."""
+    """Return metrics as JSON values: dataclasses as objects, numbers rounded to nine decimals, without large arrays."""
     if is_dataclass(value):
         parts = {field.name: getattr(value, field.name) for field in fields(value)}
         return {name: nested(part) for name, part in parts.items() if not isinstance(part, np.ndarray)}
@@ -74,7 +70,7 @@ def nested(value: Any) -> Any:
 
 
 def flattened(entries: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """The scalar values of nested metrics by dotted name, as in `steps.mean`; without counts and lists."""
+    """Yield the scalar values of nested metrics by dotted name, as in `steps.mean`; without counts and lists."""
     for name, value in entries.items():
         if isinstance(value, dict) and not name.endswith("counts"):
             yield from flattened(value, f"{prefix}{name}.")
@@ -85,7 +81,7 @@ def flattened(entries: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[st
 Measure: TypeAlias = Callable[[StepField], float]
 
 RESERVED = frozenset({"map", "seed", "spread", "steps", "scale", "ruggedness", "opening", "reach"})
-"""What a row of `rsegen metrics` says of every map, so no metric of a plug-in has such a name."""
+"""Columns of every row of `rsegen metrics`, so no metric of a plug-in has such a name."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -99,12 +95,12 @@ class Metric:
 
     @classmethod
     def of(cls, measure: Measure, unit: str = "") -> Metric:
-        """The metric of a function: its name, and the first line of its docstring."""
+        """Return the metric of a function: its name, and the first line of its docstring."""
         lines = (getattr(measure, "__doc__", None) or "").strip().splitlines()
         return cls(name=getattr(measure, "__name__", "metric"), unit=unit, help="".join(lines[:1]), measure=measure)
 
     def __call__(self, field: StepField) -> float:
-        """The figure of a map; PluginError where the function fails, or gives no number."""
+        """Return the figure of a map; PluginError if the function fails, or gives no number."""
         try:
             value: object = self.measure(field)
         except Exception as error:  # it is somebody else's function, and may do anything
@@ -121,24 +117,24 @@ def metric(unit: str) -> Callable[[Measure], Metric]:
     return lambda measure: Metric.of(measure, unit)
 
 
-def _problem(found: Metric) -> str:
-    if not found.name.isidentifier() or found.name in RESERVED:
-        return f"a metric cannot be named {found.name!r}; give letters, digits and _, and none of rsegen's own names"
-    if not found.help:
+def _problem(metric: Metric) -> str:
+    if not metric.name.isidentifier() or metric.name in RESERVED:
+        return f"a metric cannot be named {metric.name!r}; give letters, digits and _, and none of rsegen's own names"
+    if not metric.help:
         return "has no help; give the function a docstring"
-    return "" if callable(found.measure) else "its measure is no function"
+    return "" if callable(metric.measure) else "its measure is no function"
 
 
 METRICS: Registry[Metric] = Registry(
     "metric",
     group="rsegen.metrics",
-    contract=Contract(base=Metric, names=lambda found: (found.name,), check=_problem, is_class=False),
+    contract=Contract(base=Metric, names=lambda metric: (metric.name,), check=_problem, is_class=False),
 )
 """Every metric of plug-ins by its name."""
 
 
 def custom(field: StepField) -> dict[str, float | None]:
-    """The metrics of plug-ins, of one map; None where there is none."""
+    """Return the metrics of plug-ins, of one map; None if a map has none."""
     figures = {name: metric(field) for name, metric in METRICS.items()}
     return {name: round(value, NANOMETRE_DIGITS) if math.isfinite(value) else None for name, value in figures.items()}
 
@@ -166,15 +162,16 @@ UNITS: Mapping[str, str] = {
     **dict.fromkeys((*_LENGTHS, *_LENGTHS_OF_A_ROBOT), "m"),
     **dict.fromkeys((*_NUMBERS, *_NUMBERS_OF_A_ROBOT), ""),
 }
-"""Every metric of rsegen's own that is one number, and its unit."""
+"""Every metric of rsegen's own that is a number, and its unit."""
 
 
 def metric_by(by: By, robot: RobotLimits | None = None) -> Metric:
-    """The metric of a name, of rsegen's own or of a plug-in, or of a function StepField -> float.
+    """Return the metric of a name, of rsegen's own or of a plug-in, or of a function StepField -> float.
 
-    robot: those named `reach` need one, for `opening` its width counts, and others are of none. ParameterError if it is
-    missing or too much, UnknownName for another name.
+    robot: metrics named `reach` need it, for `opening` its width counts, and others do not depend on it. ParameterError
+    if it is missing or does not apply, UnknownName for another name.
     """
+    # First what is refused whatever the name is; then a function, rsegen's own metrics, and those of plug-ins.
     if robot is not None and not isinstance(robot, RobotLimits):
         raise ParameterError("robot", f"{shown(robot)} is not a robot's limits; give RobotLimits(climb_cm=10)")
     if robot is not None and not (isinstance(by, str) and by.startswith(("reach.", "opening."))):
@@ -208,4 +205,4 @@ _FAMILIES: Mapping[str, Callable[[StepField, Any], Any]] = {
     "reach.south_north": lambda field, robot: crossing(field, robot, 1),
     "reach": traversability,
 }
-"""How each part of the metrics is measured; those of longer names come first."""
+"""Function that measures each part of the metrics; longer names come first, as the first prefix that fits is taken."""

@@ -1,4 +1,12 @@
-"""Connected and strongly connected components of graphs, in numpy."""
+"""Connected and strongly connected components of graphs, in numpy.
+
+Connected: hooking and pointer jumping (Shiloach and Vishkin 1982): every root hooks onto the smallest adjacent root,
+then every node points to its root; the number of rounds grows with the logarithm of the size, each linear in the edges.
+
+Strongly connected: edges in both directions connect nodes at once, which on a field leaves few nodes; edges on no cycle
+are peeled off; Tarjan's algorithm (1972), without recursion, has the rest. It is a Python loop, so a graph whose edges
+are mostly one-way (a robot that drops far more than it climbs, on a rough map) is slow.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +19,7 @@ from rsegen.field.stepfield import Ints, Mask
 
 
 def neighbours(shape: tuple[int, ...]) -> tuple[Ints, Ints]:
-    """Every pair of grid cells that share a side, as flat indices: the one of smaller x or y, and the other."""
+    """Return every pair of grid cells that share a side, as flat indices: the one of smaller x or y, and the other."""
     cell = np.arange(shape[0] * shape[1]).reshape(shape)
     pairs = [(cell[:-1], cell[1:]), (cell[:, :-1], cell[:, 1:])]
     low, high = (np.concatenate([pair[end].ravel() for pair in pairs]) for end in (0, 1))
@@ -19,7 +27,7 @@ def neighbours(shape: tuple[int, ...]) -> tuple[Ints, Ints]:
 
 
 def connected(nodes: int, a: Ints, b: Ints) -> Ints:
-    """For each node the smallest node of its connected component, for undirected edges a - b.
+    """Return for each node the smallest node of its connected component, for undirected edges a - b.
 
     Every root is attached to the smallest adjacent root and pointers are shortened, until no edge joins two roots.
     """
@@ -36,7 +44,7 @@ def connected(nodes: int, a: Ints, b: Ints) -> Ints:
 
 
 def strongly_connected(nodes: int, a: Ints, b: Ints, onward: Mask, back: Mask) -> Ints:
-    """For each node the number of its strongly connected component.
+    """Return for each node the index of its strongly connected component.
 
     Edges lead from a to b if `onward`, from b to a if `back`. Edges in both directions connect nodes at once; between
     the components that they form, one-way edges may close cycles.
@@ -52,7 +60,7 @@ def strongly_connected(nodes: int, a: Ints, b: Ints, onward: Mask, back: Mask) -
 
 
 def _on_cycles(nodes: int, tails: Ints, heads: Ints) -> tuple[Ints, Ints]:
-    """The edges without most of those that are on no cycle: nothing leads to their tail, or on from their head."""
+    """Return the edges without most of those on no cycle: nothing leads to their tail, or on from their head."""
     inside = tails != heads
     while not inside.all():
         tails, heads = tails[inside], heads[inside]
@@ -62,25 +70,30 @@ def _on_cycles(nodes: int, tails: Ints, heads: Ints) -> tuple[Ints, Ints]:
 
 
 def _strong(nodes: int, tails: Ints, heads: Ints) -> list[int]:
-    """For each node one node of its strongly connected component, by Tarjan's algorithm (1972) without recursion."""
+    """Return for each node one node of its strongly connected component, by Tarjan's algorithm (1972) without
+    recursion.
+    """
     onward = _successors(nodes, tails, heads)
-    number, low, group = [0] * nodes, [0] * nodes, [0] * nodes
+    # `order` is the order of discovery from 1, `low` the earliest open node that is reachable; a node whose `low` is
+    # its
+    # own order is the first of its component, and all open nodes after it belong to it.
+    order, low, group = [0] * nodes, [0] * nodes, [0] * nodes
     seen, open_, way = 0, list[int](), list[int]()
     for root in range(nodes):
-        way += [] if number[root] else [root]
+        way += [] if order[root] else [root]
         while way:
             node = way[-1]
-            if not number[node]:
-                number[node] = low[node] = seen = seen + 1
+            if not order[node]:
+                order[node] = low[node] = seen = seen + 1
                 open_.append(node)
             for head in onward[node]:
-                if not number[head]:
+                if not order[head]:
                     way.append(head)
                     break
                 low[node] = min(low[node], low[head])
             else:
                 way.pop()
-                if low[node] == number[node]:
+                if low[node] == order[node]:
                     _pop_component(node, open_, group, low)
                 elif way:
                     low[way[-1]] = min(low[way[-1]], low[node])
@@ -88,7 +101,7 @@ def _strong(nodes: int, tails: Ints, heads: Ints) -> list[int]:
 
 
 def _successors(nodes: int, tails: Ints, heads: Ints) -> list[Iterator[int]]:
-    """For each node an iterator over the nodes that its edges lead to."""
+    """Return for each node an iterator over the nodes that its edges lead to."""
     order = np.argsort(tails, kind="stable")
     starts = np.searchsorted(tails[order], np.arange(nodes + 1)).tolist()
     ahead = heads[order].tolist()

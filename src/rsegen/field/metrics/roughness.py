@@ -1,12 +1,8 @@
-"""Level differences between blocks that are some cells apart.
+"""Roughness: steps between neighbouring blocks, spread of heights, ruggedness around a block, and growth with distance.
 
-The steps between neighbouring blocks.
-
-The distribution of heights, regardless of their positions.
-
-Terrain ruggedness: height differences between each block and its 8 neighbours.
-
-Roughness by scale: how height differences grow with distance.
+All of it is made of level differences between blocks some cells apart, without frames; docs/metrics.md has every
+formula with its source. Cost: linear in the cells, for `scale` once per lag. Sums are taken over levels, integers or
+shares of counts, and units are multiplied at the end.
 """
 
 from __future__ import annotations
@@ -22,7 +18,9 @@ from rsegen.field.stepfield import Array, Ints, StepField
 
 
 def differences(field: StepField, lag: int = 1) -> Ints:
-    """|difference| in levels of all pairs of blocks `lag` cells apart along x or y, without frames, shape (n,)."""
+    """Return |difference| in levels of all pairs of blocks `lag` cells apart along x or y, without frames, shape
+    (n,).
+    """
     levels, block = field.levels.astype(np.int32), ~field.frame
     return np.concatenate(
         [np.abs(h[lag:] - h[:-lag])[b[lag:] & b[:-lag]] for h, b in ((levels, block), (levels.T, block.T))]
@@ -43,7 +41,7 @@ class Steps:
     highest: float | None
 
     def share_above(self, limit: float) -> float | None:
-        """The share of the steps above a limit in metres, P(|dh| > limit)."""
+        """Return the share of the steps above a limit in metres, P(|dh| > limit)."""
         if not self.counts:
             return None
         above = sum(count for step, count in self.counts.items() if round((step * self.unit - limit) * NANOMETRES) > 0)
@@ -51,14 +49,14 @@ class Steps:
 
 
 def steps(field: StepField) -> Steps:
-    """The steps of a field; two blocks with a frame between them are not neighbours."""
-    found = np.bincount(differences(field))
-    if not len(found):
+    """Return the steps of a field; two blocks with a frame between them are not neighbours."""
+    counts = np.bincount(differences(field))
+    if not len(counts):
         return Steps(unit=field.unit, counts={}, mean=None, rms=None, highest=None)
-    sizes, share = np.arange(len(found)), found / found.sum()
+    sizes, share = np.arange(len(counts)), counts / counts.sum()
     return Steps(
         unit=field.unit,
-        counts={int(size): int(found[size]) for size in np.flatnonzero(found)},
+        counts={int(size): int(counts[size]) for size in np.flatnonzero(counts)},
         mean=float(sizes @ share) * field.unit,
         rms=float(np.sqrt(sizes**2 @ share)) * field.unit,
         highest=float(sizes[-1]) * field.unit,
@@ -82,7 +80,7 @@ class Spread:
 
 
 def spread(field: StepField) -> Spread:
-    """The height distribution of a field's blocks."""
+    """Return the height distribution of a field's blocks."""
     level_counts = field.level_counts()
     levels, counts = (np.array(list(part), dtype=float) for part in (level_counts, level_counts.values()))
     share = counts / counts.sum()
@@ -114,7 +112,7 @@ class Ruggedness:
 
 
 def ruggedness(field: StepField) -> Ruggedness:
-    """The ruggedness and the surface ratio of a field."""
+    """Return the ruggedness and the surface ratio of a field."""
     riley = _riley(field)
     risers = int(differences(field).sum()) * field.unit
     return Ruggedness(
@@ -126,7 +124,7 @@ def ruggedness(field: StepField) -> Ruggedness:
 
 
 def _riley(field: StepField) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """sqrt(sum (h_k - h_0)^2) of every block with 8 neighbouring blocks, metres, shape (n,)."""
+    """Return sqrt(sum (h_k - h_0)^2) of every block with 8 neighbouring blocks, metres, shape (n,)."""
     n_x, n_y = field.shape
     if min(n_x, n_y) < 3:
         return np.empty(0)
@@ -140,9 +138,11 @@ def _riley(field: StepField) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
 
 
 LAGS = 24
-"""The maximum number of lags, which are logarithmically spaced."""
+"""Number of lags, at the most. They are logarithmically spaced, as the exponent is a slope of logarithms; more of them
+on a large map add time and hardly change the slope."""
+
 FEW = 10
-"""An exponent that is fitted to fewer lags is marked as weak."""
+"""Lags below which a fitted exponent is marked as weak: fields of up to some 20 blocks per side."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -159,11 +159,11 @@ class Scale:
 
 
 def scale(field: StepField) -> Scale:
-    """The scale of a field: lags up to half of its shorter side, beyond which pairs are few and overlap."""
+    """Return the scale of a field: lags up to half of its shorter side, beyond which pairs are few and overlap."""
     lags = _lags(min(field.blocks.shape) // 2)
-    found = [(int(lag), gaps) for lag in lags if len(gaps := differences(field, int(lag)))]
-    cells = np.array([lag for lag, _ in found], dtype=float)
-    rms = np.array([np.sqrt(np.mean(np.square(gaps, dtype=float))) for _, gaps in found])
+    pairs = [(int(lag), gaps) for lag in lags if len(gaps := differences(field, int(lag)))]
+    cells = np.array([lag for lag, _ in pairs], dtype=float)
+    rms = np.array([np.sqrt(np.mean(np.square(gaps, dtype=float))) for _, gaps in pairs])
     return Scale(
         lags=tuple((cells * field.block_width).tolist()),
         rms=tuple((rms * field.unit).tolist()),
@@ -177,7 +177,7 @@ def _lags(largest: int) -> Ints:
 
 
 def _exponent(lags: Array, rms: Array) -> float | None:
-    """The slope of log v over log L."""
+    """Return the slope of log v over log L, by least squares."""
     if len(lags) < 2 or not rms.all():
         return None
     x, y = np.log(lags) - np.log(lags).mean(), np.log(rms)

@@ -1,13 +1,20 @@
 """Traversability for one robot: analogous to NIST's coverability and crossability, by formulas of our own.
 
-The ground that a robot of some width drives on: each cell is as high as the highest cell under the robot.
+1. Ground: a robot of some width, centred on a cell, stands on the highest of the cells below it. So the ground is the
+   maximum over (2 aside + 1)^2 cells, by doubling runs along each axis. Frames count. A robot crosses frames but does
+   not drive along them, which would lead around every obstacle: there are no moves along x in a row of only frame
+   cells, and none along y in such a column.
+2. Coverage: moves within climb and drop are a directed graph; the largest strongly connected component (graphs.py) is
+   the area in which the robot can drive from every block to every other.
+3. Crossing: the cheapest path from the level ground on one side to that on the other, where a move costs its length
+   plus its rise or drop. It is Dijkstra's algorithm (1959), by fronts: no move costs less than a tread (a block width),
+   so all cells of the front that cost less than the cheapest one plus a tread are settled, and expanded together. The
+   loop is as long as the most expensive path has treads, each pass one numpy operation per direction.
+4. Percolation step: the smallest step at which a path from side to side exists, by bisection over the steps of the
+   field, with union of the components below the middle one; half of the edges are left after each round.
 
-Heights are whole nanometres; frames count. A robot crosses frames but does not drive along them, which would lead
-around every obstacle. So there are no moves along x in a row of only frame cells, and none along y in such a column.
-
-The percolation step: the smallest step that a robot must be able to climb to cross a field.
-
-The cheapest paths over heights, to all cells at once, by fronts of growing cost.
+Heights are whole nanometres, so comparisons are exact. The model knows neither length and heading of a robot nor its
+dynamics: that it tips over, or hangs on its belly, is found by driving it.
 """
 
 from __future__ import annotations
@@ -34,7 +41,9 @@ class Ground(NamedTuple):
     columns: Mask
 
     def moves(self) -> tuple[Ints, Ints]:
-        """Every move between two neighbours once, as flat indices: the cell of smaller x or y, and the other one."""
+        """Return every move between two neighbours once, as flat indices: the cell of smaller x or y, and the other
+        one.
+        """
         cells = np.arange(self.heights.size).reshape(self.heights.shape)
         along_x, along_y = cells[:, self.rows], cells[self.columns]
         low = np.concatenate([along_x[:-1].ravel(), along_y[:, :-1].ravel()])
@@ -43,18 +52,18 @@ class Ground(NamedTuple):
 
 
 def ground(field: StepField, width: float) -> Ground:
-    """The ground of a field, frames counted, for robots of a width in metres whose middle is on a cell."""
+    """Return the ground of a field, frames counted, for robots of a width in metres whose middle is on a cell."""
     heights = _widened(field_heights(field), cells_to_each_side(field, width))
     return Ground(heights, rows=field.inside(1), columns=field.inside(0))
 
 
 def below(field: StepField, width: float, cells: Mask) -> Mask:
-    """The blocks below a robot of a width in metres whose middle is on one of some cells (n_x, n_y)."""
+    """Return the blocks below a robot of a width in metres whose middle is on one of some cells (n_x, n_y)."""
     return np.asarray((_widened(cells.astype(np.int64), cells_to_each_side(field, width)) > 0) & ~field.frame)
 
 
 def lane(field: StepField, width: float, axis: int) -> Ground:
-    """The ground with level ground before and behind the field along one axis, which becomes the first axis."""
+    """Return the ground with level ground before and behind the field along an axis, which becomes the first axis."""
     margin = cells_to_each_side(field, width) + 1
     heights = field_heights(field) if axis == 0 else field_heights(field).T
     widened = _widened(np.pad(heights, ((margin, margin), (0, 0))), margin - 1)
@@ -63,19 +72,19 @@ def lane(field: StepField, width: float, axis: int) -> Ground:
 
 
 def field_heights(field: StepField) -> Heights:
-    """The heights of a field's cells (n_x, n_y) in nanometres."""
+    """Return the heights of a field's cells (n_x, n_y) in nanometres."""
     return np.rint(field.heights * NANOMETRES).astype(np.int64)
 
 
 def _widened(heights: Heights, aside: int) -> Heights:
-    """The maximum over the (2 aside + 1)^2 cells around each cell; outside the field is ground of height 0."""
+    """Return the maximum over the (2 aside + 1)^2 cells around each cell; outside the field is ground of height 0."""
     for _axis in (0, 1):
         heights = _highest(np.pad(heights, ((aside, aside), (0, 0))), 2 * aside + 1).T
     return heights
 
 
 def _highest(heights: Heights, cells: int) -> Heights:
-    """The maximum over `cells` successive rows from each row on, by doubling the number of rows covered."""
+    """Return the maximum over `cells` successive rows from each row on, by doubling the number of rows covered."""
     covered = 1
     while covered < cells:
         ahead = min(covered, cells - covered)
@@ -85,18 +94,21 @@ def _highest(heights: Heights, cells: int) -> Heights:
 
 
 UNREACHABLE = np.iinfo(np.int64).max
+"""Cost of a cell to which no path leads."""
+
 _WALL = 2**62
+"""Height of the border, nanometres: no robot climbs it, and its difference to any height still fits into 64 bits."""
 
 
 class CheapestPaths(NamedTuple):
-    """Of the cheapest path from the first row to each cell: its cost, or UNREACHABLE, its moves, the cell before."""
+    """The cheapest path from the first row to each cell: its cost, or UNREACHABLE; its moves; the cell before."""
 
     costs: Heights
     moves: NDArray[np.int64]
     predecessors: NDArray[np.int64]
 
     def path_to(self, place: int) -> NDArray[np.int64]:
-        """The path to the cell of a flat index, as indices along both axes: (n, 2)."""
+        """Return the path to the cell of a flat index, as indices along both axes: (n, 2)."""
         cells = [place]
         while (place := int(self.predecessors.flat[place])) >= 0:
             cells.append(place)
@@ -104,12 +116,14 @@ class CheapestPaths(NamedTuple):
 
 
 def cheapest_paths(ground: Ground, tread: int, limits: tuple[int, int], *, shortest: bool) -> CheapestPaths:
-    """The cheapest paths from the first row to each cell; a move costs tread + |dh| and stays within (climb, drop).
+    """Return the cheapest paths from the first row to each cell; a move costs tread + |dh|, within (climb, drop).
 
-    shortest: of equally cheap paths, those with the fewest moves; else any, the same in every run. All lengths are in
-    one unit. No move costs less than a tread, so all cells that cost less than the cheapest one of the front plus a
-    tread are settled, and are expanded together.
+    shortest: of equally cheap paths, the one with the fewest moves; else any, but the same in every run. All lengths
+    are in the same unit.
     """
+    # On a flat array with a border of walls the neighbours of a cell are at -row, -1, 1 and row. Of the front, cells
+    # are
+    # settled that no path through another one can make cheaper; these are expanded, the others wait.
     flat, row = np.pad(ground.heights, 1, constant_values=_WALL).ravel(), ground.heights.shape[1] + 2
     rows, columns = (np.pad(open_, 1) for open_ in (ground.rows, ground.columns))
     costs, moves, predecessors = (np.full(flat.size, value) for value in (UNREACHABLE, 0, -1))
@@ -142,7 +156,7 @@ def _inner(values: NDArray[np.int64], row: int) -> NDArray[np.int64]:
 
 
 def _unpadded(places: NDArray[np.int64], row: int) -> NDArray[np.int64]:
-    """Flat indices of the padded array as flat indices of the array without its border."""
+    """Return flat indices of the padded array as flat indices of the array without its border."""
     return np.where(places < 0, -1, (places // row - 1) * (row - 2) + places % row - 1)
 
 
@@ -191,7 +205,7 @@ class Traversability:
 
 
 def traversability(field: StepField, climber: RobotLimits) -> Traversability:
-    """The traversability of a field for a robot; frames are obstacles, but are not counted as area."""
+    """Return the traversability of a field for a robot; frames are obstacles, but are not counted as area."""
     climbable, droppable = (_share_within(field, limit / NANOMETRES) for limit in climber.limits)
     region = _largest_region(field, climber)
     return Traversability(
@@ -211,10 +225,10 @@ def _share_within(field: StepField, limit: float) -> float | None:
 
 
 def _largest_region(field: StepField, climber: RobotLimits) -> Mask:
-    """The mask of the blocks of the largest strongly connected component; of two equal ones, of the first.
+    """Return the mask of the blocks of the largest strongly connected component; of two equal ones, of the first.
 
-    The largest one has the most blocks that carry the robot, as no cell below it is higher; of these, the most blocks.
-    So it is the floor, and not the surroundings of a barrier, in which a wide robot would stand on it.
+    The largest component has the most blocks that carry the robot, as no cell below it is higher; of equal ones, the
+    most blocks. So it is the floor, and not the surroundings of a barrier, on which a wide robot would stand.
     """
     carrying = ground(field, climber.width)
     (low, high), (climb, drop) = carrying.moves(), climber.limits
@@ -223,22 +237,22 @@ def _largest_region(field: StepField, climber: RobotLimits) -> Mask:
     group = strongly_connected(field.levels.size, low, high, onward, back).reshape(field.shape)
     blocks = ~field.frame
     carries = blocks & (field_heights(field) == carrying.heights)
-    carried, size = (np.bincount(group[those], minlength=group.size) for those in (carries, blocks))
+    carried, size = (np.bincount(group[cells], minlength=group.size) for cells in (carries, blocks))
     return np.asarray(blocks & (group == (carried * (group.size + 1) + size).argmax()))
 
 
 def crossing(field: StepField, climber: RobotLimits, axis: int, *, shortest: bool = True) -> Crossing:
-    """The cheapest crossing of a field, along x for axis 0, along y for axis 1; the shortest of equally cheap ones."""
+    """Return the cheapest crossing of a field, along x for axis 0, along y for axis 1; the shortest of equal ones."""
     carrying = lane(field, climber.width, axis)
-    found = cheapest_paths(carrying, round(field.block_width * NANOMETRES), climber.limits, shortest=shortest)
-    margin = (len(found.costs) - field.shape[axis]) // 2
-    costs = np.where(found.costs == UNREACHABLE, np.inf, found.costs / NANOMETRES)[margin:-margin]
+    paths = cheapest_paths(carrying, round(field.block_width * NANOMETRES), climber.limits, shortest=shortest)
+    margin = (len(paths.costs) - field.shape[axis]) // 2  # rows of level ground before and behind the field
+    costs = np.where(paths.costs == UNREACHABLE, np.inf, paths.costs / NANOMETRES)[margin:-margin]
     costs = costs if axis == 0 else costs.T
-    end = int(np.lexsort((found.moves[-1] * shortest, found.costs[-1]))[0])
-    if (cost := int(found.costs[-1, end])) == UNREACHABLE:
+    end = int(np.lexsort((paths.moves[-1] * shortest, paths.costs[-1]))[0])
+    if (cost := int(paths.costs[-1, end])) == UNREACHABLE:
         return _no_crossing(costs)
-    path = found.path_to(found.costs.size - found.costs.shape[1] + end) - (margin, 0)
-    length, straight = ((cells - 1) * field.block_width for cells in (len(path), len(found.costs)))
+    path = paths.path_to(paths.costs.size - paths.costs.shape[1] + end) - (margin, 0)
+    length, straight = ((cells - 1) * field.block_width for cells in (len(path), len(paths.costs)))
     return Crossing(
         crosses=True,
         length=length,
@@ -264,18 +278,19 @@ class Percolation:
 
 
 def percolation(field: StepField, width: float = 0.0) -> Percolation:
-    """The percolation step for robots of a width in metres, from the ground on one side to that on the other."""
+    """Return the percolation step for robots of a width in metres, from the ground on one side to that on the other."""
     west_east, south_north = (percolation_step(field, width, axis) for axis in (0, 1))
     return Percolation(west_east=west_east, south_north=south_north)
 
 
 def percolation_step(field: StepField, width: float, axis: int) -> float:
-    """The percolation step in metres along x for axis 0, along y for axis 1."""
+    """Return the percolation step in metres along x for axis 0, along y for axis 1."""
     return _minimax(lane(field, width, axis)) / NANOMETRES
 
 
 def _minimax(ground: Ground) -> int:
-    """The smallest step that connects both sides, by bisection over the steps of the field with union of components."""
+    """Return the smallest step that connects both sides, by bisection over the steps with union of components."""
+    # If the middle step opens a way, larger steps are dropped; if not, all that it connects becomes one node.
     heights, (low, high) = ground.heights, ground.moves()
     steps = np.abs(heights.flat[high] - heights.flat[low])
     first, last, limits = 0, heights.size - 1, np.unique(steps)

@@ -6,7 +6,7 @@ from rsegen.field.obstacles.base import KINDS, Grid, Obstacle, Patch
 
 
 def kind(name: str, where: str = "kind") -> type[Obstacle]:
-    """The obstacle class of a kind, or an UnknownName that lists the kinds."""
+    """Return the obstacle class of a kind; UnknownName, which lists the kinds, if there is none."""
     return KINDS.named(name, where)
 
 

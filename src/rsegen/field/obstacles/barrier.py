@@ -1,8 +1,11 @@
-"""The profile of both barriers: a ridge along a segment that slopes down on all sides.
+"""Barriers: straight ridges along a segment that slope down on all sides (the paper's figures 1 and 2).
 
-The horizontal barrier of the paper's figure 1.
+    f = 1 for d <= 1/2;  f = max(0, 1 - (d - 1/2) / w) beyond      d: distance in cells from the segment first..last
 
-The diagonal barrier of the paper's figure 2.
+The half cell on each side of the axis makes a horizontal crest one cell wide. The width w of the slopes is a share of
+the chunk size L, so that softness 100 spreads a ridge over a whole chunk on each side. The cost is a few operations for
+each cell of the rectangle of both ends, w + 1/2 cells wider on every side. Without slopes, a diagonal ridge is a chain
+of cells of which some meet at corners only.
 """
 
 from __future__ import annotations
@@ -13,27 +16,27 @@ from typing import ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles.base import Grid, Shaped, register
+from rsegen.field.obstacles.base import Grid, Obstacle, Shaped, register
 from rsegen.field.stepfield import Array
 from rsegen.params.sorts import ANYWHERE, Cell, Place
 from rsegen.params.streams import randint
 
 
 class Barrier(Shaped):
-    """f = 1 within half a cell of the segment first..last, then falls to 0 over w = (softness / 100) * L cells."""
+    """A ridge whose profile is 1 within half a cell of the segment first..last and falls to 0 over w cells."""
 
     __slots__ = ()
 
     def run_out(self, grid: Grid) -> float:
-        """Width w of the slopes in cells; softness is relative to the chunk size."""
+        """Return the width of the slopes in cells: w = (softness / 100) * L, with the chunk size L."""
         return self.softness / 100 * grid.chunk_size
 
     def reach(self, grid: Grid) -> float:
-        """The profile is 0 beyond w + 1/2 cells."""
+        """Return w + 1/2 cells, beyond which the profile is 0."""
         return self.run_out(grid) + 0.5
 
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
-        """1 - (d - 1/2) / w on the slopes, d the distance from the axis; vertical walls if w = 0."""
+        """Return 1 - (d - 1/2) / w on the slopes, with the distance d from the axis; vertical walls if w = 0."""
         beyond = _distance_to_segment(x, y, first, last) - 0.5
         w = self.run_out(grid)
         slope = np.maximum(0.0, 1 - beyond / w) if w else 0.0
@@ -41,6 +44,7 @@ class Barrier(Shaped):
 
 
 def _distance_to_segment(x: Array, y: Array, first: Cell, last: Cell) -> Array:
+    """Return the distance of each cell from its nearest point of the segment, at the share t of the way, 0..1."""
     (x1, y1), (x2, y2) = first, last
     along_x, along_y = x2 - x1, y2 - y1
     squared = along_x**2 + along_y**2
@@ -56,35 +60,35 @@ class HorizontalBarrier(Barrier):
 
     kind: ClassVar[str] = "horizontal_barrier"
 
-    def check(self, first: Place, last: Place) -> None:
-        """Raise a ParameterError if the ends share neither x nor y."""
-        if not _shareable(first, last):
-            ends = f"first {list(first)} and last {list(last)}"
+    def __post_init__(self) -> None:
+        Obstacle.__post_init__(self)
+        if self.first and self.last and not _shareable(self.first, self.last):
+            ends = f"first {list(self.first)} and last {list(self.last)}"
             raise ParameterError("last", f"{ends} share neither x nor y; a horizontal barrier needs the same x or y")
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-        """Ends with one common coordinate, which is random if not given; across the map if no end is given."""
+        """Return ends that share x or y; missing coordinates are drawn; without ends the barrier spans the map."""
         axes = _shareable(first, last)
         shared = axes[randint(rng, 0, len(axes) - 1)]
-        line = _given(first[shared], last[shared])
-        at = randint(rng, 0, grid.shape[shared] - 1) if line is None else line
+        given = _given(first[shared], last[shared])
+        line = randint(rng, 0, grid.shape[shared] - 1) if given is None else given
         cells = grid.shape[1 - shared]
         start, stop = first[1 - shared], last[1 - shared]
         if start == stop == "random":
             start, stop = 0, cells - 1
-        ends = [randint(rng, 0, cells - 1) if end == "random" else end for end in (start, stop)]
-        one, other = ((end, at) if shared else (at, end) for end in ends)
-        return one, other
+        start, stop = (randint(rng, 0, cells - 1) if end == "random" else end for end in (start, stop))
+        return ((start, line), (stop, line)) if shared else ((line, start), (line, stop))
 
 
 def _shareable(first: Place, last: Place) -> list[int]:
-    """The axes (0: x, 1: y) on which both ends can have one coordinate; those on which they are given so, if any."""
+    """Return the axes (0: x, 1: y) on which both ends can have one coordinate; only those of given ones, if any."""
     given = [axis for axis in (0, 1) if first[axis] == last[axis] != "random"]
     return given or [axis for axis in (0, 1) if "random" in (first[axis], last[axis])]
 
 
-def _given(one: int | str, other: int | str) -> int | None:
-    numbers = [at for at in (one, other) if isinstance(at, int)]
+def _given(first: int | str, last: int | str) -> int | None:
+    """Return the coordinate that is not random, if any is not; they do not differ if both are given."""
+    numbers = [at for at in (first, last) if isinstance(at, int)]
     return numbers[0] if numbers else None
 
 
@@ -96,7 +100,7 @@ class DiagonalBarrier(Barrier):
     kind: ClassVar[str] = "diagonal_barrier"
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-        """Without given ends, a random cell on each of two opposite map edges; else random coordinates are uniform."""
+        """Return random cells on two opposite map edges if no coordinate is given; else random ones are uniform."""
         if first == last == ANYWHERE:
             across = randint(rng, 0, 1)
             opposite: tuple[Place, Place] = ((0, "random"), (grid.n_x - 1, "random"))

@@ -1,15 +1,18 @@
 """The base classes of obstacle kinds: parameters with their bounds, and the method that makes levels of them.
 
 A kind is a frozen dataclass under `@register` whose annotated fields are its parameters. No other module mentions it.
+A row of a recipe becomes levels in three steps, the last two with the random generator of its key:
 
-Random coordinates of the two ends of an obstacle that has a given size.
+    first, last --wanted_ends--> places that may be "random" --ends--> two cells --patch--> levels in a window
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
 from typing import Annotated, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
@@ -17,11 +20,27 @@ import numpy as np
 from rsegen.errors import PluginError
 from rsegen.field.stepfield import Array, Levels, Mask
 from rsegen.params.registry import Contract, Registry, clash
-from rsegen.params.sorts import ANYWHERE, Cell, Coordinate, Float, Integer, Place, validate
+from rsegen.params.sorts import (
+    ANYWHERE,
+    MOST_LEVELS,
+    Cell,
+    CellRef,
+    Choice,
+    Coordinate,
+    Float,
+    Integer,
+    Json,
+    Parameter,
+    Place,
+    Text,
+    changed,
+    parameters,
+    validate,
+)
 from rsegen.params.streams import randint
 
-MOST_LEVELS = 32767
-"""Of an obstacle: the heights of blocks are 16-bit integers."""
+SLACK = 1e-9
+"""Added before a product of floats is rounded down: (n - 1) f of 2.9999999999999996 is level 3, as in exact numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,19 +67,23 @@ class Patch(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Obstacle(ABC):
-    """An obstacle of a recipe without its position."""
+    """An obstacle at its place in a map: one row of a recipe's list.
+
+    `key` names its random stream: while it stays, so does the draw. Without one the recipe derives a key from the row
+    itself, so that adding, moving or removing other rows leaves this one as it was.
+    """
 
     kind: ClassVar[str]
     default_place: ClassVar[str] = "at a random position"
     """Where the obstacle lies if the recipe gives no position."""
 
-    max_height: Annotated[
+    levels: Annotated[
         int,
         Integer(
             2,
             MOST_LEVELS,
             unit="units",
-            help="number of levels (also `levels`): 5 levels of 10 cm are the heights 0, 10, 20, 30, 40 cm",
+            help="number of levels: 5 levels of 10 cm are the heights 0, 10, 20, 30, 40 cm",
         ),
     ]
     softness: Annotated[
@@ -72,22 +95,42 @@ class Obstacle(ABC):
             help="width of the slopes, 0: vertical walls; for random kinds: how much every height is reduced",
         ),
     ] = 0.0
+    first: Annotated[Place | None, CellRef(help="one end or corner, x and y in block cells of the map")] = None
+    last: Annotated[Place | None, CellRef(help="the other end or corner")] = None
+    blend: Annotated[
+        str, Choice(("replace", "max", "add", "min"), help="how it is combined with earlier obstacles")
+    ] = "replace"
+    key: Annotated[
+        str | None,
+        Text(
+            r"[A-Za-z0-9_.\-]{1,64}",
+            "1..64 letters, digits, _ . -",
+            help="name of its random stream: the same key gives the same draw",
+        ),
+    ] = None
 
     def __post_init__(self) -> None:
         validate(self)
 
-    def check(self, first: Place, last: Place) -> None:  # noqa: B027  # most kinds lie anywhere
-        """Raise a ParameterError if this kind cannot lie between these two ends."""
+    def entry(self) -> dict[str, Json]:
+        """Return the row as a recipe file has it: the kind, then the parameters that differ from their defaults."""
+        values = changed(self)
+        return {"kind": self.kind} | {name: values[name] for name in row_parameters(type(self)) if name in values}
 
-    def check_size(self, grid: Grid, first: Place | None, last: Place | None) -> None:  # noqa: B027  # most kinds fit
-        """Raise a ParameterError if this kind does not fit into its position in a map."""
+    def check_size(self, grid: Grid) -> None:  # noqa: B027  # most kinds fit
+        """Raise a ParameterError if the obstacle does not fit into a map of this size."""
 
     def default_ends(self, grid: Grid) -> tuple[Place, Place]:
-        """The ends if a recipe gives none: random."""
+        """Return the ends of an obstacle for which the recipe gives none: random."""
         return ANYWHERE, ANYWHERE
 
+    def wanted_ends(self, grid: Grid) -> tuple[Place, Place]:
+        """Return `first` and `last`, or the default end in place of one that the recipe does not give."""
+        first, last = self.default_ends(grid)
+        return self.first or first, self.last or last
+
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-        """The cells of the two ends; random coordinates are uniform over the map."""
+        """Return the cells of the two ends; random coordinates are uniform over the map."""
         (x1, y1), (x2, y2), n_x, n_y = first, last, grid.n_x, grid.n_y
         x1 = randint(rng, 0, n_x - 1) if x1 == "random" else x1
         y1 = randint(rng, 0, n_y - 1) if y1 == "random" else y1
@@ -97,17 +140,35 @@ class Obstacle(ABC):
 
     @property
     def draws_nothing(self) -> bool:
-        """Whether its levels follow from its two ends, so that all maps with these ends have the same."""
+        """Whether the levels follow from the two ends alone, so that all maps with the same ends have the same."""
         return False
 
     @property
     def draws_by_cell(self) -> bool:
-        """Whether its levels are one `drawn` from a random number for each cell of the rectangle of its ends."""
+        """Whether the levels are `drawn` from one random number for each cell of the rectangle between the ends."""
         return False
 
     @abstractmethod
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """The levels of the obstacle between its two ends."""
+        """Return the levels of the obstacle between these two cells, which `ends` gave."""
+
+
+PLACING: Mapping[str, Parameter] = MappingProxyType(
+    {name: parameters(Obstacle)[name] for name in ("first", "last", "blend", "key")}
+)
+"""Parameters that place an obstacle, the same for all kinds; all the others are a kind's own."""
+
+
+@cache
+def own_parameters(cls: type[Obstacle]) -> Mapping[str, Parameter]:
+    """Return the parameters of a kind without those that place an obstacle."""
+    return MappingProxyType({name: sort for name, sort in parameters(cls).items() if name not in PLACING})
+
+
+@cache
+def row_parameters(cls: type[Obstacle]) -> Mapping[str, Parameter]:
+    """Return all parameters of a kind in the order of files, lists and the manual: its own, then those of its place."""
+    return MappingProxyType({**own_parameters(cls), **PLACING})
 
 
 class Shaped(Obstacle):
@@ -117,26 +178,26 @@ class Shaped(Obstacle):
 
     @property
     def draws_nothing(self) -> bool:
-        """If no kind derived from it says otherwise: a profile has no random numbers."""
+        """Whether `patch` is still the one of this class: a profile has no random numbers."""
         return type(self).patch is Shaped.patch
 
     @abstractmethod
     def reach(self, grid: Grid) -> float:
-        """How far the obstacle may extend beyond the rectangle of its ends, in cells."""
+        """Return how far the obstacle may extend beyond the rectangle of its ends, in cells."""
 
     @abstractmethod
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
-        """The profile f in [0, 1] at the cell centres x of shape (n, 1) and y of shape (1, m)."""
+        """Return the profile f in [0, 1] at the cell centres x of shape (n, 1) and y of shape (1, m)."""
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """The levels floor((n - 1) f): the highest on the axis or apex alone, descending in steps on the sides."""
+        """Return the levels floor((n - 1) f): the highest on the axis or apex alone, lower in steps on the sides."""
         window = _window(grid, first, last, int(np.ceil(self.reach(grid))))
 
         def part(rows: slice) -> Levels:
             x, y = np.ogrid[rows, window[1]]
             with np.errstate(over="ignore"):  # a slope of almost no width
                 f = self.profile(x.astype(float), y.astype(float), first, last, grid)
-            return np.floor((self.max_height - 1) * f + 1e-9).astype(np.int16)
+            return np.floor((self.levels - 1) * f + SLACK).astype(np.int16)
 
         levels = _by_rows(window, part)
         return Patch(window, levels, levels >= 1)
@@ -149,27 +210,27 @@ class Region(Obstacle):
     default_place: ClassVar[str] = "on the whole map"
 
     def default_ends(self, grid: Grid) -> tuple[Place, Place]:
-        """The ends if a recipe gives none: two opposite corners of the map."""
+        """Return two opposite corners of the map."""
         return (0, 0), (grid.n_x - 1, grid.n_y - 1)
 
     @property
     def draws_by_cell(self) -> bool:
-        """If no kind derived from it says otherwise."""
+        """Whether `patch` is still the one of this class."""
         return type(self).patch is Region.patch
 
     @abstractmethod
     def drawn(self, uniform: Array) -> Levels:
-        """Levels from random numbers in [0, 1), one level per number."""
+        """Return levels from random numbers in [0, 1), one level per number."""
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """The level of each cell from a random number of its own."""
+        """Return the level of each cell, made from a random number of its own."""
         window = _window(grid, first, last, 0)
         width = window[1].stop - window[1].start
         levels = _by_rows(window, lambda rows: self.levels_of(rng.random((rows.stop - rows.start, width))))
         return Patch(window, levels, np.ones(levels.shape, dtype=bool))
 
     def levels_of(self, uniform: Array) -> Levels:
-        """What `drawn` gives; PluginError if that is not one level per number."""
+        """Return `drawn(uniform)`; PluginError if that is not one level per number."""
         levels = self.drawn(uniform)
         if np.shape(levels) != uniform.shape:
             raise PluginError(f"obstacle kind {self.kind}: drawn() must give an array of shape {uniform.shape}")
@@ -177,7 +238,7 @@ class Region(Obstacle):
 
 
 def _window(grid: Grid, first: Cell, last: Cell, margin: int) -> tuple[slice, slice]:
-    """The rectangle of both cells, wider by `margin` on every side, clipped to the map."""
+    """Return the rectangle of both cells, wider by `margin` on every side, clipped to the map."""
     parts = [
         slice(max(0, min(a, b) - margin), min(n, max(a, b) + margin + 1))
         for a, b, n in zip(first, last, grid.shape, strict=True)
@@ -185,8 +246,12 @@ def _window(grid: Grid, first: Cell, last: Cell, margin: int) -> tuple[slice, sl
     return parts[0], parts[1]
 
 
+_CELLS_AT_ONCE = 2**18
+"""Cells that are computed together: each array of floats over them takes 2 MB, however large the map is."""
+
+
 def _by_rows(window: tuple[slice, slice], part: Callable[[slice], Levels]) -> Levels:
-    """The levels of a window, computed in batches of rows, so that the random numbers need little memory."""
+    """Return the levels of a window, computed in batches of rows; `part` is called in ascending order."""
     rows, columns = window
     step = max(_CELLS_AT_ONCE // (columns.stop - columns.start), 1)
     if rows.stop - rows.start <= step:
@@ -194,17 +259,15 @@ def _by_rows(window: tuple[slice, slice], part: Callable[[slice], Levels]) -> Le
     return np.concatenate([part(slice(low, min(low + step, rows.stop))) for low in range(rows.start, rows.stop, step)])
 
 
-_CELLS_AT_ONCE = 2**18
-
-RESERVED = frozenset({"kind", "first", "last", "blend", "key"})
-"""What a row of a recipe says of every obstacle, so no kind has a parameter of such a name."""
+RESERVED = frozenset({"kind", *PLACING})
+"""Keys that every row of a recipe may have, so no kind declares a parameter of such a name."""
 
 
 KINDS: Registry[type[Obstacle]] = Registry(
     "obstacle kind",
     package="rsegen.field.obstacles",
     group="rsegen.obstacles",
-    contract=Contract(base=Obstacle, names=lambda cls: (cls.kind,), check=lambda cls: clash(cls, RESERVED)),
+    contract=Contract(base=Obstacle, names=lambda cls: (cls.kind,), check=lambda cls: clash(cls, RESERVED, Obstacle)),
 )
 """Every obstacle class by the name of its kind."""
 
@@ -218,17 +281,17 @@ def register(cls: _Kind) -> _Kind:
 
 
 def random_ends(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:
-    """Both coordinates on one axis, `span` cells apart if at least one of them is random."""
+    """Return both coordinates on one axis of `cells` cells, `span` cells apart if at least one of them is random."""
     if first == "random" and last == "random":
         low = randint(rng, 0, cells - 1 - span)
         return low, low + span
     if first == "random":
-        return _beside(last, span, cells), last  # type: ignore[arg-type,return-value]  # last is given
+        return _at_distance(last, span, cells), last  # type: ignore[arg-type,return-value]  # last is given
     if last == "random":
-        return first, _beside(first, span, cells)
+        return first, _at_distance(first, span, cells)
     return first, last
 
 
-def _beside(at: int, span: int, cells: int) -> int:
-    """The coordinate `span` cells further, or back if that is outside the map; always on the map."""
+def _at_distance(at: int, span: int, cells: int) -> int:
+    """Return the coordinate `span` cells further, or back if that is outside the map; always on the map."""
     return at + span if at + span < cells else max(at - span, 0)

@@ -1,4 +1,17 @@
-"""NIST's pallet patterns, with the block statistics of the one real pallet that could be measured."""
+"""NIST's pallet patterns (Jacoff et al. 2008), with the block statistics of one real pallet.
+
+The real one is Team Hector's red diagonal pallet, measured from its visual mesh `stepfield_red_diagonal.dae`: 10 x 10
+posts, all of the highest level on the ridge, the two adjacent lines ("shoulders") half of the level below it and half
+of the next, and no step larger than half the highest level, rounded up. A pallet here has
+
+    zone 0, the ridge       the highest level t
+    zone 1, its shoulders   t - 2 and t - 1, equally often
+    zone 2, beyond          levels 0 .. t - 1, in the proportions of the measured pallet
+
+so every pallet of one pattern and size is made of the same posts. They are shuffled within their zones, and rearranged
+(see `rearranged`) until no step is too large. Nearly all pallets of up to 100 levels need three attempts or fewer;
+small pallets of many levels have no such order, and get the smallest larger step for which one is found.
+"""
 
 from __future__ import annotations
 
@@ -11,22 +24,28 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles.base import Grid, Obstacle, Patch, register
+from rsegen.field.obstacles.base import SLACK, Grid, Obstacle, Patch, register
 from rsegen.field.obstacles.rearranged import rearranged
 from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.params.sorts import Cell, Choice, Integer, ListOf, Place
 
 _BEYOND = (9, 27, 24, 12)
-"""Number of posts of each length in the measured pallet, outside its ridge of 4 units and the adjacent lines."""
-
+"""Number of posts of level 0, 1, 2, 3 in the measured pallet beyond its ridge (10 of level 4) and shoulders (18)."""
 
 _MANY_LEVELS = 200
+"""Highest level above which limits are not tried one by one: there would be hundreds of them."""
+
 _ONE_BY_ONE = 16
-"""Limits of a pallet of up to 100 levels, nearly all of which need three or fewer: a third of a second each."""
+"""Limits that are tried one after the other before they are taken further apart; each costs a third of a second.
+
+Nearly all pallets of up to 100 levels need three or fewer.
+"""
 
 _FEW_POSTS = 1000
+"""Posts below which a pallet costs as much as with so many: numpy's cost per call, not the posts, takes the time."""
+
 _MOST_SPENT = 250 * _FEW_POSTS
-"""Posts that are rearranged in vain in one map, a minute and a half; a small pallet costs as much as one of 1000."""
+"""Posts that may be rearranged in vain in one map, a minute and a half, before limits are taken further apart."""
 
 
 @register
@@ -68,54 +87,55 @@ class Pallet(Obstacle):
 
     def __post_init__(self) -> None:
         Obstacle.__post_init__(self)
-        if self.step >= self.max_height:
-            raise ParameterError("step", f"{self.step} is more than the highest level, {self.max_height - 1}")
+        if self.step >= self.levels:
+            raise ParameterError("step", f"{self.step} is more than the highest level, {self.levels - 1}")
 
     def default_ends(self, grid: Grid) -> tuple[Place, Place]:
-        """Two opposite corners of the map."""
+        """Return two opposite corners of the map."""
         return (0, 0), (grid.n_x - 1, grid.n_y - 1)
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """The levels of one pallet per square of chunk size, and of a smaller one for a rest at the end."""
+        """Return the levels of one pallet per square of chunk size, and of smaller ones for the rest at the ends."""
         (x1, x2), (y1, y2) = (sorted(ends) for ends in zip(first, last, strict=True))
         levels, limits = np.zeros((x2 - x1 + 1, y2 - y1 + 1), dtype=np.int16), _Limits()
-        for number, tile in enumerate(_tiles(levels.shape, grid.chunk_size)):
-            pattern, turns = self.pattern[number % len(self.pattern)], self.turns[number % len(self.turns)]
+        for index, tile in enumerate(_tiles(levels.shape, grid.chunk_size)):
+            pattern, turns = self.pattern[index % len(self.pattern)], self.turns[index % len(self.turns)]
             n_x, n_y = levels[tile].shape[:: -1 if turns % 2 else 1]
             levels[tile] = np.rot90(self._pallet(pattern, (n_x, n_y), limits, rng), turns)
-        levels = np.floor(levels * self.step * (1 - self.softness / 100) + 1e-9).astype(np.int16)
+        levels = np.floor(levels * self.step * (1 - self.softness / 100) + SLACK).astype(np.int16)
         return Patch((slice(x1, x2 + 1), slice(y1, y2 + 1)), levels, np.ones(levels.shape, dtype=bool))
 
     def _pallet(self, pattern: str, shape: Cell, limits: _Limits, rng: np.random.Generator) -> Levels:
-        """The levels of one pallet, unrotated, in multiples of `step`: always the same blocks in a random order."""
-        top = (self.max_height - 1) // self.step
-        limit = max(-(-top // 2), 1)
+        """Return the levels of one pallet, unrotated, in multiples of `step`: the same blocks in a random order."""
+        top = (self.levels - 1) // self.step
+        limit = max(-(-top // 2), 1)  # half, rounded up: 2 of 4 in the measured pallet
         zones = np.minimum(_off_the_ridge(pattern, shape), 2)
         drawn = _half(pattern, shape) if self.symmetry == "symmetric" else np.ones(shape, dtype=bool)
         shoulders = dict.fromkeys(range(max(top - 2, top - limit), top), 1.0)
         levels = np.full(shape, -1)
-        ridge, beside = partial(_shared, {top: 1.0}), partial(_shared, shoulders)
-        for zone, shared in enumerate((ridge, beside, partial(_shared_beyond, top))):
+        on_ridge, on_shoulders = partial(_shared, {top: 1.0}), partial(_shared, shoulders)
+        for zone, shared in enumerate((on_ridge, on_shoulders, partial(_shared_beyond, top))):
             cells = np.flatnonzero(drawn & (zones == zone))
             levels.flat[cells[np.argsort(rng.random(len(cells)), kind="stable")]] = shared(len(cells))
-        zones = np.where(drawn & (zones > 0), zones, -1)
+        zones = np.where(drawn & (zones > 0), zones, -1)  # the ridge stays; the mirrored side is made at the end
         orders = (rearranged(levels, most, rng, zones) for most in limits.of_a_pallet(limit, top, levels.size))
-        found = next(order for order in orders if order is not None)  # small pallets of many levels have higher steps
-        return np.asarray(np.where(drawn, found, _mirrored(pattern, found)))
+        arranged = next(order for order in orders if order is not None)
+        return np.asarray(np.where(drawn, arranged, _mirrored(pattern, arranged)))
 
 
 class _Limits:
-    """The largest steps with which the pallets of one map are tried, from the smoothest on.
+    """Limits of the steps with which the pallets of one map are tried, from the smoothest on.
 
-    One by one, as long as that is quick; after `_ONE_BY_ONE` of a pallet, or if the map has cost too much already, ever
-    further apart, and the next pallets begin where these ended. So from the start if there are very many levels.
+    They rise one by one as long as that is quick. After `_ONE_BY_ONE` attempts at a pallet, or if the map has cost too
+    much already, they rise ever faster, and the next pallets begin with the last limit. With very many levels they do
+    so from the start. The attempts then grow with the logarithm of the levels, not with the levels.
     """
 
     def __init__(self) -> None:
         self._spent, self._highest = 0, 0
 
     def of_a_pallet(self, least: int, top: int, posts: int) -> Iterator[int]:
-        """Limits from `least` to `top`, with which every order is right; ask for the next one if there is no order."""
+        """Yield limits from `least` to `top`, which allows every order; ask for the next one if there is no order."""
         many = top > _MANY_LEVELS
         limit = max(least, min(self._highest, top)) if many or self._spent > _MOST_SPENT else least
         apart = 1
@@ -126,19 +146,19 @@ class _Limits:
                 return
             self._spent += max(posts, _FEW_POSTS)
             one_by_one = tried < _ONE_BY_ONE and self._spent <= _MOST_SPENT and not many
-            apart = 1 if one_by_one else (16 if many else 4) * apart
+            apart = 1 if one_by_one else (16 if many else 4) * apart  # up to 32766 in a few attempts
             limit = min(limit + apart, top)
 
 
 def _tiles(shape: Cell, side: int) -> Iterator[tuple[slice, slice]]:
-    """Squares of `side` cells, along x first."""
+    """Yield squares of `side` cells, along x first; those at the far ends may be smaller."""
     for y in range(0, shape[1], side):
         for x in range(0, shape[0], side):
             yield slice(x, x + side), slice(y, y + side)
 
 
 def _off_the_ridge(pattern: str, shape: Cell) -> Ints:
-    """Distance of each post from the ridge, in lines of posts; flat pallets have a distance beyond all of them."""
+    """Return the distance of each post from the ridge, in lines of posts; in flat pallets all are beyond shoulders."""
     n_x, n_y = shape
     i, j = np.ogrid[:n_x, :n_y]
     if pattern == "diagonal":
@@ -148,7 +168,7 @@ def _off_the_ridge(pattern: str, shape: Cell) -> Ints:
 
 
 def _half(pattern: str, shape: Cell) -> Mask:
-    """The mask of the ridge and one side of it."""
+    """Return the mask of the ridge and one side of it."""
     n_x, n_y = shape
     i, j = np.ogrid[:n_x, :n_y]
     if pattern == "diagonal":
@@ -157,7 +177,7 @@ def _half(pattern: str, shape: Cell) -> Mask:
 
 
 def _mirrored(pattern: str, levels: Levels) -> Levels:
-    """The levels mirrored across the ridge; for a diagonal that is not square, rotated by half a turn."""
+    """Return the levels mirrored across the ridge; for a diagonal that is not square, rotated by half a turn."""
     if pattern != "diagonal":
         return levels[::-1]
     return levels.T if levels.shape[0] == levels.shape[1] else levels[::-1, ::-1]
@@ -165,14 +185,17 @@ def _mirrored(pattern: str, levels: Levels) -> Levels:
 
 @lru_cache(maxsize=64)
 def _shared_beyond(top: int, blocks: int) -> Ints:
-    """The levels of `blocks` blocks outside the ridge and its shoulders, for posts of up to `top` steps."""
+    """Return the levels of `blocks` blocks beyond the shoulders of a pallet whose ridge has level `top`.
+
+    Other numbers of levels than the measured four take its proportions at evenly spaced points between.
+    """
     at = np.linspace(0, len(_BEYOND) - 1, top) if top > 1 else np.zeros(top)
     return _shared(dict(enumerate(np.interp(at, range(len(_BEYOND)), _BEYOND).tolist())), blocks)
 
 
 def _shared(wanted: dict[int, float], blocks: int) -> Ints:
-    """The levels of `blocks` blocks in the wanted proportions, by the method of largest remainders."""
+    """Return the levels of `blocks` blocks in the wanted proportions, by the method of largest remainders."""
     exact = np.array(list(wanted.values())) / sum(wanted.values()) * blocks
-    counts = np.floor(exact + 1e-9).astype(np.int64)
+    counts = np.floor(exact + SLACK).astype(np.int64)
     counts[np.argsort(counts - exact, kind="stable")[: blocks - counts.sum()]] += 1
     return np.repeat(np.array(list(wanted)), counts)

@@ -1,4 +1,11 @@
-"""The peak, traversable or not, of the paper's figure 3."""
+"""The peak of the paper's figure 3: a table with vertical sides, a frustum, or a cone, by its softness.
+
+    f = clip((R - d) / w, 0, 1),  w = (softness / 100) * (R - d0)
+
+d is the distance from the centre, scaled so that the ellipse in a rectangle is a circle of radius R, half the shorter
+side; d0 is the least d of any cell, which is above 0 if the centre lies between cells. Without it a cone of an even
+number of cells would not reach its highest level. The cost is a few operations per cell of the rectangle.
+"""
 
 from __future__ import annotations
 
@@ -21,15 +28,11 @@ class Peak(Shaped):
     kind: ClassVar[str] = "peak"
 
     def reach(self, grid: Grid) -> float:
-        """0: the peak stays inside its rectangle."""
+        """Return 0: the peak stays inside its rectangle."""
         return 0.0
 
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
-        """clip((R - d) / w, 0, 1) with w = (softness / 100) * (R - d0); 1 inside R if w = 0.
-
-        d: distance from the centre, scaled so that a rectangle's ellipse is a circle of R, half the shorter side;
-        d0: the least d of any cell.
-        """
+        """Return clip((R - d) / w, 0, 1), as in the module's docstring; if w = 0, 1 inside R and 0 outside."""
         half_x, half_y = ((abs(a - b) + 1) / 2 for a, b in zip(first, last, strict=True))
         radius = min(half_x, half_y)
         middle_x, middle_y = (first[0] + last[0]) / 2, (first[1] + last[1]) / 2
@@ -43,7 +46,7 @@ class Peak(Shaped):
         return np.clip((radius - d) / w, 0, 1) if w else np.where(d < radius, 1.0, 0.0)
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-        """Random ends make a square inside the map, with a random side of L/2..L if no side is given."""
+        """Return ends; random ones make a square inside the map, with a random side of L/2..L if no side is given."""
         given = [abs(a - b) for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
         span = given[0] if given else randint(rng, (grid.chunk_size + 1) // 2, grid.chunk_size) - 1
         (x1, x2), (y1, y2) = (

@@ -1,6 +1,9 @@
-"""The random kind of the paper's figure 4; or given numbers of blocks in a random order.
+"""Random blocks: every cell has a level of its own, uniform (the paper's figure 4), weighted, or normal.
 
-The normal random kind: slightly smoother than the random kind.
+Each level is a function of one random number u of the cell, by the inverse of its distribution, so a cell's draw does
+not depend on any other cell's, and all cells of many maps are drawn by one call. The cost is O(1) per cell; weighted
+and normal levels take a binary search among the levels. `counts` (a shuffle of given blocks) and `max_step` (the same
+blocks in an order without larger steps, see `rearranged`) tie the cells together and are made map by map.
 """
 
 from __future__ import annotations
@@ -13,10 +16,10 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.obstacles.base import MOST_LEVELS, Grid, Obstacle, Patch, Region, register
+from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Region, register
 from rsegen.field.obstacles.rearranged import rearranged
 from rsegen.field.stepfield import Array, Levels
-from rsegen.params.sorts import Cell, Float, Integer, Json, Place, parse_int, refuse_longer
+from rsegen.params.sorts import MOST_LEVELS, Cell, Float, Integer, Json, parse_int, refuse_longer
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,7 @@ class Weights:
         if not isinstance(value, (list, tuple)) or not value:
             raise ParameterError(where, f"{shown(value)} is not a list of weights; give {self.describe()}")
         refuse_longer(where, value, MOST_LEVELS)
-        weights = tuple(Float(0, 1e12).check(f"{where}[{level}]", one) for level, one in enumerate(value))
+        weights = tuple(Float(0, 1e12).check(f"{where}[{level}]", weight) for level, weight in enumerate(value))
         if not any(weights):
             raise ParameterError(where, "all weights are 0; give at least one above 0")
         return weights
@@ -55,7 +58,7 @@ class Counts(Weights):
         if not isinstance(value, (list, tuple)) or not value:
             raise ParameterError(where, f"{shown(value)} is not a list of counts; give {self.describe()}")
         refuse_longer(where, value, MOST_LEVELS)
-        counts = tuple(Integer(0, 10**9).check(f"{where}[{level}]", one) for level, one in enumerate(value))
+        counts = tuple(Integer(0, 10**9).check(f"{where}[{level}]", blocks) for level, blocks in enumerate(value))
         if not any(counts):
             raise ParameterError(where, "all counts are 0; give at least one above 0")
         return counts
@@ -95,18 +98,18 @@ class Random(Region):
         Obstacle.__post_init__(self)
         for name in ("weights", "counts"):
             given = getattr(self, name)
-            if given is not None and len(given) != self.max_height:
-                raise ParameterError(name, f"{len(given)} {name} for {self.max_height} levels; give one for each level")
+            if given is not None and len(given) != self.levels:
+                raise ParameterError(name, f"{len(given)} {name} for {self.levels} levels; give one for each level")
         if self.counts is not None and (self.weights is not None or self.softness):
             raise ParameterError(
                 "counts", "give the number of blocks of each level; give no weights or softness with it"
             )
 
-    def check_size(self, grid: Grid, first: Place | None, last: Place | None) -> None:
+    def check_size(self, grid: Grid) -> None:
         """Raise a ParameterError if `counts` do not add up to the cells of the region."""
         if self.counts is None:
             return
-        low, high = (given or default for given, default in zip((first, last), self.default_ends(grid), strict=True))
+        low, high = self.wanted_ends(grid)
         if "random" in (*low, *high):
             raise ParameterError("counts", "needs a region of fixed size; give first and last")
         cells = math.prod(abs(a - b) + 1 for a, b in zip(low, high, strict=True))  # type: ignore[operator]  # no "random"
@@ -117,11 +120,11 @@ class Random(Region):
 
     @property
     def draws_by_cell(self) -> bool:
-        """Where no blocks are counted or reordered."""
+        """Whether no blocks are counted or reordered, and `patch` is still the one of this class."""
         return type(self).patch is Random.patch and self.counts is None and self.max_step is None
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """The levels, sampled per cell or shuffled from `counts`, then reordered until no step exceeds `max_step`."""
+        """Return levels sampled per cell or shuffled from `counts`, reordered until no step exceeds `max_step`."""
         patch = Region.patch(self, grid, first, last, rng)
         if self.counts is None and self.max_step is None:
             return patch
@@ -137,14 +140,15 @@ class Random(Region):
         return patch._replace(levels=levels)
 
     def _shuffled(self, shape: tuple[int, ...], rng: np.random.Generator) -> Levels:
-        blocks = np.repeat(np.arange(self.max_height, dtype=np.int16), self.counts or ())
+        """Return the blocks of `counts` in an order in which all permutations are equally likely."""
+        blocks = np.repeat(np.arange(self.levels, dtype=np.int16), self.counts or ())
         return blocks[np.argsort(rng.random(len(blocks)), kind="stable")].reshape(shape)
 
     def drawn(self, uniform: Array) -> Levels:
-        """floor(n f) with f = u (1 - s/100); with weights, the level whose part of [0, 1) contains f."""
+        """Return floor(n f) with f = u (1 - s/100); with weights, the level whose part of [0, 1) contains f."""
         f = uniform * (1 - self.softness / 100) if self.softness else uniform
         if self.weights is None:
-            return (self.max_height * f).astype(np.int16)  # f is never below 0, so this is the floor
+            return (self.levels * f).astype(np.int16)  # f is never below 0, so this is the floor
         shares = np.array(list(accumulate(self.weights))) / math.fsum(self.weights)
         top = max(level for level, weight in enumerate(self.weights) if weight)
         return np.minimum(np.searchsorted(shares, f, side="right"), top).astype(np.int16)
@@ -160,16 +164,16 @@ class NormalRandom(Region):
     spread: Annotated[float, Float(0.001, 100, help="standard deviation, as a share of the full height")] = 0.2
 
     def drawn(self, uniform: Array) -> Levels:
-        """floor(n f) with f = clip(0.5 + z spread, 0, 1 - eps) (1 - s/100) and z = the normal quantile of `uniform`.
+        """Return floor(n f) with f = clip(0.5 + z spread, 0, 1 - eps) (1 - s/100), z the normal quantile of u.
 
-        Computed by the inverse, which needs no quantile per cell: f reaches level k if u >= P(z < z_k).
+        No quantile per cell is needed: f reaches level k if u >= P(z < z_k), so the levels are found among n bounds.
         """
-        scale = self.max_height * (1 - self.softness / 100)
+        scale = self.levels * (1 - self.softness / 100)
         levels = range(1, math.ceil(scale))
         bounds = [_normal_cdf((level / scale - 0.5) / self.spread) for level in levels]
         return np.searchsorted(np.array(bounds), uniform, side="right").astype(np.int16)
 
 
 def _normal_cdf(z: float) -> float:
-    """P(Z < z), rounded, so that math libraries that differ in the last bit give the same levels."""
+    """Return P(Z < z), rounded, so that math libraries that differ in the last bit give the same levels."""
     return round(0.5 * math.erfc(-z / math.sqrt(2)), 12)

@@ -22,8 +22,8 @@ otherwise.</p>
 <p>An empty window shows examples to start from; <b>File, New from example</b> has all of them. Or:</p>
 <ol>
 <li>Choose the size of a chunk, how many chunks the map has, and the height step.</li>
-<li>Choose a type of obstacle, its max height (5 gives the heights 0, 1, 2, 3 and 4 steps) and softness, and its ends
-with the sliders: it is shown pale where it will be. Press <b>+ Add</b>. Or draw it on the plan with the mouse.</li>
+<li>Choose a type of obstacle, its number of levels (5 gives the heights 0, 1, 2, 3 and 4 steps) and softness, and its
+ends with the sliders: it is shown pale where it will be. Press <b>+ Add</b>, or draw it with the mouse.</li>
 <li>Click a row of the list, or a handle on the plan, to change an obstacle; drag its ends; <b>- Remove</b> removes it,
 <b>Clear</b> all of them; Escape makes the form one for a new obstacle. Drag a row of the list to change the order.
 Everything can be undone.</li>

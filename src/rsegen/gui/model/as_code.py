@@ -5,10 +5,11 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterator
 
-from rsegen.field.obstacles import KINDS
+from rsegen.field.obstacles import KINDS, Obstacle
+from rsegen.field.obstacles.base import row_parameters
 from rsegen.gui.model.session import Entry, draft_of
 from rsegen.params.sorts import Json, parameters
-from rsegen.recipe.recipe import Placement, Recipe
+from rsegen.recipe.recipe import Recipe
 
 
 def command_line(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
@@ -16,8 +17,8 @@ def command_line(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
     words = ["rsegen", "generate", "-o", folder, *["--sheet"][:sheets]]
     for name, value in _stated(recipe).items():
         words += [f"--{name.replace('_', '-')}", parameters(Recipe)[name].format(value)]
-    for placement in recipe.obstacles:
-        words += ["--obstacle", " ".join(_words(placement.entry()))]
+    for obstacle in recipe.obstacles:
+        words += ["--obstacle", " ".join(_words(obstacle.entry()))]
     return shlex.join(words)
 
 
@@ -25,7 +26,7 @@ def python_code(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
     """The program that generates the maps of a recipe, with build sheets or without."""
     lines = ["import rsegen", *_imports(recipe), "", "recipe = rsegen.Recipe("]
     lines += [f"    {name}={_tuple(value)!r}," for name, value in _stated(recipe).items()]
-    lines += ["    obstacles=[", *(f"        {_call(placement)}," for placement in recipe.obstacles), "    ],", ")"]
+    lines += ["    obstacles=[", *(f"        {_call(obstacle)}," for obstacle in recipe.obstacles), "    ],", ")"]
     return "\n".join([*lines, f"rsegen.generate(recipe, {folder!r}{', sheet=True' if sheets else ''})", ""])
 
 
@@ -37,7 +38,7 @@ def _stated(recipe: Recipe) -> Entry:
 
 def _imports(recipe: Recipe) -> list[str]:
     """The imports of obstacle kinds that other packages define."""
-    others = {type(placement.obstacle) for placement in recipe.obstacles if not _is_ours(type(placement.obstacle))}
+    others = {type(obstacle) for obstacle in recipe.obstacles if not _is_ours(type(obstacle))}
     return sorted(f"from {cls.__module__} import {cls.__name__}" for cls in others)
 
 
@@ -45,18 +46,16 @@ def _is_ours(cls: type) -> bool:
     return cls.__module__.partition(".")[0] == "rsegen"
 
 
-def _call(placement: Placement) -> str:
-    entry = placement.entry()
-    own = parameters(KINDS[entry.pop("kind")])
-    cls = type(placement.obstacle)
+def _call(obstacle: Obstacle) -> str:
+    """Return an obstacle as the expression that makes it."""
+    cls = type(obstacle)
     name = f"rsegen.{cls.__name__}" if _is_ours(cls) else cls.__name__
-    inner = ", ".join(f"{key}={_tuple(entry.pop(key))!r}" for key in list(entry) if key in own)
-    outer = "".join(f", {key}={_tuple(value)!r}" for key, value in entry.items())
-    return f"rsegen.Placement(obstacle={name}({inner}){outer})"
+    values = {key: _tuple(value) for key, value in obstacle.entry().items() if key != "kind"}
+    return f"{name}({', '.join(f'{key}={value!r}' for key, value in values.items())})"
 
 
 def _words(entry: Entry) -> Iterator[str]:
-    known = {**parameters(KINDS[entry["kind"]]), **parameters(Placement)}
+    known = row_parameters(KINDS[entry["kind"]])
     yield entry["kind"]
     yield from (f"{name}={known[name].format(value)}" for name, value in entry.items() if name in known)
 

@@ -15,23 +15,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Protocol
 
+from rsegen.commands.drive import drive
+from rsegen.commands.export import export_maps
+from rsegen.commands.generate import generate
 from rsegen.errors import OutputError
 from rsegen.exporters.formats import Format, refuse_unready
-from rsegen.exporters.sheet import FORMATS, CutSettings, page_count, refuse_unbuildable
+from rsegen.exporters.sheet import SHEET_FORMATS, CutSettings, page_count, refuse_unbuildable
 from rsegen.gui.model.simulation import (
     PlanSummary,
     drive_map,
     plan_summary,
     robot_names,
-    route_names,
     run_experiment,
     simulator_titles,
 )
-from rsegen.params.sorts import Choice, Flag, Float, Integer, validate
+from rsegen.params.command import declared
+from rsegen.params.sorts import Choice, Flag, validate
 from rsegen.recipe.recipe import Recipe
-from rsegen.run.exports import export_maps
 from rsegen.run.single_files import write_sheets
-from rsegen.run.worlds import Sidecars, generate
+from rsegen.run.worlds import Sidecars
 
 
 class Step(Protocol):
@@ -177,7 +179,7 @@ class SheetJob(MapsJob):
 
     def paths(self) -> Iterator[Path]:
         """The PDF and CSV file."""
-        return (self.folder / f"{self._name}.{format_}" for format_ in FORMATS)
+        return (self.folder / f"{self._name}.{format_}" for format_ in SHEET_FORMATS)
 
     def cancelled(self, steps: int) -> str:
         """The message if it is cancelled: files are written when all pages are drawn."""
@@ -206,15 +208,18 @@ PICTURE = "drive.png"
 """The file with the trajectories on the plan of the map."""
 
 
+_DRIVE = declared(drive)
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DriveSettings:
     """What is driven, and how."""
 
     robot: Annotated[str, Choice(tuple(robot_names()), help="which robot drives")] = "burger"
-    robots: Annotated[int, Integer(1, 100, help="how many of them")] = 1
-    route: Annotated[str, Choice(route_names(), help="straight on, at random, or along the way across")] = "straight"
-    duration: Annotated[float, Float(0.1, 1e5, unit="s", help="seconds of simulation time")] = 20.0
-    contacts: Annotated[bool, Flag(help="whether to sample what the robots touch")] = True
+    robots: Annotated[int, _DRIVE["robots"].sort] = _DRIVE["robots"].default  # type: ignore[assignment]  # as declared
+    route: Annotated[str, _DRIVE["route"].sort] = _DRIVE["route"].default  # type: ignore[assignment]  # as declared
+    duration: Annotated[float, _DRIVE["duration"].sort] = _DRIVE["duration"].default  # type: ignore[assignment]  # as declared
+    contacts: Annotated[bool, _DRIVE["contacts"].sort] = _DRIVE["contacts"].default  # type: ignore[assignment]  # as declared
 
     def __post_init__(self) -> None:
         validate(self)

@@ -18,25 +18,25 @@ import numpy as np
 from rsegen.errors import ParameterError
 from rsegen.exporters.scene import Scene
 from rsegen.field.obstacles import KINDS, Obstacle
+from rsegen.field.obstacles.base import row_parameters
 from rsegen.field.stepfield import CellWindow, Mask, StepField
 from rsegen.gui.model.plan_layout import PlanLayout, Point
 from rsegen.gui.model.session import Entry, ObstacleRow
 from rsegen.params.sorts import Cell, CellRef, Float, Json, Parameter, parameters
 from rsegen.params.streams import generator
 from rsegen.recipe.building import ends_by, impose, placed
-from rsegen.recipe.codec import OTHER_NAMES, decode_placement
-from rsegen.recipe.placement import Placement
+from rsegen.recipe.codec import decode_obstacle
 from rsegen.recipe.recipe import Recipe
 
 
 def aligned(entry: Entry, end: str) -> Entry:
     """An entry with one end moved in line with the other if its kind must be axis-aligned; else the entry as it is."""
     ends = [_cell(entry.get(name)) for name in (end, other_end(end))]
-    if _placement(entry) or not all(ends):
+    if _obstacle(entry) or not all(ends):
         return entry
     (x, y), (other_x, other_y) = ends
     in_line = {**entry, end: [x, other_y] if abs(x - other_x) >= abs(y - other_y) else [other_x, y]}
-    return in_line if _placement(in_line) else entry
+    return in_line if _obstacle(in_line) else entry
 
 
 def shifted(before: Entry, entry: Entry, end: str) -> Entry:
@@ -45,12 +45,12 @@ def shifted(before: Entry, entry: Entry, end: str) -> Entry:
     So a barrier along y whose X first is set moves along x as a whole. Of others, the other end is moved in line.
     """
     was, is_, other = _cell(before.get(end)), _cell(entry.get(end)), _cell(entry.get(other_end(end)))
-    if not _placement(entry) and was and is_ and other:
+    if not _obstacle(entry) and was and is_ and other:
         axis = int(was[0] == is_[0])
         if was[axis] == other[axis] and was[1 - axis] != other[1 - axis]:
             place = [is_[0], other[1]] if axis == 0 else [other[0], is_[1]]
             moved = {**entry, other_end(end): place}
-            if _placement(moved):
+            if _obstacle(moved):
                 return moved
     return aligned(entry, other_end(end))
 
@@ -65,21 +65,21 @@ def fixed(entry: Entry, recipe: Recipe, index: int) -> Entry:
 
     The entry as it is if it is invalid, or does not fit into the map.
     """
-    placement = _placement(entry)
-    if not placement:
+    obstacle = _obstacle(entry)
+    if not obstacle:
         return entry
     try:
-        placement.obstacle.check_size(recipe.grid, placement.first, placement.last)
+        obstacle.check_size(recipe.grid)
     except ParameterError:
         return entry
-    first, last = ends_by(recipe.grid, placement, generator(recipe.seed, index, placement.key or ""))
+    first, last = ends_by(recipe.grid, obstacle, generator(recipe.seed, index, obstacle.key or ""))
     return {**entry, "first": list(first), "last": list(last)}
 
 
-def _placement(entry: Entry) -> Placement | None:
+def _obstacle(entry: Entry) -> Obstacle | None:
     """The obstacle of an entry; None if it is invalid."""
     try:
-        return decode_placement(entry)
+        return decode_obstacle(entry)
     except ParameterError:
         return None
 
@@ -213,7 +213,7 @@ def ghost_of(scene: Scene, entry: Entry) -> Ghost | None:
     What constraints and difficulty would make of it is left out.
     """
     try:
-        recipe = replace(scene.recipe, obstacles=(*scene.recipe.obstacles, decode_placement(entry)))
+        recipe = replace(scene.recipe, obstacles=(*scene.recipe.obstacles, decode_obstacle(entry)))
         *_, patch = placed(recipe, recipe.obstacles[-1], scene.index)
     except ParameterError:
         return None
@@ -229,7 +229,7 @@ def ghost_of(scene: Scene, entry: Entry) -> Ghost | None:
     return Ghost(scene=replace(scene, recipe=recipe, field=alone), cells=cells)
 
 
-TITLES = {"kind": "type", "max_height": "height"}
+TITLES = {"kind": "type"}
 """What the window calls parameters whose name says less."""
 
 
@@ -273,7 +273,7 @@ def wrong_cell(problem: ParameterError | None) -> tuple[int, str]:
     if head or not closing or not number.isdigit():
         return -1, ""
     key = after.removeprefix(".").partition("[")[0]
-    return int(number), OTHER_NAMES.get(key, key)
+    return int(number), key
 
 
 def problem_text(problem: ParameterError | None) -> str:
@@ -292,7 +292,7 @@ def _words(key: str, where: str) -> str:
 
 
 def _with_kind(entry: Entry, kind: str) -> Entry:
-    known = {**parameters(KINDS[kind]), **parameters(Placement)} if kind in KINDS else entry
+    known = row_parameters(KINDS[kind]) if kind in KINDS else entry
     return {"kind": kind} | {name: value for name, value in entry.items() if name != "kind" and name in known}
 
 
@@ -304,6 +304,6 @@ def typed_value(parameter: Parameter, text: str) -> object:
 
 def _parsed(kind: str, key: str, text: str) -> Json:
     """The value of a text; a place may be in brackets, as messages write it. The kind may be unknown."""
-    sort = {**parameters(KINDS.get(kind, Obstacle)), **parameters(Placement)}[key]
+    sort = parameters(KINDS.get(kind, Obstacle))[key]
     found = typed_value(sort, text.replace(" ", "").strip("[]") if isinstance(sort, CellRef) else text)
     return list(found) if isinstance(found, tuple) else found

@@ -18,7 +18,7 @@ from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.stepfield import Array, CellWindow, Ints, Levels, Mask, StepField
 from rsegen.gui.model.session import Entry
 from rsegen.params.sorts import Cell, Json
-from rsegen.recipe.codec import decode_placement
+from rsegen.recipe.codec import decode_obstacle
 
 UNPAINTED = -1
 """The level that erases a cell."""
@@ -43,15 +43,14 @@ def next_cell(cell: Cell, cells: Cell) -> Cell:
 def can_paint(entry: Entry) -> bool:
     """Whether an entry is a matrix in its own size at a fixed place, so that cells can be painted into it."""
     try:
-        placement = decode_placement(entry)
+        matrix = decode_obstacle(entry)
     except ParameterError:
         return False
-    matrix = placement.obstacle
-    if not isinstance(matrix, Matrix) or matrix.softness or "random" in (placement.first or ()):
+    if not isinstance(matrix, Matrix) or matrix.softness or "random" in (matrix.first or ()):
         return False
-    start = placement.first or (0, 0)
+    start = matrix.first or (0, 0)
     own = tuple(at + size - 1 for at, size in zip(start, matrix.size, strict=True))  # type: ignore[operator]  # a cell
-    return placement.last in (None, own)
+    return matrix.last in (None, own)
 
 
 def painted(entry: Entry | None, cells: Sequence[Cell], level: int) -> dict[str, Json]:
@@ -64,7 +63,7 @@ def painted(entry: Entry | None, cells: Sequence[Cell], level: int) -> dict[str,
     first = start[0] + x1, start[1] + y1
     return {
         **(entry or {"kind": Matrix.kind}),
-        "max_height": max(matrix.max_height, entry["max_height"] if entry else 2),
+        "levels": max(matrix.levels, entry.get("levels", 2) if entry else 2),
         "rows": list(matrix.rows),
         "first": list(first),
         "last": [at + size - 1 for at, size in zip(first, matrix.size, strict=True)],
@@ -75,8 +74,8 @@ def _grown(entry: Entry | None, cells: Sequence[Cell]) -> tuple[Cell, Ints]:
     """The corner of smallest x and y, and the levels from there on, of the entry grown to include the cells."""
     corners = [*cells]
     if entry:
-        old = decode_placement(entry)
-        levels = old.obstacle.levels()  # type: ignore[attr-defined]  # a matrix
+        old = decode_obstacle(entry)
+        levels = old.cell_levels()  # type: ignore[attr-defined]  # a matrix
         x, y = entry.get("first", (0, 0))
         corners += [(x, y), (x + levels.shape[0] - 1, y + levels.shape[1] - 1)]
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)

@@ -229,7 +229,7 @@ class Session:
 
 def draft_of(recipe: Recipe) -> Draft:
     """The draft of a recipe."""
-    rows = tuple(ObstacleRow(entry=MappingProxyType(placement.entry())) for placement in recipe.obstacles)
+    rows = tuple(ObstacleRow(entry=MappingProxyType(obstacle.entry())) for obstacle in recipe.obstacles)
     return Draft(values=recipe.values(), rows=rows)
 
 

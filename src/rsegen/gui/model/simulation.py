@@ -9,6 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rsegen.commands.drive import drive
+from rsegen.commands.experiment import experiment
+from rsegen.commands.generate import generate
 from rsegen.errors import ParameterError
 from rsegen.field.metrics.traversability import Traversability, below, traversability
 from rsegen.field.stepfield import Array, StepField
@@ -19,12 +22,9 @@ from rsegen.robots import ROBOTS
 from rsegen.robots.base import Robot
 from rsegen.robots.footprint import footprint_of
 from rsegen.robots.links import Box, Cylinder, PoseTuple, Solid, rotation
-from rsegen.run.worlds import generate
-from rsegen.simulation.driving.drive import drive
 from rsegen.simulation.driving.robot_runs import ROUTES, spot_generator, spots_on_map
 from rsegen.simulation.driving.routes import planned_way
 from rsegen.simulation.experiment.plan import PLANS, load_plan
-from rsegen.simulation.experiment.run import experiment
 from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest
 from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import Pose

@@ -28,15 +28,15 @@ from PySide6.QtWidgets import (
 from rsegen.errors import RsegenError
 from rsegen.exporters.scene import compose
 from rsegen.field.obstacles import KINDS, Grid, Obstacle
+from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.gui.model.obstacle_ends import aligned, kind_words, shifted
 from rsegen.gui.model.session import Entry
 from rsegen.gui.widgets.editors import Editor, IntegerBox, SliderEditor, editor, shortened
 from rsegen.gui.widgets.layouts import named, scroll_past
 from rsegen.gui.widgets.plan_painting import square_icon
 from rsegen.params.registry import summary
-from rsegen.params.sorts import Json, parameters
+from rsegen.params.sorts import Json
 from rsegen.recipe.codec import decode
-from rsegen.recipe.recipe import Placement
 
 _MOST = 2**31 - 1
 
@@ -233,7 +233,7 @@ class KindBox(QComboBox):
 
 def _picture(kind: str) -> QIcon:
     """A pallet with one obstacle of a kind; no picture of a plug-in's kind that needs more than its defaults."""
-    row = {"kind": kind, "max_height": 5}
+    row = {"kind": kind, "levels": 5}
     try:
         scene = compose(decode({"seed": 3, "boundary": "none", "obstacles": [row]}), 0)
     except RsegenError:
@@ -241,9 +241,9 @@ def _picture(kind: str) -> QIcon:
     return square_icon(scene, SIDE)
 
 
-DEFAULT = {"kind": "horizontal_barrier", "max_height": 5, "softness": 0}
+DEFAULT = {"kind": "horizontal_barrier", "levels": 5, "softness": 0}
 
-SLIDERS = {"max_height": 20, "softness": 100}
+SLIDERS = {"levels": 20, "softness": 100}
 """The parameters that have a slider, and where it ends."""
 
 BLENDS = {
@@ -331,7 +331,7 @@ class ObstacleForm(QWidget):
     def _make_fields(self) -> None:
         """Replace the fields if another kind is chosen."""
         cls = self._class
-        sorts = {**parameters(cls), "blend": parameters(Placement)["blend"]}
+        sorts = {**own_parameters(cls), "blend": PLACING["blend"]}
         if sorts == {name: each.parameter for name, each in self._editors.items()}:
             return
         while self._fields.rowCount():
@@ -339,11 +339,11 @@ class ObstacleForm(QWidget):
         self._editors, self._heights, self._blend = {}, _words("heights"), _words("about_blend")
         for name, sort in sorts.items():
             most = SLIDERS.get(name)
-            each = SliderEditor(name, sort, most) if most else editor(_owner(cls, name), name)
+            each = SliderEditor(name, sort, most) if most else editor(cls, name)
             self._editors[name] = each
             each.edited.connect(self._emit)
             self._fields.addRow(name.replace("_", " ").capitalize(), each)
-            if below := {"max_height": self._heights, "blend": self._blend}.get(name):
+            if below := {"levels": self._heights, "blend": self._blend}.get(name):
                 self._fields.addRow("", below)
         _tab_through(self.kind, *(field for each in self._editors.values() for field in each.fields), self.default_ends)
 
@@ -372,7 +372,7 @@ class ObstacleForm(QWidget):
         self._about.setText(summary(self._class).replace("`", "") if self.kind.kind else "")
         self._blend.setText(BLENDS.get(str(self._editors["blend"].value()), ""))
         self.default_ends.setText(self._class.default_place)
-        top, softness = (self._editors[name].value() for name in ("max_height", "softness"))
+        top, softness = (self._editors[name].value() for name in ("levels", "softness"))
         levels = (
             f"{top} level{'s'[: top != 1]}: {_heights(top, self._unit)} cm" if isinstance(top, int) and top > 0 else ""
         )
@@ -402,11 +402,7 @@ def _heights(top: int, unit_cm: float) -> str:
     return ", ".join([f"{level * unit_cm:g}" for level in range(min(top, _LISTED))] + ["..."] * (top > _LISTED))
 
 
-def _owner(cls: type[Obstacle], name: str) -> type:
-    return cls if name in parameters(cls) else Placement
-
-
 def _default(cls: type[Obstacle], name: str) -> Json:
     """The default of a parameter; None if it has none."""
-    default = {**cls.__dataclass_fields__, **Placement.__dataclass_fields__}[name].default
+    default = cls.__dataclass_fields__[name].default
     return None if default is MISSING else default

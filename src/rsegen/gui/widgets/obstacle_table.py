@@ -40,11 +40,11 @@ from PySide6.QtWidgets import (
 
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles import KINDS, Grid
-from rsegen.field.obstacles.base import MOST_LEVELS
 from rsegen.gui.model.obstacle_ends import cell_text, kind_words, with_typed, wrong_cell
 from rsegen.gui.model.session import ObstacleRow
 from rsegen.gui.widgets.editors import DecimalBox, IntegerBox
 from rsegen.gui.widgets.layouts import ink, named, tooltip
+from rsegen.params.sorts import MOST_LEVELS
 
 PROBLEM = Qt.ItemDataRole.UserRole
 """The role of a cell's data that says what is wrong with it."""
@@ -69,7 +69,7 @@ class KindCell(QComboBox):
         return self.currentText()
 
 
-class HeightCell(IntegerBox):
+class LevelsCell(IntegerBox):
     """A number of levels."""
 
     def __init__(self, parent: QWidget) -> None:
@@ -139,7 +139,7 @@ class EndCell(QAbstractSpinBox):
         return [-1 if part == "random" else int(part) for part in parts] if known and len(parts) == 2 else None
 
 
-CellEditor = KindCell | HeightCell | SoftnessCell | EndCell
+CellEditor = KindCell | LevelsCell | SoftnessCell | EndCell
 
 
 class CellEditors(QStyledItemDelegate):
@@ -192,8 +192,8 @@ class CellEditors(QStyledItemDelegate):
         match key:
             case "kind":
                 return KindCell(parent)
-            case "max_height":
-                return HeightCell(parent)
+            case "levels":
+                return LevelsCell(parent)
             case "softness":
                 return SoftnessCell(parent)
         return EndCell(parent, self.grid)
@@ -216,9 +216,9 @@ def _tint(base: QColor, colour: QColor) -> QColor:
     return QColor(*mixed)
 
 
-COLUMNS = ("ID", "Type", "Height", "Softness", "First", "Last")
+COLUMNS = ("ID", "Type", "Levels", "Softness", "First", "Last")
 TIP = "drag a row to move it (Alt+Up, Alt+Down); Ctrl+D duplicates, Del removes; double click to edit"
-KEYS = ("", "kind", "max_height", "softness", "first", "last")
+KEYS = ("", "kind", "levels", "softness", "first", "last")
 """The key of an entry that each column shows."""
 
 

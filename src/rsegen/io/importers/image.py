@@ -36,7 +36,7 @@ class Picture(Measured):
     name: ClassVar[str] = "image"
     suffixes: ClassVar[tuple[str, ...]] = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp")
 
-    max_height: Annotated[int, Integer(2, 32767, unit="units", help="number of levels for the grey values")] = 5
+    levels: Annotated[int, Integer(2, 32767, unit="units", help="number of levels for the grey values")] = 5
     invert: Annotated[bool, Flag(help="black is the highest")] = False
     threshold: Annotated[
         float | None, Float(0, 100, unit="%", help="two levels only: the highest for grey values from this on, else 0")
@@ -80,7 +80,7 @@ class Picture(Measured):
         return np.where(millimetres == 0, np.nan, self.camera_cm - millimetres / 10)
 
     def _levels(self, grey: Array) -> Ints:
-        top = self.max_height - 1
+        top = self.levels - 1
         if self.threshold is not None:
             return np.where(grey * 100 >= self.threshold, top, 0)
         return np.floor(grey * top + 0.5 + 1e-9).astype(np.int32)
@@ -133,7 +133,7 @@ _USUAL = {"negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.25}
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Occupancy(Importer):
+class OccupancyImage(Importer):
     """A map of ROS (map_server, Nav2): occupied cells become walls of one unit, 100 cm if none is said."""
 
     name: ClassVar[str] = "occupancy map"

@@ -16,7 +16,7 @@ from rsegen.errors import FileError, ParameterError
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.stepfield import Ints
 from rsegen.io.importers.base import IMPORTERS, Heights, Importer
-from rsegen.recipe.recipe import Placement, Recipe
+from rsegen.recipe.recipe import Recipe
 
 
 def importer_for(path: Path) -> type[Importer]:
@@ -53,7 +53,7 @@ def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Re
         description=re.sub(r"[\x00-\x1f]", " ", f"heights of {path.name}")[:500],
         chunks=(n_x // side, n_y // side),
         seed=0,
-        obstacles=tuple(Placement(obstacle=Matrix.of(levels), key=key) for key, levels in _parts(heights)),
+        obstacles=tuple(Matrix.of(levels, key=key) for key, levels in _parts(heights)),
         **recipe_values,
     )
 

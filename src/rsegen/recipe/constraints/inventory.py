@@ -1,18 +1,19 @@
-"""Fits the levels of a map to the blocks that a lab has in stock.
+"""The blocks that a lab has in stock, on the cells of a map.
 
-Arranges the blocks in stock under a largest step: as many of them as possible, near the field that was designed.
+Without a largest step (`fitted_to_inventory`): if a level needs more blocks than there are, random cells of it get the
+nearest level that is left. The highest levels choose first, as they have the fewest alternatives.
 
-How many blocks of each level a field can have whose neighbours differ by a limit at most, from the blocks in stock.
-
-With a_t the number of cells up to level t, c_t the blocks in stock of level t, and n(a) the cells that the first a
-cells of a fill order and their neighbours take up (field/fill_order.py), the counts are possible if and only if
+With a largest step (`Stock.arranged`): first the counts, then their places. With a_t the number of cells up to level t,
+c_t the blocks in stock of level t, and n(a) the cells that the first a cells of a fill order and their neighbours take
+up (field/obstacles/rearranged.py), counts are possible if and only if
 
     a_t <= a_(t+1) <= a_t + c_(t+1),    n(a_t) <= a_(t+limit),    a of the highest level = all cells.
 
 All of it has the form "one is at least a rising function of another", so there is a least solution above given values,
-and a greatest one below: both are found by raising, or lowering, what is not right yet.
+and a greatest one below (a lattice, Tarski 1955): both are found by raising, or lowering, what is not right yet. The
+levels are then filled in along the fill order, and swapped towards the design.
 
-Puts back blocks that other constraints left unused, wherever these are met with them too.
+`refilled` puts blocks that other constraints left unused back, wherever these are met with them too.
 """
 
 from __future__ import annotations
@@ -31,10 +32,11 @@ Blocks = NDArray[np.int64]
 """Number of blocks in stock of each level; of level 0, which needs no block, more than enough."""
 
 _ENOUGH = 2**40
+"""Blocks of level 0, which is no block: more than cells of any map."""
 
 
 def fitted_to_inventory(field: StepField, owned: Sequence[int], rng: np.random.Generator) -> tuple[Ints, Blocks]:
-    """Levels for which there are blocks, and the blocks that are left over.
+    """Return levels for which there are blocks, and the blocks that are left over.
 
     owned: number of blocks of level 1, 2, ... Where a level needs more than that, cells drawn at random get the
     nearest other level.
@@ -54,35 +56,37 @@ def fitted_to_inventory(field: StepField, owned: Sequence[int], rng: np.random.G
 
 
 def blocks(owned: Sequence[int], levels: int) -> Blocks:
-    """An inventory as an array over `levels` levels."""
+    """Return an inventory as an array over `levels` levels."""
     return np.array([_ENOUGH, *owned, *[0] * (levels - 1 - len(owned))], dtype=np.int64)
 
 
 def lowered_to(levels: Ints, caps: Ints, left: Blocks | None) -> Ints:
-    """Levels no higher than `caps`, from the blocks that are left (changed in place); None: any number of blocks."""
-    found = levels.astype(np.int64)
+    """Return levels no higher than `caps`, from the blocks that are left (changed in place); None: any number of
+    blocks.
+    """
+    lowered = levels.astype(np.int64)
     if left is None:
-        return np.minimum(found, caps)
-    for cell in np.flatnonzero(found > caps):
+        return np.minimum(lowered, caps)
+    for cell in np.flatnonzero(lowered > caps):
         level = np.flatnonzero(left[: caps.flat[cell] + 1] > 0)[-1]
-        left[found.flat[cell]] += 1
+        left[lowered.flat[cell]] += 1
         left[level] -= 1
-        found.flat[cell] = level
-    return found
+        lowered.flat[cell] = level
+    return lowered
 
 
 def left_of(field: StepField, owned: Blocks) -> Blocks:
-    """The blocks of each level that a field does not use."""
+    """Return the blocks of each level that a field does not use."""
     return np.asarray(owned - np.bincount(field.levels[~field.frame], minlength=len(owned)))
 
 
 def used(field: StepField) -> int:
-    """The number of blocks of a field, those of level 0 left out."""
+    """Return the number of blocks of a field, without cells of level 0."""
     return int(np.count_nonzero(field.levels))
 
 
 def _nearest(level: int, levels: int) -> list[int]:
-    """All other levels, nearest first; of two that are equally near, the lower first."""
+    """Return all other levels, nearest first; of two equally near ones, the lower first."""
     pairs = ((level - apart, level + apart) for apart in range(1, levels))
     return [other for other in chain.from_iterable(pairs) if 0 <= other < levels]
 
@@ -91,7 +95,9 @@ _Cumulative = NDArray[np.int64]
 
 
 class BlockCounts:
-    """The counts that are possible, from `owned` blocks of level 0, 1, ...; with_neighbours: n(m) for m = 0 .. all."""
+    """Possible counts of blocks, from `owned` blocks of level 0, 1, ...; with_neighbours: n(m) for m = 0 .. all
+    cells.
+    """
 
     def __init__(self, owned: Ints, limit: int, with_neighbours: Ints) -> None:
         self._cells = len(with_neighbours) - 1
@@ -100,7 +106,8 @@ class BlockCounts:
         self._n = with_neighbours
 
     def nearest(self, wished: Ints, blocks: int, lowest: Ints) -> Ints:
-        """Possible counts of level 0, 1, ... near `wished`, with at least so many `blocks`, or as many as possible.
+        """Return possible counts of level 0, 1, ... near `wished`, with at least `blocks` blocks, or as many as
+        possible.
 
         lowest: for each level, the least number of cells that are no higher.
         """
@@ -110,7 +117,7 @@ class BlockCounts:
         return np.diff(self._least(np.maximum(wish, lowest)), prepend=0)
 
     def _least(self, values: Ints) -> _Cumulative:
-        """The least solution above some values: with the fewest low blocks, so with the most blocks."""
+        """Return the least solution above some values: with the fewest low blocks, so with the most blocks."""
         least = np.asarray(values, dtype=np.int64).copy()
         least[-1] = self._cells
         while True:
@@ -122,7 +129,7 @@ class BlockCounts:
                 return np.asarray(least)
 
     def _greatest(self, values: Ints) -> _Cumulative:
-        """The greatest solution below some values, above which there is one."""
+        """Return the greatest solution below some values, if there is one below them."""
         greatest = values
         while True:
             before = greatest
@@ -144,10 +151,10 @@ class Stock:
     def arranged(
         self, field: StepField, like: Array, rng: np.random.Generator, caps: Ints | None = None, empty: int = 0
     ) -> Ints | None:
-        """Levels with about the counts of a field, as near to `like` as swaps bring them, and not above `caps`.
+        """Return levels with about the counts of a field, as near to `like` as swaps bring them, and not above `caps`.
 
         They use as many blocks as `like` has above 0, or as the stock and the limit allow. None if no such order is
-        found, which is so only with caps. empty: least number of cells of level 0.
+        found, which happens with caps alone. empty: least number of cells of level 0.
         """
         there = ~field.frame
         wished = np.bincount(field.levels[there], minlength=len(self.owned))
@@ -158,22 +165,23 @@ class Stock:
         counts = BlockCounts(self.owned, self.limit, n).nearest(wished, int((like[there] > 0).sum()), low)
         levels = np.full(field.shape, -1)
         levels[there] = np.repeat(np.arange(len(counts)), counts)
-        found = rearranged_like(levels, self.limit, rng, like, caps)
-        return None if found is None else np.maximum(found, 0)
+        arranged = rearranged_like(levels, self.limit, rng, like, caps)
+        return None if arranged is None else np.maximum(arranged, 0)
 
 
 _CHECKED_CELLS = 1_000_000
-"""Cells of all the fields that are tried: half a second of work at most."""
+"""Cells of all the fields that are tried together: half a second of work at most."""
 
 
 def refilled(
     field: StepField, blocks: int, like: Array, left: Blocks, is_met: Callable[[StepField], bool]
 ) -> StepField:
-    """A field with blocks that are left on cells that are empty, up to so many blocks in all.
+    """Return a field with left blocks on empty cells, up to `blocks` blocks in all.
 
-    like: (n_x, n_y), the levels that are wished for: the highest of them are tried first, each with the nearest level
-    that is left, then with lower ones. is_met: whether a field meets all constraints; each field is tried alone.
+    like: (n_x, n_y), the wished levels: cells of the highest are tried first, each with the nearest level that is left,
+    then with lower ones. is_met: whether a field meets all constraints; each field is tried alone.
     """
+    # Every try checks the whole field, so the number of tries is limited by its size.
     left, tries = left.copy(), _CHECKED_CELLS // field.levels.size
     empty = np.flatnonzero((field.levels == 0) & ~field.frame)
     for cell in empty[np.argsort(-like.flat[empty], kind="stable")]:

@@ -1,14 +1,19 @@
-"""Changes a map until it meets its constraints: a largest step, a robot that can cross, the blocks in stock.
+"""Change a map until it meets its constraints: a largest step, a robot that can cross, the blocks in stock.
 
     StepField --step_limited, fitted_to_inventory--> StepField --lowered_to, repeated--> StepField
 
-The repeated part only lowers blocks, and a flat field meets every constraint, so it ends. If a largest step and an
-inventory lead to fewer blocks than that, the blocks in stock are arranged anew. Blocks that are left then go wherever
-all constraints are met with them.
+1. Largest step: the highest levels below the field that meet the limit are min over all blocks q of level(q) + limit *
+   distance(p, q), the lower envelope (a distance transform with the L1 metric); the lowest levels above it are the
+   same, upside down. Half-way between the two every step is within the limit too, and slopes are flattened on both
+   sides.
+2. Crossing: along the cheapest of the paths whose highest step is least (the percolation step), blocks are lowered
+   until the robot can drive each step of the path.
+3. Inventory: inventory.py.
 
-Limits the height difference between neighbouring blocks; blocks on two sides of a frame are not neighbours.
-
-Lowers blocks so that a robot can cross a map from west to east and from south to north.
+Only lowering is repeated, and a flat field meets every constraint, so it ends; each round lowers at least one block by
+a unit. If a largest step and an inventory lead to fewer blocks than that, the blocks in stock are arranged anew, around
+the robot's way. Blocks that are left then go wherever all constraints are met with them. It finds a map, not the one
+nearest to the design; demands that leave little room flatten the map.
 """
 
 from __future__ import annotations
@@ -38,33 +43,35 @@ from rsegen.recipe.constraints.inventory import (
 from rsegen.recipe.map_design import MapDesign
 
 _ANYTHING = 2**30
+"""A level above all levels, for cells without a limit; twice it still fits into 32 bits."""
 
 
 def step_limited(field: StepField, limit: int) -> Ints:
-    """Levels whose neighbours differ by `limit` at most: steeper slopes are flattened on both sides, the rest stays.
+    """Return levels whose neighbours differ by `limit` at most: steeper slopes are flattened on both sides.
 
-    Half-way between the highest such levels below the field and the lowest above it.
+    They are half-way between the highest such levels below the field and the lowest above it; all else stays.
     """
     low, high = envelope(field.levels, field, limit), -envelope(-field.levels, field, limit)
     return np.asarray(np.where(field.frame, 0, (low + high) // 2))
 
 
 def envelope(levels: Ints, field: StepField, limit: int) -> Ints:
-    """The highest levels that meet the limit and are not above `levels`, (n_x, n_y): the least over all blocks of
-    level + limit * distance from block to block; above all levels in frame cells.
+    """Return the highest levels that meet the limit and are not above `levels`, (n_x, n_y); _ANYTHING in frame cells.
+
+    Each pass brings the cap of a block one cell farther, so there are as many as the longest slope has cells.
     """
-    found = np.where(field.frame, _ANYTHING, levels.astype(np.int64))
+    highest = np.where(field.frame, _ANYTHING, levels.astype(np.int64))
     while True:
-        p = np.pad(found, 1, constant_values=_ANYTHING)
+        p = np.pad(highest, 1, constant_values=_ANYTHING)
         lowest = np.minimum(np.minimum(p[2:, 1:-1], p[:-2, 1:-1]), np.minimum(p[1:-1, 2:], p[1:-1, :-2]))
-        lower = np.where(field.frame, _ANYTHING, np.minimum(found, lowest + limit))
-        if (lower == found).all():
-            return found
-        found = lower
+        lower = np.where(field.frame, _ANYTHING, np.minimum(highest, lowest + limit))
+        if (lower == highest).all():
+            return highest
+        highest = lower
 
 
 def crossing_caps(field: StepField, climber: RobotLimits) -> Ints | None:
-    """The highest levels along a path on which the robot can cross; None if it can cross both ways already."""
+    """Return the highest levels along a path on which the robot can cross; None if it can cross both ways already."""
     for axis in (0, 1):
         step = percolation_step(field, climber.width, axis)
         if not _crosses(field, climber, axis, step):
@@ -73,27 +80,30 @@ def crossing_caps(field: StepField, climber: RobotLimits) -> Ints | None:
 
 
 def _crosses(field: StepField, climber: RobotLimits, axis: int, step: float) -> bool:
-    """Whether the robot can cross; only between its two limits must a path be searched to know it."""
+    """Return whether the robot can cross; a path is searched only if the percolation step is between its two limits."""
     least, most = sorted(climber.limits)
     needed = round(step * NANOMETRES)
     return needed <= least or (needed <= most and crossing(field, climber, axis).crosses)
 
 
 def _along(field: StepField, climber: RobotLimits, axis: int, step: float) -> Ints:
-    """The highest levels along the cheapest of the paths whose highest step is `step`, the least that there is."""
+    """Return the highest levels along the cheapest of the paths whose highest step is `step`, the least possible
+    one.
+    """
     path = crossing(
         field, RobotLimits.of(step, climber.width), axis, shortest=False
     ).path  # any of the cheapest: another would be another map
     aside = cells_to_each_side(field, climber.width)
-    found = np.full(field.shape, _ANYTHING)
+    caps = np.full(field.shape, _ANYTHING)
     for (i, j), top in zip(path, _tops(field, climber, axis, path), strict=True):
         under = slice(max(i - aside, 0), max(i + aside + 1, 0)), slice(max(j - aside, 0), max(j + aside + 1, 0))
-        found[under] = np.minimum(found[under], top)
-    return found
+        caps[under] = np.minimum(caps[under], top)
+    return caps
 
 
 def _tops(field: StepField, climber: RobotLimits, axis: int, path: Ints) -> Ints:
-    """The highest level below the robot at each cell of its path, such that it can go on from there."""
+    """Return the highest level below the robot at each cell of its path, such that it can go on from there."""
+    # Lowered forward until no rise, and then backward until no drop, exceeds the limit; backward keeps the rises.
     margin = cells_to_each_side(field, climber.width) + 1
     along = (path if axis == 0 else path[:, ::-1]) + (margin, 0)
     tops = lane(field, climber.width, axis).heights[along[:, 0], along[:, 1]]
@@ -107,84 +117,91 @@ def _tops(field: StepField, climber: RobotLimits, axis: int, path: Ints) -> Ints
 
 
 _TRIES = 16
-"""How often blocks are arranged, around another way for the robot or fewer of them, before they are lowered."""
+"""Arrangements of blocks, around another way for the robot or with more empty cells, before the best one is lowered.
+Each costs a search by swaps."""
 
 _FEWER = 0.06
-"""The share of cells that are left empty in addition, if no arrangement is found around a way."""
+"""Share of the cells that are left empty in addition, each time that no arrangement is found around a way: after 16 of
+them nearly all are."""
 
 
 def constrained(field: StepField, design: MapDesign, index: int) -> StepField:
-    """The field of map `index`, changed so that it meets the constraints of its design.
+    """Return the field of map `index`, changed so that it meets the constraints of its design.
 
     ParameterError if no block of the inventory can be used.
     """
     designed = field
     if design.max_step is not None:
         field = _with(field, step_limited(field, design.max_step))
+    # The wish for blocks that are arranged anew: the limited levels, and of equal ones first those designed higher.
     like = field.levels + designed.levels / (1 + designed.levels.max(initial=0))
     if design.inventory is None:
-        found = _lowered(field, design, None)
-        return _with_all_counted(found, designed, like, design, index)
+        return _with_all_counted(_lowered(field, design, None), designed, like, design, index)
     levels, left = fitted_to_inventory(field, design.inventory, generator(design.seed, index, "inventory"))
     fitted = _with(field, levels)
-    found = _lowered(fitted, design, left.copy())
-    if used(found) >= used(fitted):
-        return found
+    met = _lowered(fitted, design, left.copy())
+    if used(met) >= used(fitted):
+        return met
     if design.max_step is not None:
-        found = max(found, _arranged(fitted, like, design, index, design.inventory), key=used)
+        met = max(met, _arranged(fitted, like, design, index, design.inventory), key=used)
     owned = blocks(design.inventory, len(design.inventory) + 1)
-    found = refilled(found, used(fitted), like, left_of(found, owned), lambda tried: _caps(tried, design) is None)
-    if design.max_step is not None and not found.levels.any():
+    met = refilled(met, used(fitted), like, left_of(met, owned), lambda tried: _caps(tried, design) is None)
+    if design.max_step is not None and not met.levels.any():
         raise ParameterError(
             "inventory",
             f"none of its {sum(design.inventory):,} blocks can be used on {np.count_nonzero(~field.frame):,} cells "
             f"with a max_step of {design.max_step}; give lower ones too, or one for each cell",
         )
-    return found
+    return met
 
 
-def _with_all_counted(found: StepField, designed: StepField, like: Array, design: MapDesign, index: int) -> StepField:
-    """The blocks that a random obstacle counts, arranged anew if the largest step allows it; else the field found."""
+def _with_all_counted(met: StepField, designed: StepField, like: Array, design: MapDesign, index: int) -> StepField:
+    """Return the blocks that a random obstacle counts, arranged anew if the largest step allows it; else the field
+    `met`.
+    """
     counts = designed.level_counts()
-    if design.max_step is None or found.level_counts() == counts or not _counts_blocks(design):
-        return found
+    if design.max_step is None or met.level_counts() == counts or not _counts_blocks(design):
+        return met
     owned = tuple(counts.get(level, 0) for level in range(1, max(counts) + 1))
     arranged = _arranged(designed, like, design, index, owned)
-    return arranged if arranged.level_counts() == counts else found
+    return arranged if arranged.level_counts() == counts else met
 
 
 def _counts_blocks(design: MapDesign) -> bool:
-    return any(isinstance(each.obstacle, Random) and each.obstacle.counts for each in design.obstacles)
+    return any(isinstance(obstacle, Random) and obstacle.counts for obstacle in design.obstacles)
 
 
 def _arranged(fitted: StepField, like: Array, design: MapDesign, index: int, inventory: Sequence[int]) -> StepField:
-    """The blocks of an inventory arranged near `like`, with about the counts of a field; all constraints are met."""
+    """Return the blocks of an inventory arranged near `like`, with about the counts of a field; all constraints are
+    met.
+    """
     owned = blocks(inventory, len(inventory) + 1)
     stock, rng = Stock(owned=owned, limit=design.max_step or 1), generator(design.seed, index, "arrangement")
-    cells, found, caps, empty = int(np.count_nonzero(~fitted.frame)), [], None, 0
+    cells, met, caps, empty = int(np.count_nonzero(~fitted.frame)), [], None, 0
+    # Arrange; if the robot cannot cross, keep its way low and arrange around it. The fullest of all tries counts.
     for _ in range(_TRIES):
         levels = stock.arranged(fitted, like, rng, caps, empty)
         if levels is None:
             caps, empty = None, empty + ceil(_FEWER * cells)
             continue
         field = _with(fitted, levels)
-        found.append(_lowered(field, design, left_of(field, owned)))
+        met.append(_lowered(field, design, left_of(field, owned)))
         on_its_way = crossing_caps(field, design.climber) if design.climber else None
         if on_its_way is None:
             break
         caps = envelope(on_its_way if caps is None else np.minimum(on_its_way, caps), field, stock.limit)
-    return max(found, key=used)
+    return max(met, key=used)
 
 
 def _lowered(field: StepField, design: MapDesign, left: Blocks | None) -> StepField:
-    """A field whose blocks are lowered until it meets the constraints, from the blocks that are left."""
+    """Return a field with blocks lowered until it meets the constraints, from the blocks that are left."""
     while (caps := _caps(field, design)) is not None:
         field = _with(field, lowered_to(field.levels, caps, left))
     return field
 
 
 def _caps(field: StepField, design: MapDesign) -> Ints | None:
-    """The highest level that each block may have, for a constraint that is not met yet; None if all are met."""
+    """Return the highest level that each block may have, for a constraint that is not met yet; None if all are met."""
     if design.max_step is not None:
         caps = envelope(field.levels, field, design.max_step)
         if (field.levels > caps).any():

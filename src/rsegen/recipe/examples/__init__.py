@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from rsegen.errors import FileError, nearest
+
 EXAMPLES = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.yaml"))}
 """Where each one is, by its name."""
 
@@ -11,4 +13,8 @@ EXAMPLES = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.yam
 def or_example(path: str | Path) -> Path:
     """The path, or the example that is called so where nothing stands at the path."""
     path = Path(path)
-    return EXAMPLES[str(path)] if str(path) in EXAMPLES and not path.exists() else path
+    if path.exists():
+        return path
+    if str(path) not in EXAMPLES and "#" not in str(path) and (guess := nearest(str(path), EXAMPLES)):
+        raise FileError(f"{path}: neither a file nor the name of an example{guess}")
+    return EXAMPLES.get(str(path), path)

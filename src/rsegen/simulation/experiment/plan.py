@@ -46,7 +46,7 @@ class TableRow:
         tuple[int, ...],
         ListOf(Integer(0, 4000, unit="blocks"), help="sides of the maps in blocks, 0 for an empty world"),
     ] = (0, 10, 20, 40, 60, 80)
-    max_height: Annotated[int, Integer(2, 1000, unit="units", help="number of levels")] = 5
+    levels: Annotated[int, Integer(2, 1000, unit="units", help="number of levels")] = 5
     unit_cm: Annotated[float, Float(0.001, 1000, unit="cm", help="height discretization step")] = 1.0
     recipe: Mapping[str, Json] | None = None
     simulator: Annotated[str | None, Choice(tuple(SIMULATORS), help="default: the newest that is installed")] = None
@@ -69,7 +69,7 @@ class TableRow:
             "unit_cm": self.unit_cm,
             "boundary": "none",
             "seed": seed,
-            "obstacles": [{"kind": "random", "max_height": self.max_height}] if size else [],
+            "obstacles": [{"kind": "random", "levels": self.levels}] if size else [],
         }
         try:
             return decode({**given, **(self.recipe or {})})
@@ -80,7 +80,7 @@ class TableRow:
     def label(self) -> str:
         """In a few words."""
         shape = ", ".join(f"{key} {_in_words(value)}" for key, value in (self.recipe or {}).items())
-        what = f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm, {self.max_height} levels"
+        what = f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm, {self.levels} levels"
         return what + (f", {shape}" if shape else "")
 
     def differs_by_simulator(self, other: TableRow) -> bool:

@@ -74,7 +74,7 @@ def published_figures(row: TableRow) -> Mapping[int, PublishedFigures]:
     """The paper's figures for the robots and maps of a row, by size; it used Gazebo Classic, and plain random maps."""
     if row.recipe or row.simulator == "sim":
         return {}
-    return FIGURES.get(PublishedRow(row.robot, row.robots, row.unit_cm, row.max_height), {})
+    return FIGURES.get(PublishedRow(row.robot, row.robots, row.unit_cm, row.levels), {})
 
 
 RESTING = 0.5

@@ -59,27 +59,19 @@ class ExperimentResult:
         return report_page(self.plan, self.results, self.machine, self.command)
 
 
-def experiment(
+def run_experiment(
     plan: str | os.PathLike[str] | ExperimentPlan,
-    output: str | Path,
+    folder: Path,
+    simulators: Sequence[str] | None,
     *,
-    simulator: str | Sequence[str] | None = None,
-    force: bool = False,
-    progress: Callable[[int, Cell], None] = lambda *_: None,
-    watch: Callable[[], None] = lambda: None,
+    force: bool,
+    progress: Callable[[int, Cell], None],
+    watch: Callable[[], None],
 ) -> ExperimentResult:
-    """Measure what maps cost a simulator while robots drive on them, and write tables and a plot into a folder.
-
-    plan: the name of an included plan, a YAML file like these, or a Plan; output: the folder; if it has outcomes of
-    this plan, only the missing trials are run; `force` begins anew, and what is there stays until the new is complete.
-    simulator: `sim`, `classic`, or both, which are compared; by default the newest that is installed. `progress` is
-    called with the number of trials that are done and the next cell, `watch` several times per second during a trial;
-    what they raise stops the experiment, and the same call continues it. UserError, before the first trial, if the plan
-    is wrong, a simulator is not installed, or the folder has other files of these names.
-    """
-    command, folder = _command(plan, output, simulator), Path(output)
+    """Run the trials of a plan that are missing in its folder, and report on all of them; see `rsegen.experiment`."""
+    command = _command(plan, folder, simulators)
     plan = plan if isinstance(plan, ExperimentPlan) else load_plan(os.fspath(plan))
-    plan = in_simulators(plan, simulator)
+    plan = in_simulators(plan, simulators)
     names = dict.fromkeys(str(row.simulator) for row in plan.rows)
     installed = {name: choose_installation("both", name) for name in names}
     refuse_without_frames(plan, installed)
@@ -142,10 +134,10 @@ def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Stor
         yield store
 
 
-def in_simulators(plan: ExperimentPlan, simulator: str | Sequence[str] | None) -> ExperimentPlan:
-    """The plan with a row for each of these simulators, by default the newest that is installed."""
-    if simulator is not None:
-        return plan.in_simulators([simulator] if isinstance(simulator, str) else list(dict.fromkeys(simulator)))
+def in_simulators(plan: ExperimentPlan, simulators: Sequence[str] | None) -> ExperimentPlan:
+    """Return the plan with a row for each of these simulators, by default the newest that is installed."""
+    if simulators is not None:
+        return plan.in_simulators(list(dict.fromkeys(simulators)))
     if all(row.simulator for row in plan.rows):
         return plan
     return plan.in_simulators([choose_installation("both", None).simulator.name])
@@ -174,13 +166,12 @@ def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str], s
     return plan, results, machine, command
 
 
-def _command(plan: str | os.PathLike[str] | ExperimentPlan, output: str | Path, simulator: object) -> str:
-    """The command line that does the same; for a plan made in Python the call."""
-    names = simulator if isinstance(simulator, str) or not isinstance(simulator, Sequence) else ",".join(simulator)
+def _command(plan: str | os.PathLike[str] | ExperimentPlan, folder: Path, simulators: Sequence[str] | None) -> str:
+    """Return the command line that does the same; for a plan made in Python the call."""
     if isinstance(plan, ExperimentPlan):
-        return "rsegen.experiment(plan, output" + (f", simulator={names!r})" if names else ")")
-    flags = ["--simulator", str(names)] if names else []
-    return shlex.join(["rsegen", "experiment", os.fspath(plan), *flags, "-o", os.fspath(output)])
+        return "rsegen.experiment(plan, output" + (f", simulator={list(simulators)!r})" if simulators else ")")
+    flags = ["--simulator", ",".join(simulators)] if simulators else []
+    return shlex.join(["rsegen", "experiment", os.fspath(plan), *flags, "-o", os.fspath(folder)])
 
 
 def _files(found: ExperimentResult) -> dict[str, bytes]:

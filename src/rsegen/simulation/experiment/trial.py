@@ -22,7 +22,6 @@ from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import Array, StepField
 from rsegen.robots import robot
 from rsegen.robots.base import DrivableRobot
-from rsegen.run.worlds import generate
 from rsegen.simulation.driving.drive_metrics import Trajectory, drive_metrics
 from rsegen.simulation.driving.recording import RobotRun, camera_model, world_with_robots
 from rsegen.simulation.driving.robot_runs import driving_speed, robot_runs
@@ -32,6 +31,7 @@ from rsegen.simulation.experiment.trial_server import CAMERA_PIXELS, SOURCES, Se
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import Record
 from rsegen.simulation.simulators.server import retried
+from rsegen.simulation.worlds import write_world
 
 
 class DrivingFigures(NamedTuple):
@@ -186,7 +186,7 @@ def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> I
     models += [camera_model(scene.field.extent, CAMERA_PIXELS, rate=0)] if frames == "camera" else []
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         if cell.size:
-            world = generate(recipe, folder).maps[0].world
+            world = write_world(scene, Path(folder))
         else:
             world = Path(folder, "empty.world")
             world.write_bytes(b"".join(sdf.utf8(sdf.world(scene, ()))))

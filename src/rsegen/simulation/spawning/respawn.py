@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import os.path
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -42,32 +42,22 @@ class RespawnResult:
     put_on_top: tuple[str, ...] = ()
 
 
-def respawn(
-    target: Target,
-    *,
-    map: int | str | None = None,  # noqa: A002  # the flag's name
-    name: str | None = None,
-    output: str | Path = "worlds",
-    simulator: str | None = None,
+def replace_map(
+    target: Target, which: int | str | None, name: str | None, output: Path, simulator: str | None
 ) -> RespawnResult:
-    """Replace the map of the running simulation by the next one of a recipe or folder, at the same pose.
-
-    map: index or name of the new map, by default the one after the current map; name: the model to replace, if several
-    could be meant; output: folder for maps that are made of recipes; simulator: by default whichever runs.
-    Robots and their programs go on; models on the map are put on top of the new blocks while the world is paused.
-    """
+    """Replace the map in the simulation by another one, by default the next; see `rsegen.respawn`."""
     recipes = _recipes(target)
     with connected(simulator) as (running, live):
         poses = live.poses()
-        known = known_recipes(live, poses, [Path(output), *_homes(target)])
+        known = known_recipes(live, poses, [output, *_homes(target)])
         current = _current_map(poses, {recipe.name for recipe in recipes}, known, name)
-        new = _given_or_next(target, map, Path(output), current)
+        new = _given_or_next(target, which, output, current)
         new.check_spawnable()
         if new.name in poses:
             what = f"{shown(new.name)} exists already; give another"
-            if map is None and new.name == current:
+            if which is None and new.name == current:
                 what = f"{shown(current)} is in the simulation, and {shown(str(target))} has no other map"
-            raise ParameterError("" if map is None else "map", what)
+            raise ParameterError("" if which is None else "map", what)
         recipe = known.get(current)
         field = compose(recipe, recipe.first_map).field if recipe else _field(recipes[0], current)
         old = SpawnedMap(name=current, field=field, at=poses[current])
@@ -138,11 +128,8 @@ class RemoveResult:
     simulator: str
 
 
-def remove(*names: str, simulator: str | None = None) -> RemoveResult:
-    """Delete maps, robots and other models from the running simulation; none of them if one does not exist.
-
-    simulator: by default whichever runs. UnknownName lists the models if one does not exist.
-    """
+def remove_models(names: Sequence[str], simulator: str | None) -> RemoveResult:
+    """Delete models, or none of them if one does not exist; see `rsegen.remove`."""
     if not names:
         raise ParameterError("names", "nothing is given; give the names of models in the simulation")
     unique = tuple(dict.fromkeys(names))

@@ -12,10 +12,8 @@ from pathlib import Path
 from typing import TypeAlias
 
 from rsegen.errors import ParameterError, UnknownName, shown
-from rsegen.params.sorts import Float, parameters
 from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.recipe.recipe import Recipe
 from rsegen.robots import ROBOTS, Robot, SdfRobot, from_file, is_robot_file
 from rsegen.robots.footprint import footprint_of
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, spots_on_map
@@ -37,8 +35,6 @@ from rsegen.simulation.spawning.spawning import (
 )
 from rsegen.simulation.worlds import Target
 
-METRES = Float(-1e6, 1e6)
-
 _TRIES = 10
 """Even places that are tried until one is free."""
 
@@ -59,31 +55,24 @@ class SpawnResult:
     notes: tuple[str, ...] = ()
 
 
-def spawn(  # each is a flag of the command
+def spawn_model(
     target: Target | Robot | SdfRobot,
-    *,
-    map: int | str | None = None,  # noqa: A002  # the flag's name
-    name: str | None = None,
-    at: Sequence[float] | None = None,
-    output: str | Path = "worlds",
-    simulator: str | None = None,
+    which: int | str | None,
+    name: str | None,
+    at: Sequence[float] | None,
+    output: Path,
+    simulator: str | None,
 ) -> SpawnResult:
-    """Spawn a map or a robot in the running simulation, and give its name and pose there.
-
-    target: as for `rsegen.drive`, or a kind of robot, the SDF file of a model, or a robot; name: of the model, by
-    default the map's or the robot's kind; at: x, y, z, yaw in metres and radians, the last two optional, by default the
-    free place nearest to the origin, and for the model of a file an even place of the map if there is one; output:
-    folder for maps that are made of recipes; simulator: by default whichever runs.
-    UserError if a value is wrong; NothingRuns if no simulation runs.
-    """
-    place = _checked_place(at)
-    what = _robot_or_map(target, map, Path(output))
-    name = _checked_name(name, what)
+    """Spawn a map, by its index or name if the target has several, or a robot; see `rsegen.spawn`."""
+    place = list(at or [])
+    what = _robot_or_map(target, which, output)
+    if name is None:
+        name = what.name if isinstance(what, MapModel) else what.kind
     with connected(simulator) as (running, live):
         poses = live.poses()
         if name in poses:
             raise ParameterError("name", f"{shown(name)} exists already; give another name, or remove {name} first")
-        homes = [Path(output), *([what.folder.parent] if isinstance(what, MapModel) else [])]
+        homes = [output, *([what.folder.parent] if isinstance(what, MapModel) else [])]
         maps = known_maps(live, poses, homes)
         if isinstance(what, Robot | SdfRobot):
             place = place or _on_map(what, name, maps, poses)
@@ -152,21 +141,6 @@ def _refuse_unknown_word(target: str) -> None:
     bare = not (os.path.exists(target) or Path(target).suffix or os.sep in target or "#" in target)
     if bare and target not in EXAMPLES:
         raise UnknownName.among("", "folder, recipe, example or robot", target, [*ROBOTS, *EXAMPLES])
-
-
-def _checked_name(given: str | None, what: _Spawnable) -> str:
-    if given is None:
-        return what.name if isinstance(what, MapModel) else what.kind
-    return str(parameters(Recipe)["name"].check("name", given))
-
-
-def _checked_place(at: Sequence[float] | None) -> list[float]:
-    """x, y and perhaps z and yaw; empty if none is given."""
-    if at is None:
-        return []
-    if not 2 <= len(at) <= 4:
-        raise ParameterError("at", f"{shown(at)} is not X,Y or X,Y,Z or X,Y,Z,YAW")
-    return [METRES.check("at", number) for number in at]
 
 
 def _pose(at: Sequence[float]) -> Pose:

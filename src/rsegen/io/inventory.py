@@ -9,12 +9,11 @@ from pathlib import Path
 
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.io.input_files import text_of
-from rsegen.params.sorts import CENTIMETRES, Float, Integer
+from rsegen.params.sorts import CENTIMETRES, MOST_LEVELS, Float, Integer
 
 COLUMNS = ["height_cm", "count"]
 _IN_INCHES = ["height_in", "count"]
 _MOST_MIB = 1
-_MOST_LEVELS = 32767
 
 
 def inventory_in(path: Path, unit_cm: float) -> tuple[int, ...]:
@@ -56,6 +55,6 @@ def _row(where: str, row: list[str], unit_cm: float, written: str) -> tuple[int,
     height = Float(0, 100_000, unit=written).check(where, Float().parse(row[0]))
     count = Integer(0, 10**9).check(where, Integer(0).parse(row[1].strip()))
     level = round(height * CENTIMETRES[written] / unit_cm)
-    if abs(level * unit_cm - height * CENTIMETRES[written]) > 1e-6 or not 1 <= level <= _MOST_LEVELS:
+    if abs(level * unit_cm - height * CENTIMETRES[written]) > 1e-6 or not 1 <= level <= MOST_LEVELS:
         raise ParameterError(where, f"a block of {height:g} {written} is not a whole number of units of {unit_cm:g} cm")
     return level, count

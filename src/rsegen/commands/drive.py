@@ -1,0 +1,115 @@
+"""`rsegen drive`: robots driven over a map in Gazebo, and how far each got."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from rsegen.commands.parameters import Force, MapReference, Seed, SimulatorName
+from rsegen.params.command import Shell, command
+from rsegen.params.sorts import Choice, FilePath, Flag, Float, Integer, ListOf, Reference
+
+if TYPE_CHECKING:
+    from rsegen.robots.base import DrivableRobot
+    from rsegen.simulation.driving.drive import DriveResult
+    from rsegen.simulation.worlds import Target
+
+
+@command
+def drive(  # noqa: PLR0913  # each is a flag
+    target: Target,
+    *,
+    map: MapReference = None,  # noqa: A002  # the flag's name
+    robot: Annotated[
+        str | os.PathLike[str] | DrivableRobot,
+        Reference("a kind of robot, or an SDF file", help="kind of robot, or SDF file of a model"),
+        Shell(metavar="KIND|SDF"),
+    ] = "burger",
+    wheels: Annotated[
+        str | None,
+        Reference(
+            "LEFT,RIGHT or FRONT+REAR,FRONT+REAR",
+            help="joints of the wheels of a model in a file",
+        ),
+        Shell(metavar="LEFT,RIGHT", default="from its drive plug-in"),
+    ] = None,
+    size: Annotated[
+        tuple[float, float, float] | None,
+        ListOf(Float(0.01, 100, unit="m"), 3, help="length, width and height of the robot in the file"),
+        Shell(metavar="L,W,H", default="of its collision shapes"),
+    ] = None,
+    speed: Annotated[
+        float | None,
+        Float(0.001, 100, unit="m/s", help="maximum speed of the robot in the file"),
+        Shell(metavar="V", default="of its plug-in or joints, else 0.2"),
+    ] = None,
+    turn: Annotated[
+        float | None,
+        Float(0.001, 100, unit="rad/s", help="maximum turn rate of the robot in the file"),
+        Shell(metavar="W", default="of its plug-in, else 0.5"),
+    ] = None,
+    robots: Annotated[int, Integer(1, 100, help="number of robots"), Shell(metavar="N")] = 1,
+    simulator: SimulatorName = None,
+    route: Annotated[
+        str,
+        Choice(
+            ("straight", "random", "way"),
+            help="straight across the map, randomly on it, or across it on the path that rsegen metrics finds",
+        ),
+    ] = "straight",
+    duration: Annotated[float, Float(0.1, 1e5, unit="s", help="simulation time"), Shell(metavar="S")] = 30.0,
+    seed: Seed = None,
+    output: Annotated[
+        str | Path | None,
+        FilePath(help="folder for trajectories, metrics and a picture"),
+        Shell(("-o", "--output"), "DIR"),
+    ] = None,
+    contacts: Annotated[
+        bool,
+        Flag(help="record what the robots touch"),
+        Shell(help="do not record contacts, which take Gazebo Sim 1.5 to 1.8 times the CPU time"),
+    ] = True,
+    picture: Annotated[
+        bool, Flag(help="add gazebo.jpg to the folder, from a camera in Gazebo; needs a screen")
+    ] = False,
+    force: Force = False,
+    progress: Callable[[float], None] = lambda _: None,
+) -> DriveResult:
+    """Drive robots over a map in a Gazebo server without a window, and report how far each got.
+
+    target: a world made by rsegen, its folder, a recipe or a scene. progress: called with the simulation time [s]. The
+    same seed and simulator give the same trajectories. UserError if a value is wrong or no Gazebo is installed.
+    """
+    from rsegen.params.streams import fresh_seed
+    from rsegen.simulation.driving.drive import DriveResult, drivable, drive_notes, driven_robot, refuse_output
+    from rsegen.simulation.driving.recording import record_drive
+    from rsegen.simulation.driving.robot_runs import robot_runs
+    from rsegen.simulation.simulators.server import choose_installation
+    from rsegen.simulation.worlds import world_of
+
+    model = drivable(robot, wheels, size=size, speed=speed, turn=turn)
+    seed = fresh_seed() if seed is None else seed
+    refuse_output(None if output is None else Path(output), picture=picture, force=force)
+    world = world_of(target, map)
+    here, scene = choose_installation(world.made_for, simulator), world.scene()
+    runs = robot_runs(scene.field, model, route, count=robots, seed=seed)
+    with world.on_disk() as file:
+        extent = scene.field.extent if picture and "pictures" not in here.simulator.drives_without else None
+        recording = record_drive(here, file, runs, duration, progress, contacts=contacts, camera_extent=extent)
+    result = DriveResult(
+        scene=scene,
+        simulator=str(here),
+        route=route,
+        seed=seed,
+        robots=tuple(driven_robot(run, scene, recording, route) for run in runs),
+        errors=tuple(recording.errors),
+        notes=tuple(drive_notes(here, runs, recording, contacts=contacts, picture=picture)),
+        contact_samples=recording.samples,
+        way=runs[0].way,
+        image=recording.image,
+    )
+    if output is not None:
+        result.write(output, force=force)
+    return result

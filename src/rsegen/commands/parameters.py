@@ -1,0 +1,195 @@
+"""Parameters that several commands share, and sorts of them that look something up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from rsegen.errors import ParameterError, shown
+from rsegen.params.command import Shell
+from rsegen.params.sorts import FilePath, Flag, Float, Integer, Json, Reference, Text
+from rsegen.params.streams import SEEDS
+
+if TYPE_CHECKING:
+    from rsegen.exporters.formats import Format
+    from rsegen.field.robot_limits import RobotLimits
+
+Force = Annotated[bool, Flag(help="replace what is there, if rsegen wrote it and nobody has changed it since")]
+
+Resume = Annotated[
+    bool,
+    Flag(
+        help="continue a stopped run: keep what is complete and as it would be made now, and make the rest; needs the "
+        "same recipe, seed and options"
+    ),
+]
+
+Workers = Annotated[
+    int,
+    Integer(1, help="processes that work at the same time"),
+    Shell(metavar="N", default="the number of cores"),
+]
+
+Scheduler = Annotated[
+    str | None,
+    Reference(
+        "tcp://HOST:PORT, or local",
+        help="make it on a Dask cluster whose workers see the same folder, as tcp://HOST:PORT, or local for one of "
+        "--workers processes; needs rsegen[cluster]",
+    ),
+    Shell(metavar="ADDRESS"),
+]
+
+Sync = Annotated[
+    bool,
+    Flag(help="wait until files are on disk"),
+    Shell(
+        help="do not wait until files are on disk: a little faster for many small maps; after a power failure some may "
+        "be empty, and --resume makes them again"
+    ),
+]
+
+OutputFolder = Annotated[
+    str | Path, FilePath(help="folder to write into"), Shell(("-o", "--output"), "DIR", required=True)
+]
+
+Preview = Annotated[bool, Flag(help="add a picture, preview.png, to every map")]
+
+Sheet = Annotated[bool, Flag(help="add a build sheet, sheet.pdf and sheet.csv, to every map (see rsegen sheet)")]
+
+MapReference = Annotated[
+    int | str | None,
+    Reference("an index or a name", help="which map, by its index or its name"),
+    Shell(metavar="INDEX", default="the first"),
+]
+
+SimulatorName = Annotated[
+    str | None,
+    Reference("sim or classic", help="Gazebo Sim (sim) or Gazebo Classic (classic)"),
+    Shell(metavar="NAME", default="the newest that is installed"),
+]
+
+RunningSimulator = Annotated[
+    str | None,
+    Reference("sim or classic", help="Gazebo Sim (sim) or Gazebo Classic (classic)"),
+    Shell(metavar="NAME", default="whichever runs"),
+]
+
+MapsFolder = Annotated[
+    str | Path,
+    FilePath(help="folder for maps that are made of recipes, which are kept there"),
+    Shell(("-o", "--output"), "DIR"),
+]
+
+Seed = Annotated[
+    int | None, Integer(0, SEEDS - 1, help="seed of start poses and routes"), Shell(default="drawn and printed")
+]
+
+ModelName = Annotated[
+    str | None, Text(r"[^\x00-\x1f]{1,200}", "a name", help="name of the model"), Shell(metavar="NAME")
+]
+
+
+@dataclass(frozen=True)
+class FormatList:
+    """Formats of other programs: in Python as objects, in a shell as in `stl,'mjcf shape=hfield'`.
+
+    flag: by which errors name them
+    """
+
+    flag: str = "--formats"
+    help: str = ""
+    repeats: bool = True
+
+    def check(self, where: str, value: object) -> tuple[Format, ...]:
+        """Return them as a tuple; a ParameterError if one is no format."""
+        from rsegen.exporters.formats import Format
+
+        if isinstance(value, str | Format) or not isinstance(value, Sequence):
+            raise ParameterError(where, f"{shown(value)} is not a list of formats, as in [rsegen.FORMATS['stl']()]")
+        for number, each in enumerate(value):
+            if not isinstance(each, Format):
+                raise ParameterError(f"{where}[{number}]", f"{shown(each)} is no format, as rsegen.FORMATS['stl']() is")
+        return tuple(value)
+
+    def parse(self, texts: Any) -> tuple[Format, ...]:
+        """Return the formats of each text of a command line; a ParameterError says what is wrong with one."""
+        from rsegen.exporters.formats.options import formats_in
+
+        return tuple(each for text in texts for each in formats_in(self.flag, text))
+
+    def format(self, value: Any) -> str:
+        """Return their names, separated by commas."""
+        return ",".join(each.name for each in value)
+
+    def schema(self) -> dict[str, Json]:
+        """Return the JSON Schema of a list of their texts."""
+        return {"type": "array", "items": {"type": "string"}}
+
+    def describe(self) -> str:
+        """Return how they are written."""
+        return "separated by commas, with options as in stl,'mjcf shape=hfield'"
+
+
+Formats = Annotated[
+    "Sequence[Format]",
+    FormatList(help="add files for other programs to every map; may be repeated"),
+    Shell(metavar="'FORMAT KEY=VALUE ...'"),
+]
+
+
+@dataclass(frozen=True)
+class LimitsOf:
+    """The limits of a robot: of a kind by its name, or climb, drop and width in cm."""
+
+    help: str = ""
+
+    def check(self, where: str, value: object) -> RobotLimits:
+        """Return the limits; an UnknownName for an unknown kind, a ParameterError for anything else."""
+        from rsegen.field.robot_limits import RobotLimits
+        from rsegen.robots import robot
+
+        if isinstance(value, RobotLimits):
+            return value
+        if isinstance(value, str):
+            return robot(value, where).limits
+        if not isinstance(value, list | tuple) or not 1 <= len(value) <= 3:
+            raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
+        names = ("climb_cm", "drop_cm", "width_cm")
+        lengths = (Float(0, 100_000, unit="cm").check(where, length) for length in value)
+        return RobotLimits(**dict(zip(names, lengths, strict=False)))
+
+    def parse(self, text: str) -> object:
+        """Return the name, or the numbers."""
+        return [Float().parse(part) for part in text.split(",")] if text[:1].isdecimal() else text
+
+    def format(self, value: Any) -> str:
+        """Return the name, or the numbers in cm."""
+        return value if isinstance(value, str) else ",".join(map(str, value))
+
+    def schema(self) -> dict[str, Json]:
+        """Return the JSON Schema of a name or of one to three numbers."""
+        numbers = {"type": "array", "items": {"type": "number", "minimum": 0}, "minItems": 1, "maxItems": 3}
+        return {"anyOf": [{"type": "string"}, numbers]}
+
+    def describe(self) -> str:
+        """Return what may be given."""
+        return "a kind of robot, or climb, drop and width in cm, as in 7,7,30"
+
+
+By = Annotated[
+    Any,
+    Reference(
+        "a metric by its name in rsegen metrics --csv",
+        help="what rises evenly, as in opening.west_east or, with a robot, reach.west_east.cost",
+    ),
+    Shell(metavar="METRIC"),
+]
+
+ByRobot = Annotated[
+    "RobotLimits | str | None",
+    LimitsOf(help="robot of the metric by which it rises"),
+    Shell(metavar="KIND|CM,CM,CM"),
+]

@@ -1,0 +1,245 @@
+"""A command is a function: its annotated signature is the only declaration of its parameters.
+
+    @command
+    def drive(
+        target: Target,
+        *,
+        duration: Annotated[float, Float(0.1, 86400, unit="s", help="simulation time")] = 30.0,
+    ) -> DriveResult: ...
+
+From there follow the checks of a call in Python (`command`), the flags and what they give (`add_flags`, `given`), the
+JSON Schema of a form (`schema`) and the rows of the manual (`rows`). A parameter without a sort, such as `target` or a
+callback, is the business of whoever calls: it has no flag. Functions that are commands stand in modules that need no
+numpy, and import what does the work in their bodies, so that `rsegen drive -h` prints its help at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from functools import cache, wraps
+from inspect import Parameter as Argument
+from inspect import signature, unwrap
+from types import MappingProxyType
+from typing import Any, NamedTuple, ParamSpec, TypeVar
+
+from rsegen.errors import ParameterError
+from rsegen.params.sorts import Choice, FilePath, Flag, Json, Parameter, Reference, hints, with_lengths
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+@dataclass(frozen=True, slots=True)
+class Shell:
+    """How a parameter is given on the command line, if not as `--its-name VALUE` with the help of its sort.
+
+    flags: in place of --its-name; metavar: the value in the help; default: in words, where the signature says None;
+    required: whether a shell must give what Python may leave out
+    """
+
+    flags: tuple[str, ...] = ()
+    metavar: str = ""
+    help: str = ""
+    default: str = ""
+    required: bool = False
+
+
+class Declared(NamedTuple):
+    """A parameter of a command as its signature declares it; `default` is `Argument.empty` if it must be given."""
+
+    name: str
+    sort: Parameter
+    default: object
+    shell: Shell = Shell()
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """The flags that stand for it: `--no-sync` for a switch that is on by default."""
+        negation = "no-" if self.is_switch and self.default is True else ""
+        return self.shell.flags or (f"--{negation}{self.name.strip('_').replace('_', '-')}",)
+
+    @property
+    def is_switch(self) -> bool:
+        """Return whether it is a flag without a value: a yes or no with a default."""
+        return isinstance(self.sort, Flag) and isinstance(self.default, bool)
+
+    @property
+    def metavar(self) -> str:
+        """The value in the help: the few words that it takes, or a word for it."""
+        words = ("yes", "no") if isinstance(self.sort, Flag) else getattr(self.sort, "values", ())
+        if isinstance(self.sort, Choice | Flag):
+            return self.shell.metavar or f"{{{','.join(words)}}}"
+        return self.shell.metavar or self.name.strip("_").rpartition("_")[2].upper()
+
+    @property
+    def help(self) -> str:
+        """Its meaning, then the values that it takes and its default, each where it is not plain already."""
+        text = self.shell.help or self.sort.help or self.sort.describe()
+        if self.is_switch:
+            return text
+        is_listed = isinstance(self.sort, FilePath | Reference) or (
+            isinstance(self.sort, Choice | Flag) and not self.shell.metavar
+        )
+        default = self.shell.default or _shown_default(self.default)
+        notes = [
+            note for note in ("" if is_listed else self.sort.describe(), default and f"default: {default}") if note
+        ]
+        required = " (required)" if self.shell.required else ""
+        return f"{text} ({'; '.join(notes)})" if notes else f"{text}{required}"
+
+
+def declared(owner: Callable[..., Any]) -> Mapping[str, Declared]:
+    """Return the declared parameters of a command, or of a dataclass of options, in their order."""
+    return _declared(unwrap(owner))
+
+
+@cache
+def _declared(owner: Any) -> Mapping[str, Declared]:
+    if is_dataclass(owner):
+        annotations: dict[str, Any] = {}
+        for cls in reversed(owner.__mro__):  # type: ignore[union-attr]  # a class; a field that is declared again is that of the last class
+            annotations |= hints(cls)
+        defaults = {field.name: field.default for field in fields(owner)}
+        defaults = {name: Argument.empty if value is MISSING else value for name, value in defaults.items()}
+    else:
+        annotations = hints(owner)
+        defaults = {name: argument.default for name, argument in signature(owner).parameters.items()}
+    marks = {name: getattr(annotations.get(name), "__metadata__", ()) for name in defaults}
+    known = {
+        name: Declared(name, mark[0], defaults[name], _joined([shell for shell in mark if isinstance(shell, Shell)]))
+        for name, mark in marks.items()
+        if mark
+    }
+    return MappingProxyType(known)
+
+
+def _joined(shells: Sequence[Shell]) -> Shell:
+    """What nested annotations say, the outermost last: each says what the inner ones leave open or have otherwise."""
+    said: dict[str, Any] = {}
+    for shell in shells:
+        said |= {field.name: value for field in fields(shell) if (value := getattr(shell, field.name)) != field.default}
+    return Shell(**said)
+
+
+def default(owner: Callable[..., Any], name: str) -> Any:
+    """Return the default of a parameter: there is no other place for it."""
+    return declared(owner)[name].default
+
+
+def command(function: Callable[P, R]) -> Callable[P, R]:
+    """Check every declared parameter of each call and hand its canonical form on; None stays if it is the default."""
+    shape = signature(function)
+
+    @wraps(function)
+    def checked(*args: P.args, **named: P.kwargs) -> R:
+        call = shape.bind(*args, **named)
+        for name, value in call.arguments.items():
+            parameter = declared(function).get(name)
+            if parameter and not (value is None and parameter.default is None):
+                call.arguments[name] = parameter.sort.check(name.strip("_"), value)
+        return function(*call.args, **call.kwargs)
+
+    return checked
+
+
+def add_flags(
+    group: Any, owner: Callable[..., Any], *, only: Collection[str] = (), without: Collection[str] = ()
+) -> None:
+    """Add a flag for each declared parameter to a parser of argparse, or to a group of one.
+
+    only: the names of those to add, by default all; without: those to leave out
+    """
+    for parameter in declared(owner).values():
+        if parameter.name in without or (only and parameter.name not in only):
+            continue
+        text = parameter.help.replace("%", "%%")
+        options: dict[str, Any] = {"dest": parameter.name, "help": text, "required": parameter.shell.required}
+        if parameter.is_switch:
+            options |= {"action": "store_const", "const": not parameter.default}
+        else:
+            options |= {
+                "metavar": parameter.metavar,
+                "action": "append" if hasattr(parameter.sort, "repeats") else "store",
+            }
+        action = group.add_argument(*parameter.flags, **options)
+        action.completer = completer(parameter.sort)  # argcomplete's word
+
+
+def completer(sort: Parameter) -> Callable[..., Collection[str]] | None:
+    """Return what gives the words of a sort to argcomplete; None if it has no few words."""
+    words = ("yes", "no") if isinstance(sort, Flag) else getattr(sort, "values", None)
+    return None if words is None else lambda **_: words
+
+
+def given(owner: Callable[..., Any], arguments: Any, units: str | None = None) -> dict[str, Any]:
+    """Return what the flags of a parsed command line say, as keyword arguments that are not yet checked.
+
+    units: as in `with_lengths`, for what may be written as `3.5in`
+    """
+    texts = {name: getattr(arguments, name, None) for name in declared(owner)}
+    return {
+        name: text if isinstance(text, bool) else _parsed(declared(owner)[name], text, units)
+        for name, text in texts.items()
+        if text is not None
+    }
+
+
+def _parsed(parameter: Declared, text: Any, units: str | None) -> Any:
+    """What a text stands for, or the texts of a flag that may be repeated."""
+    sort: Any = parameter.sort
+    return sort.parse(text if isinstance(text, list) else with_lengths(text, sort, parameter.name, units=units))
+
+
+@contextmanager
+def flags_in_errors(*owners: Callable[..., Any]) -> Iterator[None]:
+    """Name the flag in errors of parameters that are raised inside: `robots: 0 is ...` becomes `--robots: 0 is ...`."""
+    flags = {name.strip("_"): each.flags[-1] for owner in owners for name, each in declared(owner).items()}
+    try:
+        yield
+    except ParameterError as error:
+        name, bracket, rest = error.where.partition("[")
+        if name not in flags:
+            raise
+        raise type(error)(f"{flags[name]}{bracket}{rest}", error.problem) from None
+
+
+def schema(owner: Callable[..., Any]) -> dict[str, Json]:
+    """Return the JSON Schema (2020-12) of the parameters of a command, of which a form can be made."""
+    known = declared(owner).values()
+    needed = [each.name for each in known if each.default is Argument.empty or each.shell.required]
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": owner.__name__,
+        "description": (owner.__doc__ or "").partition("\n")[0],
+        "type": "object",
+        "properties": {each.name: _property(each) for each in known},
+        "required": needed,
+        "additionalProperties": False,
+    }
+
+
+def _property(parameter: Declared) -> dict[str, Json]:
+    known = {"description": parameter.sort.help} | parameter.sort.schema()
+    has_default = parameter.default is not None and parameter.default is not Argument.empty
+    return known | ({"default": parameter.default} if has_default else {})
+
+
+def rows(owner: Callable[..., Any]) -> Iterator[tuple[str, str, str, str, str]]:
+    """Yield the row of each parameter in the manual: name in Python, flag, values, default, meaning."""
+    for each in declared(owner).values():
+        value = "" if each.is_switch else f" {each.metavar}"
+        default = each.shell.default or _shown_default(each.default) or ("" if each.default is None else "required")
+        yield each.name, f"{each.flags[-1]}{value}", each.sort.describe(), default, each.sort.help
+
+
+def _shown_default(value: object) -> str:
+    """A default as a person gives it; nothing if there is none, or none that says anything."""
+    if value is None or value is Argument.empty or value in ("", ()):
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, tuple):
+        return "x".join(map(str, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)
