@@ -23,8 +23,9 @@ from rsegen.exporters.scene import compose
 from rsegen.field.stepfield import Levels
 from rsegen.robots import ROBOTS, from_file
 from rsegen.robots.base import DrivableRobot
-from rsegen.simulation.driving.recording import RobotRun, send_commands, time_step, world_with_robots
+from rsegen.simulation.driving.recording import RobotRun, send_commands
 from rsegen.simulation.driving.routes import Motion, Route
+from rsegen.simulation.driving.world_file import time_step, world_with_robots
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.simulators.server import retried, running_server

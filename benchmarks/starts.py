@@ -26,9 +26,10 @@ from rsegen.exporters.scene import Scene
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS
 from rsegen.robots.footprint import footprint_of
-from rsegen.simulation.driving.recording import RobotRun, time_step, world_with_robots
+from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.robot_runs import ROUTES, robot_runs
 from rsegen.simulation.driving.routes import Straight
+from rsegen.simulation.driving.world_file import time_step, world_with_robots
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.simulators.server import retried, running_server

@@ -7,10 +7,12 @@ python -m docs.generate --check   exits with 1 where one of them is out of date,
 
 from __future__ import annotations
 
+import ast
 import io
 import json
+import re
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -68,6 +70,52 @@ TERRAIN = DOCS / "pictures" / "terrain.png"
 DIFFICULTY = DOCS / "difficulty.md"
 SHEET = DOCS / "pictures" / "sheet.png"
 SHEET_OF_A_PALLET = DOCS / "pictures" / "sheet-pallet.png"
+ALGORITHMS: Mapping[str, Sequence[str]] = {
+    "Recipes": (
+        "params/streams",
+        "recipe/building",
+        "recipe/batch",
+        "recipe/difficulty",
+        "recipe/constraints/meeting",
+        "recipe/constraints/inventory",
+    ),
+    "Fields and their metrics": (
+        "field/stepfield",
+        "field/obstacles/rearranged",
+        "field/metrics/traversability",
+        "field/metrics/graphs",
+        "field/metrics/roughness",
+        "field/metrics/batch",
+    ),
+    "Geometry": (
+        "geometry/mesh",
+        "geometry/rectangles",
+        "geometry/surface",
+        "geometry/watertight",
+        "geometry/boxes",
+        "geometry/texture",
+        "exporters/formats/solid",
+    ),
+    "Fields in point clouds": (
+        "scanning/finding",
+        "scanning/ground",
+        "scanning/grid",
+        "scanning/levels",
+        "scanning/extent",
+        "scanning/comparison",
+    ),
+    "Even places for robots": ("footprints/search",),
+    "Files and pictures": (
+        "exporters/sheet/timber",
+        "exporters/formats/posture",
+        "exporters/textures/images",
+        "exporters/textures/pine",
+        "exporters/pictures/preview",
+        "exporters/gazebo/obj",
+        "exporters/levels",
+    ),
+}
+"""Modules of algorithms by the part of docs/algorithms.md that shows their docstrings."""
 
 
 def texts() -> dict[Path, str]:
@@ -86,6 +134,7 @@ def texts() -> dict[Path, str]:
         GAZEBO: filled(GAZEBO.read_text("utf-8"), _told_apart(contact)),
         DOCS / "recipe.schema.json": json.dumps(schema(), indent=2) + "\n",
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
+        DOCS / "algorithms.md": "\n".join(_algorithms()) + "\n",
         DOCS / "decisions" / "index.md": "\n".join(_decisions()) + "\n",
         DOCS / "gallery.md": "\n".join(gallery.page()) + "\n",
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
@@ -232,6 +281,28 @@ def _decisions() -> Iterator[str]:
     for path in sorted((DOCS / "decisions").glob("0*.md")):
         title = path.read_text("utf-8").partition("\n")[0].removeprefix("# ")
         yield f"- [{title}]({path.name})"
+
+
+def _algorithms() -> Iterator[str]:
+    yield "# Algorithms\n\nFor developers: idea, source, cost and limits of each algorithm. Made by `make docs` from"
+    yield "the docstrings of the modules in `src/rsegen`, where the reasons of their numbers are too."
+    for part, modules in ALGORITHMS.items():
+        yield f"\n## {part}"
+        for module in modules:
+            text = (DOCS.parent / "src" / "rsegen" / f"{module}.py").read_text("utf-8")
+            yield f"\n### `{module}.py`\n\n{_as_markdown(ast.get_docstring(ast.parse(text)) or '')}"
+
+
+def _as_markdown(docstring: str) -> str:
+    """Return a docstring with links to the manual, and with drawings, which are indented by four spaces, as code."""
+    parts: list[tuple[bool, str]] = []
+    for paragraph in docstring.split("\n\n"):
+        is_drawn = all(line.startswith("    ") for line in paragraph.splitlines() if line)
+        if is_drawn and parts and parts[-1][0]:  # a drawing with an empty line in it
+            parts[-1] = (True, f"{parts[-1][1]}\n\n{paragraph}")
+        else:
+            parts.append((is_drawn, paragraph if is_drawn else re.sub(r"docs/(\w+)\.md", r"[\1](\1.md)", paragraph)))
+    return "\n\n".join(f"```text\n{text}\n```" if is_drawn else text for is_drawn, text in parts)
 
 
 def _parameters() -> Iterator[str]:

@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw
 import rsegen
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS
-from rsegen.simulation.driving.recording import last_frame, world_with_robots
+from rsegen.simulation.driving.world_file import last_frame, world_with_robots
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.simulators.server import running_server
 

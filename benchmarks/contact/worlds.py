@@ -9,7 +9,7 @@ from pathlib import Path
 from benchmarks.contact.constructions import Construction
 from benchmarks.contact.courses import DROP, course, drops, nothing, starts
 from rsegen import StepField
-from rsegen.simulation.driving.recording import add_systems
+from rsegen.simulation.driving.world_file import add_systems
 from tests.simulation.real.bodies import body
 from tests.simulation.real.burger import BURGER_WHEELS, EVERYTHING, RADIUS, Start, Wheels, burger
 

@@ -1,4 +1,8 @@
-"""The command line as a process: from its first line on, before all other imports, a signal ends it in one line."""
+"""The command line as a process: from its first line on, before all other imports, a signal ends it in one line.
+
+Imports take tenths of a second, in which Python would answer Ctrl-C with a traceback. Until the command has set its own
+handlers, a signal ends the process at once, as nothing has been begun; after the command it is ignored, as all is done.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +14,10 @@ import sys
 def main() -> int:
     """Run the command that this process was started with; gives the exit code."""
     names = ("SIGINT", "SIGHUP", "SIGTERM")
-    found = [getattr(signal, name) for name in names if hasattr(signal, name)]
-    heeded = [each for each in found if signal.getsignal(each) is not signal.SIG_IGN]
-    for each in heeded:
-        signal.signal(each, _end)
+    known = [getattr(signal, name) for name in names if hasattr(signal, name)]  # Windows has no SIGHUP
+    stops = [number for number in known if signal.getsignal(number) is not signal.SIG_IGN]  # nohup ignores SIGHUP
+    for number in stops:
+        signal.signal(number, _end)
     from rsegen.cli import main as run
 
     try:
@@ -24,8 +28,8 @@ def main() -> int:
     except SystemExit as done:  # --help
         return int(done.code or 0)
     finally:  # what is done is done
-        for each in heeded:
-            signal.signal(each, signal.SIG_IGN)
+        for number in stops:
+            signal.signal(number, signal.SIG_IGN)
 
 
 def _end(number: int, frame: object) -> None:

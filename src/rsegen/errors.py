@@ -1,16 +1,16 @@
 """Every error that rsegen raises on purpose, each one clear line.
 
 RsegenError
-├── UserError            what was asked for cannot be; the command line ends with exit code 2
+├── UserError            a request cannot be fulfilled; the command line ends with exit code 2
 │   ├── ParameterError   a value is out of range, of the wrong type, or at odds with another
 │   │   └── UnknownName  a kind, key or flag that is not there; lists the known ones
 │   ├── FileError        a file or folder cannot be read, or is not what it should be
 │   ├── OutputError      the output folder is taken, or may not be written to
 │   ├── PluginError      a plug-in cannot be loaded, or is not what it should be
-│   ├── TooLarge         it would need more room than there is, in memory or on the disk
+│   ├── TooLarge         a run needs more memory or disk space than is free
 │   ├── ScanError        a point cloud shows no step field, or another one than was said
-│   ├── NoSimulator      no simulator that is installed here can do it
-│   └── NothingRuns      no simulation runs that could be changed
+│   ├── NoSimulator      no simulator that is installed here can fulfil a request
+│   └── NothingRuns      a running simulation should be changed, and none runs
 ├── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
 ├── Incomplete           the user's mistake showed only after something was written, which stays; exit code 1
 ├── WorkerLost           a worker was killed from outside; nothing half written is left; exit code 1
@@ -32,7 +32,7 @@ REFUSED = frozenset(
     {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST}
     | {errno.ENAMETOOLONG, errno.ELOOP}
 )
-"""What the system says where the user asked for a place that cannot be; anything else is a failure of the machine."""
+"""Error numbers of a place that a user cannot write to; all others are failures of the machine."""
 
 
 class RsegenError(Exception):
@@ -40,7 +40,7 @@ class RsegenError(Exception):
 
 
 class UserError(RsegenError):
-    """What was asked for cannot be done; the message says where, what was given and what would be right."""
+    """A request that cannot be fulfilled; the message says where, what was given and what would be right."""
 
 
 class FileError(UserError):
@@ -56,7 +56,7 @@ class PluginError(UserError):
 
 
 class TooLarge(UserError):
-    """It would need more room than there is, in memory or on the disk."""
+    """A run needs more memory or disk space than is free."""
 
 
 class ScanError(UserError):
@@ -64,11 +64,11 @@ class ScanError(UserError):
 
 
 class NoSimulator(UserError):
-    """No simulator that is installed here can do it."""
+    """A request that no simulator installed here can fulfil."""
 
 
 class NothingRuns(UserError):
-    """No simulation runs that could be changed."""
+    """A request to change a running simulation, and none runs."""
 
 
 class WriteError(RsegenError):
@@ -76,11 +76,11 @@ class WriteError(RsegenError):
 
 
 class Incomplete(RsegenError):
-    """What was asked for cannot be done to the end; the message says why, and what is complete."""
+    """A run that cannot be finished; the message says why, and what is complete."""
 
 
 class Stopped(KeyboardInterrupt):
-    """Somebody stopped a run; the message says what is complete. changed: whether anything was written."""
+    """A stopped run; the message says what is complete. changed: whether anything was written."""
 
     def __init__(self, message: str, *, changed: bool = True) -> None:
         super().__init__(message)
@@ -119,18 +119,18 @@ class ParameterError(UserError, ValueError):
         return f"{self.where}: {self.problem}" if self.where else self.problem
 
     def inside(self, outer: str) -> ParameterError:
-        """The same error seen from outside: `softness` inside `obstacles[2]` is `obstacles[2].softness`."""
+        """Return the error seen from outside: `softness` inside `obstacles[2]` is `obstacles[2].softness`."""
         joint = "" if not self.where or self.where.startswith("[") else "."
         return type(self)(f"{outer}{joint}{self.where}", self.problem)
 
     def of(self, source: str) -> ParameterError:
-        """The same error with the file or flag that it comes from: `recipe.yaml: obstacles[2].softness`."""
+        """Return the error with the file or flag that it comes from: `recipe.yaml: obstacles[2].softness`."""
         return type(self)(f"{source}: {self.where}" if self.where else source, self.problem)
 
 
 @contextmanager
 def inside(outer: str) -> Iterator[None]:
-    """ParameterErrors that are raised in it are seen from outside."""
+    """Prefix the place of ParameterErrors that are raised inside with an outer one."""
     try:
         yield
     except ParameterError as error:
@@ -142,7 +142,7 @@ class UnknownName(ParameterError):
 
     @classmethod
     def among(cls, where: str, what: str, name: object, known: Iterable[str]) -> UnknownName:
-        """The error for `name`, which should have been one of `known`."""
+        """Return the error for `name`, which should have been one of `known`."""
         names = sorted(known)
         return cls(where, f"unknown {what} {shown(name)}{nearest(name, names)} (known: {', '.join(names)})")
 
@@ -163,12 +163,12 @@ def refuse_unknown(what: str, names: Iterable[str], known: Collection[str]) -> N
 
 
 def pip_install(extras: Iterable[str]) -> str:
-    """The command that installs extras of rsegen for the Python that runs this."""
+    """Return the command that installs extras of rsegen for the Python that runs this."""
     return f"{shlex.quote(sys.executable or 'python3')} -m pip install 'rsegen[{','.join(extras)}]'"
 
 
 def said_by(error: Exception) -> str:
-    """What a library says of its error, on one short line."""
+    """Return the message of a library's error on one short line."""
     return " ".join(str(error).split())[:_LONGEST] or type(error).__name__
 
 
@@ -187,11 +187,13 @@ def printable(text: str) -> str:
     """`text` with escapes for what a terminal would obey or cannot show: control and bidi characters, surrogates."""
     if text.translate(_LAYOUT).isprintable():
         return text
-    return "".join(each if each.isprintable() or each in "\n\t" else repr(each)[1:-1] for each in text)
+    return "".join(
+        character if character.isprintable() or character in "\n\t" else repr(character)[1:-1] for character in text
+    )
 
 
 def line_of(message: str) -> str:
-    """A message as one printable line that can be read: long paths, and what is too long altogether, without middle."""
+    """Return a message as one printable, readable line: long paths, and what is too long, without their middle."""
     words = " ".join(_without_middle(printable(word), _LONGEST_WORD) for word in message.split())
     return _without_middle(words, _LONGEST_LINE)
 
@@ -201,9 +203,18 @@ def _without_middle(text: str, most: int) -> str:
 
 
 _LAYOUT = {ord("\n"): None, ord("\t"): None}
+"""Characters that shape a text, and are no danger to a terminal."""
+
 _LONGEST_LINE = 900
+"""Letters of a message: a terminal of 80 columns shows it in twelve lines, with two long paths in it."""
+
 _LONGEST_WORD = 300
+"""Letters of a word: a path longer than this is recognised by its start and its end."""
+
 _LONGEST = 120
+"""Letters of a value, or of a library's message, in a message of rsegen: one line of a wide terminal."""
+
+# Values come from files of anybody: three levels of lists, and numbers and texts by their ends.
 _SHORT = reprlib.Repr()
 _SHORT.maxlevel = 3
 _SHORT.maxstring = _SHORT.maxother = 60

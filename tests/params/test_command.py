@@ -19,7 +19,7 @@ from rsegen.params.sorts import Choice, Flag, Float, Integer, ListOf
 if TYPE_CHECKING:
     from fractions import Fraction
 
-COMMANDS = [
+COMMANDS: list[Any] = [
     *(rsegen.generate, rsegen.series, rsegen.make_dataset, rsegen.export_maps, rsegen.export),
     *(rsegen.drive, rsegen.spots, rsegen.experiment, rsegen.open, rsegen.spawn, rsegen.respawn, rsegen.remove),
 ]

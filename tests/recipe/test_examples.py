@@ -62,4 +62,4 @@ def test_a_file_on_disk_goes_before_an_example(tmp_path: Path, monkeypatch: pyte
 
 def test_a_name_of_neither_file_nor_example_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert main(["generate", "paek", "-o", str(tmp_path)]) == 2
-    assert capsys.readouterr().err == "rsegen: paek: No such file or directory\n"
+    assert capsys.readouterr().err == "rsegen: paek: neither a file nor the name of an example; did you mean 'peak'?\n"

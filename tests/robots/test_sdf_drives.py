@@ -104,8 +104,8 @@ def test_a_library_of_ros_that_is_here_stays(tmp_path: Path, monkeypatch: pytest
 def test_axes_of_old_files_are_those_of_the_model(tmp_path: Path) -> None:
     text = two_wheels(version="1.4").replace("<xyz>0 0 1</xyz>", "<xyz>0 1 0</xyz>")
     robot = read(tmp_path, text, "left_hub,right_hub")
-    assert robot.found is not None
-    assert not robot.found.backwards
+    assert robot.read_drive is not None
+    assert not robot.read_drive.backwards
     assert robot.text.count("<use_parent_model_frame>true") == 2
 
 
@@ -133,7 +133,7 @@ def test_wheels_without_a_shape_or_along_another_axis_are_refused(tmp_path: Path
 
 def test_a_model_without_a_drive_says_which_are_known_and_which_joints_could_be_wheels(tmp_path: Path) -> None:
     robot = read(tmp_path, two_wheels())
-    assert (robot.found, robot.backend, robot.topic) == (None, None, None)
+    assert (robot.read_drive, robot.backend, robot.topic) == (None, None, None)
     with pytest.raises(ParameterError) as caught:
         robot.command("one", 0, 0)
     line = str(caught.value)

@@ -273,7 +273,7 @@ def test_the_command_takes_a_metric_and_a_robot(tmp_path: Path, capsys: pytest.C
         (("--by", "cost"), "by: unknown metric 'cost'"),
         (("--robot", "crawler"), "robot: steps.rms does not depend on a robot; give by=reach.west_east.cost"),
         (("--robot", "burgr"), "--robot: unknown robot 'burgr'; did you mean 'burger'"),
-        (("--robot", "1,2,3,4"), "--robot: 4 numbers; give climb, drop and width in cm, as in 7,7,30"),
+        (("--robot", "1,2,3,4"), "is not a kind of robot, or climb, drop and width in cm, as in 7,7,30"),
         (("--robot", "7,x"), "--robot: 'x' is not a number"),
     ],
     ids=" ".join,
@@ -335,7 +335,7 @@ def test_force_replaces_a_series_and_spares_the_rest(tmp_path: Path) -> None:
     ("given", "where"),
     [
         ({"from_": 0.5, "to": 0.2}, "from"),
-        ({"from_": -0.1}, "from_"),
+        ({"from_": -0.1}, "from"),
         ({"to": float("nan")}, "to"),
         ({"same_field": 1}, "same_field"),
         ({"maps": 1}, "maps"),

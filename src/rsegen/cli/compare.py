@@ -85,7 +85,7 @@ def _compared(stands: list[str], arguments: argparse.Namespace, recipe: Recipe) 
     from rsegen.io.clouds import is_cloud
     from rsegen.io.resources import refuse_too_large
     from rsegen.io.scans import compare
-    from rsegen.io.targets import found
+    from rsegen.io.targets import chosen_map
 
     clouds = [path for path in stands if is_cloud(Path(path))]
     if clouds and len(clouds) == len(stands):
@@ -94,7 +94,7 @@ def _compared(stands: list[str], arguments: argparse.Namespace, recipe: Recipe) 
         return compare(clouds, recipe, ScanOptions(**options))
     if len(stands) > 1:
         raise ParameterError("SCAN-or-MAP", "give clouds of one field and a map, or two maps")
-    _, other, index = found(stands[0], arguments.map)
+    _, other, index = chosen_map(stands[0], arguments.map)
     refuse_too_large(other)
     return compare(other.alone(index), recipe)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 
 from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.errors import UnknownName
@@ -22,7 +23,8 @@ def add(commands: Subparsers) -> None:
         text=text,
         epilog=f"{epilog}rsegen completion fish > ~/.config/fish/completions/rsegen.fish.",
     )
-    command.add_argument("shell", metavar="SHELL", help=", ".join(_SHELLS))
+    text = f"{', '.join(_SHELLS)} (default: that of $SHELL)"
+    command.add_argument("shell", nargs="?", metavar="SHELL", help=text)
     command.set_defaults(run=run)
 
 
@@ -30,7 +32,8 @@ def run(arguments: argparse.Namespace) -> Report:
     """Print it: argcomplete asks rsegen itself at each Tab."""
     from argcomplete.shell_integration import shellcode
 
-    if arguments.shell not in _SHELLS:
-        raise UnknownName.among("", "shell", arguments.shell, _SHELLS)
-    code = shellcode(["rsegen"], shell=arguments.shell)
-    return Report(lines=[code.rstrip("\n")], content={"shell": arguments.shell, "code": code})
+    shell = arguments.shell or os.path.basename(os.environ.get("SHELL", "bash"))
+    if shell not in _SHELLS:
+        raise UnknownName.among("", "shell", shell, _SHELLS)
+    code = shellcode(["rsegen"], shell=shell)
+    return Report(lines=[code.rstrip("\n")], content={"shell": shell, "code": code})

@@ -15,7 +15,7 @@ from rsegen.recipe.recipe import Recipe
 if TYPE_CHECKING:
     from rsegen.exporters.formats import Step
     from rsegen.exporters.scene import Scene
-    from rsegen.io.targets import Found
+    from rsegen.io.targets import ChosenMap
 
 _WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a folder of maps, or DIR#17 of a data set"
 
@@ -62,7 +62,7 @@ def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
         yield file, with_flags(recipe, arguments) if flags else recipe
 
 
-def map_of_flags(arguments: argparse.Namespace) -> Found:
+def map_of_flags(arguments: argparse.Namespace) -> ChosenMap:
     """Return one map of them: the one that --map names, or the first."""
     from rsegen.io.targets import one_of
 

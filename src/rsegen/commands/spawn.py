@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.commands.parameters import MapReference, MapsFolder, ModelName, RunningSimulator
 from rsegen.errors import ParameterError, shown
 from rsegen.params.command import Shell, command
-from rsegen.params.sorts import Float, Json
+from rsegen.params.sorts import Float, Json, parameters
+from rsegen.recipe.recipe import Run
 
 if TYPE_CHECKING:
     from rsegen.robots import Robot, SdfRobot
@@ -53,7 +55,11 @@ def spawn(
     target: Target | Robot | SdfRobot,
     *,
     map: MapReference = None,  # noqa: A002  # the flag's name
-    name: Annotated[ModelName, Shell(default="the map's name, or the kind of robot")] = None,
+    name: Annotated[
+        str | None,
+        replace(parameters(Run)["name"], help="name of the model"),
+        Shell(metavar="NAME", default="the map's name, or the kind of robot"),
+    ] = None,
     at: Annotated[
         Sequence[float] | None,
         Place(),

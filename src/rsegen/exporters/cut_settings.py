@@ -1,4 +1,4 @@
-"""How timber is bought and cut: the settings of a build sheet, in the units of a workshop."""
+"""Settings for buying and cutting timber, of a build sheet, in the units of a workshop."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from rsegen.params.sorts import Float, validate
 
 
 def nanometres(length_cm: float) -> int:
-    """A length in centimetres as whole nanometres."""
+    """Return a length in centimetres as whole nanometres."""
     return round(length_cm * 1e7)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CutSettings:
-    """How timber is bought and cut: the saw, the stock and its ends, the play in frames, weight and prices."""
+    """Settings for buying and cutting timber: the saw, the stock and its ends, the play in frames, weight and
+    prices.
+    """
 
     kerf_mm: Annotated[
         float,
@@ -44,12 +46,12 @@ class CutSettings:
 
     @classmethod
     def default(cls, units: str) -> CutSettings:
-        """Those of a recipe's units."""
+        """Return the settings that are usual in a recipe's units: metric, or inches and feet."""
         return cls(stock_cm=243.84, kerf_mm=3.175, trim_cm=1.27, tolerance_mm=0.79375) if units == "in" else cls()
 
     @property
     def kerf(self) -> int:
-        """What a cut costs in nanometres: the kerf and the tolerance."""
+        """Length that a cut costs in nanometres: the kerf and the tolerance."""
         return round((self.kerf_mm + self.tolerance_mm) * 1e6)
 
     @property
@@ -59,7 +61,7 @@ class CutSettings:
 
     @property
     def trim(self) -> int:
-        """What both ends of a piece of stock lose, in nanometres."""
+        """Length that both ends of a piece of stock lose together, in nanometres."""
         return 2 * nanometres(self.trim_cm)
 
     @property

@@ -6,15 +6,14 @@ level, then even under the whole robot, then with ground ahead or behind on whic
 1. Stencils: for each heading, and each of four places of the origin within a cell, the cells under the supports, under
    the whole robot and ahead of it. A turned rectangle overlaps a cell or not, exactly, by the separating axis test
    (Gottschalk, Lin and Manocha 1996, in the plane).
-2. Filter: the height difference under the supports of all places at once. The maximum over a shape is that over its
-runs
-   of cells, and over a run that over two tables of maxima over 2^k cells (sparse table, Bender and Farach-Colton 2000):
+2. Filter: the height difference under the supports of all places at once. The maximum over a shape is the
+   one over its runs of cells, and over a run the larger of two from tables of maxima over 2^k cells (sparse tables,
+   Bender and Farach-Colton 2000).
+3. Of the places that pass, drawn at random and in parts, everything else is measured, until enough are good.
 
        |- 4 -|
        . # # # # # .      a run of 5 cells is covered by two of 4
            |- 4 -|
-
-3. Of the places that pass, drawn at random and in parts, everything else is measured, until enough are good.
 
 Cost: 64 stencils, each some ten numpy operations on a tile of 512 x 512 cells; a map of 10 x 10 blocks takes some
 hundredths of a second. Places between half cells and headings between 22.5 degrees are not tried; a margin of 4 mm

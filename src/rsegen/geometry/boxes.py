@@ -8,7 +8,8 @@ Two partitions, of which the smaller one counts; both cut rectangles of one heig
        _| |_      3 boxes                                 _|_|_     2 boxes
       | | | |                                            |_____|
 
-Columns are fewer on random maps, layers on barriers and pyramids. Neither is the least possible number, which is hard
+Which one is smaller depends on the map; on random maps they differ by some per cent.
+Neither is the least possible number, which is hard
 to find in three dimensions (NP-complete: Dielissen and Kaldewaij 1991). Cost: that of rectangles.py, once per height.
 """
 

@@ -13,7 +13,7 @@ Short seams leave large rectangles whole:
     |          |   -->  |          |   and not  | : :  : : |
     |__________|        |__________|            |_:_:__:_:_|
 
-Cost: linear in the squares, all in numpy; only the rounds of the greedy choice are a loop, of a few dozen passes. The
+Cost: linear in the squares, all in numpy; only the rounds of the greedy choice are a loop, of a few passes. The
 risers of a surface are a simpler case, `merge_hanging`: strips that hang from one height.
 """
 

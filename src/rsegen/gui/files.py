@@ -36,7 +36,7 @@ class Files:
         self._replace(Session.new)
 
     def may_leave(self) -> bool:
-        """Whether the open recipe may be left: it is saved, the user saves it now, or does not want to."""
+        """Return whether the open recipe may be left: it is saved, the user saves it now, or does not want to."""
         session, standard = self._document.session, QMessageBox.StandardButton
         if not session.unsaved:
             return True

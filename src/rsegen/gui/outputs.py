@@ -1,4 +1,4 @@
-"""What can be made of the open recipe: worlds, exports, build sheets, code, and a map in the running simulation."""
+"""The outputs of the open recipe: worlds, exports, build sheets, code, and a map in the running simulation."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ class Outputs:
 
     @property
     def is_valid(self) -> bool:
-        """Whether the recipe is valid; else the last valid one is not what the window shows."""
+        """Return whether the recipe is valid; else the last valid one is not what the window shows."""
         return self._document.session.problem is None
 
     @property
     def is_possible(self) -> bool:
-        """Whether the recipe is valid and nothing is being written."""
+        """Return whether the recipe is valid and nothing is being written."""
         return self.is_valid and not self._form.busy
 
     def start(self) -> None:

@@ -1,15 +1,4 @@
-"""Work in threads of its own, so that the window never waits; results arrive as Qt signals.
-
-A worker thread that keeps only the latest task: a preview that is already out of date is not computed.
-
-A job in a thread of its own: the window stays responsive, and the job can be cancelled between two steps.
-
-The preview of a map, computed in a thread if the map is large, and then its costs.
-
-Saving a picture: drawn and compressed in a thread, as a large one takes many seconds.
-
-Spawning the map that is shown in the running simulation, in place of the one spawned before.
-"""
+"""Work in threads of its own, so that the window never waits: previews, jobs, pictures, spawning."""
 
 from __future__ import annotations
 
@@ -52,7 +41,7 @@ class LatestOnly(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether a task is running in the thread."""
+        """Return whether a task is running in the thread."""
         return self._thread is not None
 
     def submit(self, task: Task, *, at_once: bool = False) -> None:
@@ -167,7 +156,7 @@ class Previewer(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether a preview is being computed in the thread."""
+        """Return whether a preview is being computed in the thread."""
         return self._previews.busy
 
     def preview(self, recipe: Recipe, index: int, proposed: Entry | None = None) -> None:

@@ -1,4 +1,4 @@
-"""Everything that reads or writes files: maps, exports, build sheets, series, data sets, recipes, measured heights.
+"""Readers of files: recipes, heights, point clouds, data sets, checksums; and the memory and disk that a run needs.
 
-Bundle --write--> files
+Files come from strangers: nothing in them is trusted, and what is wrong is a FileError of one line.
 """

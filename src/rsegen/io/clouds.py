@@ -1,6 +1,11 @@
-"""Reads point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, and depth images with the camera's intrinsics.
+"""Read point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, and depth images with the camera's intrinsics.
 
-Nothing in a file is trusted: what a library says of a file that it cannot read becomes one FileError.
+All become points (n, 3) in metres, in the frame of the file; a depth z at pixel (u, v) is the point
+
+    x = (u - cx) z / fx,   y = (v - cy) z / fy,   z        (pinhole camera; x right, y down, z away from it)
+
+Nothing in a file is trusted: its size and number of points are bounded before it is read, and what a library says of a
+file that it cannot read becomes a FileError.
 """
 
 from __future__ import annotations
@@ -23,14 +28,16 @@ from rsegen.params.extras import SCAN
 from rsegen.params.sorts import CENTIMETRES
 
 MOST_POINTS = 20_000_000
-"""Of a file: some 2 GB of memory while it is read."""
+"""Points of a file at most: some 2 GB of memory while it is read."""
 
 _MOST_MIB = 1024
+"""The largest text that is read, MiB: some 20 million lines of three numbers."""
+
 _MOST_VALUES = 1000
-"""Of a point in a PCD file, for each of which pypcd4 makes a name before it reads them."""
+"""Values of a point in a PCD file at most: pypcd4 makes a name for each before it reads them."""
 
 _SAMPLED = 400_000
-"""Points on the surface of a mesh, spread evenly."""
+"""Points on the surface of a mesh, spread evenly: 40 on each of 10,000 blocks; with fewer, blocks are not seen."""
 
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|\s*nan", re.IGNORECASE)
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
@@ -40,12 +47,12 @@ Intrinsics = tuple[float, float, float, float]
 
 
 def is_cloud(path: Path) -> bool:
-    """Whether a file is one of those that a cloud can be read from, by its name."""
+    """Return whether a file is a point cloud, by its name."""
     return path.suffix.lower() in READERS
 
 
 def read_clouds(paths: Sequence[Path], values: str | None = None, intrinsics: Intrinsics | None = None) -> Array:
-    """The points (n, 3) of all files together, metres, in the frame that they share.
+    """Return the points (n, 3) of all files together, metres, in the frame that they share.
 
     values: the unit of their numbers (m, cm, mm, in, ft); default: m, but mm for depth images with whole numbers.
     intrinsics: for depth images; x is right, y down and z away from the camera. A FileError if a file has no points.
@@ -58,18 +65,18 @@ def _read(path: Path, values: str | None, intrinsics: Intrinsics | None) -> Arra
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise FileError(f"{path}: clouds are read from files named {', '.join('*' + suffix for suffix in READERS)}")
-    found, usual = reader(path)
-    if found.ndim == 2 and found.shape[1] != 3:
-        points = _of_depth(path, found, intrinsics)
+    numbers, usual = reader(path)
+    if numbers.ndim == 2 and numbers.shape[1] != 3:
+        points = _of_depth(path, numbers, intrinsics)
     elif intrinsics is not None:
         raise ParameterError("intrinsics", f"{path} has points, not the depths of an image")
     else:
-        points = np.asarray(found.reshape(-1, 3), dtype=np.float64)
+        points = np.asarray(numbers.reshape(-1, 3), dtype=np.float64)
     return points * (CENTIMETRES[values or usual] / 100)
 
 
 def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
-    """The points of a depth image (rows, columns), in its unit; 0 and nan are holes."""
+    """Return the points of a depth image (rows, columns), in its unit; 0 and nan are holes."""
     if intrinsics is None:
         raise ParameterError("intrinsics", f"{path} is a depth image; give fx,fy,cx,cy of its camera in pixels")
     fx, fy, cx, cy = intrinsics
@@ -83,11 +90,11 @@ def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
 
 
 def _array(path: Path) -> tuple[Array, str]:
-    found = mapped(path)
-    if found.dtype.kind not in "biuf" or not (found.ndim == 2 or (found.ndim == 3 and found.shape[2] == 3)):
-        raise FileError(f"{path}: an array of shape {found.shape}; give points (n, 3) or depths (rows, columns)")
-    _refuse_many(path, found.size // 3)
-    return np.asarray(found), "mm" if found.ndim == 2 and found.shape[1] != 3 and found.dtype.kind in "iu" else "m"
+    array = mapped(path)
+    if array.dtype.kind not in "biuf" or not (array.ndim == 2 or (array.ndim == 3 and array.shape[2] == 3)):
+        raise FileError(f"{path}: an array of shape {array.shape}; give points (n, 3) or depths (rows, columns)")
+    _refuse_many(path, array.size // 3)
+    return np.asarray(array), "mm" if array.ndim == 2 and array.shape[1] != 3 and array.dtype.kind in "iu" else "m"
 
 
 def _image(path: Path) -> tuple[Array, str]:
@@ -113,7 +120,7 @@ def _text(path: Path) -> tuple[Array, str]:
 
 
 def _mib(path: Path) -> int:
-    """How many MiB of a file to read: no more than it has, for so much memory is taken at once."""
+    """Return how many MiB of a file to read: no more than it has, as that much memory is taken at once."""
     try:
         with open_regular(path) as file:
             return min(os.fstat(file.fileno()).st_size // 2**20 + 1, _MOST_MIB)
@@ -127,24 +134,24 @@ def _is_point(line: str) -> bool:
 
 
 def _mesh(path: Path) -> tuple[Array, str]:
-    """The points of a cloud, or of a mesh's surface, which trimesh reads."""
+    """Return the points of a cloud, or of a mesh's surface, which trimesh reads."""
 
     def read() -> Array:
         import trimesh
 
         with open_regular(path) as file:
-            found = trimesh.load(file, file_type=path.suffix[1:].lower())
-        if isinstance(found, trimesh.Scene):
-            found = found.to_geometry()
-        if isinstance(found, trimesh.Trimesh) and len(found.faces):
-            return np.asarray(trimesh.sample.sample_surface(found, _SAMPLED, seed=0)[0])
-        return np.asarray(getattr(found, "vertices", np.empty((0, 3))))
+            loaded = trimesh.load(file, file_type=path.suffix[1:].lower())
+        if isinstance(loaded, trimesh.Scene):
+            loaded = loaded.to_geometry()
+        if isinstance(loaded, trimesh.Trimesh) and len(loaded.faces):
+            return np.asarray(trimesh.sample.sample_surface(loaded, _SAMPLED, seed=0)[0])
+        return np.asarray(getattr(loaded, "vertices", np.empty((0, 3))))
 
     return _by_library(path, read), "m"
 
 
 def _pcd(path: Path) -> tuple[Array, str]:
-    """The points of a file of the Point Cloud Library, which pypcd4 reads."""
+    """Return the points of a file of the Point Cloud Library, which pypcd4 reads."""
 
     def read() -> Array:
         from pypcd4.pypcd4 import MetaData, PointCloud
@@ -161,7 +168,7 @@ def _pcd(path: Path) -> tuple[Array, str]:
 
 
 def _header_lines(file: Iterable[bytes]) -> Iterator[str]:
-    """The lines of a header as pypcd4 takes them: without comments, up to DATA or ten."""
+    """Yield the lines of a header as pypcd4 takes them: without comments, up to DATA or ten."""
     lines = (line.decode().strip() for line in file)
     for line in islice((line for line in lines if line and not line.startswith("#")), 10):
         yield line
@@ -171,13 +178,13 @@ def _header_lines(file: Iterable[bytes]) -> Iterator[str]:
 
 def _by_library(path: Path, read: Callable[[], Array]) -> Array:
     try:
-        found = read_by_library(path, read)
+        points = read_by_library(path, read)
     except ImportError as error:
         raise UserError(f"{path}: needs {error.name}, which is not installed; {pip_install([SCAN.name])}") from None
-    if found.ndim != 2 or found.shape[1] != 3 or not len(found):
+    if points.ndim != 2 or points.shape[1] != 3 or not len(points):
         raise FileError(f"{path}: has no points")
-    _refuse_many(path, len(found))
-    return found
+    _refuse_many(path, len(points))
+    return points
 
 
 def _refuse_many(path: Path, points: int) -> None:

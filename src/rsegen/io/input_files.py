@@ -1,14 +1,9 @@
-"""Opens files to read so that nothing waits for ever: a pipe that nobody writes to is an error like any other.
+"""Files that may come from anybody, opened so that nothing waits for ever, grows without end, or prints by itself.
 
-Who reads a file of a user opens it by one of these two, and by no other `open`.
-
-Reads text and XML files that may come from anybody: up to a size, and without entities, which can grow.
-
-Has libraries read files that may come from anybody: what they raise becomes one line, and they print nothing.
-
-Opens images that may come from anybody: few formats, one error, and no message of a library's own.
-
-The size and SHA-256 checksum of a file, by which rsegen knows the files that it wrote.
+Whoever reads a file of a user opens it by `open_regular` or `read_start`, and by no other `open`: a pipe that nobody
+writes to is an error like any other. Texts are read up to a size; XML without document types and entities, of which
+bombs are made. What a library raises becomes a FileError of one line, and what it warns of or logs is not shown. Files
+that rsegen wrote are known by their size and SHA-256 checksum.
 """
 
 from __future__ import annotations
@@ -41,11 +36,14 @@ _SECONDS_FOR_A_WRITER = 2.0
 """A program that is started together with rsegen, as by `<(...)`, opens its end of a pipe within this time."""
 
 _SECONDS_OF_SILENCE = 60.0
-"""A program that writes into a pipe may work this long before it writes more."""
+"""A program that writes into a pipe may work this long before it writes more; with less, a slow one is cut off."""
+
+_AT_ONCE = 2**20
+"""Bytes that are read at once: more than this reads no faster, and only takes memory."""
 
 
 def open_regular(path: str | Path) -> BufferedReader:
-    """A regular file, opened to be read; OSError for anything else, such as a folder, a pipe or a device."""
+    """Return a regular file, opened to be read; OSError for anything else, such as a folder, a pipe or a device."""
     file = _opened(path)
     if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
         return file
@@ -54,7 +52,7 @@ def open_regular(path: str | Path) -> BufferedReader:
 
 
 def read_start(path: str | Path, most: int) -> bytes:
-    """Up to `most` bytes of a file, a device, or a pipe that somebody writes to; OSError if it cannot be read."""
+    """Return up to `most` bytes of a file, a device, or a pipe that somebody writes to; OSError if it is unreadable."""
     with _opened(path) as file:
         descriptor = file.fileno()
         kind = os.fstat(descriptor).st_mode
@@ -66,7 +64,7 @@ def read_start(path: str | Path, most: int) -> bytes:
 
 
 def regular_content(path: str | Path, most: int) -> bytes | None:
-    """Up to `most` bytes of a regular file; None if there is none at the path, or it cannot be read."""
+    """Return up to `most` bytes of a regular file; None if there is none at the path, or it cannot be read."""
     try:
         with open_regular(path) as file:
             return file.read(most)
@@ -75,16 +73,16 @@ def regular_content(path: str | Path, most: int) -> bytes | None:
 
 
 def _opened(path: str | Path) -> BufferedReader:
-    """Opened at once: without O_NONBLOCK the system waits until somebody writes to a pipe."""
+    """Open a file at once: without O_NONBLOCK the system waits until somebody writes to a pipe."""
     return open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0)))
 
 
 def _read_pipe(descriptor: int, most: int) -> bytes:
-    """Until `most` bytes are read or every writer has closed it."""
-    found, had_a_writer = bytearray(), False
-    while len(found) < most:
+    """Read a pipe until `most` bytes are read or every writer has closed it."""
+    content, had_a_writer = bytearray(), False
+    while len(content) < most:
         try:
-            piece = os.read(descriptor, min(most - len(found), 2**20))
+            piece = os.read(descriptor, min(most - len(content), _AT_ONCE))
         except BlockingIOError:  # a writer has it open
             _wait(descriptor, _SECONDS_OF_SILENCE)
             had_a_writer = True
@@ -93,9 +91,9 @@ def _read_pipe(descriptor: int, most: int) -> bytes:
             break
         if not piece:
             _wait(descriptor, _SECONDS_FOR_A_WRITER)
-        found += piece
+        content += piece
         had_a_writer = True
-    return bytes(found)
+    return bytes(content)
 
 
 def _wait(descriptor: int, seconds: float) -> None:
@@ -109,7 +107,7 @@ _DEEPEST = 200
 
 
 def text_of(path: Path, mib: int, too_large: str) -> str:
-    """The text of a file of at most `mib` MiB; FileError if it cannot be read, is larger, or is not UTF-8."""
+    """Return the text of a file of at most `mib` MiB; FileError if it cannot be read, is larger, or is not UTF-8."""
     try:
         content = read_start(path, mib * 2**20 + 1)
     except OSError as error:
@@ -125,7 +123,7 @@ def text_of(path: Path, mib: int, too_large: str) -> str:
 
 
 def elements(text: str, where: str) -> ET.Element:
-    """The root of an XML text; a document type and entities are refused, as bombs are made of them."""
+    """Return the root of an XML text; a document type and entities are refused, as bombs are made of them."""
     import xml.etree.ElementTree as ET
 
     if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
@@ -140,7 +138,7 @@ def elements(text: str, where: str) -> ET.Element:
 
 
 def _is_deeper(root: ET.Element, most: int) -> bool:
-    """Whether an element has more than `most` levels of others in it, which ElementTree could not write again."""
+    """Return whether elements are nested in more than `most` levels, which ElementTree could not write again."""
     level = [root]
     for _ in range(most):
         level = [child for element in level for child in element]
@@ -150,6 +148,7 @@ def _is_deeper(root: ET.Element, most: int) -> bool:
 
 
 _STDERR = 2
+"""The file descriptor of stderr, by POSIX."""
 
 _CUT_SHORT = "string or file could not be read to its end"
 """numpy before 2.3 only warns of it, and gives trimesh the numbers up to the wrong one."""
@@ -158,7 +157,7 @@ _Content = TypeVar("_Content")
 
 
 def read_by_library(path: Path, read: Callable[[], _Content]) -> _Content:
-    """What `read` makes of a file; FileError for all that a library raises, but an ImportError is the caller's."""
+    """Return the result of `read`; a FileError for all that a library raises, but an ImportError is the caller's."""
     try:
         with silent_libraries():
             return read()
@@ -172,7 +171,7 @@ def read_by_library(path: Path, read: Callable[[], _Content]) -> _Content:
 
 @contextmanager
 def silent_libraries() -> Iterator[None]:
-    """Nothing of what libraries warn of, log, or write to file descriptor 2 (as libtiff does) inside is shown.
+    """Hide what libraries warn of, log, or write to file descriptor 2 (as libtiff does) inside.
 
     Whoever has set up logging still gets the records. Numbers that numpy could not read are an error.
     """
@@ -196,8 +195,8 @@ def _restore(before: int) -> None:
     os.close(before)
 
 
-FORMATS = ("PNG", "JPEG", "PPM", "TIFF", "BMP")
-"""Those of the names that an image may have, in Pillow's words; it knows fifty more, by their first bytes."""
+_IMAGE_FORMATS = ("PNG", "JPEG", "PPM", "TIFF", "BMP")
+"""Formats of images that are read, as Pillow names them; it would open fifty more, by their first bytes."""
 
 
 @contextmanager
@@ -206,23 +205,21 @@ def opened_image(path: Path) -> Iterator[Image]:
     from PIL import Image, UnidentifiedImageError
 
     try:
-        with open_regular(path) as file, silent_libraries(), Image.open(file, formats=FORMATS) as image:
+        with open_regular(path) as file, silent_libraries(), Image.open(file, formats=_IMAGE_FORMATS) as image:
             yield image  # whoever opens it checks its size
     except RsegenError:
         raise
     except UnidentifiedImageError:
-        raise FileError(f"{path}: not an image ({', '.join(FORMATS)})") from None
+        raise FileError(f"{path}: not an image ({', '.join(_IMAGE_FORMATS)})") from None
     except (Image.DecompressionBombError, MemoryError):
         raise FileError(f"{path}: an image too large to be read") from None
     except Exception as error:  # Pillow fails in many ways at values that cannot be
-        said = getattr(error, "strerror", None) or f"not a whole image: {said_by(error)}"
-        raise FileError(f"{path}: {said}") from None
+        problem = getattr(error, "strerror", None) or f"not a whole image: {said_by(error)}"
+        raise FileError(f"{path}: {problem}") from None
 
 
 JOURNAL = ".rsegen.jsonl"
 """The file of a folder that lists what rsegen wrote there, with sizes and checksums (rsegen.run.journal)."""
-
-_AT_ONCE = 2**20
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -242,10 +239,10 @@ def checksum_of(path: Path) -> Checksum | None:
     """Return the checksum of a file, None if it does not exist; OSError if it is no regular file."""
     try:
         with open_regular(path) as file:
-            found = hashlib.sha256()
+            digest = hashlib.sha256()
             while piece := file.read(_AT_ONCE):
-                found.update(piece)
-            return Checksum(bytes=file.tell(), sha256=found.hexdigest())
+                digest.update(piece)
+            return Checksum(bytes=file.tell(), sha256=digest.hexdigest())
     except (FileNotFoundError, NotADirectoryError):
         return None
 
@@ -260,7 +257,7 @@ def refuse_duplicates(keys: Iterable[tuple[str, str]]) -> None:
 
 
 def parser_message(error: Exception) -> str:
-    """The message of a parser, short and without its advice to programmers."""
+    """Return the message of a parser, short and without its advice to programmers."""
     if isinstance(error, RecursionError):
         return "nested too deeply"
     if isinstance(error, (AttributeError, LookupError, TypeError)):

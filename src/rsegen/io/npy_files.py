@@ -1,4 +1,9 @@
-"""Arrays in files of numpy (.npy): the header is checked against the file before anything is allocated."""
+"""Arrays in files of numpy (.npy): the header is checked against the file before anything is allocated.
+
+The format is numpy's own (numpy.lib.format): a magic string, a version, the length of the header, and the header as
+Python text. A header from anybody may promise more than the file holds, be a megabyte long, or hold objects to
+unpickle; all of these are refused first. The array is then mapped into memory, so only what is used is read.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +22,14 @@ from rsegen.errors import FileError
 from rsegen.io.input_files import open_regular
 
 _LONGEST_HEADER = 10_000
-"""Bytes: that of an array of numbers has 128, and numpy parses no more by itself."""
+"""Bytes of a header at most: that of an array of numbers has 128, and numpy parses no more by itself."""
 
 _SIZE_BYTES = {(1, 0): 2, (2, 0): 4}
 """Bytes of the length of a header, by the version of the format; version 3 is for names that Latin-1 cannot write."""
 
 
 class NpyHeader(NamedTuple):
-    """What the header of a file says of its array."""
+    """The header of a file: shape, order and type of its array."""
 
     shape: tuple[int, ...]
     is_fortran: bool
@@ -32,7 +37,7 @@ class NpyHeader(NamedTuple):
 
 
 def mapped(path: Path) -> NDArray[Any]:
-    """The array in a file, mapped into memory, read-only; FileError if the file is not what its header says."""
+    """Return the array in a file, mapped into memory, read-only; FileError if the file is not what its header says."""
     try:
         with open_regular(path) as file:
             shape, is_fortran, dtype = _checked_header(file)
@@ -46,21 +51,21 @@ def mapped(path: Path) -> NDArray[Any]:
 
 
 def _checked_header(file: BufferedReader) -> NpyHeader:
-    """The header of a file, which is then read up to its end; ValueError if the file cannot hold its array."""
-    found = _header(file)
-    if found.dtype.hasobject or not found.dtype.itemsize:
-        raise ValueError(f"its values are {str(found.dtype)[:40]}")
-    if any(cells < 0 for cells in found.shape):
-        raise ValueError(f"a shape of {str(found.shape)[:60]}")
-    promised = math.prod(found.shape) * found.dtype.itemsize
-    there = os.fstat(file.fileno()).st_size - file.tell()
-    if promised > there:
-        raise ValueError(f"its header promises {str(promised)[:40]} bytes, {there} are there")
-    return found
+    """Return the header of a file, which is then read up to its end; ValueError if the file cannot hold its array."""
+    header = _header(file)
+    if header.dtype.hasobject or not header.dtype.itemsize:
+        raise ValueError(f"its values are {str(header.dtype)[:40]}")
+    if any(cells < 0 for cells in header.shape):
+        raise ValueError(f"a shape of {str(header.shape)[:60]}")
+    promised = math.prod(header.shape) * header.dtype.itemsize
+    size = os.fstat(file.fileno()).st_size - file.tell()
+    if promised > size:
+        raise ValueError(f"its header promises {str(promised)[:40]} bytes, {size} are there")
+    return header
 
 
 def _header(file: BufferedReader) -> NpyHeader:
-    """The header as numpy reads it, of no more bytes than a header has; ValueError if it is none."""
+    """Return the header as numpy reads it, of no more bytes than a header has; ValueError if it is none."""
     version = npy.read_magic(file)
     if version not in _SIZE_BYTES:
         raise ValueError(f"version {version[0]}.{version[1]} of the format")

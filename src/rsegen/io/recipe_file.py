@@ -1,7 +1,6 @@
-"""Reads recipe files, and makes their text: JSON if the name ends in .json, else YAML. Nothing in them is trusted.
+"""Read recipe files, and make their text: JSON if the name ends in .json, else YAML.
 
-Parses YAML that may come from anybody: the work is bounded by the length of the text.
-
+Files may come from anybody: their size is bounded, and so is the work for a text of that size (`yaml_loader`).
 """
 
 from __future__ import annotations
@@ -15,10 +14,29 @@ from rsegen.params.sorts import Json
 from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.recipe import Recipe
 
+MAX_MIB = {".json": 64, ".yaml": 4}
+"""The largest files that are read, MiB: a minute's work for PyYAML, a second's for JSON."""
+
+
+def load(path: str | Path) -> Recipe:
+    """Return the recipe in a YAML or JSON file; FileError if it cannot be read, ParameterError if a value is wrong."""
+    path = Path(path)
+    try:
+        return decode(content(path))
+    except ParameterError as error:
+        raise error.of(str(path)) from None
+
+
+def content(path: Path) -> object:
+    """Return the content of a YAML or JSON file as plain values; FileError if it cannot be read."""
+    most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"])
+    text = text_of(path, most, f"a recipe (JSON: up to {MAX_MIB['.json']} MiB)")
+    return _parse_json(text, path) if path.suffix.lower() == ".json" else parse_yaml(text, path)
+
 
 def parse_yaml(text: str, path: Path) -> object:
-    """The content of a YAML text; a FileError for all that rsegen's own files do not have."""
-    from rsegen.io.yaml_loader import Loader
+    """Return the content of a YAML text; a FileError for all that rsegen's own files do not have."""
+    from rsegen.io.yaml_loader import Loader  # which imports PyYAML
 
     try:
         return Loader(text, path).get_single_data()
@@ -30,28 +48,8 @@ def parse_yaml(text: str, path: Path) -> object:
         raise FileError(f"{path}{at}: not YAML: {parser_message(error)}") from None
 
 
-MAX_MIB = {".json": 64, ".yaml": 4}
-"""The largest files that are read: a minute's work for PyYAML, a second's for JSON."""
-
-
-def load(path: str | Path) -> Recipe:
-    """The recipe in a YAML or JSON file; FileError if it cannot be read, ParameterError if a value is wrong."""
-    path = Path(path)
-    try:
-        return decode(content(path))
-    except ParameterError as error:
-        raise error.of(str(path)) from None
-
-
-def content(path: Path) -> object:
-    """The content of a YAML or JSON file as plain values; FileError if it cannot be read."""
-    most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"])
-    text = text_of(path, most, f"a recipe (JSON: up to {MAX_MIB['.json']} MiB)")
-    return _parse_json(text, path) if path.suffix.lower() == ".json" else parse_yaml(text, path)
-
-
 def to_yaml(recipe: Recipe) -> str:
-    """The recipe as the text of a YAML file."""
+    """Return the recipe as the text of a YAML file."""
     import yaml
 
     text: str = yaml.safe_dump(encode(recipe), sort_keys=False, default_flow_style=None, allow_unicode=True, width=120)

@@ -21,7 +21,7 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import tile_shape
 
 BYTES_PER_CELL: Mapping[Step, int] = {"build": 50, "measure": 300, "surface": 2000, "mesh": 4000}
-"""Of memory for every cell, by the step.
+"""Memory per cell, by the step that makes something of a map.
 
 Measured as the peak of a process less that for a map of 20 x 20, on random maps of 5 levels and, after the slash, of
 100, which is the most: bytes per cell of 1000 x 1000 and, in brackets, of 2000 x 2000 or (*) 500 x 500 cells.
@@ -39,21 +39,23 @@ _COLLISION: Mapping[str, Step] = {"mesh": "build", "blocks": "measure", "boxes":
 """The step that needs about as much memory as the collision shapes of a world, which are a list of the whole map."""
 
 _ARRAY_COPIES = 4
-"""Of an array with several values per cell: between 1.1 (heightmap) and 5 (posture), measured at 10 and 20 per side."""
+"""Copies in memory of an array with several values per cell.
+
+Measured between 1.1 (heightmap) and 5 (posture) at 10 and 20 values per side: the mean, rounded up."""
 
 BYTES_PER_MAP = 1500
-"""Of memory for the result of each map until the run ends: measured on thousands of maps, rounded down."""
+"""Memory for the result of each map until the run ends: measured on thousands of maps, rounded down."""
 
 BYTES_PER_WORKER = 50_000_000
-"""Of memory for a worker that has not begun: measured with numpy 2.4, rounded up."""
+"""Memory of a worker that has not begun: measured with numpy 2.4, rounded up."""
 
 DISK_BYTES_PER_MAP = 3 * 4096
-"""Of disk for a map at the very least: three files of one block each."""
+"""Disk space of a map at the very least: three files of one block each."""
 
 MOST_WORK = 2 * 10**10
 """Obstacles times cells of one map: some minutes, if each obstacle covers the map."""
 
-_UNITS = ("bytes", "kB", "MB", "GB", "TB")
+_UNITS = ("bytes", "kB", "MB", "GB", "TB")  # powers of 1000, as disks are sold
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -72,17 +74,18 @@ class Needs:
 def check_needs(
     recipes: Sequence[Recipe], maps: int, folder: Path, step: Step = "build", formats: Collection[Format] = ()
 ) -> Needs:
-    """What a run needs that makes this number of maps of some recipes in a folder; TooLarge if less is free.
+    """Return the needs of a run of this number of maps; TooLarge if less memory or disk space is free.
 
     step: the one of all that are made of a map which needs the most memory, besides its formats
     """
+    # The largest map decides, as maps are made one by one; their results stay until the end, and all files on the disk.
     free = _free_memory()
-    each = max((_checked_memory(recipe, step, formats, free) for recipe in recipes), default=0)
+    largest = max((_checked_memory(recipe, step, formats, free) for recipe in recipes), default=0)
     needs = Needs(
-        map_memory=each,
+        map_memory=largest,
         results_memory=maps * BYTES_PER_MAP,
         disk=maps * DISK_BYTES_PER_MAP,
-        maps_at_once=max(1, free // (each + BYTES_PER_WORKER)),
+        maps_at_once=max(1, free // (largest + BYTES_PER_WORKER)),
     )
     for what, size, most in (("memory", needs.results_memory, free), ("disk", needs.disk, _free_disk(folder))):
         if size > most:
@@ -108,7 +111,7 @@ def refuse_many_heights(where: str, n_x: int, n_y: int) -> None:
 
 
 def maps_in_memory(recipe: Recipe) -> int:
-    """How many of its maps fit into memory at the same time."""
+    """Return how many maps of a recipe fit into memory at the same time."""
     return max(1, _free_memory() // (_memory(recipe, "build", ()) + BYTES_PER_WORKER))
 
 
@@ -122,7 +125,7 @@ def refuse_full(size: int, folder: Path) -> None:
 
 
 def format_bytes(size: float) -> str:
-    """A number of bytes in the unit in which it is easiest to read: 1.3 MB."""
+    """Return a number of bytes in the unit in which it is easiest to read: 1.3 MB."""
     if size >= 10**15:
         return "a million GB or more"
     power = min(max(0, math.floor(math.log10(max(size, 1)) / 3)), len(_UNITS) - 1)
@@ -130,7 +133,7 @@ def format_bytes(size: float) -> str:
 
 
 def _checked_memory(recipe: Recipe, step: Step, formats: Collection[Format], free: int) -> int:
-    """The bytes of memory that one map needs; TooLarge if fewer are free, or if it would take hours."""
+    """Return the bytes of memory that one map needs; TooLarge if fewer are free, or if it would take hours."""
     needed = _memory(recipe, step, formats)
     if needed > free:
         n_x, n_y = tile_shape(recipe)
@@ -148,13 +151,13 @@ def _checked_memory(recipe: Recipe, step: Step, formats: Collection[Format], fre
 
 
 def _memory(recipe: Recipe, step: Step, formats: Collection[Format]) -> int:
-    """The bytes of memory that one map needs at its peak. A watertight mesh is made of a whole model at once."""
+    """Return the bytes of memory that one map needs at its peak. A watertight mesh is made of a whole model at once."""
     cells = prod(tile_shape(recipe))
     most = max(
         BYTES_PER_CELL[step],
         BYTES_PER_CELL["measure"] * (recipe.difficulty != 1),
         BYTES_PER_CELL[_COLLISION[recipe.collision]],
-        *(BYTES_PER_CELL[each.step] + _ARRAY_COPIES * each.array_bytes for each in formats),
+        *(BYTES_PER_CELL[format_.step] + _ARRAY_COPIES * format_.array_bytes for format_ in formats),
     )
     if recipe.mesh != "watertight":
         return _bytes(cells, most)
@@ -163,7 +166,7 @@ def _memory(recipe: Recipe, step: Step, formats: Collection[Format]) -> int:
 
 
 def _bytes(cells: int, per_cell: int) -> int:
-    """The bytes of a map of some cells, and of the surface of a piece of it."""
+    """Return the bytes of a map of some cells, and of the surface of a piece of it."""
     return cells * per_cell + min(cells, PIECE**2) * BYTES_PER_CELL["surface"]
 
 
@@ -179,7 +182,7 @@ def _free_memory() -> int:
 
 
 def _free_disk(folder: Path) -> float:
-    """Of the disk that the folder is on, or will be; no limit if the disk has no size, as in /proc."""
+    """Return the free bytes of the folder's disk, infinitely many if the disk has no size, as in /proc."""
     nearest = next(above for above in (folder.absolute(), *folder.absolute().parents) if above.exists())
     usage = shutil.disk_usage(nearest)
     return usage.free if usage.total else math.inf

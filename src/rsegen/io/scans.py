@@ -1,4 +1,4 @@
-"""Scans of real fields: `rsegen.scan` gives the map that stands there, `rsegen.compare` what is built wrong.
+"""Scans of real fields: `rsegen.scan` gives the map that was built, `rsegen.compare` what is built wrong.
 
 clouds --read_clouds--> points --find_field--> Scan --> Recipe of one matrix, or a Comparison with a map
 """
@@ -29,11 +29,12 @@ Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
 """Files of one scan, or points (n, 3) [m]."""
 
 _MOST_UNSEEN = 0.5
+"""Share of blocks that may be filled by their neighbours: with more, the map would be made up rather than scanned."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ScannedMap:
-    """What a scan shows: the field as a Scan and as a recipe of one map, and the points that it was read from.
+    """The result of `scan`: the field as a Scan and as a recipe of one map, and the points that it was read from.
 
     points: (n, 3), metres, in the frame of the clouds.
     """
@@ -48,7 +49,7 @@ class ScannedMap:
         return build(self.recipe, self.recipe.first_map)
 
     def picture(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-        """The points from above with the grid that was found, and how far each top is from its level."""
+        """Return the points from above with the grid that was found, and how far each top is from its level."""
         return scan_plot(self.scan, self.points, format)
 
     def _repr_png_(self) -> bytes:
@@ -57,13 +58,13 @@ class ScannedMap:
 
 @dataclass(frozen=True, kw_only=True)
 class ComparedMap:
-    """What differs between a map and what stands; with a scan, also how that was read."""
+    """The result of `compare`: the differences between a map and a built field, and the scan of that, if any."""
 
     comparison: Comparison
     scan: Scan | None = None
 
     def picture(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-        """The plan with every block that is wrong, for the person with the mallet."""
+        """Return the plan with every block that is wrong, for the person with the mallet."""
         return comparison_plot(self.comparison, format)
 
     def _repr_png_(self) -> bytes:
@@ -107,7 +108,7 @@ def _field(shown: Recipe | StepField) -> StepField:
 
 
 def _points(clouds: Clouds, options: ScanOptions) -> tuple[Array, str]:
-    """The points [m], and a name for what they show."""
+    """Return the points [m], and a name for what they show."""
     if isinstance(clouds, np.ndarray):
         return clouds, "scan"
     paths = [Path(clouds)] if isinstance(clouds, (str, Path)) else [Path(path) for path in clouds]
@@ -116,22 +117,22 @@ def _points(clouds: Clouds, options: ScanOptions) -> tuple[Array, str]:
     return read_clouds(paths, options.values, options.intrinsics), paths[0].stem
 
 
-def _recipe(found: Scan, name: str, *, fill_holes: bool) -> Recipe:
-    """The field as a recipe of one matrix; that of blocks that were not seen apart, if they are filled."""
-    levels = found.blocks
+def _recipe(scan: Scan, name: str, *, fill_holes: bool) -> Recipe:
+    """Return the field as a recipe of one matrix, and of another one for blocks that were not seen but filled."""
+    levels = scan.blocks
     holes = levels < 0
     fill_holes = fill_holes and 0 < holes.mean() <= _MOST_UNSEEN
     if fill_holes:
         levels = np.rint(filled(np.maximum(levels, 0).astype(float), holes)).astype(np.int64)
     heights = Heights(
         levels=levels,
-        unit_cm=round(found.unit * 100, 6),
+        unit_cm=round(scan.unit * 100, 6),
         recipe_values={
-            "boundary": found.boundary,
-            "block_width_cm": round(found.block_width * 100, 6),
-            **({"frame_height_cm": round(found.frame_height * 100, 6)} if found.boundary != "none" else {}),
+            "boundary": scan.boundary,
+            "block_width_cm": round(scan.block_width * 100, 6),
+            **({"frame_height_cm": round(scan.frame_height * 100, 6)} if scan.boundary != "none" else {}),
         },
         holes=holes if fill_holes else None,
     )
-    recipe = recipe_of(Path(name), heights, found.chunk_size)
+    recipe = recipe_of(Path(name), heights, scan.chunk_size)
     return replace(recipe, description=f"scan of {name}"[:500])

@@ -1,6 +1,6 @@
 """The maps that a path or name stands for: a recipe file, an example, a map's folder, a folder of maps, or DIR#17.
 
-Reads DIR#17, one map of a data set, wherever a recipe file can be given; and finds the folder of a data set.
+DIR#17, a map of a data set, can be given wherever a recipe file can; a file of that very name comes first.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from rsegen.recipe.recipe import Recipe
 
 
 def recipe_in(path: str | Path) -> Recipe:
-    """The recipe in a file or, if there is no such file, of the map of a data set that DIR#INDEX names."""
-    match = re.fullmatch(r"(.+)#([0-9]{1,19})", str(path))
+    """Return the recipe in a file or, if there is no such file, of the map of a data set that DIR#INDEX names."""
+    match = re.fullmatch(r"(.+)#([0-9]{1,19})", str(path))  # 19 digits: what fits into 64 bits
     if not match or os.path.lexists(path):
         return load(path)
     from rsegen.io.dataset.layout import read_manifest
@@ -32,7 +32,7 @@ def recipe_in(path: str | Path) -> Recipe:
 
 
 def dataset_at(path: Path) -> Path | None:
-    """The folder of a data set, if the path is a folder or a manifest; else None."""
+    """Return the folder of a data set, if the path is a folder or a manifest; else None."""
     if path.is_dir():
         return path
     from rsegen.io.dataset.layout import MANIFEST
@@ -40,8 +40,8 @@ def dataset_at(path: Path) -> Path | None:
     return path.parent if path.name == MANIFEST and path.is_file() else None
 
 
-class Found(NamedTuple):
-    """One map of a recipe, and the file that the recipe is from."""
+class ChosenMap(NamedTuple):
+    """A map of a recipe, and the file that the recipe is from."""
 
     file: Path
     recipe: Recipe
@@ -49,7 +49,7 @@ class Found(NamedTuple):
 
 
 def recipe_files(target: str) -> list[Path]:
-    """A recipe's file, or that of a map's folder, or of every map in a folder; FileError where there is none."""
+    """Return a recipe's file, or that of a map's folder, or of every map in a folder; FileError if there is none."""
     path = or_example(target)
     own = path / "recipe.json" if os.path.isdir(target) else path
     files = [own] if own == path or own.is_file() else sorted(path.glob("*/recipe.json"))
@@ -60,8 +60,8 @@ def recipe_files(target: str) -> list[Path]:
     return files
 
 
-def found(target: str, which: str | None, where: str = "--map") -> Found:
-    """One map of `target`: the given one, or the first; errors about `which` name the flag or parameter `where`."""
+def chosen_map(target: str, which: str | None, where: str = "--map") -> ChosenMap:
+    """Return the given map of a target, or the first; errors about `which` name the flag or parameter `where`."""
     files = recipe_files(target)
     if which is not None and which.isdecimal():
         _refuse_ambiguous([file.parent.name for file in files], which, where)
@@ -69,26 +69,28 @@ def found(target: str, which: str | None, where: str = "--map") -> Found:
 
 
 def _refuse_ambiguous(names: Iterable[str], index: str, where: str) -> None:
-    """ParameterError for the index of maps of several recipes; `names`: of the maps in a folder."""
+    """Raise a ParameterError for an index that maps of several recipes have; `names`: of the maps in a folder."""
     like = [name for name in names if re.fullmatch(rf".*_0*{int(index[:20])}", name)]
     if len(like) > 1:
         raise ParameterError(where, f"{shown(index)} may be {' or '.join(like[:3])}; give the name")
 
 
-def one_of(recipes: Iterable[tuple[Path, Recipe]], which: int | str | None, target: str, where: str = "--map") -> Found:
-    """One map of some recipes, each with its file: the given one, or the first; a message calls them `target`."""
+def one_of(
+    recipes: Iterable[tuple[Path, Recipe]], which: int | str | None, target: str, where: str = "--map"
+) -> ChosenMap:
+    """Return the given map of some recipes, each with its file, or the first; a message calls them `target`."""
     names = []
     for file, recipe in recipes:
         index = recipe.first_map if which is None else _index(recipe, str(which))
         if index is not None:
-            return Found(file, recipe, index)
+            return ChosenMap(file, recipe, index)
         names += [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
     problem = f"there is no map {shown(which)} in {target}; give an index or name, {names[0]}..{names[-1]}"
     raise ParameterError(where, problem)
 
 
 def map_index(recipe: Recipe, which: int | str | None, where: str = "map") -> int:
-    """The index of one map of a recipe, given by index or name; the first by default."""
+    """Return the index of a map of a recipe, given by index or name; the first by default."""
     return one_of([(Path(), recipe)], which, "the recipe", where).map
 
 

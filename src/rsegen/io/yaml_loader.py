@@ -1,4 +1,4 @@
-"""What PyYAML accepts and rsegen refuses; imported when the first YAML is read, as PyYAML takes its time."""
+"""A loader of YAML that refuses what PyYAML accepts, so that its work is bounded by the length of the text."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from rsegen.errors import FileError, shown
 from rsegen.io.input_files import refuse_duplicates
 
 _MOST_DIGITS = 4300
-"""Of a number to the base of 60 (1:30:00), as in Python of one to the base of 10: the work grows with their square."""
+"""Digits of a number in base 60 (1:30:00) at most, as in Python in base 10: the work grows with their square."""
 
 _DEEPEST = 100
 """Lists and mappings in each other: PyYAML's work grows with the square of them; a recipe has five."""
 
 _MOST_WEIGHT = 4 * 2**20
 _NODE = 10
-"""Aliases may stand for what the largest file can say: its characters, and some for each value, list and key."""
+"""Weight that aliases may stand for, and that of a value, list or key besides its characters.
+
+The limit is what the largest file can say without aliases, so that they cannot stand for more (a "billion laughs").
+"""
 
 
 class Loader(yaml.SafeLoader):
@@ -31,7 +34,7 @@ class Loader(yaml.SafeLoader):
         self._weights: dict[str, int] = {}
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        """A node, and how much it stands for, aliases in it counted as what they stand for."""
+        """Compose a node, and count what it stands for, with aliases in it as what they stand for."""
         event = self.peek_event()  # type: ignore[no-untyped-call]  # PyYAML's
         if isinstance(event, yaml.AliasEvent):
             self._count_alias(event)
@@ -48,19 +51,19 @@ class Loader(yaml.SafeLoader):
         return node
 
     def compose_mapping_node(self, anchor: Any) -> Any:
-        """A mapping without duplicate keys."""
+        """Compose a mapping; a FileError for a duplicate key."""
         node = super().compose_mapping_node(anchor)
         keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
         refuse_duplicates((key.value, self._at(key)) for key in keys)
         return node
 
     def flatten_mapping(self, node: Any) -> None:
-        """Nothing: merge keys are refused."""
+        """Refuse merge keys."""
         for key in (key for key, _ in node.value if key.tag == "tag:yaml.org,2002:merge"):
             raise FileError(f"{self._at(key)}: merge keys ('<<') are not supported; write the keys out")
 
     def construct_number(self, node: Any) -> Any:
-        """A number, of a bounded length if its base is 60."""
+        """Construct a number, of a bounded length if its base is 60."""
         text = getattr(node, "value", "")
         if ":" in text and len(text) > _MOST_DIGITS:
             raise FileError(f"{self._at(node)}: not YAML: a number of more than {_MOST_DIGITS} digits")
@@ -73,8 +76,8 @@ class Loader(yaml.SafeLoader):
             most = f"{_MOST_WEIGHT // 2**20} MiB"
             raise FileError(f"{self._at(event)}: the aliases up to {shown(event.anchor)} stand for more than {most}")
 
-    def _at(self, found: Any) -> str:
-        return f"{self._path}:{found.start_mark.line + 1}"
+    def _at(self, marked: Any) -> str:
+        return f"{self._path}:{marked.start_mark.line + 1}"
 
 
 _NUMBERS = {tag: Loader.yaml_constructors[tag] for tag in ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")}

@@ -195,7 +195,7 @@ def _parsed(parameter: Declared, text: Any, units: str | None) -> Any:
 @contextmanager
 def flags_in_errors(*owners: Callable[..., Any]) -> Iterator[None]:
     """Name the flag in errors of parameters that are raised inside: `robots: 0 is ...` becomes `--robots: 0 is ...`."""
-    flags = {name.strip("_"): each.flags[-1] for owner in owners for name, each in declared(owner).items()}
+    flags = {name.strip("_"): "/".join(each.flags) for owner in owners for name, each in declared(owner).items()}
     try:
         yield
     except ParameterError as error:

@@ -1,8 +1,7 @@
 """The description of a robot: links, joints, a drive, sizes and limits.
 
-A robot is one file of this folder that makes one Robot and registers it.
-
-The sizes and speeds that a robot may have, whether a flag gives them or an SDF file.
+A robot is one file of this folder that makes one Robot and registers it; its SDF text, for either Gazebo, and its
+commands follow from that value. LIMITS bounds sizes and speeds, whether a flag gives them or an SDF file.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from rsegen.field.robot_limits import RobotLimits
 from rsegen.params.registry import Contract, Registry
 from rsegen.params.sorts import Float, ListOf, Parameter
 from rsegen.robots.drives import BACKENDS, Command, Drive, Servo, element, pose_publisher, servo_plugins, system
-from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, PoseTuple, Vector
+from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
 
 
 class DrivableRobot(Protocol):
@@ -35,11 +34,11 @@ class DrivableRobot(Protocol):
     def speed(self) -> float: ...  # noqa: D102  # the class says it
     @property
     def turn(self) -> float: ...  # noqa: D102  # the class says it
-    def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN) -> str:
-        """Its <model>, with its origin at a pose."""
+    def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
+        """Return its <model>, with its origin at a pose."""
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
-        """The command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
+        """Return the command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -67,12 +66,12 @@ class Robot:
 
     @property
     def speed(self) -> float:
-        """Its maximum speed forward, m/s."""
+        """The maximum speed forward, m/s."""
         return self.drive.speed
 
     @property
     def turn(self) -> float:
-        """Its maximum turn rate, rad/s."""
+        """The maximum turn rate, rad/s."""
         return self.drive.turn
 
     @property
@@ -82,7 +81,7 @@ class Robot:
 
     @property
     def limits(self) -> RobotLimits:
-        """Its limits for the metrics: on a map it meets several steps at once, and stands on them askew."""
+        """The limits for the metrics: on a map it meets several steps at once, and stands on them askew."""
         return RobotLimits.of(self.climbs * self.crosses, self.size[1])
 
     @property
@@ -90,8 +89,8 @@ class Robot:
         """The mass of all its links, kg."""
         return sum(link.mass for link in self.links)
 
-    def model(self, name: str, simulator: str = "classic", at: PoseTuple = ORIGIN, *, lidar: bool = False) -> str:
-        """Its <model> for a simulator, with its lidar if wanted; `at`: the pose of its origin."""
+    def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN, *, lidar: bool = False) -> str:
+        """Return its <model> for a simulator, with its lidar if wanted; `at`: the pose of its origin."""
         inside = (
             f"      <pose>{numbers(at)}</pose>\n{_AWAKE}",
             *(
@@ -106,25 +105,25 @@ class Robot:
         return f'    <model name="{_named(name)}">\n' + "".join(inside) + "    </model>\n"
 
     def file(self, name: str, simulator: str = "classic", *, lidar: bool = False) -> str:
-        """The text of an SDF file of it."""
+        """Return the text of an SDF file of it."""
         return HEADER + self.model(name, simulator, lidar=lidar) + FOOTER
 
     def holding(self, angles: Mapping[str, float]) -> Robot:
-        """The robot whose servos go to these angles, radians, as soon as the world runs."""
+        """Return the robot whose servos go to these angles, radians, as soon as the world runs."""
         for joint in angles.keys() - {servo.joint for servo in self.servos}:
             raise UnknownName.among("joint", "joint with a motor", joint, (servo.joint for servo in self.servos))
         servos = (replace(servo, rest=angles.get(servo.joint, servo.rest)) for servo in self.servos)
         return replace(self, servos=tuple(servos))
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
-        """The command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
+        """Return the command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
         for what, value, most, unit in (("v", v, self.drive.speed, "m/s"), ("w", w, self.drive.turn, "rad/s")):
             if not abs(value) <= most:
                 raise ParameterError(what, f"{shown(value)} is outside -{numbers([most])}..{numbers([most])} {unit}")
         return self.drive.command(name, v, w, _known(simulator))
 
     def servo_command(self, name: str, joint: str, angle: float, simulator: str = "classic") -> Command:
-        """The command that turns a joint to an angle, radians."""
+        """Return the command that turns a joint to an angle, radians."""
         servos = {servo.joint: servo for servo in self.servos}
         if joint not in servos:
             raise UnknownName.among("joint", "joint with a motor", joint, servos)
@@ -137,7 +136,7 @@ class Robot:
     def _publishers(self, name: str, simulator: str) -> str:
         """Plug-ins that publish odometry and poses in Gazebo Sim; Classic needs none."""
         frames = element("odom_frame", f"{name}/odom") + element("robot_base_frame", self.links[0].name)
-        topic = element("odom_topic", f"/model/{name}/ground_truth")  # beside that of the drive's own odometry
+        topic = element("odom_topic", f"/model/{name}/ground_truth")  # /model/NAME/odometry is that of the drive
         odometry = system("OdometryPublisher", simulator, frames + topic + element("dimensions", 3))
         return odometry + pose_publisher(simulator)
 
@@ -153,7 +152,7 @@ def _known(simulator: str) -> str:
 
 
 def _named(name: str) -> str:
-    """A name that can stand in a topic."""
+    """Return a name that can stand in a topic."""
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
         raise ParameterError("name", f"{shown(name)} is not letters, digits and _, with no digit first")
     return name
@@ -174,8 +173,8 @@ def register(robot: Robot) -> Robot:
     return robot
 
 
+# Centimetres to a hundred metres, and a millimetre per second to 360 km/h: all robots, and no model in millimetres.
 SIDE = Float(0.01, 100, unit="m")
-
 SPEED, TURN = Float(0.001, 100, unit="m/s"), Float(0.001, 100, unit="rad/s")
 
 LIMITS: Mapping[str, Parameter] = {"size": ListOf(SIDE, 3), "speed": SPEED, "turn": TURN}

@@ -1,4 +1,7 @@
-"""The TurtleBot3 Burger: two wheels and a caster."""
+"""The TurtleBot3 Burger: two wheels and a caster.
+
+Lengths in metres, masses in kg. `source` in the Robot says which figures are ROBOTIS's and which our own.
+"""
 
 from __future__ import annotations
 
@@ -6,17 +9,17 @@ from rsegen.robots.base import Robot, register
 from rsegen.robots.drives import Wheels
 from rsegen.robots.links import DARK, FIRM, Box, Cylinder, Joint, Lidar, Link, Part, Sphere, Surface, wheel
 
-_RADIUS, _WIDTH, _SEPARATION = 0.033, 0.018, 0.160
-_BACK = -0.032
-_GLIDE = Surface(mu=0, mu2=0, soft=FIRM)
-_HULL = Surface(mu=0.3, mu2=0.3)
-_SIDE, _FLOOR, _HEIGHT, _BALL = 0.138, 0.010, 0.143, 0.0245
-_LOW, _HIGH = _FLOOR + _BALL, _FLOOR + _HEIGHT - _BALL
+_RADIUS, _WIDTH, _SEPARATION = 0.033, 0.018, 0.160  # of the wheels
+_BACK = -0.032  # the middle of the hull, behind the axle
+_GLIDE = Surface(mu=0, mu2=0, soft=FIRM)  # the caster's: a real one rolls, a rigid ball with friction would drag
+_HULL = Surface(mu=0.3, mu2=0.3)  # smooth plastic: with more, the hull holds the robot on an edge
+_SIDE, _FLOOR, _HEIGHT, _BALL = 0.138, 0.010, 0.143, 0.0245  # the hull, its clearance, and the radius of its corners
+_LOW, _HIGH = _FLOOR + _BALL, _FLOOR + _HEIGHT - _BALL  # the balls touch the hull's underside and top from inside
 _CORNERS = {"front_left": (1, 1), "front_right": (1, -1), "rear_left": (-1, 1), "rear_right": (-1, -1)}
 
 
 def _ball(name: str, along: int, across: int, z: float) -> Part:
-    """A rounded corner of the hull, or the middle of its underside."""
+    """Return a rounded corner of the hull, or the middle of its underside."""
     off = _SIDE / 2 - _BALL
     pose = (_BACK + along * off, across * off, z, 0, 0, 0)
     return Part(name=f"hull_{name}", solid=Sphere(radius=_BALL), pose=pose, surface=_HULL)

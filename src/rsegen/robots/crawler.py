@@ -1,4 +1,8 @@
-"""A crawler in the class of the Servosila Engineer: two tracks, two front flippers, an arm of five joints."""
+"""A crawler in the class of the Servosila Engineer: two tracks, two front flippers, an arm of five joints.
+
+Lengths in metres, masses in kg, angles in radians; all figures are our own, chosen for a robot of 23 kg that climbs a
+stair of 10 and 20 cm. Gains hold arm and flippers against gravity; an effort is the most that a motor gives.
+"""
 
 from __future__ import annotations
 
@@ -9,14 +13,17 @@ from rsegen.robots.base import Robot, register
 from rsegen.robots.drives import Servo, Tracks
 from rsegen.robots.links import FIRM, GREY, Box, Cylinder, Joint, Link, Part, Solid, Surface, Vector, belt, road
 
-_RADIUS, _HALF, _WIDTH, _SEPARATION = 0.085, 0.27, 0.07, 0.36
-_REACH, _FLIPPER_RADIUS, _FLIPPER_WIDTH = 0.30, 0.05, 0.04
-_MU, _MU2 = 1.0, 0.5
+_RADIUS, _HALF, _WIDTH, _SEPARATION = 0.085, 0.27, 0.07, 0.36  # a track: its ends, half of what is between, its width
+_REACH, _FLIPPER_RADIUS, _FLIPPER_WIDTH = 0.30, 0.05, 0.04  # a flipper, from axle to axle
+_MU, _MU2 = 1.0, 0.5  # along a belt, and across it, where it has to skid in a turn
 _ROAD, _PROUD = 0.15, 0.002  # the wheels that the tracks stand on, and by how much lower they are than the others
 _HULL = Surface(mu=0.3, mu2=0.3, soft=FIRM)
 _RAISED = 0.25  # radians: low enough not to hang on what it has climbed
 _SIDES = {"left": 1, "right": -1}
 _Y: Vector = (0, 1, 0)
+
+
+_WAIST = Cylinder(radius=0.05, length=0.06)
 
 
 class _Limb(NamedTuple):
@@ -36,19 +43,7 @@ class _Limb(NamedTuple):
 
 
 _ARM = (
-    _Limb(
-        "waist",
-        (0, 0, 1),
-        -pi,
-        pi,
-        (-0.06, 0, 0.16),
-        Cylinder(radius=0.05, length=0.06),
-        (0, 0, 0.035),
-        0.8,
-        300,
-        8,
-        20,
-    ),
+    _Limb("waist", (0, 0, 1), -pi, pi, (-0.06, 0, 0.16), _WAIST, (0, 0, 0.035), 0.8, 300, 8, 20),
     _Limb(
         "shoulder", (0, -1, 0), 0, 2.6, (-0.06, 0, 0.25), Box(size=(0.30, 0.05, 0.04)), (0.15, 0, 0), 0.9, 800, 15, 40
     ),

@@ -1,10 +1,9 @@
 """Drives of robots: the simulators' own plug-ins, their topics and their commands.
 
-Commands to robots: a topic, a message type, and the message as text.
-
-The text of a simulator's own plug-ins.
-
-Joints that are held at an angle: flippers and arms.
+A drive is a value that turns speed v [m/s] and turn rate w [rad/s], counterclockwise, into one message for the plug-in
+of a backend, so that neither ROS nor a plug-in of our own is needed. The backends differ in names, in message types,
+and in what their plug-ins make of a command; each correction for that is a field of the drive, measured in the
+simulator (docs/robots.md). Servos hold other joints, such as flippers and arms, at an angle.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ BACKENDS = ("classic", "sim", "fortress")
 
 
 class Command(NamedTuple):
-    """One message, and the shell command that publishes it once, which in Gazebo Sim may be lost: repeat it there."""
+    """A message, and the shell command that publishes it once, which in Gazebo Sim may be lost: repeat it there."""
 
     topic: str
     type: str
@@ -31,7 +30,7 @@ class Command(NamedTuple):
 
 
 def publish_command(topic: str, message: str, text: str, simulator: str) -> Command:
-    """A message to a topic by the simulator's own tool; `message` is a type without its package."""
+    """Return a message to a topic by the simulator's own tool; `message` is a type without its package."""
     kind = message_type(message, simulator)
     if simulator == "classic":
         return Command(topic, kind, text, ("gz", "topic", "-p", topic, "-m", text))
@@ -54,34 +53,34 @@ def twist_text(v: float, w: float) -> str:
 
 
 def message_type(message: str, simulator: str) -> str:
-    """The full name of a message type, as in gazebo.msgs.Twist, gz.msgs.Twist or ignition.msgs.Twist."""
+    """Return the full name of a message type, as in gazebo.msgs.Twist, gz.msgs.Twist or ignition.msgs.Twist."""
     package = {"classic": "gazebo", "sim": "gz", "fortress": "ignition"}[simulator]
     return f"{package}.msgs.{message}"
 
 
 def classic(library: str, name: str, inner: str) -> str:
-    """A plug-in of Gazebo Classic."""
+    """Return a plug-in of Gazebo Classic."""
     return f'      <plugin filename="lib{library}Plugin.so" name="{name}">{inner}</plugin>\n'
 
 
 def system(kind: str, simulator: str, inner: str = "") -> str:
-    """A system of Gazebo Sim: `DiffDrive` is gz-sim-diff-drive-system, or ignition-gazebo-... in Fortress."""
+    """Return a system of Gazebo Sim: `DiffDrive` is gz-sim-diff-drive-system, or ignition-gazebo-... in Fortress."""
     name = system_name(kind, simulator)
     return f'      <plugin filename="{name.library}" name="{name.class_name}">{inner}</plugin>\n'
 
 
 POSE_RATE = 20
-"""Poses of a robot in a simulated second, in Gazebo Sim."""
+"""Poses of a robot in a simulated second, in Gazebo Sim: a row of a trajectory every 0.05 s, as in Gazebo Classic."""
 
 
 def pose_publisher(simulator: str) -> str:
-    """The system of Gazebo Sim that publishes the pose of a model, from which drives are recorded.
+    """Return the system of Gazebo Sim that publishes the pose of a model, from which drives are recorded.
 
     It publishes a model's pose only if that of nested models is wanted too.
     """
-    wanted = element("publish_nested_model_pose", "true") + element("publish_model_pose", "true")
-    what = wanted + element("publish_link_pose", "false") + element("update_frequency", POSE_RATE)
-    return system("PosePublisher", simulator, what)
+    models = element("publish_nested_model_pose", "true") + element("publish_model_pose", "true")
+    publishing = models + element("publish_link_pose", "false") + element("update_frequency", POSE_RATE)
+    return system("PosePublisher", simulator, publishing)
 
 
 def element(tag: str, value: float | str) -> str:
@@ -90,13 +89,16 @@ def element(tag: str, value: float | str) -> str:
 
 
 def elements(tag: str, values: tuple[str, ...]) -> str:
-    """The same tag with every value."""
+    """Return an element of a tag for every value."""
     return "".join(element(tag, value) for value in values)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Drive(ABC):
-    """What turns v, m/s, and w, rad/s, into motion; separation of wheels or tracks from middle to middle, metres."""
+    """A drive for speed v, m/s, and turn rate w, rad/s.
+
+    separation: of wheels or tracks, from middle to middle, metres   speed, turn: the maximum v and w
+    """
 
     separation: float
     radius: float
@@ -105,14 +107,14 @@ class Drive(ABC):
 
     @abstractmethod
     def plugins(self, simulator: str) -> str:
-        """Its plug-ins as SDF."""
+        """Return its plug-ins as SDF."""
 
     @abstractmethod
     def classic_command(self, name: str, v: float, w: float) -> Command:
-        """The command for Gazebo Classic's plug-in."""
+        """Return the command for Gazebo Classic's plug-in."""
 
     def command(self, name: str, v: float, w: float, simulator: str) -> Command:
-        """The command for speed v and turn rate w, counterclockwise."""
+        """Return the command for speed v and turn rate w, counterclockwise."""
         if simulator == "classic":
             return self.classic_command(name, v, w)
         return publish_command(f"/model/{name}/cmd_vel", "Twist", twist_text(v, w), simulator)
@@ -146,7 +148,7 @@ class Wheels(Drive):
         )
 
     def classic_command(self, name: str, v: float, w: float) -> Command:
-        """A Pose."""
+        """Return the command as a Pose."""
         return publish_command(f"~/{name}/vel_cmd", "Pose", pose_text(v, w * self.slip / self.spread), "classic")
 
     def _system(self) -> str:
@@ -158,11 +160,12 @@ class Wheels(Drive):
     def _accelerations(self) -> str:
         if self.acceleration is None:
             return ""
-        turning = 2 * self.acceleration / self.separation
+        turning = 2 * self.acceleration / self.separation  # the wheels turn against each other
         return _limits("linear", self.acceleration, "acceleration") + _limits("angular", turning, "acceleration")
 
 
-_MOVING = 0.1  # m/s, below which SimpleTrackedVehicle takes a turn for one in place
+_MOVING = 0.1
+"""Speed, m/s, below which Gazebo Classic's SimpleTrackedVehicle takes a turn for one in place."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -190,6 +193,7 @@ class Tracks(Drive):
         """
         if simulator == "classic":
             return classic("SimpleTrackedVehicle", "drive", self._belts())
+        # Twice the speed, as in a turn the outer belt is faster than the robot.
         speeds = element("min_velocity", -2 * self.speed) + element("max_velocity", 2 * self.speed)
         belts = (element("link", belt) + speeds for belt in (*self.left, *self.right))
         return system("TrackedVehicle", simulator, self._system()) + "".join(
@@ -197,7 +201,7 @@ class Tracks(Drive):
         )
 
     def classic_command(self, name: str, v: float, w: float) -> Command:
-        """A Twist."""
+        """Return the command as a Twist."""
         gain = self.in_place if abs(v) < _MOVING else 1
         return publish_command(f"~/{name}/cmd_vel_twist", "Twist", twist_text(v, w * gain), "classic")
 
@@ -237,7 +241,7 @@ class Servo:
     rest: float = 0
 
     def command(self, name: str, angle: float, simulator: str) -> Command:
-        """The command that turns it to an angle, radians.
+        """Return the command that turns it to an angle, radians.
 
         Classic 11 listens on a topic of Ignition Transport, which its own `gz joint` knows.
         """
@@ -250,12 +254,12 @@ class Servo:
 
 
 def topic(name: str, joint: str) -> str:
-    """The topic of Gazebo Sim's JointPositionController."""
+    """Return the topic of Gazebo Sim's JointPositionController."""
     return f"/model/{name}/joint/{joint}/0/cmd_pos"
 
 
 def servo_plugins(servos: tuple[Servo, ...], simulator: str) -> str:
-    """One JointControl in Classic, a JointPositionController for each in Gazebo Sim."""
+    """Return a JointControl for all in Classic, a JointPositionController for each in Gazebo Sim."""
     if not servos:
         return ""
     if simulator == "classic":

@@ -1,4 +1,9 @@
-"""The footprint of a robot: what its links cover, and how level it has to stand."""
+"""The footprint of a robot: the rectangles that the parts of its links cover from below, and how level it has to stand.
+
+Each part becomes axis-aligned rectangles with the height of its underside: a box or an upright cylinder one, a round
+part a few, of rising heights, as it widens upwards. A rectangle above a lower one that covers it is left out. Cost: the
+pairs of parts, once per robot. A part that is turned about z gets its bounding rectangle, which is too large.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +20,20 @@ from rsegen.footprints import Footprint, Rectangle, Underside
 from rsegen.footprints.footprint import TILT, TOUCHING
 from rsegen.robots import robot_of
 from rsegen.robots.base import DrivableRobot, Robot
-from rsegen.robots.links import Box, Cylinder, Part, PoseTuple, rotation
+from rsegen.robots.links import Box, Cylinder, Part, SdfPose, rotation
 
 _RISES = (0.001, 0.005, 0.02, inf)
-"""Metres: a round part is taken for rectangles that are as wide as it is at these heights above its lowest point."""
+"""Heights, metres, above the lowest point of a round part at which its width makes a rectangle.
+
+Closer together near the ground, where a circle widens quickly; more of them cost time in every search for spots.
+"""
+
+_EXACT = 1e-9
+"""Rounding error up to which an axis counts as vertical."""
 
 
 def footprint_of(robot: DrivableRobot) -> Footprint:
-    """The footprint of a robot: every part of every link; of one from a file, the rectangle of its size."""
+    """Return the footprint of a robot: every part of every link; of one from a file, the rectangle of its size."""
     if isinstance(robot, Robot):
         return _of_links(robot)
     length, width, _ = robot.size
@@ -31,14 +42,15 @@ def footprint_of(robot: DrivableRobot) -> Footprint:
 
 @lru_cache(maxsize=16)
 def _of_links(robot: Robot) -> Footprint:
-    parts = _needed([each for link in robot.links for part in link.parts for each in _undersides(part, link.pose)])
+    parts = _needed([side for link in robot.links for part in link.parts for side in _undersides(part, link.pose)])
+    # Supports are the parts on the ground: their distance decides how uneven the ground may be for a tilt.
     middles = np.array([rectangle.middle for rectangle, bottom in parts if bottom <= TOUCHING])
     apart = np.ptp(middles, axis=0).min() if len(middles) else min(robot.size[:2]) / 2
     return Footprint(undersides=parts, limit=tan(TILT) * float(apart), climb=robot.climbs)
 
 
 def _needed(parts: Sequence[Underside]) -> tuple[Underside, ...]:
-    """The parts that are not above a lower one, or another one of the same height, in their whole length and width."""
+    """Return the parts that are not wholly above a lower one, or another one of the same height."""
     kept: list[Underside] = []
     for part in sorted(set(parts), key=lambda part: (part.bottom, -part.rectangle.length, -part.rectangle.width)):
         if not any(other.rectangle.covers(part.rectangle) for other in kept):
@@ -46,8 +58,8 @@ def _needed(parts: Sequence[Underside]) -> tuple[Underside, ...]:
     return tuple(kept)
 
 
-def _undersides(part: Part, link: PoseTuple) -> Iterator[Underside]:
-    """A part of a link in the frame of the model, as rectangles from the lowest on."""
+def _undersides(part: Part, link: SdfPose) -> Iterator[Underside]:
+    """Yield a part of a link in the frame of the model, as rectangles from the lowest on."""
     of_link = rotation(*link[3:])
     turned, at = of_link @ rotation(*part.pose[3:]), np.array(link[:3]) + of_link @ np.array(part.pose[:3])
     half = _half(part, turned)
@@ -58,9 +70,6 @@ def _undersides(part: Part, link: PoseTuple) -> Iterator[Underside]:
         if begin < 2 * half[2]:
             middle = at[0] - x, at[1] - y, at[0] + x, at[1] + y
             yield Underside(Rectangle(*(float(edge) for edge in middle)), round(float(low + begin), 9))
-
-
-_EXACT = 1e-9
 
 
 def _half(part: Part, turned: Array) -> Array:

@@ -1,4 +1,7 @@
-"""A skid-steer robot of the Jackal's class: four wheels, each pair turned together."""
+"""A skid-steer robot of the Jackal's class: four wheels, each pair turned together.
+
+Lengths in metres, masses in kg. `source` in the Robot says which figures are Clearpath's and which our own.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,9 @@ from rsegen.robots.base import Robot, register
 from rsegen.robots.drives import Wheels
 from rsegen.robots.links import GREY, Box, Joint, Link, Part, Surface, wheel
 
-_RADIUS, _WIDTH, _SEPARATION, _BASE = 0.098, 0.040, 0.3756, 0.262
-_SPREAD = 2
-_HULL = Surface(mu=0.3, mu2=0.3)
+_RADIUS, _WIDTH, _SEPARATION, _BASE = 0.098, 0.040, 0.3756, 0.262  # of the wheels; _BASE from axle to axle
+_SPREAD = 2  # hinges twice as far apart as the wheels: Classic then takes twice the turn rate (`Wheels.spread`)
+_HULL = Surface(mu=0.3, mu2=0.3)  # smooth: with more, the hull holds the robot on an edge
 _CHASSIS = Box(size=(0.420, 0.310, 0.184))
 _CORNERS = {
     f"{end}_{side}": (x, y)

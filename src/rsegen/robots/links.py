@@ -1,14 +1,9 @@
-"""Links and joints as values, and their SDF text, which both Gazebos read alike.
+"""Links and joints of robots as values, and their SDF text, which both Gazebos read alike.
 
-Solids of even density: their SDF geometry and their moments of inertia.
-
-Rotations as SDF gives them.
-
-A wheel that turns and skids as it should in Gazebo Classic.
-
-The collision shapes of a belt round two equal wheels.
-
-A lidar that is computed on the processor in Classic and by the renderer in Gazebo Sim.
+A link has the mass and moments of inertia of a solid of even density, and parts that are seen and hit: boxes, cylinders
+and spheres, no meshes, and preferably spheres: in ODE one on a mesh costs a small part of what a box does. Wheels,
+belts and a lidar are made of these, with what each Gazebo needs for them to roll, skid and scan as real ones
+(docs/robots.md).
 """
 
 from __future__ import annotations
@@ -35,7 +30,7 @@ class Box:
 
     @property
     def geometry(self) -> str:
-        """Its <geometry>."""
+        """The <geometry>."""
         return f"<geometry><box><size>{numbers(self.size)}</size></box></geometry>"
 
     def moments(self, mass: float) -> Vector:
@@ -53,7 +48,7 @@ class Cylinder:
 
     @property
     def geometry(self) -> str:
-        """Its <geometry>."""
+        """The <geometry>."""
         inner = f"<radius>{numbers([self.radius])}</radius><length>{numbers([self.length])}</length>"
         return f"<geometry><cylinder>{inner}</cylinder></geometry>"
 
@@ -71,7 +66,7 @@ class Sphere:
 
     @property
     def geometry(self) -> str:
-        """Its <geometry>."""
+        """The <geometry>."""
         return f"<geometry><sphere><radius>{numbers([self.radius])}</radius></sphere></geometry>"
 
     def moments(self, mass: float) -> Vector:
@@ -82,12 +77,16 @@ class Sphere:
 
 Solid: TypeAlias = Box | Cylinder | Sphere
 
-PoseTuple: TypeAlias = tuple[float, float, float, float, float, float]
+SdfPose: TypeAlias = tuple[float, float, float, float, float, float]
 """x, y, z, metres, then roll, pitch, yaw, radians."""
 
-ORIGIN: PoseTuple = (0, 0, 0, 0, 0, 0)
+ORIGIN: SdfPose = (0, 0, 0, 0, 0, 0)
 FIRM = "<kp>1000000</kp><kd>1000</kd>"
-"""Contact of ODE that neither sinks in visibly nor trembles under robots of 1 to 30 kg."""
+"""Contact of ODE that neither sinks in visibly nor trembles under robots of 1 to 30 kg.
+
+With kp 1e5 and kd 1, as the maker's TurtleBot3 has, a wheel sinks in by 1 mm, and edges of coplanar triangles are
+bumps.
+"""
 
 ALONG_Y: Vector = (-pi / 2, 0, 0)
 """Roll, pitch and yaw that lay a cylinder's axis along y, its z to the left."""
@@ -110,7 +109,7 @@ class Surface:
 
     @property
     def sdf(self) -> str:
-        """Its <surface>."""
+        """The <surface>."""
         along = f"<fdir1>{numbers(self.along)}</fdir1>" if self.along else ""
         friction = f"<mu>{numbers([self.mu])}</mu><mu2>{numbers([self.mu2])}</mu2>{along}"
         contact = f"<contact><ode>{self.soft}</ode></contact>" if self.soft else ""
@@ -123,13 +122,13 @@ class Part:
 
     name: str
     solid: Solid
-    pose: PoseTuple = ORIGIN
+    pose: SdfPose = ORIGIN
     colour: Colour = GREY
     surface: Surface | None = None
 
     @property
     def sdf(self) -> str:
-        """Its <collision> and <visual>."""
+        """The <collision> and <visual>."""
         what = f"<pose>{numbers(self.pose)}</pose>{self.solid.geometry}"
         visual = f'        <visual name="{self.name}_seen">{what}{material(self.colour)}</visual>\n'
         if self.surface is None:
@@ -148,8 +147,8 @@ class Link:
     mass: float
     solid: Solid
     parts: tuple[Part, ...]
-    pose: PoseTuple = ORIGIN
-    centre: PoseTuple = ORIGIN
+    pose: SdfPose = ORIGIN
+    centre: SdfPose = ORIGIN
     geared: float = 0
 
     @property
@@ -159,7 +158,7 @@ class Link:
         return ixx + self.geared / 2, iyy + self.geared / 2, izz + self.geared
 
     def sdf(self, sensors: str = "") -> str:
-        """The link with its sensors."""
+        """Return the link with its sensors."""
         ixx, iyy, izz = self.moments
         moments = f"<ixx>{ixx:.9g}</ixx><iyy>{iyy:.9g}</iyy><izz>{izz:.9g}</izz>"
         return f"""\
@@ -176,10 +175,10 @@ class Link:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Joint:
-    """A hinge about `axis` of its child's frame, or a fixed joint where there is none.
+    """A hinge about `axis` of its child's frame, or a fixed joint if there is no axis.
 
-    lower, upper: radians, none for a wheel; effort, rate: the most of its motor, Nm and
-    rad/s; anchor: its origin in the child, metres.
+    lower, upper: radians, none for a wheel; effort, rate: the most of its motor, Nm and rad/s; anchor: its origin in
+    the child, metres.
     """
 
     name: str
@@ -195,7 +194,7 @@ class Joint:
 
     @property
     def sdf(self) -> str:
-        """Its <joint>."""
+        """The <joint>."""
         kind = "revolute" if self.axis else "fixed"
         return f"""\
       <joint name="{self.name}" type="{kind}">
@@ -216,7 +215,7 @@ class Joint:
 
 
 def rotation(roll: float, pitch: float, yaw: float) -> Array:
-    """The matrix (3, 3) of a rotation about x, then y, then z, radians."""
+    """Return the matrix (3, 3) of a rotation about x, then y, then z, radians."""
     (a, b, c), (p, q, r) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
     about_x = np.array([[1, 0, 0], [0, a, -p], [0, p, a]])
     about_y = np.array([[b, 0, q], [0, 1, 0], [-q, 0, b]])
@@ -225,7 +224,7 @@ def rotation(roll: float, pitch: float, yaw: float) -> Array:
 
 
 TREAD = 0.004
-"""Metres of a tyre's width that touch: in ODE a wider one stands on its outer edges, and turns too slowly."""
+"""Width of a tyre that has contact, metres: in ODE a wider one stands on its outer edges, and turns too slowly."""
 
 _AXLE: Vector = (0, 0, 1)
 
@@ -233,7 +232,7 @@ _AXLE: Vector = (0, 0, 1)
 def wheel(  # noqa: PLR0913  # a wheel's six figures, by name
     name: str, centre: Vector, *, radius: float, width: float, mass: float, geared: float, mu: float = 1
 ) -> Link:
-    """A wheel with its axle along y, which is its own z; friction acts along and across it however it has turned."""
+    """Return a wheel with its axle, its own z, along y; friction acts along and across it however it has turned."""
     tyre, tread = Cylinder(radius=radius, length=width), Cylinder(radius=radius, length=TREAD)
     parts = (
         Part(name="tyre", solid=tyre, colour=DARK),
@@ -243,11 +242,11 @@ def wheel(  # noqa: PLR0913  # a wheel's six figures, by name
 
 
 SLACK = 0.001
-"""Metres by which the belt between its wheels lies inside them: on a floor only the wheels are in contact."""
+"""Depth, metres, of the belt inside its wheels' circles: on a floor only the wheels are in contact."""
 
 
 def belt(rear: float, front: float, *, radius: float, width: float, mu: float, mu2: float) -> tuple[Part, ...]:
-    """A belt round wheels of one radius at x = rear and x = front of its link; friction mu along it, mu2 across."""
+    """Return a belt round equal wheels at x = rear and x = front of its link; friction mu along it, mu2 across."""
     surface = _grip(mu, mu2)
     run = Box(size=(front - rear, width, 2 * (radius - SLACK)))
     end = Cylinder(radius=radius, length=width)
@@ -259,7 +258,7 @@ def belt(rear: float, front: float, *, radius: float, width: float, mu: float, m
 
 
 def road(x: float, *, radius: float, width: float, mu: float, mu2: float) -> Part:
-    """A wheel inside the belt, at x; where it is lower than the ends the robot stands on it, and turns more easily."""
+    """Return a wheel inside the belt, at x; if lower than the ends, the robot stands on it and turns easily."""
     name = f"road_{'front' if x > 0 else 'rear'}"
     wheel = Cylinder(radius=radius, length=width)
     return Part(name=name, solid=wheel, pose=(x, 0, 0, *ALONG_Y), colour=DARK, surface=_grip(mu, mu2))
@@ -273,14 +272,14 @@ def _grip(mu: float, mu2: float) -> Surface:
 class Lidar:
     """A plane of rays round its z axis; nearest and farthest, metres; rate in Hz; place in the robot's first link."""
 
-    pose: PoseTuple
+    pose: SdfPose
     rays: int
     nearest: float
     farthest: float
     rate: float
 
     def sdf(self, simulator: str) -> str:
-        """Its <sensor>: `ray` in Classic; `gpu_lidar`, the only one that Gazebo Sim computes, there."""
+        """Return its <sensor>: `ray` in Classic; `gpu_lidar`, the only one that Gazebo Sim computes, there."""
         kind, tag = ("ray", "ray") if simulator == "classic" else ("gpu_lidar", "lidar")
         circle = element("min_angle", 0) + element("max_angle", 2 * pi - 2 * pi / self.rays)
         scan = element("scan", element("horizontal", element("samples", self.rays) + circle))

@@ -1,6 +1,9 @@
-"""The extents of the collision shapes of a model in an SDF file.
+"""Places of the links, joints and frames of a model in an SDF file, and the extents of its collision shapes.
 
-Places of the links, joints and frames of a model in an SDF file, in the frame of the model.
+Everything is expressed in the frame of the model. A pose may be relative to any other frame (SDF 1.7), so poses are
+followed up to the model, at most _DEEPEST of them: a file from anybody may have a cycle. A shape's extent is an
+axis-aligned box: a box swept by an ellipsoid covers all of SDF's shapes, and rotates in closed form. Cost: the shapes
+times the depth of their frames; reading meshes costs most.
 """
 
 from __future__ import annotations
@@ -19,14 +22,13 @@ from rsegen.io.input_files import open_regular, read_by_library
 from rsegen.robots.links import rotation
 
 _DEEPEST = 30
-"""Frames that may be given relative to each other, one after another."""
-
+"""Frames that may be given relative to each other, one after another; models of robots have up to about ten."""
 
 _LARGEST = 1e6
-"""Metres or radians, beyond which a number in a file is a mistake."""
+"""Largest number of a file, metres or radians: a larger one is a mistake, such as a length in another unit."""
 
 
-class Frames:
+class ModelFrames:
     """The links, frames and nested models of a model by name, and its joints; those of a nested one are NESTED::NAME.
 
     A joint may have the name of a link in older files.
@@ -35,19 +37,19 @@ class Frames:
 
     def __init__(self, model: Element, where: str) -> None:
         self.where = where
-        found = list(named(model))
-        self.elements = {name: element for name, element in found if element.tag != "joint"}
-        self.joints = {name: element for name, element in found if element.tag == "joint"}
+        elements = list(named(model))
+        self.elements = {name: element for name, element in elements if element.tag != "joint"}
+        self.joints = {name: element for name, element in elements if element.tag == "joint"}
 
     def transform(self, name: str, depth: int = 0) -> Array:
-        """The pose of a frame in the model's, (4, 4); the model's own for a name that is none."""
+        """Return the pose of a frame in the model's, (4, 4); the model's own for a name that is none."""
         if depth > _DEEPEST:
             raise FileError(f"{self.where}: the pose of {shown(name)} is relative to itself")
         element = self.elements.get(name, self.joints.get(name))
         return np.eye(4) if element is None else self._placed(name, element, depth)
 
     def joint(self, name: str) -> Array:
-        """The pose of a joint in the model's frame, (4, 4)."""
+        """Return the pose of a joint in the model's frame, (4, 4)."""
         return self._placed(name, self.joints[name], 0)
 
     def _placed(self, name: str, element: Element, depth: int) -> Array:
@@ -59,34 +61,34 @@ class Frames:
         return self.transform(base, depth + 1) @ self.local(element)
 
     def local(self, element: Element) -> Array:
-        """The <pose> of an element as it stands, (4, 4)."""
+        """Return the <pose> of an element as it stands, (4, 4)."""
         pose = element.find("pose")
         return np.eye(4) if pose is None else _matrix(pose, self.where)
 
     def shape(self, link: str, collision: Element) -> Array:
-        """The pose of a collision shape of a link in the model's frame, (4, 4)."""
+        """Return the pose of a collision shape of a link in the model's frame, (4, 4)."""
         pose = collision.find("pose")
         other = "" if pose is None else pose.get("relative_to", "")
         base = _in_scope(link.rpartition("::")[0], other) if other else link
         return self.transform(base) @ self.local(collision)
 
     def axis(self, joint: str) -> Array:
-        """The direction of a joint's axis in the model's frame, (3,)."""
+        """Return the direction of a joint's axis in the model's frame, (3,)."""
         element = self.joints[joint]
-        found = element.find("axis/xyz")
-        if found is None:
+        direction = element.find("axis/xyz")
+        if direction is None:
             return np.array([0.0, 0.0, 1.0])
-        xyz = np.array(floats(found.text, 3, self.where))
+        xyz = np.array(floats(direction.text, 3, self.where))
         if (element.findtext("axis/use_parent_model_frame") or "").strip() in ("1", "true"):
             return xyz
-        frame = found.get("expressed_in", "")
+        frame = direction.get("expressed_in", "")
         scope = joint.rpartition("::")[0]
         turned = self.transform(_in_scope(scope, frame)) if frame else self.joint(joint)
         return np.asarray(turned[:3, :3] @ xyz)
 
 
 def named(model: Element, scope: str = "") -> Iterator[tuple[str, Element]]:
-    """The links, joints, frames and nested models of a model, with their names in it."""
+    """Yield the links, joints, frames and nested models of a model, with their names in it."""
     for element in model:
         if element.tag in ("link", "joint", "frame", "model"):
             yield f"{scope}{element.get('name', '')}", element
@@ -95,19 +97,19 @@ def named(model: Element, scope: str = "") -> Iterator[tuple[str, Element]]:
 
 
 def floats(text: str | None, count: int, where: str) -> list[float]:
-    """So many numbers of a text, none beyond a million; FileError if it has others."""
+    """Return `count` numbers of a text, none beyond a million; FileError if it has others."""
     try:
-        found = [float(word) for word in (text or "").split()]
+        values = [float(word) for word in (text or "").split()]
     except ValueError:
-        found = []
-    if len(found) != count or not all(abs(number) <= _LARGEST for number in found):
-        wanted = "a number" if count == 1 else f"{count} numbers"
-        raise FileError(f"{where}: {shown((text or '').strip())} is not {wanted} within a million")
-    return found
+        values = []
+    if len(values) != count or not all(abs(value) <= _LARGEST for value in values):
+        expected = "a number" if count == 1 else f"{count} numbers"
+        raise FileError(f"{where}: {shown((text or '').strip())} is not {expected} within a million")
+    return values
 
 
 def _default(element: Element) -> str:
-    """What a pose is relative to if it does not say: a joint's to its child, a frame's to what it is attached to."""
+    """Return what a pose is relative to by default: a joint's to its child, a frame's to what it is attached to."""
     if element.tag == "joint":
         return (element.findtext("child") or "").strip()
     return element.get("attached_to", "") if element.tag == "frame" else ""
@@ -127,16 +129,16 @@ def _matrix(pose: Element, where: str) -> Array:
         if pose.get("degrees") in ("1", "true"):
             roll, pitch, yaw = map(radians, (roll, pitch, yaw))
         turn = rotation(roll, pitch, yaw)
-    made = np.eye(4)
-    made[:3, :3], made[:3, 3] = turn, place
-    return made
+    transform = np.eye(4)
+    transform[:3, :3], transform[:3, 3] = turn, place
+    return transform
 
 
 def _of_quaternion(x: float, y: float, z: float, w: float, where: str) -> Array:
     length = float(np.linalg.norm([x, y, z, w]))
     if not length:
         raise FileError(f"{where}: the quaternion 0 0 0 0 is no rotation")
-    x, y, z, w = (each / length for each in (x, y, z, w))
+    x, y, z, w = (part / length for part in (x, y, z, w))
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
@@ -163,95 +165,90 @@ class Extents(NamedTuple):
     @property
     def low(self) -> Array:
         """The lowest x, y and z of all, metres."""
-        return np.asarray(np.min([each.low for each in self.known], axis=0))
+        return np.asarray(np.min([extent.low for extent in self.known], axis=0))
 
     @property
     def high(self) -> Array:
         """The highest x, y and z of all, metres."""
-        return np.asarray(np.max([each.high for each in self.known], axis=0))
+        return np.asarray(np.max([extent.high for extent in self.known], axis=0))
 
     def of(self, link: str) -> Extent | None:
-        """The box of all shapes of one link; None if one is unknown, or there is none."""
-        boxes = [each for each in self.known if each.link == link]
+        """Return the box of all shapes of one link; None if one is unknown, or there is none."""
+        boxes = [extent for extent in self.known if extent.link == link]
         if not boxes or link in self.unknown:
             return None
-        low, high = np.min([each.low for each in boxes], axis=0), np.max([each.high for each in boxes], axis=0)
+        low, high = np.min([extent.low for extent in boxes], axis=0), np.max([extent.high for extent in boxes], axis=0)
         return Extent(link, low, high)
 
 
-class _Solid(NamedTuple):
-    """A box with a half of each side, swept by an ellipsoid of these radii, around a centre; metres."""
+class _SweptBox(NamedTuple):
+    """A box of half sides, swept by an ellipsoid of these radii, around a centre; metres."""
 
     half: tuple[float, float, float]
     radii: tuple[float, float, float] = (0, 0, 0)
     centre: tuple[float, float, float] = (0, 0, 0)
 
 
-def extents(frames: Frames) -> Extents:
-    """The extents of the collision shapes of every link of a model."""
+def extents(frames: ModelFrames) -> Extents:
+    """Return the extents of the collision shapes of every link of a model."""
     known, unknown = [], []
-    for link, collision in _collisions(frames):
+    links = ((name, element) for name, element in frames.elements.items() if element.tag == "link")
+    for link, collision in ((name, collision) for name, element in links for collision in element.findall("collision")):
         geometry = collision.find("geometry")
-        if geometry is None or _is_without_extent(geometry):
+        if geometry is None or len(geometry) == 0 or geometry.find("empty") is not None:
+            continue
+        if geometry.find("plane") is not None:  # without end
             continue
         solid = _solid(geometry, frames.where)
         if solid is None:
             unknown.append(link)
             continue
         pose = frames.shape(link, collision)
+        # Half the extent of a rotated box is |R| half, that of a rotated ellipsoid sqrt(R^2 radii^2).
         reach = np.abs(pose[:3, :3]) @ solid.half + np.sqrt((pose[:3, :3] ** 2) @ np.square(solid.radii))
         middle = pose[:3, :3] @ solid.centre + pose[:3, 3]
         known.append(Extent(link, middle - reach, middle + reach))
     return Extents(tuple(known), tuple(dict.fromkeys(unknown)))
 
 
-def _collisions(frames: Frames) -> Iterator[tuple[str, Element]]:
-    for name, element in frames.elements.items():
-        if element.tag == "link":
-            yield from ((name, collision) for collision in element.findall("collision"))
-
-
-def _is_without_extent(geometry: Element) -> bool:
-    return geometry.find("empty") is not None or geometry.find("plane") is not None or len(geometry) == 0
-
-
-def _solid(geometry: Element, where: str) -> _Solid | None:
-    """The solid of a geometry; None for one that is not known."""
+def _solid(geometry: Element, where: str) -> _SweptBox | None:
+    """Return the swept box of a geometry; None for an unknown one."""
     kind = geometry[0]
     if kind.tag == "box":
         x, y, z = (side / 2 for side in floats(kind.findtext("size"), 3, where))
-        return _Solid((x, y, z))
+        return _SweptBox((x, y, z))
     if kind.tag == "ellipsoid":
         x, y, z = floats(kind.findtext("radii"), 3, where)
-        return _Solid((0, 0, 0), (x, y, z))
+        return _SweptBox((0, 0, 0), (x, y, z))
     if kind.tag in ("sphere", "cylinder", "capsule", "cone"):
         (r,) = floats(kind.findtext("radius"), 1, where)
         half = 0 if kind.tag == "sphere" else floats(kind.findtext("length"), 1, where)[0] / 2
-        return _Solid((0, 0, half), (r, r, 0 if kind.tag in ("cylinder", "cone") else r))
+        return _SweptBox((0, 0, half), (r, r, 0 if kind.tag in ("cylinder", "cone") else r))
     return _mesh(kind, where) if kind.tag == "mesh" else None
 
 
-def _mesh(mesh: Element, where: str) -> _Solid | None:
-    """The box of a mesh in a file that trimesh reads (STL, OBJ, PLY, glTF); None for any other."""
+def _mesh(mesh: Element, where: str) -> _SweptBox | None:
+    """Return the box of a mesh in a file that trimesh reads (STL, OBJ, PLY, glTF); None for any other."""
     uri = (mesh.findtext("uri") or "").strip()
     scale = np.array(floats(mesh.findtext("scale") or "1 1 1", 3, where))
     if not uri.lower().endswith((".stl", ".obj", ".ply", ".glb", ".gltf")):
         return None
     path = Path(uri.removeprefix("file://"))
 
+    # trimesh measures the file, which may come from anybody, so its errors become FileErrors.
     def bounds() -> Array:
         import trimesh
 
         with open_regular(path) as file:
             form, resolver = path.suffix[1:].lower(), trimesh.resolvers.FilePathResolver(str(path))
-            found = trimesh.load(file, file_type=form, resolver=resolver, force="mesh").bounds
-        if found is None:
+            mesh_bounds = trimesh.load(file, file_type=form, resolver=resolver, force="mesh").bounds
+        if mesh_bounds is None:
             raise FileError(f"{path}: has no points")
-        return np.asarray(found)
+        return np.asarray(mesh_bounds)
 
     try:
         low, high = read_by_library(path, bounds) * scale
     except ImportError:
         return None
     half, centre = np.abs(high - low) / 2, (low + high) / 2
-    return _Solid(tuple(half.tolist()), centre=tuple(centre.tolist()))
+    return _SweptBox(tuple(half.tolist()), centre=tuple(centre.tolist()))

@@ -1,8 +1,8 @@
-"""Makes a data set shard by shard, and the manifest at the end.
+"""Make a data set shard by shard, and the manifest at the end.
 
-recipes --plan_dataset--> DatasetPlan --make_dataset: shards, by workers or a cluster--> manifest --> Dataset
+    recipes --plan_dataset--> DatasetPlan --make_dataset: shards, by workers or a cluster--> manifest --> Dataset
 
-A new data set grows in its folder, and `resume` keeps the shards whose files are as the journal says. One that
+A new data set grows in its folder, and `resume` keeps the shards whose files are as the journal says. A data set that
 replaces another grows in `.rsegen.next` of that folder, and takes its place in one swap.
 """
 
@@ -54,6 +54,7 @@ def plan_dataset(
     layout: ShardLayout, folder: Path, on_existing: OnExisting, execution: Execution | None = None
 ) -> DatasetPlan:
     """Check that a data set can be made, and plan it; nothing is written. Raises as `make_dataset` does."""
+    # Packages and memory first, then what the folder holds, then room on the disk for what is to be made.
     execution = execution or Execution()
     if layout.metrics == "parquet":
         arrow()
@@ -122,34 +123,35 @@ def complete_shards(layout: ShardLayout, folder: Path, journal: Journal) -> list
 
 def make_shards(plan: DatasetPlan, progress: Progress | None) -> Dataset:
     """Make the shards that are missing, then the manifest; return the data set."""
-    layout, made = plan.layout, plan.run
+    layout, shards_run = plan.layout, plan.run
     with _opened(plan) as store:
         journal = store.journal.content
         if plan.replaces and journal:  # what an earlier run of the same command has made
             existing = complete_shards(layout, store.folder, journal)
             known = frozenset(existing)
-            made = replace(made, existing=existing, to_make=[one for one in made.to_make if one not in known])
+            missing = [number for number in shards_run.to_make if number not in known]
+            shards_run = replace(shards_run, existing=existing, to_make=missing)
         if progress:
-            progress(maps_in(layout, made.existing), already=True)
+            progress(maps_in(layout, shards_run.existing), already=True)
 
         def done(number: int) -> None:
             if progress:
                 progress(len(layout.places(number)), already=False)
 
-        run_in(store, made, done)
+        run_in(store, shards_run, done)
         files = store.journal.content.files if store.journal.content else {}
         shards = [
             Shard(number=number, files={what: files[name][-1] for what, name in layout.names(number).items()})
             for number in range(layout.shards)
         ]
-        if made.to_make or not is_intact(store.folder, MANIFEST, store.journal.content):
+        if shards_run.to_make or not is_intact(store.folder, MANIFEST, store.journal.content):
             store.put({MANIFEST: [manifest(layout, shards)]}, force=True)
     return Dataset(plan.run.folder)
 
 
 @contextmanager
 def _opened(plan: DatasetPlan) -> Iterator[Store]:
-    """Open the folder of the data set, or that of the one that replaces it at the end."""
+    """Open the folder of the data set, or the hidden one that replaces it at the end."""
     folder, of = plan.run.folder, header(plan.layout)
     if plan.replaces:
         with replacing(folder, HOLDS, of, sync=plan.run.execution.sync) as store:
@@ -162,7 +164,7 @@ def _opened(plan: DatasetPlan) -> Iterator[Store]:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Shards:
-    """Makes shards by their numbers: the levels and metrics of some maps."""
+    """A product that makes shards by their numbers: the levels and metrics of some maps."""
 
     layout: ShardLayout
 
@@ -184,7 +186,7 @@ class _Shards:
 
     def _levels(self, number: int) -> Levels:
         levels = build_many(self.layout.recipe_of_shard(number), self.layout.indices(number))
-        found = levels.astype(self.layout.dtype)
-        if (found != levels).any():
+        narrow = levels.astype(self.layout.dtype)
+        if (narrow != levels).any():
             raise OverflowError(f"a level of shard {number} is no {self.layout.dtype}")
-        return found
+        return narrow

@@ -1,8 +1,10 @@
-"""Runs work on many items here, in worker processes, or on a Dask cluster: results in order, nothing left behind.
+"""Run work on many items here, in worker processes, or on a Dask cluster: results in order, nothing left behind.
 
 All three are executors of `concurrent.futures`; a few batches per worker are under way at any time. Workers are started
 with `spawn` on every system: nothing is inherited from threads, and no worker keeps another one's pipe open. Signals
-that stop a run reach this process alone, which lets the workers end.
+that stop a run reach this process alone, which lets the workers end. The result never depends on where, or in what
+batches, it is made. Cost: half a second per worker at the start, so a short run stays in this process. What breaks it:
+a worker that the system kills for want of memory, which ends the run (WorkerLost).
 """
 
 from __future__ import annotations
@@ -36,14 +38,25 @@ BATCH = 0.2
 """Seconds of work that a worker is given at once: much more than the giving takes, little enough to see it move."""
 
 AHEAD = 3
-"""Batches that each worker gets before the first of them is done, so that none waits for this process."""
+"""Batches that each worker gets before the first of them is done, so that none waits for this process.
+
+More of them only keep more results in memory, and go on longer after Ctrl-C.
+"""
+
+_SHARES = 4
+"""Batches per worker at least, if items are few: the last ones end at about the same time."""
+
+_LOOK = 0.2
+"""Seconds between two looks for a signal while a result is waited for: soon after Ctrl-C, at no cost."""
 
 MOST = 61 if sys.platform == "win32" else 1024
 """Workers at most: Windows waits for no more than 63 handles at once."""
 
 LOCAL = "local"
+"""The address that stands for a Dask cluster of this machine."""
+
 PATIENCE = "10s"
-"""How long to wait for the scheduler of a cluster."""
+"""Time to wait for the scheduler of a cluster, as Dask takes it: long enough for one that is just starting."""
 
 WORKERS = Integer(1, help="processes that make maps at the same time")
 
@@ -58,7 +71,7 @@ def cores() -> int:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Execution:
-    """Where a run is made, and whether it waits for the disk: what every command that makes many items can be told.
+    """Workers or cluster of a run, and whether it waits for the disk: options of every command that makes many items.
 
     workers: processes at the most, if they are quicker   scheduler: the address of a Dask cluster whose workers see the
     same folder, or `local` for one of `workers` processes   sync: wait until the disk has the files
@@ -81,6 +94,7 @@ def execute(
 
     seconds: about how long one item takes. What `work` raises is raised here; WorkerLost if a worker has died.
     """
+    # A cluster if one is given; this process if workers would cost more than they gain; else workers.
     workers = min(execution.workers, len(items), MOST)
     if not items:
         return
@@ -97,7 +111,7 @@ def execute(
 
 
 def _batches(items: Sequence[Item], seconds: float, workers: int) -> Iterator[Sequence[Item]]:
-    size = max(1, math.ceil(BATCH / seconds if workers == 1 else min(BATCH / seconds, len(items) / workers / 4)))
+    size = max(1, math.ceil(BATCH / seconds if workers == 1 else min(BATCH / seconds, len(items) / workers / _SHARES)))
     return (items[start : start + size] for start in range(0, len(items), size))
 
 
@@ -118,7 +132,7 @@ def _submitted(executor: Executor, work: Callable[[Sequence[Item]], Result], bat
 
 def _result(future: Future[Result]) -> Result:
     """Return the result, waited for in small steps: otherwise Ctrl-C would have no effect on Windows."""
-    while not finished([future], timeout=0.2).done:
+    while not finished([future], timeout=_LOOK).done:
         stop.check()
     return future.result()
 
@@ -170,8 +184,8 @@ def _start_worker(parent_stops: Connection) -> None:
     """Run first in a worker: ignore the signals, and watch the process that started it."""
     import threading
 
-    for one in _STOP_SIGNALS:
-        signal.signal(one, signal.SIG_IGN)
+    for number in _STOP_SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_watch_parent, args=(parent_stops,), daemon=True).start()
 
 
@@ -194,7 +208,7 @@ def _cluster(scheduler: str, workers: int) -> Iterator[tuple[Executor, int]]:
     distributed = dask()
     from logging import CRITICAL
 
-    with ExitStack() as opened:
+    with ExitStack() as opened:  # closes the client, then a cluster of our own
         address: Any = scheduler
         if scheduler == LOCAL:
             address = opened.enter_context(

@@ -1,8 +1,11 @@
-"""Writes maps in the formats of other programs, without worlds, or adds formats to maps that exist.
+"""Write maps in the formats of other programs, without worlds, or add formats to maps that exist.
 
-Recipe or Scene --export--> one file, or one folder
-recipes --plan_exports--> RunPlan --run: compose, exported, write or add, for each map--> ExportedMap of each
-recipes, a format that joins maps (a ROS 2 package) --write_joined--> one folder, with all maps or none
+    Recipe or Scene --export--> a file, or a folder
+    recipes --plan_exports--> RunPlan --run--> an ExportedMap of each map
+    recipes, a format that joins maps (a ROS 2 package) --_export_joined--> a folder with all maps, or none
+
+Each format has a folder of its own in that of the map, which is replaced as a whole; formats.json lists the formats
+with their options, so that a resumed run knows which of them are those asked for.
 """
 
 from __future__ import annotations
@@ -16,10 +19,10 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from rsegen.errors import OutputError, ParameterError, UnknownName, UserError
-from rsegen.exporters.formats import FORMATS, Format, exported, format_named, options, refuse_unready
+from rsegen.exporters.formats import FORMATS, Format, exported, format_named, recorded_options, refuse_unready
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene, compose
-from rsegen.io.input_files import JOURNAL, Checksum
+from rsegen.io.input_files import JOURNAL, Checksum, regular_content
 from rsegen.io.recipe_file import load
 from rsegen.io.resources import Needs, check_needs, refuse_too_large
 from rsegen.params.sorts import parameters
@@ -27,7 +30,7 @@ from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.execute import Execution
 from rsegen.run.journal import Journal, compare, is_intact, read_errors, read_journal, refuse_link, refuse_loss
-from rsegen.run.plan import OnExisting, Output, RunPlan, has_content
+from rsegen.run.plan import OnExisting, Output, RunPlan
 from rsegen.run.store import (
     new_root,
     open_store,
@@ -46,7 +49,7 @@ _RECIPES = "recipes"
 """The folder in a package with the recipe of each map."""
 
 
-# One map.
+# A single map.
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -106,7 +109,7 @@ def _only_file(chosen: Format, scene: Scene, path: Path) -> Iterable[bytes]:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ExportedMap:
-    """One map in other formats on disk: its folder, and the names of the files that were written into it."""
+    """A map in other formats on disk: its folder, and the names of the files that were written into it."""
 
     folder: Path
     names: tuple[str, ...]
@@ -135,6 +138,7 @@ def plan_exports(
     execution: Execution | None = None,
 ) -> ExportsPlan:
     """Check that all maps can be exported into a folder, and plan it; nothing is written. Raises as `export_maps`."""
+    # Formats are checked for each recipe, then room for all maps, then each map's folder: cheap checks come first.
     execution, sidecars = execution or Execution(), Sidecars(formats=tuple(formats))
     for recipe in recipes:
         sidecars.refuse(recipe)
@@ -143,8 +147,8 @@ def plan_exports(
     return RunPlan(
         folder=folder,
         product=_Exports(folder=folder, seconds=_mean_seconds(recipes, sidecars)),
-        to_make=[one for one in planned if one.formats],
-        existing=[one for one in planned if not one.formats],
+        to_make=[export for export in planned if export.formats],
+        existing=[export for export in planned if not export.formats],
         replaces=on_existing is OnExisting.REPLACE,
         execution=replace(execution, workers=min(execution.workers, needs.maps_at_once)),
     )
@@ -189,17 +193,17 @@ class _Exports:
     folder: Path
     seconds: float
 
-    def __call__(self, one: MapExport, /) -> Output[ExportedMap]:
-        name = one.recipe.map_name(one.index)
-        home, bundle = self.folder / name, exported(compose(one.recipe, one.index), one.formats)
-        if one.adds:
-            bundle = _added(bundle, home, one.formats)
-        names = frozenset(each.name for each in one.formats)
+    def __call__(self, item: MapExport, /) -> Output[ExportedMap]:
+        name = item.recipe.map_name(item.index)
+        home, bundle = self.folder / name, exported(compose(item.recipe, item.index), item.formats)
+        if item.adds:
+            bundle = _added(bundle, home, item.formats)
+        names = frozenset(format_.name for format_ in item.formats)
         return Output(
             made=ExportedMap(folder=home, names=sorted_names(bundle)),
             files=bundle,
             folder=name,
-            adds=one.adds,
+            adds=item.adds,
             force=names | {FORMATS_FILE},  # the plan has refused those that must stay
             whole=names,
         )
@@ -207,7 +211,7 @@ class _Exports:
 
 def _added(bundle: Bundle, home: Path, formats: Sequence[Format]) -> Bundle:
     """Return what is added to a map that exists: its recipe.json stays, and formats.json lists the new formats too."""
-    listed = {**(listed_formats(str(home)) or {}), **options(formats)}
+    listed = {**(listed_formats(str(home)) or {}), **recorded_options(formats)}
     text = json.dumps(listed, indent=2) + "\n"
     added = {path: content for path, content in bundle.items() if path != PurePosixPath(_RECIPE)}
     return {**added, PurePosixPath(FORMATS_FILE): [text.encode()]}
@@ -224,7 +228,8 @@ def _mean_seconds(recipes: Sequence[Recipe], sidecars: Sidecars) -> float:
 
 def _holds(home: Path, recipe: Recipe, index: int) -> bool:
     """Return whether a folder holds this map, whatever version of rsegen wrote its recipe.json."""
-    if has_content(str(home / _RECIPE), map_json(recipe, index)):
+    text = map_json(recipe, index)
+    if regular_content(home / _RECIPE, len(text) + 1) == text:
         return True
     try:
         return load(home / _RECIPE) == recipe.alone(index)
@@ -241,21 +246,21 @@ def _missing_formats(
         raise OutputError(f"{home / FORMATS_FILE}: is damaged, so no format is added; give another folder")
     refuse_link(home / FORMATS_FILE)
     missing = []
-    for one in formats:
-        place = home / one.name
+    for format_ in formats:
+        place = home / format_.name
         if not os.path.lexists(place):
-            missing.append(one)
+            missing.append(format_)
             continue
         refuse_link(place)
         if not place.is_dir():
             raise OutputError(f"{place}: was not written by rsegen, so it is not replaced; give another folder")
-        refuse_loss_below(home, one.name, journal)
+        refuse_loss_below(home, format_.name, journal)
         if on_existing is OnExisting.REFUSE:
             raise OutputError(f"{place}: exists already; give --force to replace it, or another folder")
-        same = listed.get(one.name) == options([one])[one.name]
-        is_complete = journal is not None and compare(home, journal, one.name).is_intact
+        same = listed.get(format_.name) == recorded_options([format_])[format_.name]
+        is_complete = journal is not None and compare(home, journal, format_.name).is_intact
         if not (on_existing is OnExisting.KEEP and same and is_complete):
-            missing.append(one)
+            missing.append(format_)
     if missing:
         is_intact(home, FORMATS_FILE, journal)  # which will list them
     return tuple(missing)
@@ -264,7 +269,7 @@ def _missing_formats(
 def _refuse_other_map(home: Path, formats: Sequence[Format], on_existing: OnExisting) -> None:
     """Raise an OutputError unless another map in the folder may be replaced, and nothing is lost but these formats."""
     refuse_loss(home, "map")
-    names = {_RECIPE, FORMATS_FILE, JOURNAL, *(each.name for each in formats)}
+    names = {_RECIPE, FORMATS_FILE, JOURNAL, *(format_.name for format_ in formats)}
     others = sorted({path.name for path in home.iterdir()} - names)
     if f"{home.name}.world" in others:
         raise OutputError(f"{home}: has the world of another map in it, so it is not replaced; give another folder")
@@ -285,9 +290,9 @@ def _refuse_other_map(home: Path, formats: Sequence[Format], on_existing: OnExis
 
 def joining(formats: Sequence[Format]) -> Format | None:
     """Return the format that joins maps in one folder, if any; a ParameterError if others are given with it."""
-    joined = [each for each in formats if each.joins]
+    joined = [format_ for format_ in formats if format_.joins]
     if joined and len(formats) > 1:
-        others = ", ".join(each.name for each in formats if each is not joined[0])
+        others = ", ".join(format_.name for format_ in formats if format_ is not joined[0])
         problem = f"{joined[0].name} puts all maps into one folder, {joined[0].joins}, and {others} each into its own"
         raise ParameterError("formats", f"{problem}; export them one after the other")
     return joined[0] if joined else None
@@ -303,6 +308,7 @@ def export_joined(
     sync: bool,
 ) -> tuple[ExportedMap, ...]:
     """Write maps into one folder, which appears at the end; each names the files that those before it don't."""
+    # All maps share files, such as launch files, which the first one writes; so they are made here, one by one.
     refuse_unready([chosen])
     maps, _ = _checked_maps(recipes, folder, [chosen])
     home = folder / chosen.joins
@@ -349,8 +355,8 @@ def _refuse_incomplete(home: Path, chosen: Format, maps: Sequence[tuple[Recipe, 
         if journal is None or not same or others:
             problem = "exists already and does not hold these maps and no others"
             raise OutputError(f"{home}: {problem}; give --force to replace it, or another package or folder")
-        found = compare(home, journal)
-    for name in (*found.changed, *found.missing):
+        comparison = compare(home, journal)
+    for name in (*comparison.changed, *comparison.missing):
         raise OutputError(f"{home / name}: was changed or lost after rsegen wrote it; give --force, or another folder")
 
 
@@ -359,4 +365,4 @@ def _recipe_file(recipe: Recipe, index: int) -> str:
 
 
 def _formats_file(chosen: Format) -> bytes:
-    return (json.dumps(options([chosen]), indent=2) + "\n").encode()
+    return (json.dumps(recorded_options([chosen]), indent=2) + "\n").encode()

@@ -9,7 +9,10 @@ Lines are only appended, and are on the disk before the file that they speak of 
 ends, every file of rsegen has its checksum in the journal; a last line that was cut off does not count. A file may
 have several checksums, of what it was and of what it becomes: while it has any of them, rsegen wrote it.
 
-Compares folders with the journals of what rsegen wrote there: maps, drives, series, experiments and data sets.
+A folder is compared with its journal before anything in it is replaced, and by `rsegen info --verify`: files are
+intact, changed, missing, or foreign, that is not listed. Source: our own (decision 15), like a write-ahead log of
+databases. Cost: a line and a wait for the disk per swap; a comparison reads every file whose size is right. What breaks
+it: a journal that somebody edits; it is damaged then, and nothing is replaced.
 """
 
 from __future__ import annotations
@@ -29,10 +32,11 @@ from rsegen.params.sorts import Json
 from rsegen.run.swap import put, sync_folder
 
 HIDDEN = ".rsegen"
-"""How the names of rsegen's own folders begin, which no journal lists: staging, and a folder that is being replaced."""
+"""Start of the names of rsegen's own folders, which no journal lists: staging, and a folder being replaced."""
 
 _FORMAT = 1
 _LARGEST = 256 * 2**20
+"""Bytes of a journal that are read at most: some two million files; more memory than this is not risked for a file."""
 
 _KINDS = {
     "map": "a map",
@@ -46,7 +50,7 @@ _LOST = "and would be lost; move it away, or give another folder"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Journal:
-    """What a folder holds, of what it was made, and rsegen's files in it by their paths, `/` between folders.
+    """The content of a journal: what the folder holds, of what it was made, and rsegen's files in it by their paths.
 
     holds: map, drive, data set, experiment, or files: files of rsegen among others
     files: every checksum that a file may have, the last one what it should be   size: bytes of the complete lines
@@ -67,9 +71,9 @@ def first_line(holds: str, of: Json = None) -> bytes:
 def file_lines(files: Mapping[str, Checksum | tuple[Checksum, ...]]) -> bytes:
     """Return a line for each of these files, or for each checksum that it may have."""
     return b"".join(
-        _line({"file": name, "bytes": one.bytes, "sha256": one.sha256})
+        _line({"file": name, "bytes": checksum.bytes, "sha256": checksum.sha256})
         for name, checksums in sorted(files.items())
-        for one in ((checksums,) if isinstance(checksums, Checksum) else checksums)
+        for checksum in ((checksums,) if isinstance(checksums, Checksum) else checksums)
     )
 
 
@@ -109,7 +113,7 @@ def read_journal(folder: Path) -> Journal | None:
 
 def _decoded(text: bytes) -> Journal:
     """Return the journal of these lines; ValueError, TypeError, KeyError or AttributeError if they are none."""
-    whole = text[: text.rfind(b"\n") + 1]
+    whole = text[: text.rfind(b"\n") + 1]  # a last line that was cut off does not count
     first, *entries = map(json.loads, whole.splitlines())
     if first["rsegen_journal"] != _FORMAT or len(text) > _LARGEST:
         raise ValueError(first)
@@ -118,19 +122,15 @@ def _decoded(text: bytes) -> Journal:
     for entry in entries:
         if "file" in entry:
             name = _inside(entry["file"])
-            checksum = Checksum(bytes=_whole(entry["bytes"]), sha256=str(entry["sha256"]))
-            files[name] = (*(one for one in files.get(name, ()) if one != checksum), checksum)
+            if not isinstance(entry["bytes"], int):
+                raise TypeError(entry["bytes"])
+            checksum = Checksum(bytes=entry["bytes"], sha256=str(entry["sha256"]))
+            files[name] = (*(known for known in files.get(name, ()) if known != checksum), checksum)
         elif "gone" in entry:
             files.pop(entry["gone"], None)
         else:
             results.append(dict(entry["result"]))
     return Journal(holds=str(first["holds"]), of=first.get("of"), files=files, results=tuple(results), size=len(whole))
-
-
-def _whole(number: object) -> int:
-    if not isinstance(number, int):
-        raise TypeError(number)
-    return number
 
 
 def _inside(name: str) -> str:
@@ -212,7 +212,7 @@ class OpenJournal:
         A new journal appears with its lines, so that none has half a first line.
         """
         size = self._size
-        if not size:
+        if not size:  # a new journal is staged, and gets its name with its lines
             self._write(self._staged, lines, 0)
             put(self._staged, self._path)
             try:
@@ -251,8 +251,8 @@ class OpenJournal:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Comparison:
-    """Paths in a folder, sorted: files that rsegen did not write, that were changed since, that are missing or empty.
+class FolderComparison:
+    """Paths in a folder, sorted: files that rsegen did not write, files changed since, and missing or empty files.
 
     A link, and anything else that is no regular file, is foreign or changed. An empty file has nothing to lose: it is
     what a power failure may leave of a run with --no-sync.
@@ -264,11 +264,11 @@ class Comparison:
 
     @property
     def is_intact(self) -> bool:
-        """Whether every file of the journal is as it was written; there may be others."""
+        """Return whether every file of the journal is as it was written; there may be other files."""
         return not self.changed and not self.missing
 
 
-def compare(folder: Path, journal: Journal, below: str = "") -> Comparison:
+def compare(folder: Path, journal: Journal, below: str = "") -> FolderComparison:
     """Compare a folder, or only what is `below` a folder of it, with its journal; OSError if it is unreadable."""
     start = f"{below}/" if below else ""
     present = dict(_files(folder / below, start))
@@ -277,7 +277,7 @@ def compare(folder: Path, journal: Journal, below: str = "") -> Comparison:
         for name, checksums in journal.files.items()
         if name.startswith(start)
     }
-    return Comparison(
+    return FolderComparison(
         foreign=tuple(sorted(present.keys() - journal.files.keys() - {JOURNAL})),
         changed=tuple(sorted(name for name, state in states.items() if state == "changed")),
         missing=tuple(sorted(name for name, state in states.items() if state == "missing")),
@@ -285,7 +285,7 @@ def compare(folder: Path, journal: Journal, below: str = "") -> Comparison:
 
 
 def is_intact(folder: Path, name: str, journal: Journal | None) -> bool:
-    """Whether a file exists as rsegen wrote it; OutputError if it was changed since, or written by somebody else."""
+    """Return whether a file exists as rsegen wrote it; OutputError if it was changed, or written by somebody else."""
     path = folder / name
     with read_errors(folder):
         status = os.lstat(path) if os.path.lexists(path) else None
@@ -310,6 +310,7 @@ def refuse_loss(folder: Path, holds: str, at: Path | None = None) -> None:
 
     Such a folder may be replaced as a whole. at: its path in messages, if it was moved.
     """
+    # First what the folder is, then each file in it: foreign ones before changed ones, as they are somebody else's.
     shown = at or folder
     refuse_link(folder)
     if not folder.is_dir():
@@ -321,12 +322,12 @@ def refuse_loss(folder: Path, holds: str, at: Path | None = None) -> None:
                 raise OutputError(f"{shown / name}: was not written by rsegen, {_LOST}")
             return
         if journal.holds != holds:
-            kind, wanted = _KINDS.get(journal.holds, "files of rsegen"), _KINDS.get(holds, holds)
-            raise OutputError(f"{shown}: holds {kind}, not {wanted}; give another folder")
-        found = compare(folder, journal)
-    for name in found.foreign:
+            kind, expected = _KINDS.get(journal.holds, "files of rsegen"), _KINDS.get(holds, holds)
+            raise OutputError(f"{shown}: holds {kind}, not {expected}; give another folder")
+        comparison = compare(folder, journal)
+    for name in comparison.foreign:
         raise OutputError(f"{shown / name}: was not written by rsegen, {_LOST}")
-    for name in found.changed:
+    for name in comparison.changed:
         raise OutputError(f"{shown / name}: was changed after rsegen wrote it, {_LOST}")
 
 
@@ -337,12 +338,12 @@ def refuse_link(path: Path) -> None:
 
 
 def is_empty(folder: Path) -> bool:
-    """Whether a folder does not exist, or has nothing in it but what a killed run of rsegen leaves."""
+    """Return whether a folder does not exist, or has only what a killed run of rsegen leaves."""
     return not folder.is_dir() or next(_files(folder), None) is None
 
 
 def _is_own(name: str, path: str) -> bool:
-    """Whether a folder is what a run keeps in a folder while it writes: not all that only has such a name."""
+    """Return whether a folder is a hidden one of a run, and does not only have such a name."""
     if name == f"{HIDDEN}.next":
         return os.path.lexists(os.path.join(path, JOURNAL))
     return name in (f"{HIDDEN}/new", f"{HIDDEN}/old") or (name == HIDDEN and not os.listdir(path))
@@ -350,7 +351,7 @@ def _is_own(name: str, path: str) -> bool:
 
 def _state(path: Path, status: os.stat_result | None, checksums: Collection[Checksum]) -> str:
     """Return intact, changed, or missing: that is gone, or empty where it should not be."""
-    sizes = {one.bytes for one in checksums}
+    sizes = {checksum.bytes for checksum in checksums}
     if status is None:
         return "missing"
     if not stat.S_ISREG(status.st_mode):
@@ -391,7 +392,7 @@ def read_errors(folder: Path) -> Iterator[None]:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Verified:
-    """How many folders with a journal and files were compared, and the files that no journal lists."""
+    """The result of `verify`: the numbers of folders and files compared, and the files that no journal lists."""
 
     folders: int
     files: int
@@ -420,10 +421,10 @@ def verify(folder: str | Path) -> Verified:
 def _compared(home: Path, journal: Journal) -> list[Path]:
     """Return the files of a folder that its journal does not list; FilesDamaged for the first that is not as it was."""
     with read_errors(home):
-        found = compare(home, journal)
-    wrong = [(name, "was changed after rsegen wrote it") for name in found.changed]
-    wrong += [(name, "is missing or empty") for name in found.missing]
+        comparison = compare(home, journal)
+    wrong = [(name, "was changed after rsegen wrote it") for name in comparison.changed]
+    wrong += [(name, "is missing or empty") for name in comparison.missing]
     for name, what in wrong[:1]:
         more = f"; {len(wrong) - 1} more files in this folder are changed, missing or empty" if wrong[1:] else ""
         raise FilesDamaged(f"{home / name}: {what}{more}")
-    return [] if journal.holds in ("files", "experiment") else [home / name for name in found.foreign]
+    return [] if journal.holds in ("files", "experiment") else [home / name for name in comparison.foreign]

@@ -1,14 +1,11 @@
 """A run: what it will make, checked once, then made item by item, each put in its place whole or not at all.
 
-RunPlan --run--> the result of each item, in order
+    Product: item --> Output, files as bytes --Staging, in any process--> staged folder --run_in, this one--> its place
 
-The maps of a recipe that exist in a folder already, to the byte: a run that is resumed need not make them again.
-
-A folder whose recipe.json is the one that would be written, and whose files are as its journal says, is that map.
-
-What a run makes: the files of each item as bytes, under the name that they will have, and what is known of it then.
-
-A worker stages the files of its items in the hidden folder of the store; the process of the run puts them in place.
+Workers, or a cluster, only write below the hidden folder of the store; the process of the run alone puts things in
+place, in the order of the items. An item that exists already, to the byte, is kept by a run that is resumed: a folder
+whose recipe.json is the one that would be written, and whose files are as its journal says, is that map. Whatever ends
+a run, the error says what is complete.
 """
 
 from __future__ import annotations
@@ -23,7 +20,7 @@ from pathlib import Path, PurePosixPath
 from typing import Generic, Protocol, TypeVar
 
 from rsegen.errors import Incomplete, OutputError, ParameterError, Stopped, UserError, WriteError
-from rsegen.io.input_files import Checksum, regular_content
+from rsegen.io.input_files import Checksum
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.execute import Execution, execute
@@ -55,11 +52,11 @@ class Output(Generic[Made]):
 
 
 class Product(Protocol[Item_contra, Made]):
-    """How each of many items is made: all that a worker needs to know, except which items are its own."""
+    """A picklable task that makes each of many items; the items are passed to each call."""
 
     @property
     def seconds(self) -> float:
-        """About how long one item takes; decides how the items are divided among workers, never the result."""
+        """About how long an item takes; decides how the items are divided among workers, never the result."""
 
     def __call__(self, item: Item_contra, /) -> Output[Made]:
         """Return the files of an item."""
@@ -101,7 +98,7 @@ class Staging(Generic[Item_contra, Made]):
                 error = failure
                 break
         if self.sync:
-            sync_trees([one.root for one in staged if one.root])
+            sync_trees([item.root for item in staged if item.root])
         return Batch(staged=staged, error=error)
 
     def _staged(self, output: Output[Made]) -> Staged[Made]:
@@ -118,7 +115,7 @@ Item = TypeVar("Item")
 
 
 class OnExisting(Enum):
-    """What a run does with what exists in its folder already."""
+    """The treatment of items that exist in the folder of a run already."""
 
     REFUSE = "refuse it, and make nothing"
     REPLACE = "replace it"
@@ -134,7 +131,7 @@ class OnExisting(Enum):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RunPlan(Generic[Item, Made]):
-    """What a run will make, how, and what exists already and stays; nothing prevents it any more.
+    """A run that was checked: the items to make, how, and those that exist already and stay.
 
     product: how an item is made   to_make: the items, in order   existing: items that exist and are kept
     replaces: whether folders that exist are replaced, if rsegen wrote them and they are unchanged
@@ -164,6 +161,7 @@ def run_in(
     Whatever ends it, what is in its place stays. Raises Stopped for Ctrl-C, and Incomplete for a mistake of the
     user that shows only after something was written.
     """
+    # Batches come in the order of the items; after each, results are reported, and an error ends the run.
     staging = Staging(product=plan.product, folder=store.staging.absolute(), sync=plan.execution.sync)
     batches = execute(staging, plan.to_make, plan.product.seconds, plan.execution)
     made: list[Made] = []
@@ -200,11 +198,11 @@ def _ended(error: BaseException, store: Store, left: str) -> BaseException:
 
 def _left(store: Store, plan: RunPlan[Item, Made], made: int) -> str:
     """Return what is in the folder, in words that are true."""
-    there, wanted = made + len(plan.existing), len(plan.to_make) + len(plan.existing)
+    complete, planned = made + len(plan.existing), len(plan.to_make) + len(plan.existing)
     if not store.changed:
         return f"nothing was changed in {plan.folder}"
     rest = "; the others are as they were" if plan.replaces else ""
-    return f"{there} of {wanted} {plan.what} are complete in {plan.folder}{rest}"
+    return f"{complete} of {planned} {plan.what} are complete in {plan.folder}{rest}"
 
 
 def _put(store: Store, staged: Staged[Made], *, force: bool) -> None:
@@ -227,7 +225,9 @@ def existing_maps(recipe: Recipe, folder: Path, is_complete: Callable[[str], boo
     """
     names = os.listdir(folder) if folder.is_dir() else ()
     indices = (map_index_of(recipe, name) for name in names)
-    homes = ((index, folder / recipe.map_name(index)) for index in sorted(one for one in indices if one is not None))
+    homes = (
+        (index, folder / recipe.map_name(index)) for index in sorted(index for index in indices if index is not None)
+    )
     return [index for index, home in homes if is_kept(home, map_json(recipe, index), is_complete)]
 
 
@@ -236,6 +236,7 @@ def is_kept(home: Path, recipe_file: bytes, is_complete: Callable[[str], bool]) 
 
     OutputError if it holds something else than this map, or a file that was changed or would be lost.
     """
+    # By its checksum in the journal recipe.json is known to be that of this map, without being read.
     refuse_link(home)
     with read_errors(home):
         journal = read_journal(home)
@@ -244,25 +245,20 @@ def is_kept(home: Path, recipe_file: bytes, is_complete: Callable[[str], bool]) 
                 f"{home}: exists already and is not this map of rsegen: its journal is missing, or says another seed, "
                 "parameter or version; give those of the run that was stopped, or another folder or --name"
             )
-        found = compare(home, journal)
-    for name in found.changed:
+        comparison = compare(home, journal)
+    for name in comparison.changed:
         raise OutputError(
             f"{home / name}: was changed after rsegen wrote it; delete it to have the map made again, or give "
             "another folder"
         )
-    if not found.missing and is_complete(str(home)):
+    if not comparison.missing and is_complete(str(home)):
         return True
     refuse_loss(home, "map")
     return False
 
 
-def has_content(path: str, content: bytes) -> bool:
-    """Return whether a file exists and has this content."""
-    return regular_content(path, len(content) + 1) == content
-
-
 def map_index_of(recipe: Recipe, name: str) -> int | None:
     """Return the index of the recipe's map of this name, None if it has no such map."""
-    match = re.fullmatch(r"([0-9]{4,19})", name.removeprefix(f"{recipe.name}_"))
+    match = re.fullmatch(r"([0-9]{4,19})", name.removeprefix(f"{recipe.name}_"))  # 0000, and up to 64 bits
     index = int(match[0]) if match else -1
     return index if index in recipe.indices and recipe.map_name(index) == name else None

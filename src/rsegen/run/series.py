@@ -1,6 +1,8 @@
-"""Writes a series: its maps, a table of what they measure, and a chart of how they rise.
+"""Write a series: its maps, a table of what they measure, and a chart of how they rise.
 
-recipe --plan_series--> SeriesRun --run--> rows and maps --> Series
+    recipe --plan_series: measures all fields as designed--> SeriesRun --run--> rows and maps --> Series
+
+Maps that exist are measured again for their rows, so that table and chart are those of all.
 """
 
 from __future__ import annotations
@@ -64,11 +66,7 @@ SeriesRun = RunPlan[int, RowAndMap]
 
 
 def plan_series(
-    plan: SeriesPlan,
-    folder: Path,
-    sidecars: Sidecars,
-    on_existing: OnExisting,
-    execution: Execution | None = None,
+    plan: SeriesPlan, folder: Path, sidecars: Sidecars, on_existing: OnExisting, execution: Execution | None = None
 ) -> SeriesRun:
     """Check that a series can be made in a folder, measure its fields, and plan it; nothing is written."""
     execution, numbers = execution or Execution(), range(plan.recipe.maps)
@@ -86,7 +84,7 @@ def plan_series(
         refuse_taken((folder / plan.map_name(number) for number in numbers), force=replaces)
     measure = _Fields(plan=plan)
     spans = execute(measure, plan.fields, measure.seconds, execution)
-    line = mean(plan, [one for batch in spans for one in batch])
+    line = mean(plan, [field for batch in spans for field in batch])
     existing = _existing(plan, line, folder, sidecars) if keeps else []
     return RunPlan(
         folder=folder,
@@ -99,7 +97,7 @@ def plan_series(
 
 
 def _existing(plan: SeriesPlan, line: Span, folder: Path, sidecars: Sidecars) -> list[int]:
-    """The numbers of the maps that are complete; an OutputError if something else has the name of a map."""
+    """Return the numbers of the maps that are complete; an OutputError if something else has the name of a map."""
     complete = []
     for number in range(plan.recipe.maps):
         home = folder / plan.map_name(number)
@@ -112,13 +110,13 @@ def _existing(plan: SeriesPlan, line: Span, folder: Path, sidecars: Sidecars) ->
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Fields:
-    """Measures the fields of a series as designed."""
+    """A task that measures the fields of a series as designed."""
 
     plan: SeriesPlan
 
     @property
     def seconds(self) -> float:
-        return 1.5e-4 + prod(self.plan.recipe.grid.shape) * 3e-8
+        return 1.5e-4 + prod(self.plan.recipe.grid.shape) * 3e-8  # an estimate, as in `seconds_per_world`
 
     def __call__(self, numbers: Iterable[int], /) -> tuple[Span, ...]:
         return tuple(span(self.plan, number) for number in numbers)
@@ -126,7 +124,7 @@ class _Fields:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Maps:
-    """Makes and measures maps by their numbers; those that exist are measured only, for their rows.
+    """A product that makes and measures maps by their numbers; existing ones are measured only, for their rows.
 
     line: the values from which and to which they rise
     """
@@ -140,6 +138,7 @@ class _Maps:
     @property
     def seconds(self) -> float:
         n_x, n_y = self.plan.recipe.grid.shape
+        # Estimates, as in `seconds_per_world`: a world, and 3 ms and 1 us per cell for its row.
         return seconds_per_world(self.plan.recipe, self.sidecars) + 3e-3 + n_x * n_y * 1e-6
 
     def __call__(self, number: int, /) -> Output[RowAndMap]:

@@ -22,12 +22,16 @@ if TYPE_CHECKING:
 
 
 PLANS = 8
-"""Plans that are drawn at most, evenly spaced."""
+"""Plans that are drawn at most, evenly spaced: as many as are still large enough to be seen next to each other."""
+
+_SWATCHES = 12
+"""Heights in the legend at most, which has one line."""
+
 _INK, _LINE, _PALE = "#2b2b33", "#d6336c", "#a9a9b5"
 
 
 def chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
-    """A PNG, which carries the recipe at difficulty 1."""
+    """Return a PNG, which carries the recipe at difficulty 1."""
     from matplotlib.figure import Figure
 
     shown = _shown(len(rows))
@@ -46,7 +50,7 @@ def chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
 
 
 def _shown(maps: int) -> list[int]:
-    """The numbers of the maps that are drawn: the first, the last, and some between them."""
+    """Return the numbers of the maps that are drawn: the first, the last, and some between them."""
     return [int(number) for number in np.unique(np.rint(np.linspace(0, maps - 1, PLANS)))]
 
 
@@ -58,18 +62,20 @@ def _scene(plan: SeriesPlan, row: SeriesRow) -> Scene:
 def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: Sequence[int]) -> None:
     from matplotlib.ticker import MaxNLocator
 
+    # Asked for as a line, reached as points on it, what a field cannot reach as a gap between both.
     numbers = np.array([row.number for row in rows])
     asked, reached, full = (_column(plan, rows, name) for name in ("asked", "measured", "full"))
     axes.plot(numbers, asked, color=_LINE, linewidth=2, label=f"asked for: {_line_text(plan, full)}")
     if not plan.same_field:
         axes.plot(numbers, full, "_", color=_PALE, markersize=9, label="the field as it is: it gets no harder")
     axes.vlines(numbers, asked, reached, color=_INK, linewidth=1)
-    size = float(np.clip(260 / len(rows), 2, 7))
+    size = float(np.clip(260 / len(rows), 2, 7))  # points of hundreds of maps do not overlap
     axes.plot(numbers, reached, "o", color=_INK, markersize=size, label="reached", zorder=3)
     marked = np.isin(numbers, shown)
     axes.plot(numbers[marked], reached[marked], "o", color="white", markersize=size * 0.45, zorder=4)
     unit = f" [{_unit(plan)}]" if _unit(plan) else ""
-    axes.set(xlabel="map (light in the middle: its plan is below)", ylabel=f"{_name(plan)}{unit}")
+    name = "rms step between neighbouring blocks" if plan.by == RMS else plan.metric.name
+    axes.set(xlabel="map (light in the middle: its plan is below)", ylabel=f"{name}{unit}")
     if plan.by == RMS:
         axes.set_ylim(bottom=0)
     axes.margins(x=0.02)
@@ -80,15 +86,11 @@ def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: S
 
 
 def _line_text(plan: SeriesPlan, full: Array) -> str:
-    """What the straight line is."""
+    """Return the legend of the straight line."""
     if plan.by != RMS:
         return f"from level to as designed{'' if plan.same_field else ', in the mean of the fields'}"
     of = "the rms step of the field as it is" if plan.same_field else "the mean rms step of the fields as they are"
     return f"difficulty x {np.nan_to_num(full).mean():.3g} cm, {of}"
-
-
-def _name(plan: SeriesPlan) -> str:
-    return "rms step between neighbouring blocks" if plan.by == RMS else plan.metric.name
 
 
 def _unit(plan: SeriesPlan) -> str:
@@ -97,9 +99,9 @@ def _unit(plan: SeriesPlan) -> str:
 
 
 def _column(plan: SeriesPlan, rows: Sequence[SeriesRow], name: str) -> Array:
-    """A column of the table, as it is shown; NaN for values that do not exist."""
-    found = (getattr(row, name) for row in rows)
-    values = np.array([np.nan if value is None else value for value in found], dtype=float)
+    """Return a column of the table, as it is shown; NaN for values that do not exist."""
+    cells = (getattr(row, name) for row in rows)
+    values = np.array([np.nan if value is None else value for value in cells], dtype=float)
     return values * 100 if _unit(plan) == "cm" else values
 
 
@@ -114,11 +116,11 @@ def _draw_plan(axes: Axes, plan: SeriesPlan, scene: Scene, row: SeriesRow) -> No
 
 
 def _legend(figure: Figure, scenes: Sequence[Scene]) -> None:
-    """A swatch for every height in the plans, up to 12 of them."""
+    """Draw a swatch for every height in the plans, or for some of them evenly spaced."""
     from matplotlib.patches import Patch
 
     levels = sorted({level for scene in scenes for level in scene.field.level_counts() if level})
-    few, unit = levels[:: -(-len(levels) // 12) or 1], scenes[0].field.unit * 100
+    few, unit = levels[:: -(-len(levels) // _SWATCHES) or 1], scenes[0].field.unit * 100
     swatches = [Patch(facecolor=scenes[0].colour(level), label=f"{level * unit:g} cm") for level in few]
     if swatches:
         figure.legend(handles=swatches, loc="outside lower center", ncols=len(swatches), frameon=False)

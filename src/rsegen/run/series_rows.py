@@ -1,7 +1,12 @@
 """The maps of a series: their recipes, what each should measure, and the rows of series.csv.
 
-SeriesPlan --span, mean--> a straight line from the first map to the last --map_target--> a recipe for each map
---series_row--> what the map measures; lengths in metres
+    SeriesPlan --span, mean--> a straight line from the first map to the last --map_target--> a recipe for each map
+    --series_row--> what the map measures; lengths in metres
+
+Difficulty scales the rms step between neighbouring blocks. So that a series rises evenly although its fields differ, a
+map gets the difficulty at which its own rms step lies on the line: the quotient of both or, for a map whose constraints
+flatten it further, a value searched by bisection. Cost: building each field once, constrained ones twelve times more.
+What breaks it: a field that is flatter as designed than the line asks for, which stays as it is (docs/difficulty.md).
 """
 
 from __future__ import annotations
@@ -25,12 +30,12 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import Span, mean_of, share_of, span_of
 
 DIGITS = 6
-"""Decimals of a difficulty, so that recipes stay short."""
+"""Decimals of a difficulty, so that recipes stay short; a millionth is far less than a level of a block."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SeriesPlan:
-    """As many maps as the recipe has, of difficulty `from_` to `to` in equal steps.
+    """A series of as many maps as the recipe has, of difficulty `from_` to `to` in equal steps.
 
     Their target rms steps lie on a straight line: difficulty * the mean rms step of all their fields as designed. So a
     field that is rougher than others is flattened more, and one that is less rough less. by, robot: another metric that
@@ -58,7 +63,7 @@ class SeriesPlan:
 
     @property
     def metric(self) -> Metric:
-        """What rises from map to map."""
+        """The metric that rises from map to map."""
         return metric_by(self.by, self.robot)
 
     @property
@@ -67,11 +72,11 @@ class SeriesPlan:
         return range(1 if self.same_field else self.recipe.maps)
 
     def difficulty(self, number: int) -> float:
-        """The difficulty of map `number`, counted from 0, with the mean of the fields as 1."""
+        """Return the difficulty of map `number`, counted from 0, with the mean of the fields as 1."""
         return round(self.from_ + (self.to - self.from_) * number / (self.recipe.maps - 1), DIGITS)
 
     def whole(self, number: int) -> Recipe:
-        """The recipe of map `number` and no other, at difficulty 1.
+        """Return the recipe of map `number` and no other, at difficulty 1.
 
         Maps of one field have the same index, which seeds their random draws; so the recipe's name has their number.
         """
@@ -80,7 +85,7 @@ class SeriesPlan:
         return self.recipe.alone(self.recipe.first_map + number)
 
     def map_name(self, number: int) -> str:
-        """What map `number` is called."""
+        """Return the name of map `number`."""
         recipe = self.recipe
         if self.same_field:
             return f"{recipe.name}-{number:04d}_{recipe.first_map:04d}"
@@ -88,7 +93,7 @@ class SeriesPlan:
 
 
 _HALVINGS = 12
-"""Of the interval 0..1 in the search for the difficulty of a constrained map: finer than one block changes it."""
+"""Halvings of 0..1 in the search for the difficulty of a constrained map: finer than one block changes it."""
 
 
 class MapTarget(NamedTuple):
@@ -100,20 +105,20 @@ class MapTarget(NamedTuple):
 
 
 def span(plan: SeriesPlan, number: int) -> Span:
-    """The metric of the field of map `number`, level and as designed; a field without steps has an rms step of 0."""
+    """Return the metric of the field of map `number`, level and as designed; 0 for the rms step of no steps."""
     whole = plan.whole(number)
     return Span(0.0, _rms(whole) or 0.0) if plan.by == RMS else span_of(whole, whole.first_map, plan.metric)
 
 
 def mean(plan: SeriesPlan, spans: Sequence[Span]) -> Span:
-    """The values from which and to which the series rises; ParameterError if a metric that is not rms does not."""
+    """Return the values from which and to which a series rises; ParameterError if a metric does not rise."""
     if plan.by == RMS:
-        return Span(0.0, fsum(each.full for each in spans) / len(spans))
+        return Span(0.0, fsum(field.full for field in spans) / len(spans))
     return mean_of(spans, plan.metric.name)
 
 
 def map_target(plan: SeriesPlan, number: int, line: Span) -> MapTarget:
-    """The target of map `number` on the line from level to as designed; at most its field as designed."""
+    """Return the target of map `number` on the line from level to as designed; at most its field as designed."""
     whole, difficulty = plan.whole(number), plan.difficulty(number)
     asked = line.value(difficulty)
     if plan.by == RMS:
@@ -126,7 +131,7 @@ def map_target(plan: SeriesPlan, number: int, line: Span) -> MapTarget:
 
 
 def _share(whole: Recipe, rms: float, full: float) -> float:
-    """The difficulty at which a map has this rms step; searched for if constraints lower the steps further."""
+    """Return the difficulty at which a map has this rms step; searched for if constraints lower the steps further."""
     if rms >= full or not whole.is_constrained:
         return min(rms / full, 1.0)
     low, high = 0.0, 1.0
@@ -169,7 +174,9 @@ class SeriesRow:
 
 
 def series_row(plan: SeriesPlan, number: int, scene: Scene, target: MapTarget) -> SeriesRow:
-    """The row of map `number`, with its target."""
+    """Return the row of map `number`, with its target."""
+    # Columns of the rms step are always there, as users' scripts read them; those of another metric are empty without
+    # it.
     own, ways, by_rms = steps(scene.field), percolation(scene.field), plan.by == RMS
     measured = own.rms if by_rms else plan.metric(scene.field)
     asked = None if by_rms and own.rms is None else _rounded(target.asked)
@@ -192,7 +199,7 @@ def series_row(plan: SeriesPlan, number: int, scene: Scene, target: MapTarget) -
 
 
 def rows_as_csv(rows: Sequence[SeriesRow]) -> bytes:
-    """The rows as the content of a CSV file; None is an empty cell."""
+    """Return the rows as the content of a CSV file; None is an empty cell."""
     stream = io.StringIO()
     writer = csv.DictWriter(stream, [field.name for field in fields(SeriesRow)], lineterminator="\n")
     writer.writeheader()

@@ -1,14 +1,9 @@
-"""Maps as a page for browsers: `rsegen.view` for notebooks, and what `rsegen view` writes.
+"""Content of single files, and writing it: pages for browsers, build sheets, recipes, and the tiles of a terrain.
 
-Scenes --page--> HTML --write_file--> a file
+    Recipe, Scene or StepField --view--> View, shown in a notebook or saved as HTML
+    Recipe --write_sheets--> PDF or CSV       Recipe --save--> YAML or JSON       Terrain --tiles_json--> JSON
 
-Writes the build sheet of a map as PDF or CSV files.
-
-Scene --sheet--> the content of a file --write_file--> PDF or CSV
-
-Writes recipe files, and copies of the included examples.
-
-What is known of the tiles of a terrain, as the file next to its world.
+All content is made before the first file is written, whole or not at all (`store`).
 """
 
 from __future__ import annotations
@@ -35,16 +30,16 @@ from rsegen.recipe.tiles import tile_shape
 from rsegen.run.store import refuse_taken_file, write_file, write_paths
 
 MOST_CELLS = 1_500_000
-"""Of the largest map on a page, as of 1000 x 1000 blocks with frames: its faces need some 0.3 GB in a browser."""
+"""Cells of a map on a page at most, as of 1000 x 1000 blocks with frames: its faces need 0.3 GB in a browser."""
 
 MOST_CELLS_TOGETHER = 5_000_000
-"""Of all maps on a page: 7 to 14 MB of HTML."""
+"""Cells of all maps on a page at most: 7 to 14 MB of HTML."""
 
 MOST_MAPS = 1000
-"""On a page: they are chosen from a list."""
+"""Maps on a page at most: they are chosen from a list."""
 
 _LONG = 100_000
-"""Recipes of more letters are shown as JSON, which is quick to write and to read."""
+"""Letters of JSON from which on a page shows a recipe as JSON: as YAML it would take PyYAML a second and more."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -60,7 +55,7 @@ class View:
         return path
 
     def _repr_html_(self) -> str:
-        """The page in a frame of its own, which notebooks show; its scripts cannot reach the notebook."""
+        """Return the page in a frame of its own, which notebooks show; its scripts cannot reach the notebook."""
         frame = 'width="100%" height="760" style="border: 0" sandbox="allow-scripts allow-downloads"'
         return f'<iframe {frame} allow="clipboard-write" srcdoc="{escape(self.html.decode())}"></iframe>'
 
@@ -82,7 +77,7 @@ def view(shown: Recipe | Scene | StepField, index: int | None = None) -> View:
 
 
 def view_all(recipes: Sequence[Recipe]) -> View:
-    """The page of all maps of some recipes, which are checked before the first map is made."""
+    """Return the page of all maps of some recipes, which are checked before the first map is made."""
     maps = sum(recipe.maps for recipe in recipes)
     if maps > MOST_MAPS:
         raise TooLarge(f"{maps:,} maps are more than the {MOST_MAPS} of a page; select one with --map")
@@ -105,7 +100,7 @@ def _refuse_unshowable(shape: tuple[int, int]) -> None:
 
 
 def html_path(path: str | Path) -> Path:
-    """The path of a page; a FileError if it is not called .html or .htm."""
+    """Return the path of a page; a FileError if it is not called .html or .htm."""
     path = Path(path)
     if path.suffix.lower() not in (".html", ".htm"):
         raise FileError(f"{path}: not a page's name; end it in .html")
@@ -133,6 +128,7 @@ def write_sheets(
     All are made before the first is written; `progress` is called after each page of a PDF. Raises an OutputError if a
     file exists already, unless `force`; TooLarge or a ParameterError if the map cannot have a sheet.
     """
+    # Everything that may be wrong is checked first, as a map and its sheet take their time.
     saw = saw or CutSettings.default(recipe.units)
     formats = {path: sheet_format(path) for path in paths}
     for path in formats:
@@ -167,7 +163,7 @@ def tiles_json(terrain: Terrain, robot_size: tuple[float, float] | None = None) 
     robot_size: length and width of a robot, for which each tile gets an even place to start
     """
     spots = {} if robot_size is None else {"spots": terrain.spots(robot_size, evenest=True)[:, :, 0].tolist()}
-    known = {
+    tiles = {
         "name": terrain.name,
         "tile_size": list(terrain.tile_size),
         "difficulty": terrain.difficulties.tolist(),
@@ -175,4 +171,4 @@ def tiles_json(terrain: Terrain, robot_size: tuple[float, float] | None = None) 
         "origins": terrain.origins.tolist(),
         **spots,
     }
-    return json.dumps(known).encode() + b"\n"
+    return json.dumps(tiles).encode() + b"\n"

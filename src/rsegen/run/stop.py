@@ -1,7 +1,8 @@
-"""Whether a signal has asked this process to stop, for runs that must not miss it.
+"""Signals that ask this process to stop, for runs that must not miss them.
 
 Python drops the KeyboardInterrupt of a signal that comes while a compiled module is imported; one that comes while a
-worker is started would leave it half made. So the command line's handler notes it here too, and a run looks.
+worker is started would leave it half made. So the command line's handler notes it here too, and a run looks, between
+batches and after what is `held`. What breaks it: a `held` block that takes long, in which Ctrl-C seems to do nothing.
 """
 
 from __future__ import annotations

@@ -1,12 +1,15 @@
 """A folder that one run alone writes into: staged in a hidden folder, put in place in one swap, listed in a journal.
 
+
     DIR/.rsegen/lease-1      this run has the folder
     DIR/.rsegen/new/0a1b...  what is being written
     DIR/.rsegen/old/         what was replaced, where the disk cannot exchange two names at once
     DIR/.rsegen.next/        a data set or experiment that will replace DIR as a whole, once it is complete
 
 What exists is replaced only if rsegen wrote it and it has not changed since; it is looked at before the swap, and once
-more after it, when nobody else has it. If anything fails, what was swapped is swapped back.
+more after it, when nobody else has it. If anything fails, what was swapped is swapped back. Cost: each file is read
+once to be checked, if it is replaced, and waits for the disk unless --no-sync. What breaks it: a single file that
+somebody changes in the milliseconds between check and swap, and a disk that reports as written what is not.
 """
 
 from __future__ import annotations
@@ -43,9 +46,13 @@ from rsegen.run.stop import held
 from rsegen.run.swap import exchange, put, sync_folder, sync_tree
 
 PATIENCE = 5.0
-"""Seconds that the writer of a single file waits for another run in the same folder."""
+"""Seconds that the writer of a single file waits for another run in the same folder.
+
+Another writer of single files is done in less; a long run is reported after it.
+"""
 
 NEXT = f"{HIDDEN}.next"
+"""The folder in a folder in which what will replace it grows."""
 
 
 def stage(root: Path, name: str | PurePosixPath, content: Iterable[bytes]) -> Checksum:
@@ -162,6 +169,8 @@ class Store:
         holds: str = "files",
     ) -> None:
         """Give staged files their names, as `put` does; below: a folder that has them, and a journal of its own."""
+        # A unit is a file, or a whole folder among them: each is swapped by itself, and swapped back if a later one
+        # fails.
         folder = self.folder / below
         journal = OpenJournal(folder, self.staging, sync=self.sync) if below else self.journal
         units = dict.fromkeys(next((top for top in whole if name.startswith(f"{top}/")), name) for name in files)
@@ -208,8 +217,8 @@ class Store:
 
     def adopt(self, names: Iterable[str]) -> None:
         """List files that exist as if rsegen had written them: a person was asked whether they may be replaced."""
-        found = {name: checksum_of(self.folder / name) for name in names}
-        files = {name: checksum for name, checksum in found.items() if checksum}
+        checksums = {name: checksum_of(self.folder / name) for name in names}
+        files = {name: checksum for name, checksum in checksums.items() if checksum}
         if files:
             with self.journal.announced(files):
                 pass
@@ -229,7 +238,7 @@ class Store:
         aside.parent.mkdir(parents=True)
         return aside
 
-    # Opened and closed.
+    # Opening and closing.
 
     def _open(self, wait: float) -> None:
         refuse_link(self.home)
@@ -291,8 +300,8 @@ def _refuse_unit(
 
 def refuse_loss_below(folder: Path, name: str, journal: Journal | None) -> None:
     """Raise an OutputError unless everything in a folder of a folder is as its journal lists it."""
-    found = compare(folder, journal or Journal(holds="files"), name)
-    for path in (*found.foreign, *found.changed):
+    comparison = compare(folder, journal or Journal(holds="files"), name)
+    for path in (*comparison.foreign, *comparison.changed):
         problem = "was not written by rsegen, or changed since, so it is not replaced"
         raise OutputError(f"{folder / path}: {problem}; move it away, or give another folder")
 
@@ -318,7 +327,7 @@ def _remove_empty(folder: Path) -> None:
 
 
 def _remove(path: Path) -> None:
-    """Remove a file or folder of the hidden folder; twice, if that is interrupted by an error."""
+    """Remove a file or folder of the hidden folder; twice, as the first time an error may interrupt it."""
     for _ in range(2):
         if path.is_dir():
             shutil.rmtree(path, ignore_errors=True)
@@ -370,7 +379,7 @@ def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Itera
     If the run is stopped, the folder is as it was, and the same call goes on with what is there. Whether it may be
     replaced is checked before by `refuse_irreplaceable`, which reads all of it, and once more at the swap.
     """
-    with open_store(folder, sync=sync):
+    with open_store(folder, sync=sync):  # the old folder is leased too, so that no other run changes it meanwhile
         begun = folder / NEXT
         if not is_empty(begun):
             refuse_loss(begun, holds)
@@ -413,7 +422,7 @@ def refuse_irreplaceable(folder: Path, holds: str) -> None:
         raise OutputError(f"{folder}: {problem}; give another folder")
 
 
-# What is checked before a run, and single files.
+# Checks before a run, and single files.
 
 
 def refuse_not_a_folder(folder: Path) -> None:
@@ -488,7 +497,7 @@ def write_files(
 
 
 def write_paths(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
-    """Write files anywhere: those of one folder all together or none of them."""
+    """Write files anywhere: all files of a folder, or none of them."""
     for path in contents:
         refuse_taken_file(path, force=force)
     for folder in dict.fromkeys(path.parent for path in contents):

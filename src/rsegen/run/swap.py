@@ -1,8 +1,11 @@
-"""Puts a staged file or folder in its place in one step: at no moment is there neither the old nor the new.
+"""Put a staged file or folder in its place in one step: at no moment is there neither the old nor the new.
 
-Linux can exchange two names at once, and rename one without replacing another (renameat2(2), since 3.15). Where system
-or disk cannot, a folder is moved aside first: if the run is killed in that moment, the next one that writes there puts
-it back. Waiting for the disk is here too.
+Linux can exchange two names at once, and rename one without replacing another (renameat2(2), since 3.15). If system or
+disk cannot, a folder is moved aside first: if the run is killed in that moment, the next one that writes there puts it
+back (store.py). Cost: one system call. What breaks it: staging on another disk than the place, so it is below it.
+
+Files are on the disk before they get their names (fsync(2)), else a power failure could leave an empty file of the new
+name. Many files are synced with the whole disk at once (syncfs(2)), which is quicker, and waits for others' data too.
 """
 
 from __future__ import annotations
@@ -16,13 +19,16 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-_NOREPLACE, _EXCHANGE = 1, 2  # of renameat2(2)
-_AT_FDCWD = -100
+_NOREPLACE, _EXCHANGE = 1, 2  # of renameat2(2), in linux/fs.h
+_AT_FDCWD = -100  # relative to the current folder, in linux/fcntl.h
 _UNABLE = frozenset({errno.ENOSYS, errno.EINVAL, errno.EOPNOTSUPP, errno.EXDEV, errno.EPERM})
-"""What systems and disks answer that cannot do it; of EXDEV also overlays, whose folders are moved by copying."""
+"""Errors of systems and disks that cannot do it; EXDEV also of overlays, whose folders are moved by copying."""
 
 _FEW = 16
-"""Files that are synced one by one; more of them are quicker with the whole disk at once, where the system can."""
+"""Files that are synced one by one; more of them are quicker with the whole disk at once, if the system can.
+
+A map has three to six. With a smaller number, a few maps would wait for whatever other programs write.
+"""
 
 
 def put(new: Path, place: Path) -> None:
@@ -66,10 +72,10 @@ def _renamed(source: Path, place: Path, flags: int) -> bool:
         return True
     import ctypes
 
-    number = ctypes.get_errno()
-    if number in _UNABLE:
+    code = ctypes.get_errno()
+    if code in _UNABLE:
         return False
-    raise OSError(number, os.strerror(number), str(place))
+    raise OSError(code, os.strerror(code), str(place))
 
 
 @cache

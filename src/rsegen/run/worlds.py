@@ -1,8 +1,9 @@
-"""Writes the worlds of a recipe: `generate` is what the command line, the window and scripts call.
+"""Write the worlds of a recipe: `generate` is what the command line, the window and scripts call.
 
-Recipe --plan_worlds--> RunPlan --make_worlds: compose, export, write, for each map--> Generated
+    Recipe --plan_worlds--> RunPlan --make_worlds: compose, export, write, for each map--> Generated
 
-Optional files in a map's folder, next to its world: a picture, a build sheet, files for other programs.
+A map's folder has its world, and next to it optional files, its sidecars: a picture, a build sheet, files for other
+programs. The times of a map only decide how maps are divided among workers, never the result.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from functools import partial
 from pathlib import Path, PurePosixPath
 
 from rsegen.errors import ParameterError
-from rsegen.exporters.formats import Format, added, options, refuse_unready
+from rsegen.exporters.formats import Format, added, recorded_options, refuse_unready
 from rsegen.exporters.gazebo import Bundle, export
 from rsegen.exporters.map_summary import warnings
 from rsegen.exporters.scene import Scene, compose
@@ -35,7 +36,7 @@ FORMATS_FILE = "formats.json"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sidecars:
-    """Which optional files maps get: a picture, a build sheet, formats of other programs with their options."""
+    """Optional files of maps: a picture, a build sheet, formats of other programs with their options."""
 
     preview: bool = False
     sheet: bool = False
@@ -44,64 +45,66 @@ class Sidecars:
     def refuse(self, recipe: Recipe) -> None:
         """Raise a UserError if they cannot be made of a recipe's maps, or need a package that is not installed."""
         refuse_unready(self.formats)
-        for each in self.formats:
-            if each.joins:
-                problem = f"{each.joins} would hold every map, which rsegen export alone writes"
-                raise ParameterError(f"formats: {each.name}", f"{problem}; export it, or leave out its name")
+        for format_ in self.formats:
+            if format_.joins:
+                problem = f"{format_.joins} would hold every map, which rsegen export alone writes"
+                raise ParameterError(f"formats: {format_.name}", f"{problem}; export it, or leave out its name")
         if self.sheet:
             from rsegen.exporters.sheet import CutSettings, refuse_unbuildable
 
             refuse_unbuildable(recipe, CutSettings.default(recipe.units))
 
     def files(self, scene: Scene) -> Bundle:
-        """Their content, by path in the map's folder."""
-        found = dict(added(scene, self.formats))
+        """Return their content, by path in the map's folder."""
+        files = dict(added(scene, self.formats))
         for name, make in self._makers.items():
-            found[PurePosixPath(name)] = [make(scene)]
-        return found
+            files[PurePosixPath(name)] = [make(scene)]
+        return files
 
     def complete_in(self, home: str) -> bool:
-        """Whether a map's folder has its world, and all of them."""
+        """Return whether a map's folder has its world, and all of these files."""
         names = [f"{os.path.basename(home)}.world", *self._makers]
         if not all(os.path.isfile(os.path.join(home, name)) for name in names):
             return False
         listed = (listed_formats(home) or {}) if self.formats else {}
-        return all(listed.get(name) == wanted for name, wanted in options(self.formats).items())
+        return all(listed.get(name) == wanted for name, wanted in recorded_options(self.formats).items())
 
     def seconds(self, cells: int) -> float:
-        """About how long they take for a map with this many cells."""
+        """Return about how long they take for a map with this many cells."""
+        # Estimates: half a second per picture or sheet, 5 ms and 30 us per cell for a format. Larger ones start workers
+        # for runs that are too short for them; smaller ones give each worker more at once.
         return 0.5 * len(self._makers) + (5e-3 + cells * 3e-5) * len(self.formats)
 
     @property
     def _makers(self) -> Mapping[str, Callable[[Scene], bytes]]:
         """The function that makes each file except those of formats, by its name."""
-        found: dict[str, Callable[[Scene], bytes]] = {}
+        makers: dict[str, Callable[[Scene], bytes]] = {}
         if self.preview:
             from rsegen.exporters.pictures.preview import preview
 
-            found["preview.png"] = preview
+            makers["preview.png"] = preview
         if self.sheet:
             from rsegen.exporters.sheet import sheet
 
-            found |= {name: partial(sheet, format=name[-3:]) for name in SHEETS}
-        return found
+            makers |= {name: partial(sheet, format=name[-3:]) for name in SHEETS}
+        return makers
 
 
 def listed_formats(home: str) -> dict[str, Json] | None:
-    """The formats in a map's folder with their options, from its formats.json; None if the file is damaged."""
+    """Return the formats in a map's folder with their options, from its formats.json; None if the file is damaged."""
     try:
         with open_regular(os.path.join(home, FORMATS_FILE)) as file:
-            found = json.load(file)
+            listed = json.load(file)
     except FileNotFoundError:
         return {}
     except (OSError, ValueError, RecursionError):
         return None
-    return found if isinstance(found, dict) else None
+    return listed if isinstance(listed, dict) else None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class GeneratedMap:
-    """One map on disk: its files, size (cells with frames, metres), number of blocks of each level, and warnings.
+    """A map on disk: its files, size (cells with frames, metres), number of blocks of each level, and warnings.
 
     `home` is the folder that all maps are in, `names` are those of the files in this map's own.
     """
@@ -203,7 +206,7 @@ def world_output(scene: Scene, folder: Path, sidecars: Sidecars) -> Output[Gener
         name=scene.name,
         index=scene.index,
         home=folder,
-        names=tuple(map(sys.intern, sorted_names(bundle))),
+        names=tuple(map(sys.intern, sorted_names(bundle))),  # thousands of maps have files of the same names
         cells=scene.field.shape,
         extent=scene.field.extent,
         level_counts=scene.field.level_counts(),
@@ -215,6 +218,7 @@ def world_output(scene: Scene, folder: Path, sidecars: Sidecars) -> Output[Gener
 def seconds_per_world(recipe: Recipe, sidecars: Sidecars) -> float:
     """Return about how long a map takes; decides how the maps are divided among workers, never the result."""
     n_x, n_y = recipe.grid.shape
+    # Estimates, as in `Sidecars.seconds`: 2 ms for the files and 4 us per cell.
     return 2e-3 + n_x * n_y * 4e-6 + sidecars.seconds(n_x * n_y)
 
 

@@ -4,8 +4,8 @@
 
 Every step looks for the one thing that all blocks have in common: parallel tops, heights that are whole multiples of a
 unit, edges on evenly spaced lines, one height per cell. Nothing is random (seeds are fixed), so one cloud gives one
-field. The searches take at most 200,000 points; the levels are read from all of them. The time is about a second per
-cloud of a depth camera, most of it in the fit of the ground plane and of the grid. It fails if few tops are seen, if
+field. The searches take at most 200,000 points; the levels are read from all of them. The time is a second or two for
+200,000 points, most of it for the ground plane and the refinement of the grid. It fails if few tops are seen, if
 the cloud is mostly something else, or if edges of other things lie on a finer grid; docs/scan.md has the figures.
 
 The numbers of these modules were halved, and raised by 60 %, on nine clouds of benchmarks/scan (three kinds of fields;

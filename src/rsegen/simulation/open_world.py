@@ -1,4 +1,9 @@
-"""`rsegen.open`: a world opened in a simulator, until the simulator ends."""
+"""`rsegen.open`: a world opened in a simulator, until the simulator ends.
+
+The exit code of a simulator tells little: Gazebo Sim's is 0 whatever fails, and Gazebo Classic goes on with an empty
+world. So its lines are read: one that says that no world was loaded ends it, and error lines of a server alone are a
+failure, except for harmless ones (docs/gazebo.md).
+"""
 
 from __future__ import annotations
 
@@ -27,7 +32,7 @@ class OpenedWorld:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class OpenResult:
-    """What `rsegen.open` gives: the world, the simulator's exit code, None if it was stopped, and its error lines.
+    """The result of `rsegen.open`: the world, the simulator's exit code, None if it was stopped, and its error lines.
 
     Error lines that differ in numbers alone are one, with their count.
     """
@@ -78,7 +83,7 @@ def _launch(here: Installation, request: OpenRequest, *, headless: bool) -> Laun
 
 
 def _address(launch: LaunchCommand, here: Installation) -> tuple[tuple[str, str], ...]:
-    """The variables of an address of its own; none at the default address."""
+    """Return the variables of an address of its own; none at the default address."""
     names = (name for name in here.simulator.address_variables if name in launch.environment)
     return tuple((name, launch.environment[name]) for name in names)
 
@@ -102,11 +107,11 @@ def _run(
     *,
     headless: bool,
 ) -> OpenResult:
-    """Run it until it ends; Ctrl-C is an ordinary end.
+    """Run a simulator until it ends; Ctrl-C is an ordinary end.
 
     A closed window is no failure, though Gazebo Classic may then exit with 255; nor are error lines of a window.
     """
-    relay = ErrorRelay(on_error)
+    relay = ErrorRelay(on_error)  # the caller hears each sort of error once
     try:
         code = run_until_end(here, launch, seconds=seconds, on_error=relay.add)
     except KeyboardInterrupt:
@@ -121,7 +126,7 @@ def _run(
 
 
 def _why_ended(world: Path, code: int) -> str:
-    """Fortress ends without a word if its file is a model's, or of anything but a world."""
+    """Return why a simulator ended: Fortress ends silently if its file is not a world's."""
     if code == 0 and world.is_file() and b"<world" not in world.read_bytes():
         return f"because there is no <world> in {world}"
     return f"with exit code {code}"

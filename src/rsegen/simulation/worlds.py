@@ -1,4 +1,7 @@
-"""The world that a target stands for: a world file, that in a map's folder, or one made of a recipe or scene."""
+"""The world that a target stands for: a world file, that in a map's folder, or one made of a recipe or scene.
+
+A world on disk is opened as it is; one of a recipe is made in a temporary folder that lasts as long as the simulator.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ from rsegen.exporters.gazebo import export
 from rsegen.exporters.scene import Scene, compose
 from rsegen.io.recipe_file import load
 from rsegen.io.resources import refuse_too_large
-from rsegen.io.targets import found, map_index
+from rsegen.io.targets import chosen_map, map_index
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.store import write_folder
 
@@ -39,7 +42,7 @@ class World:
     made_of: Scene | None = None
 
     def scene(self) -> Scene:
-        """The scene of its map; FileError if the recipe is unknown, TooLarge if it does not fit into memory."""
+        """Return the scene of its map; FileError if the recipe is unknown, TooLarge if it does not fit into memory."""
         if self.made_of:
             return self.made_of
         if not self.recipe:
@@ -49,7 +52,7 @@ class World:
 
     @contextmanager
     def on_disk(self) -> Iterator[Path]:
-        """The world file; one that is made of a recipe or scene is deleted when this ends."""
+        """Make the world file, if need be, and delete a file that was made when this ends."""
         if self.file:
             yield self.file
             return
@@ -58,13 +61,13 @@ class World:
 
 
 def write_world(scene: Scene, folder: Path) -> Path:
-    """The world file of a scene, written with all that it needs as `folder/NAME_000k`."""
+    """Write a scene's world with all that it needs as `folder/NAME_000k`, and return its file."""
     write_folder(export(scene), folder / scene.name, sync=False)
     return folder / scene.name / f"{scene.name}.world"
 
 
 def world_of(target: Target, which: int | str | None = None) -> World:
-    """The world of a target; `which`: the map's index or name, by default the first."""
+    """Return the world of a target; `which`: the map's index or name, by default the first."""
     if isinstance(target, Scene):
         return World(recipe=target.alone, made_for=target.recipe.simulator, made_of=target)
     if isinstance(target, Recipe):
@@ -72,7 +75,7 @@ def world_of(target: Target, which: int | str | None = None) -> World:
     path = os.fspath(target)
     if not os.path.isdir(path) and Path(path).suffix in (".world", ".sdf"):
         return _world_in(Path(path))
-    file, recipe, index = found(path, _text(which), "map")
+    file, recipe, index = chosen_map(path, None if which is None else str(which), "map")
     if os.path.isdir(path):
         world = _existing(file.with_name(f"{recipe.map_name(index)}.world"))
         return World(file=world, recipe=recipe, made_for=recipe.simulator)
@@ -80,7 +83,7 @@ def world_of(target: Target, which: int | str | None = None) -> World:
 
 
 def _world_in(file: Path) -> World:
-    """A world file, with the recipe next to it if there is one."""
+    """Return a world file, with the recipe next to it if there is one."""
     recipe_file = file.with_name("recipe.json")
     recipe = load(recipe_file) if recipe_file.is_file() else None
     return World(file=_existing(file), recipe=recipe, made_for=recipe.simulator if recipe else "both")
@@ -90,7 +93,3 @@ def _existing(file: Path) -> Path:
     if not file.is_file():
         raise FileError(f"{file}: there is no such world")
     return file
-
-
-def _text(which: int | str | None) -> str | None:
-    return None if which is None else str(which)

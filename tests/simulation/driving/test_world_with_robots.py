@@ -10,7 +10,7 @@ import pytest
 from rsegen import Random, Recipe, generate
 from rsegen.errors import FileError
 from rsegen.robots import robot
-from rsegen.simulation.driving.recording import time_step, world_with_robots
+from rsegen.simulation.driving.world_file import time_step, world_with_robots
 
 MODEL = '<model name="one"><link name="l"/></model>'
 NAMES = ("real_time_update_rate", "real_time_factor")

@@ -9,7 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from rsegen.robots import Robot
-from rsegen.simulation.driving.recording import add_systems
+from rsegen.simulation.driving.world_file import add_systems
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.server import Server, retried, running_server

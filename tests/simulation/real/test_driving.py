@@ -19,7 +19,7 @@ from rsegen.exporters.gazebo import export
 from rsegen.field.stepfield import Levels
 from rsegen.robots import ROBOTS
 from rsegen.run.store import write_folder
-from rsegen.simulation.driving.recording import world_with_robots
+from rsegen.simulation.driving.world_file import world_with_robots
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.server import running_server
 from tests.simulation.real.bodies import furnished

@@ -16,7 +16,7 @@ import rsegen
 from rsegen.field.stepfield import Ints
 from rsegen.robots import ROBOTS, Robot
 from rsegen.robots.drives import Wheels
-from rsegen.simulation.driving.recording import world_with_robots
+from rsegen.simulation.driving.world_file import world_with_robots
 from rsegen.simulation.simulators.live_world import Pose
 from tests.simulation.real.bodies import body, furnished, tilt
 from tests.simulation.real.conftest import missing

@@ -13,7 +13,7 @@ import rsegen
 from rsegen.errors import SimulatorFailed
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import robot
-from rsegen.simulation.driving.recording import ALWAYS, world_with_robots
+from rsegen.simulation.driving.world_file import ALWAYS, world_with_robots
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.server import Server, running_server
 from tests.simulation.real.maps import generated

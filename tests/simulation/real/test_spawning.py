@@ -168,7 +168,7 @@ def test_two_maps_do_not_overlap(server: Server, capsys: Capture) -> None:
     with server.connect() as live:
         poses = live.poses()
     rectangles = [
-        SpawnedMap(name=name, field=rsegen.compose(COURSE, int(name[-4:])).field, at=at).rectangle
+        SpawnedMap(name=name, field=rsegen.compose(COURSE, int(name[-4:])).field, at=at).area
         for name, at in poses.items()
         if name.startswith("course_")
     ]

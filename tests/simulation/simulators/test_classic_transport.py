@@ -10,7 +10,8 @@ from queue import SimpleQueue
 
 import pytest
 
-from rsegen.simulation.simulators.classic_transport import CLASSIC, TransportClient, transport_client
+from rsegen.simulation.simulators.classic_transport import TransportClient, transport_client
+from rsegen.simulation.simulators.wire import CLASSIC
 
 TOPIC = "/gazebo/lab/request"
 SUBSCRIBERS = 4

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from rsegen.errors import SimulatorFailed
 from rsegen.robots import robot
-from rsegen.simulation.simulators.classic_transport import CLASSIC, transport_client
-from rsegen.simulation.simulators.sim_transport import SIM, TOPICS, Discovery, Event
-from rsegen.simulation.simulators.wire import NO_MESSAGE, MessageTypes, parse_text
+from rsegen.simulation.simulators.classic_transport import transport_client
+from rsegen.simulation.simulators.sim_transport import TOPICS, Discovery, Event
+from rsegen.simulation.simulators.wire import CLASSIC, NO_MESSAGE, SIM, MessageTypes, parse_text
 
 PLAIN: dict[object, st.SearchStrategy[Any]] = {
     int: st.integers(-(2**31), 2**31 - 1),

@@ -8,9 +8,8 @@ from xml.etree import ElementTree
 import pytest
 
 from rsegen.robots import ROBOTS, Robot
-from rsegen.simulation.simulators.sim_transport import SIM
 from rsegen.simulation.simulators.sim_world import CONTACTS, ContactSample, with_contact_sensors
-from rsegen.simulation.simulators.wire import NO_MESSAGE
+from rsegen.simulation.simulators.wire import NO_MESSAGE, SIM
 
 WHEEL, HULL, BLOCK = "a::left::tread", "b::base::hull", "map::link::collision"
 POINTS = [{"x": 1.0, "y": 2.0, "z": 3.0}, {"x": 3.0}]

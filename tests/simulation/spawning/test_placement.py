@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.spawning.spawning import GAP, Rectangle, SpawnedMap, free_rectangle
+from rsegen.simulation.spawning.spawning import GAP, Area, SpawnedMap, free_area
 
 METRES = st.floats(-20, 20)
 SIZES = st.floats(0, 3)
-TAKEN = st.lists(st.builds(Rectangle, METRES, METRES, SIZES, SIZES), max_size=8)
+TAKEN = st.lists(st.builds(Area, METRES, METRES, SIZES, SIZES), max_size=8)
 FIELD = rsegen.build(
     rsegen.Recipe(seed=3, chunk_size=6, chunks=(2, 1), obstacles=(rsegen.Random(levels=4),)),
     0,
@@ -23,8 +23,8 @@ FIELD = rsegen.build(
 
 
 @given(half_x=st.floats(0.1, 3), half_y=st.floats(0.1, 3), taken=TAKEN)
-def test_a_free_place_is_clear_of_all_that_is_there(half_x: float, half_y: float, taken: list[Rectangle]) -> None:
-    place = free_rectangle(half_x, half_y, taken)
+def test_a_free_place_is_clear_of_all_that_is_there(half_x: float, half_y: float, taken: list[Area]) -> None:
+    place = free_area(half_x, half_y, taken)
     assert (place.half_x, place.half_y) == (half_x, half_y)
     for other in taken:
         apart = (abs(place.x - other.x) - half_x - other.half_x, abs(place.y - other.y) - half_y - other.half_y)
@@ -32,8 +32,8 @@ def test_a_free_place_is_clear_of_all_that_is_there(half_x: float, half_y: float
 
 
 def test_the_origin_is_the_first_choice_and_its_neighbour_the_second() -> None:
-    assert free_rectangle(1, 2, [])[:2] == (0, 0)
-    assert free_rectangle(1, 2, [Rectangle(0, 0)])[:2] == (2 + GAP, 0)
+    assert free_area(1, 2, [])[:2] == (0, 0)
+    assert free_area(1, 2, [Area(0, 0)])[:2] == (2 + GAP, 0)
 
 
 @given(x=METRES, y=METRES, z=st.floats(-1, 1), yaw=st.floats(-pi, pi), data=st.data())
@@ -58,5 +58,5 @@ def test_beside_a_map_there_is_its_ground(x: float, y: float, yaw: float, angle:
     at = Pose(x=x + away * cos(angle), y=y + away * sin(angle), z=0)
     assert placed.top(at) == 0.25
     assert not placed.covers(at, 0.1)
-    _, _, half_x, half_y = placed.rectangle
+    _, _, half_x, half_y = placed.area
     assert np.hypot(half_x, half_y) >= hypot(*FIELD.extent) / 2 - 1e-9

@@ -23,7 +23,7 @@ import numpy as np
 from rsegen import __version__
 from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
-from rsegen.exporters.pictures.plan import Drawable
+from rsegen.exporters.pictures.plan import GROUND_GREY, Drawable
 from rsegen.exporters.pictures.preview import ColouredField
 from rsegen.exporters.scene import Colour, Scene
 from rsegen.field.metrics import metrics
@@ -38,8 +38,8 @@ def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]
         return
     measured = metrics(field)
 
-    def length(metres: float | None) -> str:
-        return "–" if metres is None else f"{written.short(_tenth(metres))} {written.unit}"  # noqa: RUF001  # a dash
+    def length(metres: float | None) -> str:  # to a tenth of a millimetre, which is 100,000 nanometres
+        return "–" if metres is None else f"{written.short(round(metres * 1e4) * 100_000)} {written.unit}"  # noqa: RUF001  # a dash
 
     spread, steps, rugged, opens = measured.spread, measured.steps, measured.ruggedness, measured.opening
     yield "mean height", length(spread.mean), f"{length(spread.lowest)} to {length(spread.highest)}"
@@ -56,12 +56,7 @@ def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]
         yield "Hurst exponent", f"{round(measured.scale.hurst, 2) + 0:.2f}", f"how differences grow with distance{weak}"
 
 
-def _tenth(metres: float) -> int:
-    """Return a length in nanometres, rounded to a tenth of a millimetre."""
-    return round(metres * 1e4) * 100_000
-
-
-_GROUND: Colour = (0.86, 0.86, 0.86)
+_GROUND: Colour = (GROUND_GREY, GROUND_GREY, GROUND_GREY)
 """The colour of cells without a block, as in previews."""
 
 _FRAME = -1

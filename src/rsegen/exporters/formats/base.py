@@ -142,7 +142,7 @@ def refuse_unready(formats: Iterable[Format]) -> None:
     refuse_missing(formats)
 
 
-def options(formats: Sequence[Format]) -> dict[str, Json]:
+def recorded_options(formats: Sequence[Format]) -> dict[str, Json]:
     """Return the content of a map's formats.json: the options of each format, and the plug-in that it is from."""
     return {format_.name: {**format_.options, **_origin(format_.name)} for format_ in formats}
 
@@ -167,4 +167,4 @@ def _added(scene: Scene, formats: Sequence[Format]) -> Iterator[tuple[PurePosixP
         for path, content in format_.files(scene).items():
             yield PurePosixPath(format_.name) / path, content
     if formats:
-        yield PurePosixPath("formats.json"), [(json.dumps(options(formats), indent=2) + "\n").encode()]
+        yield PurePosixPath("formats.json"), [(json.dumps(recorded_options(formats), indent=2) + "\n").encode()]

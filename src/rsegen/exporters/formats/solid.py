@@ -1,12 +1,10 @@
 """A watertight mesh that stays watertight when a program merges equal vertices, for stl, ply, glb and usd.
 
 STL has no vertex indices, and importers of the others merge vertices at one position. Where two blocks touch only along
-a vertical edge, four faces would then meet in it:
-
-     seen from the side, the faces of one of the two blocks are bisected at the middle of the edge:
+a vertical edge, four faces would then meet in it. So the faces of one of the blocks are bisected there:
 
          |         |
-         |         *      so the edges of the two blocks have different ends,
+         |         *      the edges of the two blocks then have different ends,
          |         |      and each of them has two faces
 """
 

@@ -24,6 +24,10 @@ LEGIBLE = 26
 """Cells per side up to which a plan has the heights in its cells: the font is then 5.8 points."""
 
 
+GROUND_GREY = 0.86
+"""Each part of the colour of level ground, 0..1: lighter than all levels, darker than paper."""
+
+
 class Drawable(Protocol):
     """A field, and the colour of each of its materials: a scene, or a field by itself."""
 
@@ -102,7 +106,7 @@ def cell_colours(colour: Callable[[int], Colour], field: StepField) -> Array:
     """Return the colour of each cell of a field, (n_x, n_y, 3); level ground is light grey."""
     palette = np.array([colour(level) for level in range(int(field.levels.max()) + 1)])
     colours = palette[np.where(field.frame, 0, field.levels)]
-    return np.where((field.levels == 0)[..., None] & ~field.frame[..., None], 0.86, colours)
+    return np.where((field.levels == 0)[..., None] & ~field.frame[..., None], GROUND_GREY, colours)
 
 
 _COLOURS = ("#ff2d95", "#ff8c00", "#7b2ff7", "#00a3ff", "#111111", "#b8002e")

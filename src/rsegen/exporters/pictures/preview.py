@@ -23,7 +23,14 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.pictures.plan import Drawable, cell_colours, draw_heights, draw_outlines, number_cells
+from rsegen.exporters.pictures.plan import (
+    GROUND_GREY,
+    Drawable,
+    cell_colours,
+    draw_heights,
+    draw_outlines,
+    number_cells,
+)
 from rsegen.exporters.scene import FRAME_COLOUR, Colour, Scene, level_colour
 from rsegen.field.stepfield import Array, StepField, coarse, coarseness
 from rsegen.recipe.codec import to_json
@@ -156,13 +163,9 @@ def _polygons(heights: Array, colours: Array, width: float) -> tuple[Array, Arra
         "y": ((x0, y0, south), (x1, y0, south), (x1, y0, top), (x0, y0, top)),
     }
     shapes = np.stack([np.stack([_project(*corner) for corner in corners], axis=1) for corners in faces.values()], 1)
-    lit = np.stack([_level_ground_is_grey(colours[i, j], top) * _LIT[face] for face in faces], axis=1)
+    lit = np.stack([np.where(top[:, None] > 0, colours[i, j], GROUND_GREY) * _LIT[face] for face in faces], axis=1)
     seen = np.stack([np.ones(len(i), dtype=bool), east < top, south < top], axis=1)
     return shapes[seen], lit[seen]
-
-
-def _level_ground_is_grey(colours: Array, top: Array) -> Array:
-    return np.where(top[:, None] > 0, colours, 0.86)
 
 
 def _project(x: Array, y: Array, z: Array) -> Array:

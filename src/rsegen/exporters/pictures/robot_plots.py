@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.pictures.plan import boundary, draw_plan
+from rsegen.exporters.pictures.plan import GROUND_GREY, boundary, draw_plan
 from rsegen.exporters.pictures.preview import figure_bytes
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Crossing, RobotLimits, Traversability
@@ -65,7 +65,7 @@ def _draw_costs(axes: Axes, scene: Scene, reach: Traversability) -> None:
     edges_x, edges_y = scene.field.edges()
     extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
     costs = np.ma.masked_invalid(reach.west_east.costs.T)
-    axes.imshow(np.full((1, 1, 3), 0.86), extent=extent)
+    axes.imshow(np.full((1, 1, 3), GROUND_GREY), extent=extent)
     if costs.count():
         image = axes.imshow(costs, origin="lower", extent=extent, interpolation="nearest", cmap="viridis")
         axes.figure.colorbar(image, ax=axes, shrink=0.8, label="cost of the way there [m]; grey: none")

@@ -93,8 +93,8 @@ def _draw_narrow(page: Page, scene: Scene, counts: Mapping[int, int], place: tup
 _PLAN_HEIGHT = 112.0
 """Height of the plan in millimetres, at the most: the lists below it need the rest of the page."""
 
-_SMALLEST = 4.0
-"""Smallest legible font size of names, in points."""
+SMALLEST = 4.0
+"""Smallest legible font size of names and heights, in points."""
 
 _LONGEST = 160
 """Characters of a description, at the most: a line in a small font."""
@@ -166,7 +166,7 @@ def _draw_name(plan: PrintedPlan, pallet: NumberedPallet) -> None:
     x, y = plan.middle((n_x - 1) / 2, (n_y - 1) / 2)
     room = n_x * plan.cell / POINT
     text = f"{pallet.number}: {pallet.name}"
-    if _size(text, room) < _SMALLEST:
+    if _size(text, room) < SMALLEST:
         text = pallet.name
     card = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "black", "linewidth": 0.5}
     plan.page.text(x, y, text, _size(text, room), ha="center", va="center", fontweight="bold", bbox=card)

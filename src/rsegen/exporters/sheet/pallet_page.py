@@ -13,7 +13,7 @@ import numpy as np
 from rsegen.exporters.levels import fingerprint
 from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.scene import Scene
-from rsegen.exporters.sheet.overview import COLUMN, draw_cut_list
+from rsegen.exporters.sheet.overview import COLUMN, RIGHT, SMALLEST, draw_cut_list
 from rsegen.exporters.sheet.page import GREY, INK, POINT, Page, PrintedPlan, block_colour, ink
 from rsegen.exporters.sheet.timber import NumberedPallet, length, placing_order
 
@@ -25,14 +25,8 @@ numbers.
 _TOP, _SIDE = 40.0, 172.0
 """Upper end and longer side of the plan in millimetres; the cut list needs the rest of the page."""
 
-_SMALLEST = 4.0
-"""Smallest legible font size of heights, in points."""
-
 _LINED = 1.5
 """Smallest cell size in millimetres at which the map of pallets has grid lines."""
-
-_NOTES = 113.0
-"""x of the right column in millimetres."""
 
 _PLACING = (
     "Place row by row from the north-west corner, as one",
@@ -127,7 +121,7 @@ def _labels(plan: PrintedPlan) -> tuple[dict[int, str], tuple[str, ...]]:
     """Return the text of each level in the cells, and the notes that explain it."""
     field, written = plan.field, lengths_in(plan.scene.recipe.units)
     heights = {level: written.short(length(level, field)) for level in field.level_counts()}
-    if _size(plan.cell, heights) >= _SMALLEST:
+    if _size(plan.cell, heights) >= SMALLEST:
         return heights, (f"Large numbers are heights in {written.name}.",)
     unit = written.short(length(1, field))
     notes = "Numbers are levels, for want of room: a block of", f"level n is n x {unit} {written.unit} long."
@@ -142,10 +136,9 @@ def _size(cell: float, texts: dict[int, str]) -> float:
 
 def _draw_notes(page: Page, notes: tuple[str, ...], y: float) -> None:
     """Draw the notes on how to read the plan and how to place the blocks."""
-    x = _NOTES
-    y = page.heading(x, y, "How to build it", COLUMN)
+    y = page.heading(RIGHT, y, "How to build it", COLUMN)
     for text in (*_PLACING, "", *notes, "", *_RULE):
-        page.text(x, y, text, 8.2)
+        page.text(RIGHT, y, text, 8.2)
         y += 4.4 if text else 2
 
 

@@ -4,16 +4,14 @@ StepField --metrics--> Metrics, in metres; docs/metrics.md has every formula wit
 """
 
 from rsegen.field.metrics.catalogue import Metrics, metrics
-from rsegen.field.metrics.roughness import Ruggedness, Scale, Spread, Steps
-from rsegen.field.metrics.traversability import Crossing, Percolation, Traversability
+from rsegen.field.metrics.roughness import Scale, Spread, Steps
+from rsegen.field.metrics.traversability import Crossing, Traversability
 from rsegen.field.robot_limits import RobotLimits
 
 __all__ = [
     "Crossing",
     "Metrics",
-    "Percolation",
     "RobotLimits",
-    "Ruggedness",
     "Scale",
     "Spread",
     "Steps",

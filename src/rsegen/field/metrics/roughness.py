@@ -160,7 +160,8 @@ class Scale:
 
 def scale(field: StepField) -> Scale:
     """Return the scale of a field: lags up to half of its shorter side, beyond which pairs are few and overlap."""
-    lags = _lags(min(field.blocks.shape) // 2)
+    largest = min(field.blocks.shape) // 2
+    lags = np.unique(np.rint(np.geomspace(1, largest, LAGS)).astype(int)) if largest else np.array([], dtype=int)
     pairs = [(int(lag), gaps) for lag in lags if len(gaps := differences(field, int(lag)))]
     cells = np.array([lag for lag, _ in pairs], dtype=float)
     rms = np.array([np.sqrt(np.mean(np.square(gaps, dtype=float))) for _, gaps in pairs])
@@ -170,10 +171,6 @@ def scale(field: StepField) -> Scale:
         hurst=_exponent(cells, rms),
         hurst_is_weak=len(cells) < FEW,
     )
-
-
-def _lags(largest: int) -> Ints:
-    return np.unique(np.rint(np.geomspace(1, largest, LAGS)).astype(int)) if largest else np.array([], dtype=int)
 
 
 def _exponent(lags: Array, rms: Array) -> float | None:

@@ -1,7 +1,4 @@
-"""The dialog that shows many maps as a grid of pictures, sorted by any metric.
-
-The dialog that asks which map of a data set to open, and shows its picture.
-"""
+"""The dialogs that show many maps as a grid of pictures, and a map of a data set."""
 
 from __future__ import annotations
 

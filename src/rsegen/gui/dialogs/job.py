@@ -1,9 +1,4 @@
-"""A dialog that runs a job: its options, an output folder, and progress.
-
-The dialog that drives robots over the map that is shown, in Gazebo without a window.
-
-The dialog that runs an experiment in Gazebo without a window, and shows its table and plot.
-"""
+"""The dialogs that run a job: options, an output folder and progress; of a drive and of an experiment."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""The dialog that shows the examples as pictures, to start from one.
-
-The dialog that asks how to read a file of heights: the options of its format, and the unit.
-
-Asking where to save a file; a name without the suffix of its format gets one.
-"""
+"""The dialogs of opening: examples as pictures, how to read heights, and where to save a file."""
 
 from __future__ import annotations
 

@@ -1,13 +1,4 @@
-"""The dialog that writes the build sheet of the map that is shown.
-
-The dialog that shows a recipe as a command line and as Python code, to be copied.
-
-The dialog that exports maps in formats of other programs.
-
-The dialog that asks for the size of a picture in pixels.
-
-The dialog that is open while a picture is drawn and written.
-"""
+"""The dialogs of outputs: build sheet, code, export formats, size of a picture, and saving it."""
 
 from __future__ import annotations
 

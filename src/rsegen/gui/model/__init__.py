@@ -1,1 +1,1 @@
-"""What the window works on, without Qt: the recipe being edited, its preview, and the jobs that write files."""
+"""The model of the window, without Qt: the recipe being edited, its preview, and the jobs that write files."""

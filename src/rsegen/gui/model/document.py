@@ -31,7 +31,7 @@ class Document:
 
     @property
     def is_proposing(self) -> bool:
-        """Whether the form has a new obstacle to be shown as a ghost: one was edited there, or the list is empty."""
+        """Return whether the form has a new obstacle for a ghost: one was edited there, or the list is empty."""
         return self.selected < 0 and (self._proposes or not self.session.draft.rows)
 
     def keyed(self, entry: Entry) -> Entry:
@@ -77,7 +77,7 @@ class Document:
         self.session.move(row, to)
 
     def can_shift(self, by: int) -> bool:
-        """Whether the selected obstacle can be moved by this number of rows."""
+        """Return whether the selected obstacle can be moved by this number of rows."""
         return self.selected >= 0 and 0 <= self.selected + by < len(self.session.draft.rows)
 
     def shift(self, by: int) -> None:

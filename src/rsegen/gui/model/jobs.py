@@ -1,9 +1,4 @@
-"""What the window writes in the background; each job calls the function that its command calls.
-
-A drive over the map that is shown, as a job of the window: what `rsegen drive` does.
-
-An experiment as a job of the window: what `rsegen experiment` does.
-"""
+"""The jobs that write in the background; each calls the function that its command calls."""
 
 from __future__ import annotations
 
@@ -73,7 +68,7 @@ class Job(ABC):
     @property
     @abstractmethod
     def steps(self) -> int:
-        """How many steps a whole run has."""
+        """The number of steps of a whole run."""
 
     @property
     @abstractmethod
@@ -105,7 +100,7 @@ class MapsJob(Job):
 
     @property
     def steps(self) -> int:
-        """How many steps a whole run has: one per map."""
+        """The number of steps of a whole run: one per map."""
         return self.recipe.maps
 
     @property
@@ -169,7 +164,7 @@ class SheetJob(MapsJob):
 
     @property
     def steps(self) -> int:
-        """How many steps a whole run has: one per page."""
+        """The number of steps of a whole run: one per page."""
         return page_count(self.recipe)
 
     @property
@@ -233,7 +228,7 @@ class DriveJob(MapsJob):
 
     @property
     def steps(self) -> int:
-        """How many steps a whole run has: one per simulated second."""
+        """The number of steps of a whole run: one per simulated second."""
         return max(math.ceil(self.settings.duration), 2)
 
     @property
@@ -317,7 +312,7 @@ class ExperimentJob(Job):
 
     @property
     def steps(self) -> int:
-        """How many steps a whole run has: one per trial."""
+        """The number of steps of a whole run: one per trial."""
         return self.summary.trials
 
     @property

@@ -1,11 +1,4 @@
-"""The two ends of an obstacle: straightened when the user moves one, and fixed where they were drawn.
-
-The ends of obstacles on the plan, as handles that the mouse can drag.
-
-The obstacle in the form before it is added: its blocks, to be shown pale on plan and view.
-
-Cells of the list of obstacles as text: what is shown in them, what is typed into them, and which one is wrong.
-"""
+"""The ends of obstacles, as handles on the plan and as cells of the list; the obstacle before it is added."""
 
 from __future__ import annotations
 
@@ -114,7 +107,7 @@ class Handle:
     last: Cell | None = None
 
     def end(self, end: End) -> Cell | None:
-        """One of its ends, or the cell in the middle of both."""
+        """An end of it, or the cell in the middle of both."""
         if end != "both":
             return self.first if end == "first" else self.last
         if self.first is None or self.last is None:
@@ -122,7 +115,7 @@ class Handle:
         return (self.first[0] + self.last[0]) // 2, (self.first[1] + self.last[1]) // 2
 
     def shows_middle(self, layout: PlanLayout) -> bool:
-        """Whether there is room between its ends for a handle that moves both."""
+        """Return whether there is room between its ends for a handle that moves both."""
         if self.first is None or self.last is None:
             return False
         (x1, y1), (x2, y2) = layout.middle(self.first), layout.middle(self.last)
@@ -149,7 +142,7 @@ def cells_between(handle: Handle, field: StepField) -> CellWindow | None:
 
 
 class Grip(NamedTuple):
-    """One end of one obstacle, or both."""
+    """An end of one obstacle, or both."""
 
     row: int
     end: End
@@ -208,7 +201,7 @@ class Ghost:
 
 
 def ghost_of(scene: Scene, entry: Entry) -> Ghost | None:
-    """One more obstacle in a map, where it would lie if it were added; None if it is invalid.
+    """Another obstacle in a map, where it would lie if it were added; None if it is invalid.
 
     What constraints and difficulty would make of it is left out.
     """

@@ -1,9 +1,4 @@
-"""Cells painted by hand: the cells of a stroke, and the matrix obstacle that they become.
-
-Strokes of painting: which cells each tool paints while the mouse or the keyboard is at cells of the plan.
-
-Which cell of a map a ray meets first, such as that under a click in the 3D view.
-"""
+"""Cells painted by hand: strokes of the tools, the cell under a click, and the matrix obstacle that they become."""
 
 from __future__ import annotations
 
@@ -41,7 +36,7 @@ def next_cell(cell: Cell, cells: Cell) -> Cell:
 
 
 def can_paint(entry: Entry) -> bool:
-    """Whether an entry is a matrix in its own size at a fixed place, so that cells can be painted into it."""
+    """Return whether an entry is a matrix in its own size at a fixed place, so that cells can be painted into it."""
     try:
         matrix = decode_obstacle(entry)
     except ParameterError:
@@ -130,7 +125,7 @@ class Strokes:
 
     @property
     def is_going_on(self) -> bool:
-        """Whether the mouse is painting."""
+        """Return whether the mouse is painting."""
         return self._level is not None
 
     def begin(self, brush: Brush, cell: Cell, levels: Levels, *, erases: bool) -> Painted | None:
@@ -172,7 +167,7 @@ class Strokes:
 
 
 def rectangle(one: Cell, other: Cell) -> tuple[Cell, ...]:
-    """All cells between two corners, both included."""
+    """The cells between two corners, both included."""
     (x1, x2), (y1, y2) = (sorted(pair) for pair in zip(one, other, strict=True))
     return tuple((x, y) for x in range(x1, x2 + 1) for y in range(y1, y2 + 1))
 
@@ -212,5 +207,5 @@ def cell_hit(field: StepField, start: Array, stop: Array) -> Cell | None:
 
 
 def is_inside(cell: Cell, window: CellWindow | None) -> bool:
-    """Whether a field cell is in a window; in none if there is no window."""
+    """Return whether a field cell is in a window; in none if there is no window."""
     return window is not None and all(part.start <= at < part.stop for at, part in zip(cell, window, strict=True))

@@ -1,7 +1,4 @@
-"""Where the cells of a map are on the plan: between pixels (y down), field cells and block cells (y up).
-
-The plan closer by: the same cells in larger squares, of which the area of the plan shows a part.
-"""
+"""Layout of the cells on the plan, as a whole or closer by: pixels (y down), field cells and block cells (y up)."""
 
 from __future__ import annotations
 

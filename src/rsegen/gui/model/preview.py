@@ -1,7 +1,4 @@
-"""Everything that the window shows of a map, computed without Qt, so that a thread can do it.
-
-Size, level counts and costs of a map, as the window shows them.
-"""
+"""The preview of a map, with its size, level counts and costs, computed without Qt, so that a thread can do it."""
 
 from __future__ import annotations
 
@@ -110,7 +107,7 @@ class Preview:
 
 
 def is_quick(recipe: Recipe) -> bool:
-    """Whether the preview of a recipe takes no noticeable time."""
+    """Return whether the preview of a recipe takes no noticeable time."""
     n_x, n_y = recipe.grid.shape
     return n_x * n_y <= QUICK_CELLS
 

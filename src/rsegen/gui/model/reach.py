@@ -1,9 +1,4 @@
-"""What a robot can do on a map, as the plan shows it.
-
-What a robot can do on a map, as faces and lines in space: what the plan shows, for the 3D view.
-
-The shape of a robot, and where it stands next to a map to be compared with it.
-"""
+"""The ground that a robot can reach on a map, for the plan and for the 3D view, and the shape of the robot."""
 
 from __future__ import annotations
 

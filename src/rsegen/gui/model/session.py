@@ -22,12 +22,12 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.run.single_files import save
 
 Entry = Mapping[str, Json]
-"""One obstacle as a recipe file has it."""
+"""An obstacle as a recipe file has it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ObstacleRow:
-    """One row of the list: an obstacle, and whether it is switched on."""
+    """A row of the list: an obstacle, and whether it is switched on."""
 
     entry: Entry
     enabled: bool = True
@@ -170,17 +170,17 @@ class Session:
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is anything to undo."""
+        """Return whether there is anything to undo."""
         return bool(self._done)
 
     @property
     def can_redo(self) -> bool:
-        """Whether there is anything to redo."""
+        """Return whether there is anything to redo."""
         return bool(self._undone)
 
     @property
     def unsaved(self) -> bool:
-        """Whether the draft differs from its file."""
+        """Return whether the draft differs from its file."""
         return self.draft != self._saved
 
     @property

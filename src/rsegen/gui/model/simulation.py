@@ -1,4 +1,4 @@
-"""What the window asks of robots and simulators; no other module of the window calls `rsegen.simulation`."""
+"""The window's door to robots and simulators; no other module of the window calls `rsegen.simulation`."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.robots import ROBOTS
 from rsegen.robots.base import Robot
 from rsegen.robots.footprint import footprint_of
-from rsegen.robots.links import Box, Cylinder, PoseTuple, Solid, rotation
+from rsegen.robots.links import Box, Cylinder, SdfPose, Solid, rotation
 from rsegen.simulation.driving.robot_runs import ROUTES, spot_generator, spots_on_map
 from rsegen.simulation.driving.routes import planned_way
 from rsegen.simulation.experiment.plan import PLANS, load_plan
 from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest
-from rsegen.simulation.simulators.connecting import connected
+from rsegen.simulation.simulators.base import connected
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.spawning import SpawnedMap, at_free_place, map_model, spawn_map
 
@@ -80,7 +80,7 @@ def _sizes(solid: Solid) -> tuple[float, ...]:
     return (solid.radius, solid.length) if isinstance(solid, Cylinder) else (solid.radius,)
 
 
-def _transform(pose: PoseTuple) -> Array:
+def _transform(pose: SdfPose) -> Array:
     found = np.eye(4)
     found[:3, :3], found[:3, 3] = rotation(*pose[3:]), pose[:3]
     return found
@@ -171,7 +171,7 @@ def simulator_titles() -> dict[str, str]:
 
 
 def installed() -> Installed:
-    """Which simulators are installed; this runs their programs, so it takes a moment."""
+    """Return the installed simulators; this runs their programs, so it takes a moment."""
     return {name: simulator.installation() for name, simulator in SIMULATORS.items()}
 
 
@@ -181,7 +181,7 @@ def how_to_install(name: str) -> str:
 
 
 def why_it_cannot_open(here: Installation | None) -> str:
-    """Why a simulator cannot open maps in its window; empty if it can."""
+    """Return why a simulator cannot open maps in its window; empty if it can."""
     if here is None:
         return "not found on this machine"
     can_open = here.simulator.with_gui(here, OpenRequest(world=Path("any.world")))

@@ -1,19 +1,4 @@
-"""A scene as points, faces and lines in space, which the 3D view draws.
-
-How light each point of a map is in the 3D view: shadows of the sun, and less light at the foot of higher blocks.
-
-Both are computed from the heights alone, once per map, so that every display shows them, and turning costs nothing.
-
-The end grain of wooden blocks in the 3D view: how bright each point of their tops is.
-
-Tick marks with metres along the sides of the map in the 3D view.
-
-How much space a map takes in the 3D view, with the ground around it.
-
-The camera pose from which the whole map is in view.
-
-The scale bar of the 3D view: a round length that is about as wide as wanted.
-"""
+"""A scene as points, faces and lines for the 3D view, with shadows and end grain once per map, and its scale."""
 
 from __future__ import annotations
 
@@ -299,7 +284,7 @@ def _ring_pairs(rings: int) -> NDArray[np.int64]:
 
 
 def _joined(points: list[Array], pairs: list[NDArray[np.int64] | None]) -> Lines:
-    """All lines in one value; without pairs, each two consecutive points are a line."""
+    """The lines in one value; without pairs, each two consecutive points are a line."""
     starts = np.cumsum([0, *map(len, points)])
     round_numbers = [
         (np.arange(len(some)).reshape(-1, 2) if joins is None else joins) + start

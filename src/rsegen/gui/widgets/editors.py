@@ -1,12 +1,4 @@
-"""An editor widget for each type of parameter; its bounds, unit and help come from the parameter.
-
-Spin boxes in which `.` and `,` are both the decimal mark, and no digits are grouped, whatever the locale.
-
-Qt reads numbers as the locale writes them, and passes over the marks that group digits: `7.5` is 75 in German, `0,5` is
-5 in English. Recipes have decimal points everywhere; the window reads numbers in one way everywhere too.
-
-An editor with a slider and a number for a parameter of few usual values.
-"""
+"""An editor widget for each type of parameter; numbers have `.` or `,` as decimal mark, whatever the locale."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""The 3D view of the map, or the reason why this display cannot show one.
-
-A picture of the 3D view in any size, drawn behind the screen.
-"""
+"""The 3D view of the map, or the reason why this display cannot show it, and pictures of it in any size."""
 
 from __future__ import annotations
 
@@ -321,7 +318,7 @@ def _unavailable_label(why: str) -> QLabel:
 
 
 def _turns(event: QMouseEvent) -> bool:
-    """Whether the mouse is dragged so that it turns the map."""
+    """Return whether the mouse is dragged so that it turns the map."""
     is_left = event.buttons() == Qt.MouseButton.LeftButton
     return (
         is_left and event.type() == QEvent.Type.MouseMove and not event.modifiers() & Qt.KeyboardModifier.ShiftModifier

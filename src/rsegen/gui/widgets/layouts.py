@@ -1,9 +1,4 @@
-"""Small layouts: rows, columns, groups and scrolled forms.
-
-Names of widgets: for programs, for screen readers, and tooltips.
-
-A label for errors and warnings, in a colour that is legible on light and dark backgrounds.
-"""
+"""Small layouts, names of widgets, and labels for errors and warnings."""
 
 from __future__ import annotations
 

@@ -1,11 +1,4 @@
-"""The right half of the window: the map in 3D, below it the plan and the table of obstacles.
-
-The status bar: which map is shown, its levels, size and costs, and whether a robot can cross it.
-
-A bar of the share of blocks of each level.
-
-What an empty window says: how to begin, and three examples to start from.
-"""
+"""The right half of the window: the map in 3D, the plan, the table of obstacles and the status bar."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""The form of one obstacle: kind, parameters, and four sliders for its ends, as in the paper's window.
-
-The ends of an obstacle: a slider, a number and a box for random per coordinate, and one box for the default ends.
-
-The list of obstacle kinds, each with a small picture of an obstacle of its defaults.
-"""
+"""The form of an obstacle: kind, parameters, and sliders for its ends, as in the paper's window."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""The table of obstacles; its cells can be edited, its rows switched off and dragged.
-
-The editors of the cells of the list of obstacles, and how a cell with a wrong value is painted.
-
-The buttons above the list of obstacles that change it: +, - and C, as in the paper's window.
-"""
+"""The table of obstacles, its editors and buttons; cells can be edited, rows switched off and dragged."""
 
 from __future__ import annotations
 

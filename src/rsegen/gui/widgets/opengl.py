@@ -1,4 +1,4 @@
-"""Whether this display can show the 3D view; `python -m rsegen.gui.widgets.opengl` prints its version of OpenGL."""
+"""A check for OpenGL, which the 3D view needs; `python -m rsegen.gui.widgets.opengl` prints its version."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _OPENGL = (3, 2)
 
 
 def unavailable() -> str:
-    """Why this display cannot show a 3D view; empty if it can."""
+    """Return why this display cannot show a 3D view; empty if it can."""
     platform = QGuiApplication.platformName()
     if platform in _WITHOUT_GL:
         return f"The 3D view needs a display: Qt's platform '{platform}' has none."
@@ -23,7 +23,7 @@ def unavailable() -> str:
 
 
 def _opengl_missing() -> str:
-    """Why this display has no sufficient OpenGL; empty if it has."""
+    """Return why this display has no sufficient OpenGL; empty if it has."""
     found = _version()
     if found is None:
         return "The 3D view needs OpenGL, and this display has none."

@@ -1,9 +1,4 @@
-"""The plan of a map that can be zoomed, moved and read; what is done to obstacles and cells is up to PlanView.
-
-What a robot can do on a map, painted on the plan: its largest area, ways across, a start and a goal.
-
-The plan as a file: SVG and PDF of lines and texts, or PNG.
-"""
+"""The plan of a map that can be zoomed, moved, read and saved; what a robot can do is painted on it."""
 
 from __future__ import annotations
 
@@ -298,7 +293,7 @@ class PlanCanvas(QWidget):
     # For PlanView.
 
     def _pans(self, event: QMouseEvent) -> bool:
-        """Whether an event of the mouse moves the plan: of the middle button, or of the left with Space; then do it."""
+        """Return whether a mouse event moves the plan: of the middle button, or the left with Space; then do it."""
         if event.type() in {QEvent.Type.MouseButtonPress, QEvent.Type.MouseButtonDblClick}:
             if event.button() == (Qt.MouseButton.LeftButton if self._space_held else Qt.MouseButton.MiddleButton):
                 self._pan = event.button(), event.position()
@@ -323,7 +318,7 @@ class PlanCanvas(QWidget):
             self._scroll.stop()
 
     def _is_empty(self, layout: PlanLayout, point: Point) -> bool:
-        """Whether there is nothing at a point that a press would take or paint."""
+        """Return whether there is nothing at a point that a press would take or paint."""
         return True
 
     def _dragged_to(self, layout: PlanLayout, point: Point) -> None:

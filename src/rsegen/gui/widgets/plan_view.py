@@ -187,7 +187,7 @@ class PlanView(PlanCanvas):
         super().focusOutEvent(event)
 
     def _is_empty(self, layout: PlanLayout, point: Point) -> bool:
-        """Whether there is neither a handle nor, while painting, a cell."""
+        """Return whether there is neither a handle nor, while painting, a cell."""
         if self._brush is not None:
             return not self._cell_at(layout, point)
         return grip_at(self._handles, self._selected, layout, point) is None
@@ -267,7 +267,7 @@ class PlanView(PlanCanvas):
             self.moved.emit(grip.row, grip.end, *now)
 
     def _far(self, point: QPointF) -> bool:
-        """Whether a press has become a drag."""
+        """Return whether a press has become a drag."""
         start = self._pressed or point
         return self._rubber_band is not None or (point - start).manhattanLength() >= QApplication.startDragDistance()
 

@@ -1,11 +1,4 @@
-"""The left half of the window: the forms of the map and of one obstacle, messages, and Start.
-
-The form of the global parameters, generated from `Recipe`, with errors under their fields.
-
-The second tab: all other parameters of the map in groups, with a filter.
-
-The form of Start, which writes worlds: output folder, build sheets, and the button of the export dialog.
-"""
+"""The left half of the window: the forms of the map and of an obstacle, messages, and Start."""
 
 from __future__ import annotations
 

@@ -1,13 +1,4 @@
-"""A form that runs a job: the output folder, a start button, a progress bar, and the outcome.
-
-A form generated from the parameters of a dataclass, such as the options of a format.
-
-A list of all export formats with check boxes, and the options of those that are ticked.
-
-A list of the included plans of experiments, and of files with others; below it what the chosen one measures.
-
-The table and the plot of an experiment, each on a tab.
-"""
+"""The forms that run a job, with options, export formats, plans of experiments, progress and outcome."""
 
 from __future__ import annotations
 
@@ -55,7 +46,7 @@ _CHECKED = 10_000
 
 
 def may_replace(parent: QWidget, question: str) -> bool:
-    """Whether the user lets something be replaced; by default not."""
+    """Return whether the user lets something be replaced; by default not."""
     yes, no = QMessageBox.StandardButton.Yes, QMessageBox.StandardButton.No
     return QMessageBox.question(parent, "rsegen", question, yes | no, no) == yes
 
@@ -106,11 +97,11 @@ class RunForm(QWidget):
 
     @property
     def busy(self) -> bool:
-        """Whether files are being written."""
+        """Return whether files are being written."""
         return self._is_running
 
     def may_write(self, job: Job) -> bool:
-        """Whether a job may write into the folder: asks before files are replaced, and shows what is wrong."""
+        """Return whether a job may write into the folder: asks before files are replaced, and shows what is wrong."""
         try:
             self._refuse()
             job.refuse()
@@ -283,7 +274,7 @@ class FormatList(QWidget):
         self._grid.setRowStretch(self._grid.rowCount(), 1)
 
     def any_ticked(self) -> bool:
-        """Whether any format is ticked."""
+        """Return whether any format is ticked."""
         return any(box.isChecked() for box in self._boxes.values())
 
     def formats(self) -> tuple[Format, ...]:

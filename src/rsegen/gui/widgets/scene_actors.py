@@ -1,7 +1,4 @@
-"""The actors of the 3D view, created once and filled with the points, faces and colours of every scene.
-
-The actors that show in the 3D view what a robot can do on the map, in the colours of the plan.
-"""
+"""The actors of the 3D view, created once and filled with the points, faces and colours of every scene."""
 
 from __future__ import annotations
 
@@ -126,7 +123,7 @@ def _joined(parts: list[Lines]) -> Lines:
 
 
 def _together(parts: list[Solid]) -> Solid:
-    """All faces, each of four points, in one value."""
+    """The faces, each of four points, in one value."""
     if not parts:
         return coloured(np.empty((0, 3), dtype=np.float32), _WHITE)
     points, colours = (np.concatenate([part[at] for part in parts]) for at in (0, 2))

@@ -1,9 +1,4 @@
-"""Menu entries that open the map that is shown in each installed simulator; the others say why they cannot.
-
-Menu entries that are enabled only while they can be done.
-
-The menu of recently opened files.
-"""
+"""Menu entries: simulators that open the map, commands that are enabled while possible, and recent files."""
 
 from __future__ import annotations
 
@@ -31,7 +26,7 @@ from rsegen.recipe.recipe import Recipe
 
 
 class SimulatorActions(QObject):
-    """One action per simulator, to be put into a menu.
+    """An action per simulator, to be put into a menu.
 
     requested: the name of the simulator that was chosen; message: what is done and how it ended. An opened simulator
     stays open when the window is closed.
@@ -87,7 +82,7 @@ class SimulatorActions(QObject):
         self._folder.cleanup()
 
     def _reason(self, name: str) -> str:
-        """Why a simulator cannot be opened; empty if it can."""
+        """Return why a simulator cannot be opened; empty if it can."""
         if name not in self._installed:
             return "searching"
         reason = why_it_cannot_open(self._installed[name])

@@ -1,9 +1,4 @@
-"""The camera of the 3D view: where it looks from, and how it is turned and moved.
-
-The legend and the scale bar in the scene of the 3D view: a native window would hide widgets over it.
-
-Pictures that lie over the 3D view: the legend of its heights, and a scale bar.
-"""
+"""The camera of the 3D view, how it is turned and moved, and the legend and scale bar over its picture."""
 
 from __future__ import annotations
 
@@ -90,7 +85,7 @@ class ViewCamera:
 
     @property
     def _is_fitted(self) -> bool:
-        """Whether the user has not moved the camera since it showed the whole map."""
+        """Return whether the user has not moved the camera since it showed the whole map."""
         camera = self._plotter.camera
         return self._fitted == (*camera.position, *camera.focal_point, camera.GetParallelScale())
 

@@ -1,18 +1,15 @@
-"""The files of a data set: which maps are in which file, its name and its size.
+"""The files of a data set: which maps are in which file, their names and sizes, and the manifest that lists them.
 
     DIR/manifest.json       the recipes, and the size and checksum of every file
     DIR/levels-00000.npy    block levels of the first maps, (maps, n_x, n_y), frames left out
     DIR/metrics-00000.npy   a row of metrics for each of them; or .parquet
     DIR/levels-00001.npy    of the next maps ...
 
-Of several recipes, the maps of the first come first; no shard has maps of two. All of it follows from the recipes, so
-no name is ever taken from a file.
+Of several recipes, the maps of the first come first; no shard has maps of two, and all but the last of a recipe have as
+many, so a division finds a map (decision 12). All of it follows from the recipes, so no name is ever taken from a file.
 
-The manifest of a data set: its recipes, and the size and checksum of every file. Nothing in it is trusted.
-
-It is the last file that is written: a data set with a manifest is complete.
-
-Checks that the files of a data set are those that its manifest lists.
+The manifest has the recipes, and the size and checksum of every file. It may come from anybody: whatever contradicts
+the recipes is refused. It is the last file that is written: a data set with a manifest is complete.
 """
 
 from __future__ import annotations
@@ -48,11 +45,11 @@ MOST = 100_000
 ROW = np.dtype([("map", "<i8"), *((name, "<f4") for name in COLUMNS)])
 """A row of a table of metrics: the index of the map in its recipe, and its metrics."""
 
-
 _ALIKE = ("chunk_size", "chunks", "unit_cm", "block_width_cm", "boundary", "frame_height_cm")
 """Parameters that all recipes of a data set have in common: what a level is, and where there are frames."""
 
 _MOST_RECIPES = 1000
+"""Recipes of a data set at most: each is compared with the first, and the manifest has all of them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,12 +81,12 @@ class ShardLayout:
 
     @property
     def maps(self) -> int:
-        """How many maps there are."""
+        """The number of maps."""
         return self._first_places[-1]
 
     @property
     def shards(self) -> int:
-        """How many shards there are."""
+        """The number of shards."""
         return self._first_shards[-1]
 
     @cached_property
@@ -113,7 +110,7 @@ class ShardLayout:
         return self.field(np.zeros(self.grid_shape, dtype=np.int16))
 
     def field(self, blocks: Ints) -> StepField:
-        """The field of a map with these block levels: frames round them, lengths in metres."""
+        """Return the field of a map with these block levels: frames round them, lengths in metres."""
         recipe = self.recipes[0]
         levels, frame = framed(blocks.astype(np.int16), recipe.chunk_size, recipe.boundary)
         return StepField(
@@ -125,43 +122,43 @@ class ShardLayout:
         )
 
     def recipe_of_shard(self, number: int) -> Recipe:
-        """The recipe of the maps of a shard."""
+        """Return the recipe of the maps of a shard."""
         return self.recipes[self._kind(number)]
 
     def places(self, number: int) -> range:
-        """The maps of a shard, counted from 0 in the data set."""
+        """Return the maps of a shard, counted from 0 in the data set."""
         kind = self._kind(number)
         first = self._first_places[kind] + (number - self._first_shards[kind]) * self.shard_maps
         return range(first, min(first + self.shard_maps, self._first_places[kind + 1]))
 
     def indices(self, number: int) -> range:
-        """The indices in their recipe of the maps of a shard."""
+        """Return the indices in their recipe of the maps of a shard."""
         places, before = self.places(number), self._first_places[self._kind(number)]
         return self.recipe_of_shard(number).indices[places.start - before : places.stop - before]
 
     def map_at(self, place: int) -> tuple[Recipe, int]:
-        """The recipe of a map, and its index in it."""
+        """Return the recipe of a map, and its index in it."""
         kind = self.kind_at(place)
         return self.recipes[kind], self.recipes[kind].indices[place - self._first_places[kind]]
 
     def kind_at(self, place: int) -> int:
-        """Which of the recipes a map is of."""
+        """Return the number of the recipe of a map."""
         return bisect_right(self._first_places, place) - 1
 
     def row_at(self, place: int) -> tuple[int, int]:
-        """The shard of a map, and its row there."""
+        """Return the shard of a map, and its row there."""
         kind = self.kind_at(place)
         number, row = divmod(place - self._first_places[kind], self.shard_maps)
         return self._first_shards[kind] + number, row
 
     def rows_at(self, places: Ints) -> tuple[Ints, Ints]:
-        """The shards of many maps, and their rows there."""
+        """Return the shards of many maps, and their rows there."""
         kinds = np.searchsorted(self._first_places, places, side="right") - 1
         numbers, rows = np.divmod(places - np.array(self._first_places)[kinds], self.shard_maps)
         return numbers + np.array(self._first_shards)[kinds], rows
 
     def _kind(self, number: int) -> int:
-        """Which of the recipes a shard is of."""
+        """Return the number of the recipe of a shard."""
         return bisect_right(self._first_shards, number) - 1
 
     def shape(self, number: int) -> tuple[int, int, int]:
@@ -180,7 +177,7 @@ class ShardLayout:
         return n_x * n_y * self.dtype.itemsize + (0 if self.metrics == "none" else ROW.itemsize)
 
     def names(self, number: int) -> dict[str, str]:
-        """The names of the files of a shard, by what they hold."""
+        """Return the names of the files of a shard, by what they hold."""
         table = {} if self.metrics == "none" else {"metrics": f"metrics-{number:05d}.{self.metrics}"}
         return {"levels": f"levels-{number:05d}.npy"} | table
 
@@ -191,14 +188,16 @@ def _check_kinds(recipes: Sequence[Recipe]) -> None:
         raise ParameterError("recipes", f"{len(recipes)} of them; give 1 to {_MOST_RECIPES:,}")
     refuse_unlike(recipes, _ALIKE)
     first: dict[str, int] = {}
-    for number, recipe in enumerate(recipes):
-        if first.setdefault(recipe.name, number) != number:
+    for index, recipe in enumerate(recipes):
+        if first.setdefault(recipe.name, index) != index:
             problem = f"'{recipe.name}' is the name of recipes[{first[recipe.name]}] too; give each a name of its own"
-            raise ParameterError(f"recipes[{number}].name", problem)
+            raise ParameterError(f"recipes[{index}].name", problem)
 
 
 MANIFEST = "manifest.json"
 FORMAT = 3
+"""Version of the manifest; another one is refused, and its data set made again."""
+
 AXES = "levels[k, i, j]: map k, cell i along +x, cell j along +y, frames left out; height = level * unit_cm"
 _SHA256 = Text(r"[0-9a-f]{64}", "64 hexadecimal digits")
 _SIZE = Integer(0, unit="bytes")
@@ -227,25 +226,25 @@ def header(layout: ShardLayout) -> dict[str, Any]:
 
 
 def manifest(layout: ShardLayout, shards: Iterable[Shard]) -> bytes:
-    """The text of a manifest, one line per shard."""
+    """Return the text of a manifest, one line per shard."""
     lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in header(layout).items()]
     rows = ",\n".join(f"    {json.dumps(_entry(layout, shard))}" for shard in shards)
     return ("{\n" + ",\n".join([*lines, f'  "shards": [\n{rows}\n  ]']) + "\n}\n").encode()
 
 
 def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
-    """The content of a data set's manifest; FileError if there is none, ParameterError if a value is wrong."""
+    """Return the content of a data set's manifest; FileError if there is none, ParameterError if a value is wrong."""
     path = folder / MANIFEST
     if not path.is_file():
         unfinished = (folder / JOURNAL).is_file()
         why = "is not finished; the command that began it goes on with --resume" if unfinished else "has no " + MANIFEST
         raise FileError(f"{folder}: {why}" + ("" if unfinished else ", so it is not a data set of rsegen"))
-    found = content(path)
+    entries = content(path)
     try:
-        if not isinstance(found, Mapping) or found.get("dataset") != FORMAT:
+        if not isinstance(entries, Mapping) or entries.get("dataset") != FORMAT:
             raise ParameterError("", f"is not a manifest of a data set in format {FORMAT}")
-        layout = _layout(found)
-        return layout, _shards(layout, found["shards"])
+        layout = _layout(entries)
+        return layout, _shards(layout, entries["shards"])
     except ParameterError as error:
         raise error.of(str(path)) from None
 
@@ -257,24 +256,25 @@ def _entry(layout: ShardLayout, shard: Shard) -> dict[str, object]:
     }
 
 
-def _layout(found: Mapping[str, Any]) -> ShardLayout:
+def _layout(content: Mapping[str, Any]) -> ShardLayout:
     """Return the layout of a manifest; ParameterError if other values of it contradict the recipes."""
+    # Recipes, shard_maps and metrics decide everything; the other values only help readers, and have to agree.
     for key in ("recipes", "shard_maps", "metrics", "shards"):
-        if key not in found:
+        if key not in content:
             raise ParameterError(key, "is missing")
-    entries = found["recipes"]
+    entries = content["recipes"]
     if not isinstance(entries, list):
         raise ParameterError("recipes", f"{shown(entries)} is not a list of recipes")
     layout = ShardLayout(
-        recipes=[_recipe(f"recipes[{number}]", entry) for number, entry in enumerate(entries)],
-        shard_maps=found["shard_maps"],
-        metrics=found["metrics"],
+        recipes=[_recipe(f"recipes[{index}]", entry) for index, entry in enumerate(entries)],
+        shard_maps=content["shard_maps"],
+        metrics=content["metrics"],
     )
     expected = header(layout)
     for key in ("maps", "shape", "dtype", "axes", "shard_maps"):
-        if found.get(key) != expected[key]:
+        if content.get(key) != expected[key]:
             raise ParameterError(
-                key, f"{shown(found.get(key))} does not match the recipes, which give {shown(expected[key])}"
+                key, f"{shown(content.get(key))} does not match the recipes, which give {shown(expected[key])}"
             )
     return layout
 
@@ -291,17 +291,17 @@ def _shards(layout: ShardLayout, entries: object) -> list[Shard]:
 
 
 def _shard(layout: ShardLayout, number: object, entry: object) -> Shard:
-    """One shard; ParameterError if a file has a wrong name or an impossible size."""
+    """Return a shard of a manifest; ParameterError if a file has a wrong name or an impossible size."""
     number = Integer(0, layout.shards - 1).check("shard", number)
     where, names = f"shards[{number}]", layout.names(number)
     files = {}
     for what, name in names.items():
-        found = entry.get(what) if isinstance(entry, Mapping) else None
-        if not isinstance(found, Mapping) or found.get("file") != name:
-            raise ParameterError(f"{where}.{what}", f"{shown(found)} is not the file {name}")
+        part = entry.get(what) if isinstance(entry, Mapping) else None
+        if not isinstance(part, Mapping) or part.get("file") != name:
+            raise ParameterError(f"{where}.{what}", f"{shown(part)} is not the file {name}")
         files[what] = Checksum(
-            bytes=_SIZE.check(f"{where}.{what}.bytes", found.get("bytes")),
-            sha256=_SHA256.check(f"{where}.{what}.sha256", found.get("sha256")),
+            bytes=_SIZE.check(f"{where}.{what}.bytes", part.get("bytes")),
+            sha256=_SHA256.check(f"{where}.{what}.sha256", part.get("sha256")),
         )
     return Shard(number=number, files=files)
 
@@ -309,10 +309,10 @@ def _shard(layout: ShardLayout, number: object, entry: object) -> Shard:
 def refuse_other_sizes(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
     """Raise DatasetDamaged for the first file that is missing, or has another size than the manifest says."""
     for path, part in _files(folder, layout, shards):
-        found = path.stat().st_size if path.is_file() else None
-        if found != part.bytes:
-            there = "is missing" if found is None else f"has {found} bytes, and the manifest says {part.bytes}"
-            raise DatasetDamaged(f"{path}: {there}; the command that made the data set repairs it with --resume")
+        size = path.stat().st_size if path.is_file() else None
+        if size != part.bytes:
+            problem = "is missing" if size is None else f"has {size} bytes, and the manifest says {part.bytes}"
+            raise DatasetDamaged(f"{path}: {problem}; the command that made the data set repairs it with --resume")
 
 
 def refuse_other_checksums(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:

@@ -1,6 +1,8 @@
-"""Reads a data set: levels mapped into memory, any map by its place, metrics as columns.
+"""Read a data set: levels mapped into memory, any map by its place, metrics as columns.
 
-Converts arrays and tables of metrics to files and back: the same values give the same bytes.
+Only what is indexed is read from the disk, in microseconds per map, however many there are. Arrays and tables of
+metrics are converted to files and back; the same values give the same bytes, except for Parquet's, which depend on
+pyarrow.
 """
 
 from __future__ import annotations
@@ -38,14 +40,14 @@ from rsegen.recipe.recipe import Recipe
 
 
 def npy(array: NDArray[Any]) -> bytes:
-    """An array as the content of a .npy file."""
+    """Return an array as the content of a .npy file."""
     file = io.BytesIO()
     np.save(file, array, allow_pickle=False)
     return file.getvalue()
 
 
 def table(form: str, maps: range, figures: Table) -> bytes:
-    """The metrics of maps, whose indices in their recipe are given, as a file: a row of ROW for each, or Parquet."""
+    """Return the metrics of maps, given by their indices, as the content of a file: rows of ROW, or Parquet."""
     if form == "parquet":
         return _parquet(maps, figures)
     rows = np.empty(len(maps), dtype=ROW)
@@ -64,32 +66,28 @@ def _parquet(maps: range, figures: Table) -> bytes:
 
 
 def mapped(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
-    """The array in a file, mapped into memory; FileError if it has another shape or type, or does not exist."""
-    found = npy_files.mapped(path)
-    if found.shape != shape or found.dtype != dtype:
-        raise FileError(f"{path}: has shape {found.shape} of {found.dtype}; expected {shape} of {dtype}")
-    return np.asarray(found)
+    """Return the array in a file, mapped into memory; FileError if it has another shape or type, or does not exist."""
+    array = npy_files.mapped(path)
+    if array.shape != shape or array.dtype != dtype:
+        raise FileError(f"{path}: has shape {array.shape} of {array.dtype}; expected {shape} of {dtype}")
+    return np.asarray(array)
 
 
 def read_parquet(path: Path, maps: int) -> dict[str, NDArray[Any]]:
-    """The columns of a Parquet table; FileError if it is another table, or does not exist."""
+    """Return the columns of a Parquet table; FileError if it is another table, or does not exist."""
     pyarrow, parquet = arrow()
     try:
         with open_regular(path) as opened:
             file = parquet.ParquetFile(opened)
             types = {field.name: field.type for field in file.schema_arrow}
-            if file.metadata.num_rows != maps or types != _arrow_types(pyarrow):
+            expected = {"map": pyarrow.int64(), **dict.fromkeys(COLUMNS, pyarrow.float32())}
+            if file.metadata.num_rows != maps or types != expected:
                 raise FileError(f"{path}: is not the metrics of {maps} maps")
-            found = file.read()
+            columns = file.read()
     except (OSError, pyarrow.ArrowException) as error:
         why = getattr(error, "strerror", None) or str(error).partition("\n")[0][:200]
         raise FileError(f"{path}: not a table in Parquet: {why}") from None
-    return {name: found[name].to_numpy() for name in ROW.names or ()}
-
-
-def _arrow_types(pyarrow: Any) -> dict[str, Any]:
-    """The types of the columns of metrics, by name."""
-    return {"map": pyarrow.int64(), **dict.fromkeys(COLUMNS, pyarrow.float32())}
+    return {name: columns[name].to_numpy() for name in ROW.names or ()}
 
 
 def arrow() -> tuple[Any, Any]:
@@ -103,7 +101,7 @@ def arrow() -> tuple[Any, Any]:
 
 
 OPEN = 256
-"""Shards that are mapped at the same time, at most."""
+"""Shards that are mapped at the same time, at most: each has a file descriptor, of which systems give 1024 and less."""
 
 
 class LevelsOfMaps:
@@ -131,7 +129,7 @@ class LevelsOfMaps:
             yield from self._shard(number)
 
     def __getitem__(self, maps: int | slice | Ints | Mask | list[int]) -> Ints:
-        """One map (n_x, n_y); or several, (maps, n_x, n_y): a slice, a list of places, or a mask."""
+        """Return a map (n_x, n_y), or several, (maps, n_x, n_y), for a slice, a list of places, or a mask."""
         if isinstance(maps, slice):
             return self._several(np.arange(*maps.indices(len(self))))
         if isinstance(maps, (list, np.ndarray)):
@@ -140,8 +138,8 @@ class LevelsOfMaps:
         if not 0 <= place < len(self):
             raise IndexError(f"there is no map {maps}; the data set has {len(self)}")
         number, row = self._layout.row_at(place)
-        found: Ints = self._shard(number)[row]
-        return found
+        levels: Ints = self._shard(number)[row]
+        return levels
 
     def _places(self, maps: Ints | Mask) -> Ints:
         """Places from 0 on, of negative places or a mask."""
@@ -158,13 +156,13 @@ class LevelsOfMaps:
         return np.asarray(self[:], dtype=dtype)
 
     def _several(self, places: Ints) -> Ints:
-        """The maps at some places, read shard by shard."""
-        found = np.empty((len(places), *self.shape[1:]), dtype=self.dtype)
+        """Return the maps at some places, read shard by shard."""
+        levels = np.empty((len(places), *self.shape[1:]), dtype=self.dtype)
         numbers, rows = self._layout.rows_at(places)
         for number in np.unique(numbers):
             here = numbers == number
-            found[here] = self._shard(int(number))[rows[here]]
-        return found
+            levels[here] = self._shard(int(number))[rows[here]]
+        return levels
 
 
 class Dataset:
@@ -201,17 +199,17 @@ class Dataset:
 
     @property
     def recipes(self) -> tuple[Recipe, ...]:
-        """All of its recipes, in the order of their maps."""
+        """The recipes, in the order of their maps."""
         return tuple(self.layout.recipes)
 
     def recipe_of(self, place: int) -> Recipe:
-        """The recipe of one map and no other, as DIR#17 names it; a UserError if there is no such map."""
+        """Return the recipe of one map and no other, as DIR#17 names it; a UserError if there is no such map."""
         recipe, index = self.layout.map_at(Integer(0, len(self) - 1).check("place", place))
         return recipe.alone(index)
 
     @cached_property
     def recipe_numbers(self) -> NDArray[np.int16]:
-        """Which of the recipes each map is of, counted from 0: (maps,)."""
+        """The number of the recipe of each map, counted from 0: (maps,)."""
         return np.repeat(np.arange(len(self.recipes), dtype=np.int16), [recipe.maps for recipe in self.recipes])
 
     @property
@@ -228,8 +226,8 @@ class Dataset:
         return self.layout.maps
 
     def __getitem__(self, maps: int | slice | Ints | Mask | list[int]) -> Ints:
-        found = self.levels[maps]
-        return found if found.flags.writeable else found.copy()
+        levels = self.levels[maps]
+        return levels if levels.flags.writeable else levels.copy()
 
     def __getitems__(self, maps: list[int]) -> Ints:
         """Several maps at once, (maps, n_x, n_y), which torch's DataLoader asks for."""
@@ -239,7 +237,7 @@ class Dataset:
         return iter(self.levels)
 
     def field(self, place: int) -> StepField:
-        """One map with its frames and metres: what `build` gives for it."""
+        """Return a map with its frames and metres, as `build` makes it."""
         return self.layout.field(self[place])
 
     def heights(self, place: int) -> Array:
@@ -278,7 +276,7 @@ class Dataset:
         spacing: str = "value",
         recipes: Sequence[str] | None = None,
     ) -> Tiles:
-        """A terrain of rows x columns maps that gets harder from row to row, by any metric.
+        """Return a terrain of rows x columns maps that gets harder from row to row, by any metric.
 
         by: the name of one of rsegen's own or of a plug-in, or a function StepField -> float. Those that are not in the
         table of the data set are measured map by map.

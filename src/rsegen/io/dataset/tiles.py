@@ -1,6 +1,11 @@
 """A terrain of many maps, harder from row to row, for curriculum learning.
 
 rows (+x): from the easiest map to the hardest       columns (+y): maps of about the same difficulty, or a recipe each
+
+Maps are chosen by a metric: those nearest to evenly spaced values, each used once, or those at evenly spaced ranks.
+Cost: a sort per row; a metric that is not in the table of the data set is measured map by map, which costs most. What
+breaks
+it: a metric with few different values, of which neighbouring rows then have the same.
 """
 
 from __future__ import annotations
@@ -25,7 +30,7 @@ if TYPE_CHECKING:
 
 
 SPACING = Choice(("value", "rank"))
-"""Whether the metric rises evenly from row to row, or its rank among all maps."""
+"""Spacing of the rows: even in the metric itself, or in its rank among all maps."""
 
 
 class Tiles(NamedTuple):
@@ -58,6 +63,7 @@ def tiles(  # noqa: PLR0913  # as Dataset.tiles
     recipes: Sequence[str] | None,
 ) -> Tiles:
     """Maps from the least to the greatest of a metric, evenly spaced; maps without a value are left out."""
+    # For each recipe the maps of its columns, then what they are as a terrain.
     spacing = SPACING.check("spacing", spacing)
     rows, columns = (Integer(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
     kinds = _kinds(dataset, recipes, columns)
@@ -72,7 +78,7 @@ def tiles(  # noqa: PLR0913  # as Dataset.tiles
             raise ParameterError("rows", f"{rows} x {count} tiles{of} need as many maps, and {len(own)} have a {named}")
         places[:, kinds == kind] = (_by_rank if spacing == "rank" else partial(_by_value, figures))(own, rows, count)
     levels = dataset[places.ravel()]
-    heights = np.array([dataset.layout.field(one).heights for one in levels])
+    heights = np.array([dataset.layout.field(blocks).heights for blocks in levels])
     size = dataset.layout.flat_field.extent
     return Tiles(
         levels=levels.reshape(rows, columns, *levels.shape[1:]),
@@ -85,44 +91,44 @@ def tiles(  # noqa: PLR0913  # as Dataset.tiles
 
 
 def _kinds(dataset: Dataset, names: Sequence[str] | None, columns: int) -> NDArray[np.intp]:
-    """Which of the recipes each column has."""
+    """Return the number of the recipe of each column."""
     known = {recipe.name: kind for kind, recipe in enumerate(dataset.recipes)}
     wanted = list(known) if names is None else names
     if isinstance(wanted, str) or not isinstance(wanted, Sequence):
         raise ParameterError("recipes", f"{shown(names)} is not a list of names of recipes")
-    for number, name in enumerate(wanted):
+    for index, name in enumerate(wanted):
         if not isinstance(name, str) or name not in known:
-            raise UnknownName.among(f"recipes[{number}]", "recipe", name, known)
+            raise UnknownName.among(f"recipes[{index}]", "recipe", name, known)
     if not 0 < len(wanted) <= columns:
         raise ParameterError("recipes", f"{len(wanted)} for {columns} columns; give at most one per column")
     return np.array([known[wanted[kind_of_column(column, columns, len(wanted))]] for column in range(columns)])
 
 
 def _ranked(dataset: Dataset, figures: NDArray[np.float32], kind: int) -> NDArray[np.intp]:
-    """The maps of a recipe that have a figure, from the least to the greatest."""
+    """Return the maps of a recipe that have a figure, from the least to the greatest."""
     own = np.flatnonzero((dataset.recipe_numbers == kind) & ~np.isnan(figures))
     return own[np.argsort(figures[own], kind="stable")]
 
 
 def _by_rank(ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
-    """The maps at evenly spaced ranks, row by row."""
+    """Return the maps at evenly spaced ranks, row by row."""
     spaced = np.linspace(0, len(ranked) - 1, rows * columns).round().astype(np.intp)
     return ranked[spaced].reshape(rows, columns)
 
 
 def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
-    """For each of evenly spaced values the maps that are nearest to it and in no other row, from least to greatest."""
+    """Return row by row the unused maps nearest to evenly spaced values, from the least to the greatest."""
     values, free = figures[ranked], np.ones(len(ranked), dtype=bool)
-    found = np.empty((rows, columns), dtype=np.intp)
-    for row, wanted in enumerate(np.linspace(values[0], values[-1], rows)):
+    places = np.empty((rows, columns), dtype=np.intp)
+    for row, target in enumerate(np.linspace(values[0], values[-1], rows)):
         left = np.flatnonzero(free)
-        nearest = np.sort(left[np.argsort(np.abs(values[left] - wanted), kind="stable")[:columns]])
-        free[nearest], found[row] = False, ranked[nearest]
-    return found
+        nearest = np.sort(left[np.argsort(np.abs(values[left] - target), kind="stable")[:columns]])
+        free[nearest], places[row] = False, ranked[nearest]
+    return places
 
 
 def _figures(dataset: Dataset, by: By, robot: RobotLimits | None, wanted: Mask) -> tuple[NDArray[np.float32], str]:
-    """A metric of every map, NaN for none, and its name: from the table, or measured on each that is wanted."""
+    """Return a metric of every map, NaN for none, and its name: from the table, or measured on each that is wanted."""
     metric = metric_by(by, robot)
     if isinstance(by, str) and by in COLUMNS and robot is None:
         return dataset.metrics[by], by

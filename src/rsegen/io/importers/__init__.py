@@ -1,6 +1,6 @@
-"""Imports heights from files; every module of this folder is an importer for some file names.
+"""Importers of heights from files; every module of this folder is an importer for some file names.
 
-file --Format.read--> Heights --imported--> Recipe of one matrix
+file --Importer.read--> Heights --imported--> Recipe of one matrix
 """
 
 from rsegen.io.importers.base import IMPORTERS, Heights, Importer

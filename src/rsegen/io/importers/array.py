@@ -1,19 +1,19 @@
-"""Imports arrays that numpy saved (.npy)."""
+"""Import arrays that numpy saved (.npy)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar
-
-import numpy as np
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from rsegen.errors import FileError
 from rsegen.io.importers.base import CENTIMETRES, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
 from rsegen.io.importers.measured import Measured
 from rsegen.io.importers.table import centimetres
-from rsegen.io.npy_files import mapped
 from rsegen.params.sorts import Choice
+
+if TYPE_CHECKING:
+    pass
 
 
 @register
@@ -27,11 +27,15 @@ class Saved(Measured):
     values: Annotated[str, Choice((*CENTIMETRES, "levels"), help="unit of the numbers; in: inches")] = "cm"
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """The shape is looked at before anything else is."""
-        found = mapped(path)
-        if found.ndim != 2 or found.dtype.kind not in "biuf":
-            sort = str(found.dtype)[:60]
-            raise FileError(f"{path}: {found.ndim} axes of {sort}; give an array of numbers with two axes")
-        refuse_too_many_cells(path, *found.shape)
+        """Return the heights of an array, whose shape is checked before anything is read."""
+        import numpy as np
+
+        from rsegen.io.npy_files import mapped
+
+        array = mapped(path)
+        if array.ndim != 2 or array.dtype.kind not in "biuf":
+            sort = str(array.dtype)[:60]
+            raise FileError(f"{path}: {array.ndim} axes of {sort}; give an array of numbers with two axes")
+        refuse_too_many_cells(path, *array.shape)
         unit = unit_cm or USUAL_UNIT_CM
-        return self.measured(path, np.asarray(found, dtype=np.float64) * centimetres(self.values, unit), unit)
+        return self.measured(path, np.asarray(array, dtype=np.float64) * centimetres(self.values, unit), unit)

@@ -1,9 +1,12 @@
-"""What an importer is: options with their bounds, and how a file becomes levels.
+"""The interface of importers of heights, and the step from heights in centimetres to levels.
 
-A format is one file of this folder with one class: a frozen dataclass whose annotated fields are its options, under
+An importer is one file of this folder with one class: a frozen dataclass whose annotated fields are its options, under
 `@register`. Nothing else needs to know of it. Files come from strangers: nothing in them is trusted.
 
-How heights are rounded to whole units, how far, and when that is not what they are.
+Heights h become levels floor(h / unit + 0.5). They have to be whole units up to decimals' rounding, or, on request,
+measured blocks: then the mean error must be below 0.2 units, where random heights have 0.25, and few may be halfway.
+Else the message says what the numbers may be: another ground, unit, or unit of length. What breaks it: heights of which
+most are 0, whose few others may be of any unit.
 """
 
 from __future__ import annotations
@@ -12,27 +15,37 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from rsegen.errors import FileError
-from rsegen.exporters.formats.base import FORMATS as WRITTEN
-from rsegen.exporters.formats.base import RESERVED
-from rsegen.field.stepfield import Array, Ints, Mask
-from rsegen.io.resources import refuse_many_heights
 from rsegen.params.registry import Contract, Registry, clash
 from rsegen.params.sorts import CENTIMETRES as UNITS
 from rsegen.params.sorts import Cell, parameters, validate
+
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Array, Ints, Mask
+
 
 _MEASURED = 0.2
 """Mean rounding error, in units, above which heights are not blocks of that unit; of random ones it is 0.25."""
 
 _HALFWAY = 0.4
+"""Error, in units, from which on a height is almost halfway between two levels; it is at most 0.5."""
+
 _MOST_HALFWAY = 0.05
-"""Of measured blocks fewer are so far from a whole unit, if every sixth of them is off by more than 0.2 units."""
+"""Share of heights that may be almost halfway: blocks that are measured so badly that every sixth is off by more than
+0.2 units have fewer.
+"""
 
 _NEAR = 0.12
+"""Mean error, in units, below which heights count as nearly whole units when a unit is looked for.
+
+It is half of what random heights have: with more, advice would name a wrong unit; with less, none for coarse measures.
+"""
+
+_WHOLE = 1e-3
+"""Error, in units, up to which a height is a whole unit: that of three decimals."""
+
 _VISIBLE_CM = 1e-3
 """Rounding errors up to this are those of decimals, and are not reported."""
 
@@ -42,7 +55,7 @@ CENTIMETRES = {name: UNITS[name] for name in ("cm", "mm", "m", "in")}
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Rounding:
-    """How far heights were rounded: the largest error and its cell x, y, and the mean, in cm; how many were filled.
+    """The rounding of heights: the largest error and its cell x, y, and the mean, in cm; the number of filled holes.
 
     As text it is one line, empty if there is nothing to say.
     """
@@ -54,7 +67,9 @@ class Rounding:
 
     @classmethod
     def of(cls, errors_cm: Array, holes: Mask) -> Rounding:
-        """From the errors of all cells, shape (n_x, n_y), and those that were filled."""
+        """Return the rounding of the errors of all cells, shape (n_x, n_y), and those that were filled."""
+        import numpy as np
+
         errors = np.where(holes, 0, np.abs(errors_cm))
         x, y = (int(at) for at in np.unravel_index(errors.argmax(), errors.shape))
         mean = float(errors.sum() / max((~holes).sum(), 1))
@@ -62,44 +77,55 @@ class Rounding:
 
     def __str__(self) -> str:
         x, y = self.cell
-        said = f"rounded by {self.mean_cm:.2g} cm in the mean, by {self.largest_cm:.2g} cm at most (x {x}, y {y})"
+        error = f"rounded by {self.mean_cm:.2g} cm in the mean, by {self.largest_cm:.2g} cm at most (x {x}, y {y})"
         filled = f"{self.filled:,} hole{'s'[: self.filled > 1]} filled from the neighbours"
-        return "; ".join([said] * (self.largest_cm > _VISIBLE_CM) + [filled] * (self.filled > 0))
+        return "; ".join([error] * (self.largest_cm > _VISIBLE_CM) + [filled] * (self.filled > 0))
 
 
 def are_not_blocks(units: Array, levels: Ints) -> bool:
-    """Whether heights in units, not rounded, are too far from the whole ones for measured blocks of that unit."""
+    """Return whether heights, in units, are too far from whole units to be measured blocks of that unit."""
+    import numpy as np
+
     errors = np.abs(units - levels)
     halfway = int((errors > _HALFWAY).sum())
-    lost = bool(units.max(initial=0) > 1e-3) and not levels.any()
+    lost = bool(units.max(initial=0) > _WHOLE) and not levels.any()  # all rounded to 0
     return lost or float(errors.mean()) > _MEASURED or halfway > max(_MOST_HALFWAY * units.size, 1)
 
 
 def advice(heights_cm: Array, unit_cm: float) -> str:
-    """What heights [cm] may be that are no whole units: above another ground, or of another unit."""
+    """Return advice on heights [cm] that are no whole units: another ground, or another unit."""
+    import numpy as np
+
     heights = heights_cm[np.isfinite(heights_cm) & (heights_cm >= 0)]
     if not heights.any():
         return "give other values (cm, m, in, ...)"
+    # First another ground, then this unit measured badly, then another unit, of which blocks have 1 to 150 cm.
     lowest = float(heights.min())
     if lowest > unit_cm / 4 and _are_near(heights - lowest, unit_cm):
         return f"they are whole units above {lowest:.4g} cm: give datum_cm {lowest:.4g} if that is the ground"
-    found = _largest_step(heights)
-    if found is None:
+    step = _largest_step(heights)
+    if step is None:
         return "give another unit_cm, other values (cm, m, in, ...), or rounded"
-    if abs(found / unit_cm - 1) < _NEAR:
+    if abs(step / unit_cm - 1) < _NEAR:
         return "they are nearly whole units: rounded takes the nearest"
-    may_be = {"levels": 1.0} if abs(found - 1) < 1e-6 else {}
-    may_be |= {name: factor for name, factor in CENTIMETRES.items() if 1 <= found * factor <= 150}
+    may_be = {"levels": 1.0} if abs(step - 1) < 1e-6 else {}
+    may_be |= {name: factor for name, factor in CENTIMETRES.items() if 1 <= step * factor <= 150}
     ways = (
-        f"values {name}" + (f" and unit_cm {found * factor:.4g}" if name != "levels" else "")
+        f"values {name}" + (f" and unit_cm {step * factor:.4g}" if name != "levels" else "")
         for name, factor in may_be.items()
     )
-    return f"they are whole multiples of {found:.4g}: give {', or '.join(ways)}"
+    return f"they are whole multiples of {step:.4g}: give {', or '.join(ways)}"
 
 
 def _largest_step(heights: Array) -> float | None:
-    """The largest length of which all heights are nearly whole multiples, if the blocks have up to ten levels."""
-    positive = heights[heights > heights.max() * 0.02]
+    """Return the largest length of which all heights are nearly whole multiples, if the blocks have up to ten levels.
+
+    The lowest blocks, without ground and outliers, are one to four units high; the median of height / level is the
+    unit.
+    """
+    import numpy as np
+
+    positive = heights[heights > heights.max() * 0.02]  # less than a fifth of the lowest of ten levels is ground
     lowest = float(np.quantile(positive, 0.1))
     steps = (lowest / parts for parts in range(1, 5))
     near = (step for step in steps if heights.max() / step < 10.5 and _are_near(heights, step))
@@ -108,37 +134,42 @@ def _largest_step(heights: Array) -> float | None:
 
 
 def _are_near(heights: Array, unit: float) -> bool:
+    import numpy as np
+
     units = heights / unit
     return float(np.abs(units - np.rint(units)).mean()) < _NEAR
 
 
 def filled(heights: Array, holes: Mask) -> Array:
-    """Heights (n_x, n_y) with the median of its known neighbours in every hole, from the edge of a hole to its middle.
+    """Return heights (n_x, n_y) with the lower median of the known of its eight neighbours in every hole.
 
-    At least one cell has to be no hole.
+    A hole is filled from its edge to its middle, ring by ring; at least one cell has to be no hole.
     """
-    found = np.where(holes, np.nan, heights)
+    import numpy as np
+
+    complete = np.where(holes, np.nan, heights)
     missing = np.argwhere(holes)
     while len(missing):
-        padded = np.pad(found, 1, constant_values=np.nan)
+        padded = np.pad(complete, 1, constant_values=np.nan)
         around = np.stack(
             [padded[missing[:, 0] + i, missing[:, 1] + j] for i in range(3) for j in range(3) if (i, j) != (1, 1)]
         )
         known = ~np.isnan(around).all(axis=0)
         ordered = np.sort(around[:, known], axis=0)  # nan last
         middle = (np.count_nonzero(~np.isnan(ordered), axis=0) - 1) // 2
-        found[tuple(missing[known].T)] = np.take_along_axis(ordered, middle[None], axis=0)[0]
+        complete[tuple(missing[known].T)] = np.take_along_axis(ordered, middle[None], axis=0)[0]
         missing = missing[~known]
-    return found
+    return complete
 
 
 MOST_CELLS = 2**24
-"""Cells of a file at most: 4096 x 4096."""
+"""Cells of a file at most: 4096 x 4096, which need 0.8 GB while they become a map."""
 
 USUAL_UNIT_CM = 10.0
-"""The unit of heights if neither the file nor the user gives one."""
+"""The unit of heights if neither the file nor the user gives one, as of a recipe."""
 
 _HIGHEST = 32766
+"""The highest level: a recipe has at most 32,767 levels, as levels are int16, and the lowest is 0."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -156,7 +187,7 @@ class Heights:
 
     @property
     def rounding(self) -> Rounding | None:
-        """How far the heights were rounded, if that is known."""
+        """The rounding of the heights, None if it is unknown."""
         return None if self.errors_cm is None or self.holes is None else Rounding.of(self.errors_cm, self.holes)
 
 
@@ -172,35 +203,35 @@ class Importer(ABC):
 
     @abstractmethod
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """The heights in a file, in units of `unit_cm` if that is given; a FileError if it has none."""
+        """Return the heights in a file, in units of `unit_cm` if that is given; a FileError if it has none."""
 
 
 def refuse_too_many_cells(path: Path, n_x: int, n_y: int) -> None:
     """Raise a FileError if a file has too many cells, or none; called before they are read."""
+    from rsegen.io.resources import refuse_many_heights
+
     if not 0 < n_x * n_y <= MOST_CELLS:
         raise FileError(f"{path}: {n_x} x {n_y} cells; from 1 up to {MOST_CELLS:,} can be read")
     refuse_many_heights(str(path), n_x, n_y)
 
 
 def whole_units(
-    path: Path,
-    heights_cm: Array,
-    unit_cm: float,
-    *,
-    rounded: bool,
-    any_heights: bool = True,
-    holes: Mask | None = None,
+    path: Path, heights_cm: Array, unit_cm: float, *, rounded: bool, any_heights: bool = True, holes: Mask | None = None
 ) -> Ints:
-    """Heights [cm], shape (n_x, n_y), as levels; a FileError for the first that is no whole unit, unless `rounded`.
+    """Return heights [cm], shape (n_x, n_y), as levels; a FileError for the first that is no whole unit.
 
-    any_heights: else heights that are no measured blocks of that unit are refused; holes: cells that do not tell.
+    rounded: round those that are no whole units; any_heights: else heights that are no measured blocks of that unit are
+    refused; holes: cells that are not judged.
     """
+    import numpy as np
+
+    # Whatever is no level is refused with the first such cell, in the order in which a person reads the table.
     units = heights_cm / unit_cm
     levels = np.floor(units + 0.5)
     bad = ~np.isfinite(units) | (levels < 0) | (levels > _HIGHEST)
     if not rounded:
         with np.errstate(invalid="ignore"):
-            bad |= np.abs(units - levels) > 1e-3
+            bad |= np.abs(units - levels) > _WHOLE
     if bad.any():
         column, row = (int(at) for at in np.argwhere(bad[:, ::-1])[0])
         height = heights_cm[:, ::-1][column, row]
@@ -209,10 +240,10 @@ def whole_units(
             if np.isnan(height)
             else f"{height:g} cm is not 0..{_HIGHEST} whole units of {unit_cm:g} cm"
         )
-        said = "fill_holes gives it the height of its neighbours" if np.isnan(height) else advice(heights_cm, unit_cm)
-        raise FileError(
-            f"{path}: row {row + 1} from the top, column {column + 1}: {amiss}{_others(int(bad.sum()) - 1)}; {said}"
-        )
+        hint = "fill_holes gives it the height of its neighbours" if np.isnan(height) else advice(heights_cm, unit_cm)
+        others = int(bad.sum()) - 1
+        more = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
+        raise FileError(f"{path}: row {row + 1} from the top, column {column + 1}: {amiss}{more}; {hint}")
     told = np.ones(levels.shape, dtype=bool) if holes is None else ~holes
     if rounded and not any_heights and are_not_blocks(units[told], levels[told]):
         heights = heights_cm[told]
@@ -224,12 +255,11 @@ def whole_units(
     return levels.astype(np.int32)
 
 
-def _others(count: int) -> str:
-    return f" ({count} more such cell{'s'[: count > 1]})" if count else ""
-
-
 def _problem(cls: type[Importer]) -> str:
-    """What is wrong with the suffixes and the options of a plug-in's importer."""
+    """Return the problem of a plug-in's importer: a suffix or an option; empty if there is none."""
+    from rsegen.exporters.formats.base import FORMATS as WRITTEN
+    from rsegen.exporters.formats.base import RESERVED
+
     for suffix in cls.suffixes:
         if not (suffix.startswith(".") and suffix.islower()):
             return f"reads files named *{suffix}; give a suffix such as .asc, in small letters"

@@ -1,6 +1,9 @@
-"""Imports grey images: one pixel per cell, with vertical walls between heights.
+"""Import images: grey values or depths as heights, and occupancy maps of ROS as walls; one pixel per cell.
 
-Imports occupancy maps of ROS: map.yaml with its image.
+Grey values become max_height evenly spaced levels. A depth camera that looks straight down from a height c sees heights
+c - depth; 0 is a hole. An occupancy map (map.yaml and its image, as map_server and Nav2 write them) has a wall where
+the probability, high for dark pixels, is above its threshold. The size is checked before an image is decoded, as a
+small file may hold a huge one.
 """
 
 from __future__ import annotations
@@ -10,21 +13,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-import numpy as np
-
 from rsegen.errors import FileError, ParameterError
-from rsegen.field.stepfield import Array, Ints
 from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
 from rsegen.io.importers.measured import Measured
 from rsegen.io.input_files import opened_image
-from rsegen.io.recipe_file import content
 from rsegen.params.sorts import Cell, Choice, Flag, Float, Integer, Json, Parameter, Text, parameters
+
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Array, Ints
+
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
 
 _WHITE_OF_16_BITS = 65535
+"""The largest grey value of 16 bits; Pillow reads such images as 32-bit integers."""
+
 _OF_MEASURES = tuple(name for name in parameters(Measured) if name != "size")
 
 
@@ -62,14 +67,16 @@ class Picture(Measured):
             raise ParameterError(given[0], "is for values: mm and depth; grey values have no unit")
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """Its size is looked at before it is decoded."""
+        """Return the heights of an image, whose size is checked before it is decoded."""
         if self.values != "grey":
             return self.measured(path, self._heights_cm(path), unit_cm or USUAL_UNIT_CM)
         grey = brightness(path, self.size)
         return Heights(levels=self._levels(1 - grey if self.invert else grey), unit_cm=unit_cm or USUAL_UNIT_CM)
 
     def _heights_cm(self, path: Path) -> Array:
-        """The heights of all pixels, shape (n_x, n_y); nan where a depth camera saw nothing."""
+        """Return the heights of all pixels, shape (n_x, n_y); nan where a depth camera saw nothing."""
+        import numpy as np
+
         with opened_image(path) as image:
             refuse_too_many_cells(path, *image.size)
             if not image.mode.startswith("I"):
@@ -80,14 +87,18 @@ class Picture(Measured):
         return np.where(millimetres == 0, np.nan, self.camera_cm - millimetres / 10)
 
     def _levels(self, grey: Array) -> Ints:
+        import numpy as np
+
         top = self.levels - 1
         if self.threshold is not None:
             return np.where(grey * 100 >= self.threshold, top, 0)
-        return np.floor(grey * top + 0.5 + 1e-9).astype(np.int32)
+        return np.floor(grey * top + 0.5 + 1e-9).astype(np.int32)  # halves up, whatever the last bit of a share is
 
 
 def brightness(path: Path, size: Cell | None = None) -> Array:
-    """The brightness of an image, 0 black and 1 white, shape (n_x, n_y), resampled to a size if one is given."""
+    """Return the brightness of an image, 0 black and 1 white, shape (n_x, n_y), resampled to a size if one is given."""
+    import numpy as np
+
     with opened_image(path) as image:
         refuse_too_many_cells(path, *image.size)
         refuse_too_many_cells(path, *(size or image.size))
@@ -97,7 +108,7 @@ def brightness(path: Path, size: Cell | None = None) -> Array:
 
 
 def _grey(path: Path, image: Image) -> tuple[Image, float]:
-    """The image as numbers, and the value of white. Resampling needs 32-bit integers or floats."""
+    """Return the image as numbers, and the value of white. Resampling needs 32-bit integers or floats."""
     if image.mode.startswith("I"):
         grey = image.convert("I")
         low, high = grey.getextrema()
@@ -120,7 +131,9 @@ def _box() -> int:
 
 
 _WALL_CM = 100.0
+"""Height of a wall if no unit is given: higher than any robot here climbs."""
 
+# The keys of map.yaml, and Nav2's own defaults of those that may be missing.
 _KEYS: dict[str, Parameter] = {
     "image": Text(r"[^\x00-\x1f]{1,500}", "the path of an image"),
     "resolution": Float(1e-5, 1000, unit="m"),
@@ -142,7 +155,9 @@ class OccupancyImage(Importer):
     unknown: Annotated[bool, Flag(help="also make walls of unknown cells")] = False
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """A cell is occupied where its probability, dark being likely, is above `occupied_thresh`."""
+        """Return walls for cells whose probability, high for dark pixels, is above `occupied_thresh`."""
+        import numpy as np
+
         metadata = _metadata(path)
         bright = brightness(path.parent / metadata["image"])
         probability = bright if metadata["negate"] else 1 - bright
@@ -155,10 +170,12 @@ class OccupancyImage(Importer):
 
 
 def _metadata(path: Path) -> dict[str, Json]:
-    found = content(path)
-    if not isinstance(found, Mapping):
+    from rsegen.io.recipe_file import content
+
+    keys = content(path)
+    if not isinstance(keys, Mapping):
         raise FileError(f"{path}: not an occupancy grid of ROS; it has keys such as image: and resolution:")
     try:
-        return {key: sort.check(key, found.get(key, _USUAL.get(key))) for key, sort in _KEYS.items()}
+        return {key: sort.check(key, keys.get(key, _USUAL.get(key))) for key, sort in _KEYS.items()}
     except ParameterError as error:
         raise error.of(str(path)) from None

@@ -1,6 +1,9 @@
-"""What importers of measured heights share: unit, ground, resampling, holes and rounding.
+"""The common base of importers of measured heights: unit, ground, resampling, holes and rounding.
 
-The heights of blocks from a finer, shifted or turned table of heights.
+A table that is finer than blocks, shifted or turned is sampled: each block gets the median of up to 15 x 15 points on
+it, which ignores edges and outliers, and is a hole if more than half of the points are. Then the ground is subtracted,
+holes are filled on request, and heights are rounded to levels. Cost: at most 2^26 samples, a second. What breaks it: a
+grid that is turned or scaled by more than about a block over the map, so that points lie on neighbouring blocks.
 """
 
 from __future__ import annotations
@@ -8,29 +11,33 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ceil, cos, isqrt, radians, sin
 from pathlib import Path
-from typing import Annotated, Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.field.stepfield import Array
 from rsegen.io.importers.base import Heights, Importer, filled, refuse_too_many_cells, whole_units
 from rsegen.params.sorts import Cell, Flag, Float, ListOf, Size2D
 
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Array
+
+
 _MOST_ALONG = 15
-"""Samples along a side of a block at most."""
+"""Samples along a side of a block at most: the median of 225 points is surer than a block is level."""
 
 _MOST_SAMPLES = 2**26
+"""Samples of a map at most: blocks of larger maps get fewer; more would take seconds."""
 
 
 def sampled(
     heights: Array, size: Cell, per_block: tuple[float, float], origin: tuple[float, float], turn: float
 ) -> Array:
-    """The median height over each block, shape `size`; nan where more than half of a block is nan or outside.
+    """Return the median height over each block, shape `size`; nan where more than half of a block is nan or outside.
 
     heights: (n_x, n_y) of a file's cells, nan for holes; per_block: its cells along a block's sides; origin: the
     map's south-west corner, in cells from the file's; turn: of the map in the file, degrees counterclockwise.
     """
+    import numpy as np
+
     most = max(min(_MOST_ALONG, isqrt(_MOST_SAMPLES // (size[0] * size[1]))), 1)
     samples = [min(max(ceil(cells), 1), most) for cells in per_block]
     along = [
@@ -43,10 +50,13 @@ def sampled(
 
 
 def _heights_at(heights: Array, origin: tuple[float, float], u: Array, v: Array, turned: tuple[float, float]) -> Array:
-    """The heights of the file at points u, v of the map."""
+    """Return the heights of the file at points u, v of the map."""
+    import numpy as np
+
     c, s = turned
     x, y = (
-        np.floor(np.round(each, 6)).astype(np.int64) for each in (origin[0] + u * c - v * s, origin[1] + u * s + v * c)
+        np.floor(np.round(along, 6)).astype(np.int64)
+        for along in (origin[0] + u * c - v * s, origin[1] + u * s + v * c)
     )
     n_x, n_y = heights.shape
     inside = (x >= 0) & (x < n_x) & (y >= 0) & (y < n_y)
@@ -54,7 +64,9 @@ def _heights_at(heights: Array, origin: tuple[float, float], u: Array, v: Array,
 
 
 def _medians(samples: Array) -> Array:
-    """The lower median of each row, nan if more than half of it is nan."""
+    """Return the lower median of each row, nan if more than half of it is nan."""
+    import numpy as np
+
     ordered = np.sort(samples, axis=1)
     known = np.count_nonzero(~np.isnan(ordered), axis=1)
     middle = np.take_along_axis(ordered, np.maximum(known - 1, 0)[:, None] // 2, axis=1)[:, 0]
@@ -64,6 +76,7 @@ def _medians(samples: Array) -> Array:
 RESAMPLED = "resample to this many cells along x and y; default: one per cell, or pixel, of the file"
 
 _MOST_HOLES = 0.5
+"""Share of cells that may be filled: with more holes the map would be made up rather than measured."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -97,10 +110,13 @@ class Measured(Importer):
     ] = 0.0
 
     def measured(
-        self, path: Path, found: Array, unit_cm: float, recipe_values: dict[str, Any] | None = None
+        self, path: Path, heights_cm: Array, unit_cm: float, recipe_values: dict[str, Any] | None = None
     ) -> Heights:
-        """Heights [cm] of a file, shape (n_x, n_y), nan for holes, as those of a map; a FileError if they are none."""
-        heights = self._resampled(found) - (self.datum_cm or 0)
+        """Return heights [cm] of a file, shape (n_x, n_y), nan for holes, as levels; a FileError if they are none."""
+        import numpy as np
+
+        # In this order: blocks of the map, then their ground, then holes, then levels.
+        heights = self._resampled(heights_cm) - (self.datum_cm or 0)
         holes = np.isnan(heights)
         if self.fill_holes and holes.any():
             if holes.mean() > _MOST_HOLES:
@@ -119,7 +135,9 @@ class Measured(Importer):
         )
 
     def _resampled(self, heights: Array) -> Array:
-        """The heights of the blocks of a map; those of the file if nothing else is asked for."""
+        """Return the heights of the blocks of a map; those of the file if nothing else is asked for."""
+        import numpy as np
+
         quarters, rest = divmod(self.rotation, 90)
         if self.size is None:
             if rest or self.origin or self.cells_per_block:
@@ -135,7 +153,7 @@ class Measured(Importer):
         return sampled(heights, self.size, per_block, self.origin or self._centred(heights, per_block), self.rotation)
 
     def _centred(self, heights: Array, per_block: tuple[float, float]) -> tuple[float, float]:
-        """The south-west corner of a map whose middle is that of the file."""
+        """Return the south-west corner of a map whose middle is that of the file."""
         u, v = (blocks * cells / 2 for blocks, cells in zip(self.size or (), per_block, strict=True))
         c, s = cos(radians(self.rotation)), sin(radians(self.rotation))
         n_x, n_y = heights.shape

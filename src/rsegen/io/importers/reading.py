@@ -1,6 +1,6 @@
-"""Imports heights from files; every module of this folder is an importer for some file names.
+"""The importer of a file, and its heights as the recipe of one map.
 
-file --Format.read--> Heights --imported--> Recipe of one matrix
+file --Importer.read--> Heights --recipe_of--> Recipe of one matrix, and another one for filled holes
 """
 
 from __future__ import annotations
@@ -9,26 +9,26 @@ import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.field.obstacles.matrix import Matrix
-from rsegen.field.stepfield import Ints
 from rsegen.io.importers.base import IMPORTERS, Heights, Importer
 from rsegen.recipe.recipe import Recipe
 
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Ints
+
 
 def importer_for(path: Path) -> type[Importer]:
-    """The importer for a file by its suffix, or a FileError that lists the known ones."""
-    found = IMPORTERS.get(path.suffix.lower())
-    if not found:
+    """Return the importer for a file by its suffix, or a FileError that lists the known ones."""
+    importer = IMPORTERS.get(path.suffix.lower())
+    if not importer:
         raise FileError(f"{path}: heights are read from files named {', '.join('*' + suffix for suffix in IMPORTERS)}")
-    return found
+    return importer
 
 
 def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_size: int | None = None) -> Recipe:
-    """The recipe of one map: the heights in a file as a matrix, without frames unless the file names them.
+    """Return the recipe of one map: the heights in a file as a matrix, without frames unless the file names them.
 
     unit_cm: the height of one level, by default that of the file
     chunk_size: must divide both sides; by default that of the file, or 10 if it divides both sides, else the largest
@@ -38,13 +38,17 @@ def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_
 
 
 def heights_in(path: Path, reading: Importer, unit_cm: float | None = None) -> Heights:
-    """The heights in a file, as levels of `unit_cm`, by default that of the file."""
+    """Return the heights in a file, as levels of `unit_cm`, by default that of the file."""
+    import numpy as np
+
     with np.errstate(all="ignore"):  # what is no number, or too large for one, is found in whole_units
         return reading.read(path, unit_cm)
 
 
 def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Recipe:
-    """The recipe of one map of heights, with those of filled holes as a matrix of their own; see `imported`."""
+    """Return the recipe of one map of heights, with those of filled holes as a matrix of their own; see `imported`."""
+    from rsegen.field.obstacles.matrix import Matrix
+
     n_x, n_y = heights.levels.shape
     side = _side(n_x, n_y, chunk_size or heights.recipe_values.get("chunk_size"))
     recipe_values = {"boundary": "none", **heights.recipe_values, "unit_cm": heights.unit_cm, "chunk_size": side}
@@ -59,7 +63,9 @@ def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Re
 
 
 def _parts(heights: Heights) -> Iterator[tuple[str, Ints]]:
-    """The levels that were measured, and those of holes if any were filled; -1 elsewhere."""
+    """Yield the levels that were measured, and those of holes if any were filled; -1 elsewhere."""
+    import numpy as np
+
     holes = heights.holes
     if holes is None or not holes.any():
         yield "heights", heights.levels
@@ -69,7 +75,7 @@ def _parts(heights: Heights) -> Iterator[tuple[str, Ints]]:
 
 
 def _side(n_x: int, n_y: int, wished: int | None) -> int:
-    """The side of a chunk, a divisor of both sides of the map."""
+    """Return the side of a chunk, a divisor of both sides of the map: by default 10, as of a pallet, if it is one."""
     common = math.gcd(n_x, n_y)
     if wished and common % wished:
         raise ParameterError("chunk_size", f"{wished} does not divide {n_x} x {n_y} cells; {common} does")

@@ -1,6 +1,9 @@
-"""Imports tables of heights: typed by hand, exported by a spreadsheet, or written by rsegen.
+"""Import tables of heights: typed by hand, exported by a spreadsheet, or written by rsegen, also as a build sheet.
 
-Reads build sheets (CSV, one row per cell), as rsegen wrote them or as a spreadsheet saved them again.
+A table has a row of numbers per line, the top line the largest y. A build sheet has a row per cell, with its x and y,
+in any order; it is known by its header, as rsegen wrote it or as a spreadsheet saved it again: with semicolons, quotes,
+decimal commas, or other line ends. Blank cells and rows of comments are allowed; whatever else is no number is refused
+with its line and column.
 """
 
 from __future__ import annotations
@@ -9,44 +12,62 @@ import csv
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
-
-import numpy as np
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.exporters.sheet.listing import COLUMNS, RECIPE_KEYS
-from rsegen.field.stepfield import Array
 from rsegen.io.importers.base import CENTIMETRES, MOST_CELLS, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
 from rsegen.io.importers.measured import Measured
 from rsegen.io.input_files import text_of
 from rsegen.params.sorts import Cell, Choice, parameters
 from rsegen.recipe.recipe import Recipe
 
-_HEAD = re.compile(
-    r"^" + r"([,;\t])".join(f'"?{name}"?' for name in COLUMNS).replace("_cm", "_(?P<unit>cm|in)") + r"[,;\t]*\r?$",
-    re.MULTILINE,
-)
-_SAID = re.compile(rf'^"?# *({"|".join(RECIPE_KEYS)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Array
+
+
 _MOST_ROWS = 1_000_000
+"""Rows of a build sheet at most, one per cell: each is a value in Python, of some 200 bytes."""
+
+
+@cache
+def _head() -> re.Pattern[str]:
+    """The header of a build sheet, with any of the usual separators, in cm or inches."""
+    from rsegen.exporters.sheet.listing import COLUMNS
+
+    names = r"([,;\t])".join(f'"?{name}"?' for name in COLUMNS).replace("_cm", "_(?P<unit>cm|in)")
+    return re.compile(rf"^{names}[,;\t]*\r?$", re.MULTILINE)
+
+
+@cache
+def _said() -> re.Pattern[str]:
+    """A comment of a build sheet that says a parameter of the recipe."""
+    from rsegen.exporters.sheet.listing import RECIPE_KEYS
+
+    return re.compile(rf'^"?# *({"|".join(RECIPE_KEYS)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
 
 
 def is_build_sheet(text: str) -> bool:
-    """Whether a text has the header of a build sheet."""
-    return bool(_HEAD.search(text))
+    """Return whether a text has the header of a build sheet."""
+    return bool(_head().search(text))
 
 
 def recipe_values(path: Path, text: str) -> dict[str, Any]:
-    """The values of a recipe in its comments; a FileError for an invalid one."""
+    """Return the values of a recipe in its comments; a FileError for an invalid one."""
     sorts = parameters(Recipe)
     try:
-        return {name: sorts[name].check(name, sorts[name].parse(value)) for name, value in _SAID.findall(text)}
+        return {name: sorts[name].check(name, sorts[name].parse(value)) for name, value in _said().findall(text)}
     except ParameterError as error:
         raise FileError(f"{path}: {error}") from None
 
 
 def heights_cm(path: Path, text: str) -> Array:
     """Heights [cm] of shape (n_x, n_y); a FileError if a cell is missing, duplicate, or no number."""
+    import numpy as np
+
+    from rsegen.exporters.sheet.listing import COLUMNS
+
     cells: dict[Cell, float] = {}
     for line, cell, height in _rows(path, text):
         if cell in cells:
@@ -66,14 +87,14 @@ def heights_cm(path: Path, text: str) -> Array:
 
 
 def unit_of(text: str) -> str:
-    """The unit of the heights of a build sheet, by its header: cm or in."""
-    head = _HEAD.search(text)
+    """Return the unit of the heights of a build sheet, by its header: cm or in."""
+    head = _head().search(text)
     return head["unit"] if head else "cm"
 
 
 def _rows(path: Path, text: str) -> Iterator[tuple[int, Cell, float]]:
     """Line, cell and height of each row; comments and rows of blanks are left out."""
-    head = _HEAD.search(text)
+    head = _head().search(text)
     if not head:
         return
     first = text.count("\n", 0, head.end()) + 2
@@ -96,7 +117,9 @@ def _split_rows(path: Path, lines: Iterable[str], delimiter: str) -> Iterator[li
 
 
 def _cell(where: str, row: list[str], delimiter: str) -> tuple[Cell, float]:
-    """The cell and height of one row. If semicolons separate the cells, a comma is a decimal point."""
+    """Return the cell and height of one row. If semicolons separate the cells, a comma is a decimal point."""
+    from rsegen.exporters.sheet.listing import COLUMNS
+
     if len(row) < len(COLUMNS):
         raise FileError(f"{where}: {len(row)} cells, {len(COLUMNS)} in the header")
     x, y, height = row[2 : len(COLUMNS)]
@@ -110,13 +133,15 @@ def _cell(where: str, row: list[str], delimiter: str) -> tuple[Cell, float]:
 
 
 _MOST_MIB = 128
+"""The largest table that is read, MiB: 4096 x 4096 cells of seven letters."""
+
 _OURS = re.compile(r"# block levels in units of ([0-9.]{1,12}) cm")
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Table(Measured):
-    """A row of numbers a line, the top row the largest y, apart by commas, semicolons, tabs or blanks; # comments."""
+    """A row of numbers per line, the top row the largest y, with commas, semicolons, tabs or blanks; # comments."""
 
     name: ClassVar[str] = "table"
     suffixes: ClassVar[tuple[str, ...]] = (".csv", ".tsv", ".txt")
@@ -130,7 +155,7 @@ class Table(Measured):
     ] = "auto"
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
-        """Blank and invalid cells are refused with their place. A build sheet has all its parameters in itself."""
+        """Return the heights of a table, or of a build sheet, which has all its parameters in itself."""
         text = text_of(path, _MOST_MIB, "a table of heights")
         if is_build_sheet(text):
             return self._read_list(path, text, unit_cm)
@@ -156,26 +181,28 @@ def centimetres(values: str, unit_cm: float) -> float:
 
 
 def _unit_cm(path: Path, text: str) -> float:
-    """The unit in the first line of what rsegen wrote."""
+    """Return the unit in the first line of what rsegen wrote."""
     sort = parameters(Recipe)["unit_cm"]
     try:
-        found: float = sort.check("unit_cm", sort.parse(text))
+        unit: float = sort.check("unit_cm", sort.parse(text))
     except ParameterError as error:
         raise FileError(f"{path}: line 1: {error}") from None
-    return found
+    return unit
 
 
 def _numbers(path: Path, text: str, *, blanks: bool) -> Array:
-    """The cells of all lines, shape (n_x, n_y); nan for blank ones, if those are allowed."""
+    """Return the cells of all lines, shape (n_x, n_y); nan for blank ones, if those are allowed."""
+    import numpy as np
+
     lines = _lines(path, text)
     first, start = lines[0] if lines else (1, "")
     width = _count(start)
     refuse_too_many_cells(path, width, len(lines))
     rows, bad = [], False
-    for number, line in lines:
+    for line_number, line in lines:
         cells = [cell or "nan" for cell in _cells(line, width)] if blanks else _cells(line, width)
         if len(cells) != width:
-            raise FileError(f"{path}: line {number}: {_count(line)} cells, and {width} in line {first}")
+            raise FileError(f"{path}: line {line_number}: {_count(line)} cells, and {width} in line {first}")
         try:
             rows.append(np.array(cells, dtype=np.float64))
         except ValueError:
@@ -186,26 +213,26 @@ def _numbers(path: Path, text: str, *, blanks: bool) -> Array:
 
 
 def _lines(path: Path, text: str) -> list[tuple[int, str]]:
-    """The lines with cells, each with its number."""
+    """Return the lines with cells, each with its number."""
     if max(text.count("\n"), text.count("\r")) > MOST_CELLS:
         raise FileError(f"{path}: more lines than the {MOST_CELLS:,} cells that can be read")
-    lines = ((number, line.strip()) for number, line in enumerate(text.splitlines(), 1))
-    return [(number, line) for number, line in lines if line and line[0] != "#"]
+    lines = ((line_number, line.strip()) for line_number, line in enumerate(text.splitlines(), 1))
+    return [(line_number, line) for line_number, line in lines if line and line[0] != "#"]
 
 
 def _delimiter(line: str) -> str | None:
-    """What separates the cells of a line; None for blanks."""
+    """Return the delimiter of the cells of a line, None for blanks."""
     return next((delimiter for delimiter in ";,\t" if delimiter in line), None)
 
 
 def _count(line: str) -> int:
-    """The number of a line's cells, which are not made."""
+    """Return the number of a line's cells, which are not made."""
     delimiter = _delimiter(line)
     return line.count(delimiter) + 1 if delimiter else sum(1 for _ in re.finditer(r"\S+", line))
 
 
 def _cells(line: str, most: int = MOST_CELLS) -> list[str]:
-    """A line's cells, or one more than `most`; if semicolons separate them, a comma is a decimal point."""
+    """Return a line's cells, or one more than `most`; if semicolons separate them, a comma is a decimal point."""
     delimiter = _delimiter(line)
     if delimiter == ";":
         return [cell.strip().replace(",", ".") for cell in line.split(";", most)]
@@ -213,17 +240,17 @@ def _cells(line: str, most: int = MOST_CELLS) -> list[str]:
 
 
 def _first_bad(lines: Iterable[tuple[int, str]], *, blanks: bool) -> str:
-    """The first cell that is no number, and how many others there are."""
+    """Return the first cell that is no number, and how many others there are."""
     cells = ((line, at, cell) for line, text in lines for at, cell in enumerate(_cells(text), 1))
-    bad = (each for each in cells if not (_number(each[2]) or (blanks and not each[2])))
+    bad = (cell for cell in cells if not (_is_number(cell[2]) or (blanks and not cell[2])))
     line, column, cell = next(bad)
     others = sum(1 for _ in bad)
     amiss = f"{shown(cell)} is not a number" if cell else "is blank: fill_holes gives it the height of its neighbours"
-    said = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
-    return f"line {line}, column {column}: {amiss}{said}"
+    more = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
+    return f"line {line}, column {column}: {amiss}{more}"
 
 
-def _number(cell: str) -> bool:
+def _is_number(cell: str) -> bool:
     try:
         float(cell)
     except ValueError:

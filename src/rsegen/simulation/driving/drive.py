@@ -1,8 +1,6 @@
-"""`rsegen.drive`: robots driven over a map in a Gazebo server, and how far each got.
+"""`rsegen.drive`: robots driven over a map in a Gazebo server, and how far each got, as a report, files and a picture.
 
-The result of a drive: what was driven, the metrics and trajectory of every robot, and the files of them.
-
-A picture of the trajectories of robots on the plan of a map.
+Everything is checked before the server starts: the robot's file, its places, and whether the results can be written.
 """
 
 from __future__ import annotations
@@ -38,25 +36,26 @@ from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.simulators.server import has_screen
 
 _RIM, _MARGIN = 0.1, 1.5
-"""Metres around the map that are drawn at least, and at most."""
+"""Width, metres, of the ground around the map that is drawn at least, and at most, so that the map stays large."""
 
 
 def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way: PlannedWay | None = None) -> bytes:
-    """A PNG: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over.
+    """Draw a PNG: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over.
 
     A planned way is a dashed line.
     """
     from matplotlib.figure import Figure
 
+    # On the plan of the map, each line has a white rim, so that it is seen on blocks of every colour.
     figure = Figure(figsize=(8, 8), dpi=100, layout="constrained")
     axes = figure.subplots()
     draw_plan(axes, scene)
     if way:
         axes.plot(*way.points.T, color="white", linewidth=3)
         axes.plot(*way.points.T, color="black", linewidth=1.5, linestyle="--", label="planned way")
-    for number, (name, trajectory) in enumerate(trajectories.items()):
+    for index, (name, trajectory) in enumerate(trajectories.items()):
         x, y = trajectory.rows[:, 1], trajectory.rows[:, 2]
-        colour = f"C{number % 10}"
+        colour = f"C{index % 10}"
         axes.plot(x, y, color="white", linewidth=4)
         axes.plot(x, y, color=colour, linewidth=2, label=name)
         axes.plot(x[:1], y[:1], "o", color=colour, markersize=10, markerfacecolor="white", markeredgewidth=2)
@@ -72,20 +71,20 @@ def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way:
 
 
 def _limits(extent: float, trajectories: Mapping[str, Trajectory], column: int) -> tuple[float, float]:
-    """The limits of an axis: the map, and the trajectories near it."""
+    """Return the limits of an axis: the map, and the trajectories near it."""
     along = [trajectory.rows[:, column] for trajectory in trajectories.values()]
     half, far = extent / 2 + _RIM, extent / 2 + _MARGIN
-    low, high = min(each.min() for each in along) - _RIM, max(each.max() for each in along) + _RIM
+    low, high = min(values.min() for values in along) - _RIM, max(values.max() for values in along) + _RIM
     return max(min(low, -half), -far), min(max(high, half), far)
 
 
 _PARTS = 5
-"""The parts of a robot with the most contacts that are reported; drive.json has all."""
+"""The parts of a robot with the most contacts that are reported, on one line; drive.json has all."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class DrivenRobot:
-    """One robot of a drive: its name in the world, kind, start pose, metrics and trajectory."""
+    """A robot of a drive: its name in the world, kind, start pose, metrics and trajectory."""
 
     name: str
     kind: str
@@ -96,7 +95,7 @@ class DrivenRobot:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class DriveResult:
-    """What `rsegen.drive` gives.
+    """The result of `rsegen.drive`.
 
     scene: the map; simulator: title and version; errors: the simulator's error lines; notes: what it does not give;
     contact_samples: simulated seconds and the contacts at that time; way: the one that the robots followed, on that
@@ -115,10 +114,10 @@ class DriveResult:
     image: bytes = b""
 
     def as_json(self) -> dict[str, object]:
-        """The content of drive.json, which `rsegen drive --json` prints."""
+        """Return the content of drive.json, which `rsegen drive --json` prints."""
         robots = [
-            {"name": each.name, "kind": each.kind, "start": asdict(each.start), **asdict(each.metrics)}
-            for each in self.robots
+            {"name": robot.name, "kind": robot.kind, "start": asdict(robot.start), **asdict(robot.metrics)}
+            for robot in self.robots
         ]
         return {
             "map": self.scene.name,
@@ -132,18 +131,18 @@ class DriveResult:
         }
 
     def report(self) -> Iterator[str]:
-        """What `rsegen drive` prints: a line per robot, its contacts, notes and warnings."""
+        """Yield the lines that `rsegen drive` prints: robots, their contacts, notes and warnings."""
         yield f"{self.scene.name} in {self.simulator}, {self.route}, seed {self.seed}:"
         if self.way:
             yield f"  {_foreseen(self.way)}"
         for robot in self.robots:
-            found = robot.metrics
-            crossed = "" if self.route == Wandering.name else _crossed(found)
-            tipped = f", tipped over {found.tipped}x" if found.tipped else ""
-            driven = f"{found.distance:.2f} m in {found.seconds:g} s"
-            yield f"  {robot.name}: {driven}{crossed}, stuck {found.stuck:g} s{tipped}"
-            if found.touched:
-                most = list(found.touched.items())[:_PARTS]
+            metrics = robot.metrics
+            crossed = "" if self.route == Wandering.name else _crossed(metrics)
+            tipped = f", tipped over {metrics.tipped}x" if metrics.tipped else ""
+            driven = f"{metrics.distance:.2f} m in {metrics.seconds:g} s"
+            yield f"  {robot.name}: {driven}{crossed}, stuck {metrics.stuck:g} s{tipped}"
+            if metrics.touched:
+                most = list(metrics.touched.items())[:_PARTS]
                 yield "    contacts of " + ", ".join(f"{part} {share:.0%}" for part, share in most)
         yield from (f"note: {line}" for line in self.notes)
         yield from (f"warning: {line}" for line in dict.fromkeys(self.errors))
@@ -153,7 +152,7 @@ class DriveResult:
         write_folder(self._files(), Path(folder), "drive", force=force)
 
     def _files(self) -> dict[PurePosixPath, list[bytes]]:
-        trajectories = {each.name: each.trajectory for each in self.robots}
+        trajectories = {robot.name: robot.trajectory for robot in self.robots}
         files = {f"{name}.csv": _encoded(trajectory.csv()) for name, trajectory in trajectories.items()} | {
             "contacts.csv": _encoded(contacts_csv(self.contact_samples, trajectories)),
             "recipe.json": [map_json(self.scene.recipe, self.scene.index)],
@@ -167,13 +166,15 @@ class DriveResult:
 
 
 def _foreseen(way: PlannedWay) -> str:
-    """What the metrics say of the way that the robots follow."""
-    said = {True: "; the robot can climb it", False: "; the robot cannot climb it", None: ""}
-    return f"the way across needs a step of {way.least_step * 100:g} cm{said[way.crosses]}"
+    """Return the metrics' forecast for the way that the robots follow."""
+    forecasts = {True: "; the robot can climb it", False: "; the robot cannot climb it", None: ""}
+    return f"the way across needs a step of {way.least_step * 100:g} cm{forecasts[way.crosses]}"
 
 
-def _crossed(found: DriveMetrics) -> str:
-    return f", crossed the map after {found.crossed:g} s" if found.crossed is not None else ", did not cross the map"
+def _crossed(metrics: DriveMetrics) -> str:
+    return (
+        f", crossed the map after {metrics.crossed:g} s" if metrics.crossed is not None else ", did not cross the map"
+    )
 
 
 def _encoded(lines: Iterable[str]) -> list[bytes]:
@@ -208,7 +209,7 @@ def refuse_output(output: Path | None, *, picture: bool, force: bool) -> None:
 def drive_notes(
     here: Installation, runs: Sequence[RobotRun], recording: DriveRecording, *, contacts: bool, picture: bool
 ) -> Iterator[str]:
-    """What was derived from a robot's file, and what the simulator does not give, in a sentence each."""
+    """Yield what was derived from a robot's file, and what the simulator does not give, in a sentence each."""
     if isinstance(runs[0].robot, SdfRobot):
         yield from runs[0].robot.notes(here.backend)
     if contacts and not recording.samples:
@@ -222,7 +223,7 @@ def drive_notes(
 
 
 def driven_robot(run: RobotRun, scene: Scene, recording: DriveRecording, route: str) -> DrivenRobot:
-    """The result of one robot."""
+    """Return the result of a robot."""
     trajectory = recording.trajectories[run.name]
     goal = None if route == Wandering.name else finish_x(scene.field, run.robot)
     shares = contact_shares(recording.samples, run.name)

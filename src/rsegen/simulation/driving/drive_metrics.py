@@ -1,4 +1,9 @@
-"""The trajectory of a robot, and the metrics of it."""
+"""The trajectory of a robot, and what it amounts to: distance, crossing, time stuck, tilt, tips and climb.
+
+All follow from rows of time, position and angles alone, so those of a log, of another simulator or of a real robot are
+measured alike; the definitions are in docs/driving.md. Cost: linear in the rows. What breaks it: rows too far apart, as
+distance is then too short and a tip may be missed.
+"""
 
 from __future__ import annotations
 
@@ -11,16 +16,23 @@ import numpy as np
 from rsegen.field.stepfield import Array
 
 TIPPED = radians(75)
-"""Radians between a robot's upright and the vertical, beyond which it has tipped over."""
+"""Angle, radians, between a robot's upright and the vertical, beyond which it has tipped over.
+
+With less, a robot that leans against a block would count; one that lies on its side has 90 degrees, less its shape.
+"""
 
 SLOW = 0.1
-"""A robot is stuck during a second in which it moves by less than this share of its speed."""
+"""Share of its speed below which a robot is stuck in a second.
+
+A robot that slips on an edge comes on by less; one that climbs, turns or waits for its flippers by more.
+"""
 
 STILL = 0.01
-"""Metres."""
+"""Distance from its first place, metres, up to which a robot counts as still: ten times the
+resolution of Gazebo Classic's record."""
 
 FALL = 0.3
-"""Seconds at the start in which a robot falls to the ground; it falls 0.4 m in them."""
+"""Seconds at the start in which a robot falls to the ground; it would fall 0.4 m in them, and starts 5 mm above."""
 
 COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw")
 
@@ -38,24 +50,24 @@ class Trajectory:
 
     @property
     def has_tipped(self) -> bool:
-        """Whether the robot has tipped over at the end."""
+        """Return whether the robot has tipped over at the end."""
         return bool(self.tilt[-1] > TIPPED)
 
     @property
     def is_still(self) -> bool:
-        """Whether the robot has stayed within a centimetre of its first place."""
+        """Return whether the robot has stayed within a centimetre of its first place."""
         return bool(np.hypot(*(self.rows[:, 1:3] - self.rows[0, 1:3]).T).max() < STILL)
 
     def csv(self) -> Iterator[str]:
-        """The lines of a CSV file."""
+        """Yield the lines of a CSV file."""
         yield ",".join(COLUMNS) + "\n"
         for row in self.rows.tolist():
-            yield ",".join(f"{number:.4f}".rstrip("0").rstrip(".") for number in row) + "\n"
+            yield ",".join(f"{value:.4f}".rstrip("0").rstrip(".") for value in row) + "\n"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DriveMetrics:
-    """The metrics of a drive of one robot.
+    """Metrics of the drive of a robot.
 
     distance: length of the trajectory seen from above, metres; crossed: seconds until the whole robot was beyond the
     map, None if never; stuck: seconds; tipped: how often it tipped over; tilt: largest angle between its upright and
@@ -76,7 +88,7 @@ class DriveMetrics:
 def drive_metrics(
     trajectory: Trajectory, speed: float, finish_x: float | None = None, touched: Mapping[str, float] | None = None
 ) -> DriveMetrics:
-    """The metrics of a trajectory at a commanded speed, m/s; beyond x = `finish_x` the map is crossed."""
+    """Return the metrics of a trajectory at a commanded speed, m/s; beyond x = `finish_x` the map is crossed."""
     t, x, y, z = trajectory.rows[:, :4].T
     over = np.flatnonzero(x > finish_x) if finish_x is not None else np.array([], dtype=int)
     fallen = trajectory.tilt > TIPPED
@@ -93,13 +105,13 @@ def drive_metrics(
 
 
 def _climbed(t: Array, z: Array) -> float:
-    """Metres from the lowest height during the fall at the start to the highest one after it."""
+    """Return the rise from the lowest height during the fall at the start to the highest one after it, metres."""
     ground = int(z[t <= t[0] + FALL].argmin())
     return float(z[ground:].max() - z[ground])
 
 
 def _stuck(t: Array, x: Array, y: Array, speed: float) -> float:
-    """The number of seconds in which it moved by less than SLOW of the commanded distance."""
+    """Return the number of seconds in which it moved by less than SLOW of the commanded distance."""
     marks = np.arange(t[0], t[-1] + 1e-6, 1.0)
     on_x, on_y = (np.diff(np.interp(marks, t, along)) for along in (x, y))
     return float((np.hypot(on_x, on_y) < SLOW * speed).sum())

@@ -1,6 +1,7 @@
 """The runs of robots of one kind: safe start poses on or next to a map, and a route for each.
 
-Start poses of robots, next to a map or on top of it: level, and never inside a block.
+A start pose is level and never inside a block: on the ground west of the map, or on one of its even spots, from which
+the robot falls by 5 mm. The same seed gives the same spots and routes; `rsegen spots` shows them (docs/driving.md).
 """
 
 from __future__ import annotations
@@ -22,14 +23,17 @@ from rsegen.simulation.driving.routes import AlongWay, PlannedWay, Route, Straig
 from rsegen.simulation.simulators.live_world import Pose
 
 GAP = 0.1
-"""Metres between a robot and the map next to it, and between two robots."""
+"""Gap, metres, between a robot and the map next to it, and between two robots: more than they drift on the way."""
 
 DROP_HEIGHT = 0.005
-"""Metres above the ground at which robots start, so that they do not start inside it."""
+"""Height, metres, above the ground at which robots start, so that they do not start inside it.
+
+It is beyond contacts' penetration, some 1 mm for soft wheels; a longer fall would shake the robot.
+"""
 
 
 def adjacent_pose(field: StepField, footprint: Footprint, aside: float = 0.0) -> Pose:
-    """The pose on the ground west of the map, heading east, `aside` metres north of its centre line."""
+    """Return the pose on the ground west of the map, heading east, `aside` metres north of its centre line."""
     return Pose(x=-field.extent[0] / 2 - GAP - footprint.outline.high_x, y=aside, z=DROP_HEIGHT)
 
 
@@ -44,12 +48,15 @@ def spots_on_map(
 
 
 def start_pose(spot: Spot) -> Pose:
-    """The pose from which a robot falls onto a spot: no part of it is inside a block."""
+    """Return the pose from which a robot falls onto a spot: no part of it is inside a block."""
     return Pose(x=spot.x, y=spot.y, z=spot.z + DROP_HEIGHT, yaw=spot.yaw)
 
 
 MAX_DRIVING_SPEED = 0.4
-"""Metres per second: faster robots are slowed down to this on rough ground."""
+"""Speed, m/s, at which faster robots drive on rough ground: tracked ones climb stairs of 10 and 20 cm with it.
+
+Faster, a robot leaves the ground at edges, and what it meets depends on its springs, which these models do not have.
+"""
 
 ROUTES = (Straight.name, Wandering.name, AlongWay.name)
 
@@ -57,11 +64,11 @@ ROUTES = (Straight.name, Wandering.name, AlongWay.name)
 def robot_runs(  # the last three by name
     field: StepField, robot: DrivableRobot, route: str, *, count: int, seed: int, evenest: bool = False
 ) -> Sequence[RobotRun]:
-    """The runs of `count` robots: side by side west of the map for a straight crossing, one behind the other along the
-    way that the metrics find, else randomly on the map.
+    """Return the runs of `count` robots on a route.
 
-    On the map they start where they stand level; one that is larger than the map starts west of it. ParameterError if
-    there are too few level places, or, with `evenest`, the least uneven ones and their unevenness in the runs.
+    For a straight crossing they start side by side west of the map, along the way that the metrics find one behind the
+    other, else on the map where they stand level, or west of it if they are larger than it. ParameterError if there are
+    too few level places; with `evenest` they start at the least uneven ones, and the runs have their unevenness.
     """
     if route not in ROUTES:
         raise UnknownName.among("route", "route", route, ROUTES)
@@ -73,23 +80,23 @@ def robot_runs(  # the last three by name
 
 
 def finish_x(field: StepField, robot: DrivableRobot) -> float:
-    """The x of a robot's centre beyond which the whole robot is east of the map, metres."""
+    """Return the x of a robot's centre beyond which the whole robot is east of the map, metres."""
     return field.extent[0] / 2 - footprint_of(robot).outline.low_x
 
 
 def _side_by_side(field: StepField, robot: DrivableRobot, count: int) -> list[RobotRun]:
     footprint = footprint_of(robot)
     lane = footprint.outline.width + GAP
-    lines = [(number - (count - 1) / 2) * lane for number in range(count)]
+    lines = [(index - (count - 1) / 2) * lane for index in range(count)]
     goal = finish_x(field, robot) + GAP
     return [
         RobotRun(
-            name=_name(robot, number),
+            name=_name(robot, index),
             robot=robot,
             start=adjacent_pose(field, footprint, line),
             route=partial(_straight, robot, line, goal),
         )
-        for number, line in enumerate(lines)
+        for index, line in enumerate(lines)
     ]
 
 
@@ -103,18 +110,18 @@ def _one_behind_the_other(field: StepField, robot: DrivableRobot, count: int) ->
     first = adjacent_pose(field, footprint, float(way.points[0, 1]))
     return [
         RobotRun(
-            name=_name(robot, number),
+            name=_name(robot, index),
             robot=robot,
-            start=replace(first, x=first.x - number * (footprint.outline.length + GAP)),
+            start=replace(first, x=first.x - index * (footprint.outline.length + GAP)),
             route=partial(_along, field, robot, way),
             way=way,
         )
-        for number in range(count)
+        for index in range(count)
     ]
 
 
 def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
-    """Straight on from the end of the way until the whole robot is beyond the map."""
+    """Return the route along a way, and straight on from its end until the whole robot is beyond the map."""
     ahead, goal = max(field.block_width, robot.size[0] / 2), finish_x(field, robot) + GAP
     points = [(x, y) for x, y in way.points.tolist()]
     points.append((goal + ahead, points[-1][1]))
@@ -122,14 +129,14 @@ def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
 
 
 def driving_speed(robot: DrivableRobot) -> float:
-    """The commanded speed of a robot, m/s."""
+    """Return the commanded speed of a robot, m/s."""
     return min(robot.speed, MAX_DRIVING_SPEED)
 
 
 def _randomly_placed(field: StepField, robot: DrivableRobot, count: int, seed: int, *, evenest: bool) -> list[RobotRun]:
-    """On the map if a robot fits there, else in a row west of it."""
+    """Return runs on the map if a robot fits there, else in a row west of it."""
     footprint = footprint_of(robot)
-    if fits(field, footprint):
+    if fits(field, footprint):  # a command knows `robots`, not `count`
         try:
             spots = spots_on_map(field, footprint, count, spot_generator(seed), evenest=evenest)
         except ParameterError as error:
@@ -139,27 +146,27 @@ def _randomly_placed(field: StepField, robot: DrivableRobot, count: int, seed: i
         starts = [(run.start, 0.0) for run in _side_by_side(field, robot, count)]
     return [
         RobotRun(
-            name=_name(robot, number),
+            name=_name(robot, index),
             robot=robot,
             start=start,
-            route=partial(_random, field, robot, seed, number),
+            route=partial(_random, field, robot, seed, index),
             unevenness=unevenness,
         )
-        for number, (start, unevenness) in enumerate(starts)
+        for index, (start, unevenness) in enumerate(starts)
     ]
 
 
 def spot_generator(seed: int) -> np.random.Generator:
-    """The generator of the places of robots: `rsegen spots` gives those at which `rsegen drive` starts."""
+    """Return the generator of the places of robots: `rsegen spots` gives those at which `rsegen drive` starts."""
     return generator(seed, 0, "places")
 
 
-def _random(field: StepField, robot: DrivableRobot, seed: int, number: int) -> Route:
+def _random(field: StepField, robot: DrivableRobot, seed: int, index: int) -> Route:
     reach = max(robot.size[:2])
     half_x, half_y = (max(along / 2 - reach, 0.0) for along in field.extent)
-    rng = generator(seed, number, "route")
+    rng = generator(seed, index, "route")
     return Wandering(speed=driving_speed(robot), turn=robot.turn, half=(half_x, half_y), rng=rng)
 
 
-def _name(robot: DrivableRobot, number: int) -> str:
-    return f"{robot.kind}_{number}"
+def _name(robot: DrivableRobot, index: int) -> str:
+    return f"{robot.kind}_{index}"

@@ -1,6 +1,13 @@
 """Routes: they give a speed and turn rate for a robot's pose, again and again.
 
-The way across a map that the metrics find for a robot, as points that it can follow.
+Straight and AlongWay are pure pursuit: the robot drives the arc that leads to a point of its line a distance d ahead,
+
+    w = 2 v sin(a) / d,    a the angle between its heading and that point
+
+(Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992). The way is the cheapest
+one that the metrics find, or, if the robot cannot cross, the one whose highest step is least. Wandering draws motions
+at random. Cost: none beside the simulation. What breaks it: a robot that skids, as no error is summed up, and a way
+whose bends are closer together than the robot is long, which it cuts.
 """
 
 from __future__ import annotations
@@ -29,36 +36,39 @@ class Motion(NamedTuple):
 STOP = Motion(0.0, 0.0)
 
 _AHEAD = 0.5
-"""Metres."""
+"""Least distance, metres, to the point of its line that a robot heads for: nearer it swings, farther it is late."""
+
+_PERIODS_AHEAD = 3
+"""Periods of driving to that point at least, so that the robot does not pass it before it decides again."""
 
 _TURN_FIRST = radians(60)
-"""A robot whose way leads more to the side than this turns on the spot."""
+"""Angle, radians, to the side of which a robot turns on the spot: an arc would lead it far off its way."""
 
 _NEXT = 10
 """Points of a way among which the nearest is looked for, so that no bend of it is left out."""
 
-_HARDLY = 0.2
-"""Of the way that a robot should have come."""
+_MIN_PROGRESS = 0.2
+"""Share of the commanded distance below which a wandering robot backs away: more than a stuck one slips (SLOW)."""
 
 
 class Route(ABC):
-    """A way to drive; `period`: seconds between decisions."""
+    """A way to drive; `period`: seconds between decisions, fewer of which steer worse and cost less wall time."""
 
     name: ClassVar[str]
     period: ClassVar[float]
 
     @abstractmethod
     def motion(self, at: Pose) -> Motion:
-        """The motion for the next period."""
+        """Return the motion for the next period."""
 
     def is_done(self, at: Pose) -> bool:
-        """Whether the route has ended."""
+        """Return whether the route has ended."""
         return False
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Straight(Route):
-    """Eastward along the line y = line, back to it where the ground turns the robot, as far as x = goal; metres."""
+    """A drive eastward along the line y = line, and back to it if the ground turns the robot, to x = goal; metres."""
 
     name: ClassVar[str] = "straight"
     period: ClassVar[float] = 0.5
@@ -69,21 +79,21 @@ class Straight(Route):
     goal: float
 
     def motion(self, at: Pose) -> Motion:
-        """Along an arc to a point of the line ahead (pure pursuit, Coulter 1992)."""
+        """Return an arc to a point of the line ahead (pure pursuit, Coulter 1992)."""
         if at.x >= self.goal:
             return STOP
-        ahead = max(_AHEAD, 3 * self.speed * self.period)
+        ahead = max(_AHEAD, _PERIODS_AHEAD * self.speed * self.period)
         aside = atan2(self.line - at.y, ahead) - at.yaw
         return Motion(self.speed, _clipped(2 * self.speed * sin(aside) / ahead, self.turn))
 
     def is_done(self, at: Pose) -> bool:
-        """At the goal."""
+        """Return whether the robot is at the goal."""
         return at.x >= self.goal
 
 
 @dataclass(kw_only=True, slots=True)
 class AlongWay(Route):
-    """Along a way of points x and y, at first on the spot to where it leads, as far as x = goal; metres.
+    """A drive along a way of points x and y, at first on the spot to where it leads, to x = goal; metres.
 
     ahead: how far before it the robot heads for a point of the way; passed: the number of the point that it is at
     """
@@ -99,7 +109,7 @@ class AlongWay(Route):
     passed: int = 0
 
     def motion(self, at: Pose) -> Motion:
-        """Along an arc to a point of the way ahead; on the spot where it is too far to the side."""
+        """Return an arc to a point of the way ahead; a turn on the spot if that is too far to the side."""
         if self.is_done(at):
             return STOP
         x, y = self._target(at)
@@ -110,11 +120,11 @@ class AlongWay(Route):
         return Motion(self.speed * cos(aside), turn)
 
     def is_done(self, at: Pose) -> bool:
-        """At the goal."""
+        """Return whether the robot is at the goal."""
         return at.x >= self.goal
 
     def _target(self, at: Pose) -> tuple[float, float]:
-        """The first point that is far enough from the robot, after the nearest of the next few."""
+        """Return the first point that is far enough from the robot, after the nearest of the next few."""
         away = [hypot(x - at.x, y - at.y) for x, y in self.points[self.passed :]]
         nearest = min(range(min(len(away), _NEXT)), key=away.__getitem__)
         beyond = next((k for k in range(nearest, len(away)) if away[k] >= self.ahead), len(away) - 1)
@@ -124,7 +134,7 @@ class AlongWay(Route):
 
 @dataclass(kw_only=True, slots=True)
 class Wandering(Route):
-    """At random over a rectangle about the origin, of half a length and a width in metres; at its rim back in.
+    """A random drive over a rectangle about the origin, half its length and width in metres; at its rim back in.
 
     Speeds are uniform between a half and the whole, turn rates up to a half of what the robot can. Where it has hardly
     come on since the last decision, it backs away.
@@ -140,11 +150,11 @@ class Wandering(Route):
     before: Pose | None = None
 
     def motion(self, at: Pose) -> Motion:
-        """Two numbers are drawn each time, whether they count or not."""
+        """Return a random motion; two numbers are drawn each time, whether they count or not."""
         quick, aside = self.rng.random(2)
         v, w = self.speed * (0.5 + 0.5 * quick), self.turn * (aside - 0.5)
         before, self.before = self.before, at
-        if before and hypot(at.x - before.x, at.y - before.y) < _HARDLY * self.speed * self.period:
+        if before and hypot(at.x - before.x, at.y - before.y) < _MIN_PROGRESS * self.speed * self.period:
             self.before = None
             return Motion(-v, w)
         if abs(at.x) > self.half[0] or abs(at.y) > self.half[1]:
@@ -154,7 +164,7 @@ class Wandering(Route):
 
 
 def _turned(angle: float) -> float:
-    """The same angle between -pi and pi."""
+    """Return the angle between -pi and pi."""
     return (angle + pi) % (2 * pi) - pi
 
 
@@ -164,7 +174,7 @@ def _clipped(value: float, most: float) -> float:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class PlannedWay:
-    """The cheapest way from west to east; where there is none for the robot, the one whose highest step is least.
+    """The cheapest way from west to east; if there is none for the robot, the one whose highest step is least.
 
     points: (n, 2), x and y in metres, from the ground west of the map to that east of it; crosses: whether the robot's
     limits allow it, None if they are unknown; least_step: of all ways, the least highest step, metres
@@ -178,24 +188,22 @@ class PlannedWay:
         self.points.setflags(write=False)
 
     def as_json(self) -> dict[str, object]:
-        """What drive.json has of it."""
+        """Return the entry of drive.json."""
         return {"crosses": self.crosses, "least_step": round(self.least_step, 9)}
 
     def csv(self) -> Iterator[str]:
-        """The lines of a CSV file."""
+        """Yield the lines of a CSV file."""
         yield "x,y\n"
         for x, y in self.points.tolist():
             yield f"{x:.4f},{y:.4f}\n"
 
 
 def planned_way(field: StepField, width: float, limits: RobotLimits | None) -> PlannedWay:
-    """The way across a field for a robot of a width in metres, with these limits if they are known."""
+    """Return the way across a field for a robot of a width in metres, with these limits if they are known."""
     least = percolation_step(field, width, 0)
-    found = crossing(field, limits, 0) if limits else None
-    path = found.path if found and found.crosses else crossing(field, RobotLimits.of(least, width), 0).path
+    cheapest = crossing(field, limits, 0) if limits else None
+    path = cheapest.path if cheapest and cheapest.crosses else crossing(field, RobotLimits.of(least, width), 0).path
     half = np.array(field.extent) / 2
     return PlannedWay(
-        points=(path + 0.5) * field.block_width - half,
-        crosses=found.crosses if found else None,
-        least_step=least,
+        points=(path + 0.5) * field.block_width - half, crosses=cheapest.crosses if cheapest else None, least_step=least
     )

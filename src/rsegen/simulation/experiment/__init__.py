@@ -1,4 +1,4 @@
-"""What maps cost a simulator with robots in it: the paper's tables, by one command.
+"""The cost of maps for a simulator with robots in it: the paper's tables, by one command.
 
 Plan --cells--> Cell --tried--> Outcome --noted--> journal --report--> table, CSV, plot
 """

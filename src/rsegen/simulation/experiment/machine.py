@@ -1,4 +1,8 @@
-"""The description of this computer, its load, and the CPU time and memory of a process."""
+"""The description of this computer, its load, and the CPU time and memory of a process with those that it started.
+
+A server's own figures say what a map costs; the machine's say what else was going on. Resident memory counts
+shared pages once per process, so that of several processes is too large.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +14,6 @@ import subprocess
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rsegen.errors import SimulatorFailed
 
@@ -24,16 +27,16 @@ class Usage:
 
 
 def usage(pid: int) -> Usage:
-    """The usage of a process with those that it has started; SimulatorFailed if it has ended."""
+    """Return the usage of a process with those that it has started; SimulatorFailed if it has ended."""
     import psutil
 
     try:
         process = psutil.Process(pid)
-        found = [(each.cpu_times(), each.memory_info()) for each in (process, *process.children(recursive=True))]
+        usages = [(part.cpu_times(), part.memory_info()) for part in (process, *process.children(recursive=True))]
     except psutil.Error:
         raise SimulatorFailed("the simulator is gone") from None
-    cpu = sum(times.user + times.system for times, _ in found)
-    return Usage(cpu=cpu, memory=sum(memory.rss for _, memory in found) / 2**20)
+    cpu = sum(times.user + times.system for times, _ in usages)
+    return Usage(cpu=cpu, memory=sum(memory.rss for _, memory in usages) / 2**20)
 
 
 def busy() -> float:
@@ -42,12 +45,13 @@ def busy() -> float:
 
     times = psutil.cpu_times()
     idle = times.idle + getattr(times, "iowait", 0.0)
-    return (sum(times) - idle - _counted_twice(times)) / (os.cpu_count() or 1)
+    guests = getattr(times, "guest", 0.0) + getattr(times, "guest_nice", 0.0)  # Linux counts them as time of users too
+    return float(sum(times) - idle - guests) / (os.cpu_count() or 1)
 
 
 def gpu_load() -> float | None:
-    """The load of the busiest GPU just now, 0..1; None if there is none that says it (NVIDIA's, AMD's on Linux)."""
-    loads = [int(found) for found in re.findall(r"^\d+$", _nvidia() or _amd(), re.MULTILINE)]
+    """Return the load of the busiest GPU just now, 0..1; None if none tells it (NVIDIA's do, AMD's on Linux)."""
+    loads = [int(percent) for percent in re.findall(r"^\d+$", _nvidia() or _amd(), re.MULTILINE)]
     return max(loads) / 100 if loads else None
 
 
@@ -70,25 +74,20 @@ def _processor() -> str:
     return named[1] if named else platform.processor() or platform.machine()
 
 
-def _counted_twice(times: Any) -> float:
-    """What Linux counts as the time of a guest is in that of its user too."""
-    return float(getattr(times, "guest", 0.0) + getattr(times, "guest_nice", 0.0))
-
-
 def _nvidia() -> str:
-    """The loads in percent, a line each; empty without the command."""
+    """Return the loads in percent, a line each; empty without the command."""
     command = shutil.which("nvidia-smi")
     if not command:
         return ""
     asked = [command, "--query-gpu=utilization.gpu", "--format=csv,noheader,nounits"]
     with suppress(OSError, subprocess.SubprocessError):
-        found = subprocess.run(asked, capture_output=True, text=True, timeout=5, check=True)  # noqa: S603  # no shell
-        return found.stdout
+        answer = subprocess.run(asked, capture_output=True, text=True, timeout=5, check=True)  # noqa: S603  # no shell
+        return answer.stdout
     return ""
 
 
 def _amd() -> str:
-    """The same from the driver's files."""
+    """Return the loads in percent, a line each, from the files of AMD's driver."""
     files = sorted(Path("/sys/class/drm").glob("card*/device/gpu_busy_percent"))
     with suppress(OSError):
         return "".join(file.read_text() for file in files)

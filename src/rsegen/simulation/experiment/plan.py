@@ -1,4 +1,8 @@
-"""Plans of experiments: rows of robots and maps, each in several sizes, paces and repeats."""
+"""Plans of experiments: rows of robots and maps, each in several sizes, paces and repeats.
+
+A cell of the table is a row at a size and a pace. Cells are tried in a mixed order that the seed decides, each once per
+repeat, so that a noisy hour of the machine does not favour one of them, and so that a stopped experiment goes on alike.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +24,7 @@ from rsegen.robots import ROBOTS
 from rsegen.simulation.simulators import SIMULATORS
 
 PACES = ("real", "free", "beside", "camera", "window")
-"""In real time, as people simulate; as fast as the processor can, which shows what a map costs; so in turns, second by
+"""Paces of a trial: in real time; as fast as the processor can, which shows what a map costs; so in turns, second by
 second, with an empty world, which tells the two apart on a noisy machine too; in real time with a camera in the server;
 in real time with the simulator's own window."""
 
@@ -33,7 +37,7 @@ PLANS = {
 """The plans that come along, by name."""
 
 _BLOCKS = 10
-"""Blocks per side of a chunk."""
+"""Blocks per side of a chunk, as in the paper's maps; sizes are multiples of it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -61,7 +65,7 @@ class TableRow:
         self.map_of(_BLOCKS, 0)
 
     def map_of(self, size: int, seed: int) -> Recipe:
-        """The recipe of its map with this number of blocks per side."""
+        """Return the recipe of its map with this number of blocks per side."""
         given = {
             "name": f"random-{size}",
             "chunk_size": _BLOCKS,
@@ -78,18 +82,18 @@ class TableRow:
 
     @property
     def label(self) -> str:
-        """In a few words."""
+        """The row in a few words."""
         shape = ", ".join(f"{key} {_in_words(value)}" for key, value in (self.recipe or {}).items())
         what = f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm, {self.levels} levels"
         return what + (f", {shape}" if shape else "")
 
     def differs_by_simulator(self, other: TableRow) -> bool:
-        """Whether both differ, and only by the simulator."""
+        """Return whether both differ, and only by the simulator."""
         return self.simulator != other.simulator and replace(self, simulator=other.simulator) == other
 
 
 def _in_words(value: Json) -> str:
-    """A value of a recipe for a heading; of obstacles their kinds."""
+    """Return a value of a recipe for a heading; of obstacles their kinds."""
     if isinstance(value, Mapping):
         return str(value.get("kind", "")) or json.dumps(value)
     if isinstance(value, list):
@@ -99,7 +103,7 @@ def _in_words(value: Json) -> str:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Cell:
-    """One field of the table: a row at a size and a pace."""
+    """A field of the table: a row at a size and a pace."""
 
     row: int
     size: int
@@ -107,13 +111,13 @@ class Cell:
 
     @property
     def name(self) -> str:
-        """Of it among those of its plan."""
+        """The name of the cell in its plan."""
         return f"row {self.row + 1}, {self.size or 'empty'}, {self.pace}"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ExperimentPlan:
-    """What an experiment tries, and how often; `seconds` by the clock on the wall each, whatever the pace."""
+    """The trials of an experiment, and their repeats; each takes `seconds` of wall time, whatever the pace."""
 
     name: Annotated[str, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="name of the experiment")]
     rows: tuple[TableRow, ...]
@@ -135,15 +139,15 @@ class ExperimentPlan:
 
     @property
     def cells(self) -> tuple[Cell, ...]:
-        """All fields of the table, row by row."""
+        """The fields of the table, row by row."""
         return tuple(
-            Cell(row=number, size=size, pace=pace)
-            for pace, (number, row) in product(self.paces, enumerate(self.rows))
+            Cell(row=index, size=size, pace=pace)
+            for pace, (index, row) in product(self.paces, enumerate(self.rows))
             for size in row.sizes
         )
 
     def in_simulators(self, names: Sequence[str]) -> ExperimentPlan:
-        """The plan with a row for each of these simulators, where a row names none itself."""
+        """Return the plan with a row for each of these simulators, where a row names none itself."""
         rows = (
             replace(row, simulator=name) for row in self.rows for name in ((row.simulator,) if row.simulator else names)
         )
@@ -152,17 +156,17 @@ class ExperimentPlan:
     @property
     def tables(self) -> Sequence[Sequence[int]]:
         """The numbers of the rows that go into one table each, as they differ by the simulator only."""
-        found: list[list[int]] = []
-        for number, row in enumerate(self.rows):
-            like = (each for each in found if all(self.rows[other].differs_by_simulator(row) for other in each))
-            if (there := next(like, None)) is None:
-                found.append([number])
+        tables: list[list[int]] = []
+        for index, row in enumerate(self.rows):
+            like = (table for table in tables if all(self.rows[other].differs_by_simulator(row) for other in table))
+            if (own := next(like, None)) is None:
+                tables.append([index])
             else:
-                there.append(number)
-        return found
+                own.append(index)
+        return tables
 
     def order(self) -> Iterator[tuple[Cell, int]]:
-        """Each cell and the number of its repeat, mixed, so that a noisy hour does not favour one cell."""
+        """Yield each cell and the number of its repeat, mixed, so that a noisy hour does not favour one cell."""
         for repeat in range(self.repeats):
             cells = list(self.cells)
             random.Random(f"{self.seed}/{repeat}").shuffle(cells)  # noqa: S311  # an order, no secret
@@ -170,7 +174,7 @@ class ExperimentPlan:
 
 
 def load_plan(name: str) -> ExperimentPlan:
-    """The plan of that name, or in a YAML file."""
+    """Return the plan of that name, or in a YAML file."""
     if name in PLANS:
         return _plan(Path(str(PLANS[name])))
     path = Path(name)
@@ -180,31 +184,33 @@ def load_plan(name: str) -> ExperimentPlan:
 
 
 def _plan(path: Path) -> ExperimentPlan:
-    said = content(path)
-    if not isinstance(said, Mapping) or not isinstance(said.get("rows"), list):
+    plan = content(path)
+    if not isinstance(plan, Mapping) or not isinstance(plan.get("rows"), list):
         raise FileError(f"{path}: not a plan of an experiment; it has name: and a list of rows:")
     try:
-        return read_plan(path.stem, said)
+        return read_plan(path.stem, plan)
     except ParameterError as error:
         raise error.of(str(path)) from None
 
 
-def read_plan(name: str, said: Mapping[str, Json]) -> ExperimentPlan:
-    """The plan that a file's content stands for, called `name` if it says none; ParameterError for a wrong value."""
-    if not isinstance(said, Mapping) or not isinstance(said.get("rows"), list):
-        raise ParameterError("plan", f"{shown(said)} is not a plan, which has name: and a list of rows:")
+def read_plan(name: str, content: Mapping[str, Json]) -> ExperimentPlan:
+    """Return the plan of a file's content, called `name` if it says none; ParameterError for a wrong value."""
+    if not isinstance(content, Mapping) or not isinstance(content.get("rows"), list):
+        raise ParameterError("plan", f"{shown(content)} is not a plan, which has name: and a list of rows:")
     known = [*parameters(ExperimentPlan), "rows"]
-    refuse_unknown("key", said, known)
-    rows = tuple(_row(number, row) for number, row in enumerate(said["rows"]))
-    return ExperimentPlan(rows=rows, **{"name": name, **{key: value for key, value in said.items() if key != "rows"}})
+    refuse_unknown("key", content, known)
+    rows = tuple(_row(index, row) for index, row in enumerate(content["rows"]))
+    return ExperimentPlan(
+        rows=rows, **{"name": name, **{key: value for key, value in content.items() if key != "rows"}}
+    )
 
 
-def _row(number: int, said: object) -> TableRow:
-    where = f"rows[{number}]"
-    if not isinstance(said, Mapping):
-        raise ParameterError(where, f"{shown(said)} is not a row, such as {{robot: burger, sizes: [0, 80]}}")
+def _row(index: int, content: object) -> TableRow:
+    where = f"rows[{index}]"
+    if not isinstance(content, Mapping):
+        raise ParameterError(where, f"{shown(content)} is not a row, such as {{robot: burger, sizes: [0, 80]}}")
     try:
-        refuse_unknown("key of a row", said, [*parameters(TableRow), "recipe"])
-        return TableRow(**said)
+        refuse_unknown("key of a row", content, [*parameters(TableRow), "recipe"])
+        return TableRow(**content)
     except ParameterError as error:
         raise error.inside(where) from None

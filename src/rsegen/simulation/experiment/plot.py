@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _ASIDE = 0.006
-"""Between curves, as a share of the largest map: equal figures would hide one another."""
+"""Distance between curves, as a share of the largest map: equal figures would hide one another."""
 
 
 class _Point(NamedTuple):
@@ -29,25 +29,26 @@ class _Point(NamedTuple):
 
 
 def plot(plan: ExperimentPlan, results: Results) -> bytes:
-    """A PNG with a curve per row: points with the least and the most of all trials, and the paper's RTF.
+    """Draw a PNG with a curve per row: points with the least and the most of all trials, and the paper's RTF.
 
     A point is hollow where the robots rested for most of the time.
     """
     from matplotlib.figure import Figure
 
+    # Three axes, each with the curves of all rows; they have one legend, below.
     figure = Figure(figsize=(15, 5.5), dpi=100, layout="constrained")
     rtf, speed, memory = figure.subplots(1, 3)
-    for number, row in enumerate(plan.rows):
+    for index, row in enumerate(plan.rows):
         label = row_label(plan, row)
-        _curve(rtf, number, plan, _rtf_points(plan, results, number), label)
-        _curve(speed, number, plan, _points(plan, results, number, "speed"), label)
-        _curve(memory, number, plan, _points(plan, results, number, "memory"), label)
+        _curve(rtf, index, plan, _rtf_points(plan, results, index), label)
+        _curve(speed, index, plan, _points(plan, results, index, "speed"), label)
+        _curve(memory, index, plan, _points(plan, results, index, "memory"), label)
     _draw_published(rtf, plan)
     _finish(rtf, "real-time factor: least, mean, most")
     _finish(speed, "simulated seconds per second of CPU")
     _finish(memory, "memory of the simulator [MB]")
     handles, labels = speed.get_legend_handles_labels()
-    extra = [each for each in zip(*rtf.get_legend_handles_labels(), strict=True) if each[1] not in labels]
+    extra = [entry for entry in zip(*rtf.get_legend_handles_labels(), strict=True) if entry[1] not in labels]
     names = [*zip(handles, labels, strict=True), *extra]
     if names:
         figure.legend(*zip(*names, strict=True), loc="outside lower center", ncols=2)
@@ -59,29 +60,29 @@ def plot(plan: ExperimentPlan, results: Results) -> bytes:
     return stream.getvalue()
 
 
-def _rtf_points(plan: ExperimentPlan, results: Results, number: int) -> list[_Point]:
+def _rtf_points(plan: ExperimentPlan, results: Results, index: int) -> list[_Point]:
     pace = next((pace for pace in plan.paces if pace in IN_REAL_TIME), "real")
-    found = {size: outcomes_of(results, number, size, pace) for size in plan.rows[number].sizes}
-    limits = {size: rtf_limits(outcomes) for size, outcomes in found.items()}
-    return [_Point(size, *three, rested=rested(found[size])) for size, three in limits.items() if three]
+    by_size = {size: outcomes_of(results, index, size, pace) for size in plan.rows[index].sizes}
+    limits = {size: rtf_limits(outcomes) for size, outcomes in by_size.items()}
+    return [_Point(size, *three, rested=rested(by_size[size])) for size, three in limits.items() if three]
 
 
-def _points(plan: ExperimentPlan, results: Results, number: int, name: str) -> list[_Point]:
-    """The medians of a figure, at full speed if that was tried."""
+def _points(plan: ExperimentPlan, results: Results, index: int, name: str) -> list[_Point]:
+    """Return the medians of a figure, at full speed if that was tried."""
     pace = next((pace for pace in ("free", "beside") if pace in plan.paces), plan.paces[0])
-    found = {size: outcomes_of(results, number, size, pace) for size in plan.rows[number].sizes}
-    values = {size: known(outcomes, name) for size, outcomes in found.items()}
-    return [_Point(size, min(v), median(v), max(v), rested(found[size])) for size, v in values.items() if v]
+    by_size = {size: outcomes_of(results, index, size, pace) for size in plan.rows[index].sizes}
+    values = {size: known(outcomes, name) for size, outcomes in by_size.items()}
+    return [_Point(size, min(v), median(v), max(v), rested(by_size[size])) for size, v in values.items() if v]
 
 
-def _curve(axes: Axes, number: int, plan: ExperimentPlan, points: Sequence[_Point], label: str) -> None:
+def _curve(axes: Axes, index: int, plan: ExperimentPlan, points: Sequence[_Point], label: str) -> None:
     """Points with their limits; moved a little aside, each curve by another way."""
     if not points:
         return
-    aside = (number - (len(plan.rows) - 1) / 2) * _ASIDE * max(size for row in plan.rows for size in row.sizes)
+    aside = (index - (len(plan.rows) - 1) / 2) * _ASIDE * max(size for row in plan.rows for size in row.sizes)
     x = [point.size + aside for point in points]
     spread = [[point.value - point.low for point in points], [point.high - point.value for point in points]]
-    colour = f"C{number % 10}"
+    colour = f"C{index % 10}"
     value = [point.value for point in points]
     axes.errorbar(x, value, yerr=spread, fmt="-", color=colour, capsize=3, label=label)
     faces = ["white" if point.rested else colour for point in points]
@@ -90,15 +91,15 @@ def _curve(axes: Axes, number: int, plan: ExperimentPlan, points: Sequence[_Poin
 
 def _draw_published(axes: Axes, plan: ExperimentPlan) -> None:
     """The paper's least and most real-time factor, for the rows that are the paper's."""
-    found = {
+    published = {
         (size, figures.rtf_limits)
         for row in plan.rows
         for size, figures in published_figures(row).items()
         if size in row.sizes
     }
-    if found:
-        sizes, limits = zip(*sorted(found), strict=True)
-        middle = [fmean(each) for each in limits]
+    if published:
+        sizes, limits = zip(*sorted(published), strict=True)
+        middle = [fmean(ends) for ends in limits]
         half = [(most - least) / 2 for least, most in limits]
         axes.errorbar(
             sizes, middle, yerr=half, fmt="D", color="black", markerfacecolor="none", capsize=5, label="paper"

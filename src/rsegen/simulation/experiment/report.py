@@ -1,8 +1,8 @@
-"""The outcomes of an experiment as a Markdown page and CSV.
+"""The outcomes of an experiment as a Markdown page and CSV, next to the figures that the paper published.
 
-The figures that the paper published: real-time factor, CPU load and memory in GB, over three runs.
-
-Figures of several trials of a cell as one: medians, limits and means.
+A cell of the table has several trials. Costs are medians, which a noisy hour moves little; real-time factors are the
+least, the mean and the most of all; what robots did are means, as it is random. The error of a share is the standard
+error of the median of normally distributed values, sqrt(pi / 2 / n) times their standard deviation.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class PublishedFigures(NamedTuple):
 
 
 class PublishedRow(NamedTuple):
-    """What the paper's maps and robots were."""
+    """The maps and robots of a row of the paper."""
 
     robot: str
     robots: int
@@ -43,6 +43,7 @@ class PublishedRow(NamedTuple):
     levels: int
 
 
+# The paper's table 2, and the computer that it was made on, as printed.
 COMPUTER = "Ryzen 7 2700X, GeForce 1660, 16 GB"
 
 _CRAWLER = {
@@ -67,61 +68,61 @@ FIGURES: Mapping[PublishedRow, Mapping[int, PublishedFigures]] = {
     PublishedRow("crawler", 1, 10, 10): {size: _CRAWLER[size] for size in (0, 40, 60, 80)},
     PublishedRow("burger", 3, 1, 5): _BURGERS,
 }
-"""By robots and maps, and by the side of the map in blocks. Its tracked robot had an arm, five cameras and a lidar."""
+"""Figures by robots and maps, and by the side of the map in blocks. The tracked robot had an arm, five cameras
+and a lidar."""
 
 
 def published_figures(row: TableRow) -> Mapping[int, PublishedFigures]:
-    """The paper's figures for the robots and maps of a row, by size; it used Gazebo Classic, and plain random maps."""
+    """Return the paper's figures for the robots and maps of a row, by size; it used Classic and random maps."""
     if row.recipe or row.simulator == "sim":
         return {}
     return FIGURES.get(PublishedRow(row.robot, row.robots, row.unit_cm, row.levels), {})
 
 
 RESTING = 0.5
-"""Robots rested in a cell if they were stuck for more than this share of the time, in the mean over robots and
-trials."""
+"""Share of the time, in the mean over robots and trials, that robots are stuck in a cell beyond which they rested."""
 
 
 def outcomes_of(results: Results, row: int, size: int, pace: str) -> Sequence[Outcome]:
-    """The outcomes of a cell; none if it was not tried yet."""
+    """Return the outcomes of a cell; none if it was not tried yet."""
     return results.get(Cell(row=row, size=size, pace=pace), [])
 
 
 def known(outcomes: Iterable[Outcome], name: str) -> list[float]:
-    """A figure of those outcomes that have it."""
-    return [value for value in (getattr(one, name) for one in outcomes) if value is not None]
+    """Return a figure of those outcomes that have it."""
+    return [value for value in (getattr(outcome, name) for outcome in outcomes) if value is not None]
 
 
 def median_of(outcomes: Iterable[Outcome], name: str) -> float | None:
-    """The median of a figure of outcomes; None if none has it."""
-    found = known(outcomes, name)
-    return median(found) if found else None
+    """Return the median of a figure of outcomes; None if none has it."""
+    values = known(outcomes, name)
+    return median(values) if values else None
 
 
 def mean_of(outcomes: Iterable[Outcome], name: str) -> float | None:
-    """The mean of a figure of outcomes; None if none has it."""
-    found = known(outcomes, name)
-    return fmean(found) if found else None
+    """Return the mean of a figure of outcomes; None if none has it."""
+    values = known(outcomes, name)
+    return fmean(values) if values else None
 
 
 def rtf_limits(outcomes: Sequence[Outcome]) -> tuple[float, float, float] | None:
-    """The least, the mean and the most real-time factor that were registered over all trials; None without any."""
+    """Return the least, the mean and the most real-time factor over all trials; None without any."""
     least, mean, most = (known(outcomes, name) for name in ("rtf_min", "rtf", "rtf_max"))
     return (min(least), fmean(mean), max(most)) if least and mean and most else None
 
 
 def standard_error(values: Sequence[float]) -> float:
-    """The standard error of the median of two or more values, if they are normally distributed."""
+    """Return the standard error of the median of two or more values, if they are normally distributed."""
     return sqrt(pi / 2 / len(values)) * stdev(values)
 
 
 def rested(outcomes: Sequence[Outcome]) -> bool:
-    """Whether the robots rested for most of the time."""
+    """Return whether the robots rested for most of the time."""
     return (mean_of(outcomes, "stuck") or 0.0) > RESTING
 
 
 MARK = "†"
-"""Of rows whose robots rested."""
+"""Mark of rows whose robots rested."""
 
 _TITLES = {
     "real": "in real time",
@@ -144,7 +145,7 @@ _UNKNOWN = "It was not recorded what the robots did in these trials, so speeds a
 
 
 def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], command: str) -> str:
-    """The Markdown page: the machine, and a table per row of the plan with the paper's figures.
+    """Return the Markdown page: the machine, and a table per row of the plan with the paper's figures.
 
     command: the command line that made the results.
     """
@@ -154,13 +155,13 @@ def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, st
 
 
 def trials_csv(plan: ExperimentPlan, results: Results) -> str:
-    """The text of trials.csv, a line per trial."""
+    """Return the text of trials.csv, a line per trial."""
     names = [field.name for field in fields(Outcome)]
     lines = [",".join(["simulator", "robot", "robots", "size", "pace", *names])]
     for cell, outcomes in results.items():
         row = plan.rows[cell.row]
         start = [row.simulator or "", row.robot, str(row.robots), str(cell.size), cell.pace]
-        lines += [",".join([*start, *(_plain(getattr(one, name)) for name in names)]) for one in outcomes]
+        lines += [",".join([*start, *(_plain(getattr(outcome, name)) for name in names)]) for outcome in outcomes]
     return "\n".join(lines) + "\n"
 
 
@@ -181,8 +182,8 @@ def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], co
 
 
 def row_label(plan: ExperimentPlan, row: TableRow) -> str:
-    """The label of a row, with its simulator if the plan has several."""
-    several = len({each.simulator for each in plan.rows}) > 1
+    """Return the label of a row, with its simulator if the plan has several."""
+    several = len({other.simulator for other in plan.rows}) > 1
     return row.label + (f", {_title(row)}" if several else "")
 
 
@@ -191,11 +192,11 @@ def _title(row: TableRow) -> str:
 
 
 def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> Iterator[str]:
-    """The table of rows that differ by the simulator only, and its footnotes."""
-    rows = [plan.rows[number] for number in numbers]
+    """Yield the table of rows that differ by the simulator only, and its footnotes."""
+    rows = [plan.rows[index] for index in numbers]
     several, first = len(numbers) > 1, rows[0]
     yield f"## {first.label}{'' if several or not _title(first) else f', in {_title(first)}'}\n"
-    rendering = bool(set(SOURCES) & set(plan.paces)) or any(known(each, "gpu") for each in results.values())
+    rendering = bool(set(SOURCES) & set(plan.paces)) or any(known(outcomes, "gpu") for outcomes in results.values())
     printed = any(published_figures(row) for row in rows)
     columns = [*_COLUMNS, *(_RENDERING if rendering else ()), *_AT_FULL_SPEED, *_ROBOTS, *(_PAPER if printed else ())]
     yield _line([*(["simulator"] if several else []), *columns])
@@ -204,33 +205,33 @@ def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> It
     yield from (_line([*([title] if several else []), *cells]) for title, cells in lines)
     if any(cells[0].endswith(MARK) for _, cells in lines):
         yield f"\n{_RESTED}"
-    tried = [each for cell, each in results.items() if cell.row in numbers]
-    if not all(known(each, "driven") for each in tried):
+    tried = [outcomes for cell, outcomes in results.items() if cell.row in numbers]
+    if not all(known(outcomes, "driven") for outcomes in tried):
         yield f"\n{_UNKNOWN}"
     yield ""
 
 
 def _lines(
-    plan: ExperimentPlan, numbers: Sequence[int], results: Results, *, rendering: bool, printed: bool
+    plan: ExperimentPlan, indices: Sequence[int], results: Results, *, rendering: bool, printed: bool
 ) -> Iterator[tuple[str, list[str]]]:
-    """The title of its simulator, and the cells, of each line of a table."""
-    rows = {number: plan.rows[number] for number in numbers}
+    """Yield the title of its simulator, and the cells, of each line of a table."""
+    rows = {index: plan.rows[index] for index in indices}
     for size in dict.fromkeys(size for row in rows.values() for size in row.sizes):
-        for number, row in rows.items():
+        for index, row in rows.items():
             for what, paces in _LINES.items():
-                found = {pace: outcomes_of(results, number, size, pace) for pace in PACES if pace in paces}
-                if any(found.values()):
-                    cells = [*_costs(found), *(_rendered(found) if rendering else ())]
-                    cells += [*_full_speed(found, _empty(plan, results, row)), *_robots(found)]
+                by_pace = {pace: outcomes_of(results, index, size, pace) for pace in PACES if pace in paces}
+                if any(by_pace.values()):
+                    cells = [*_costs(by_pace), *(_rendered(by_pace) if rendering else ())]
+                    cells += [*_full_speed(by_pace, _empty(plan, results, row)), *_robots(by_pace)]
                     paper = published_figures(row).get(size, ("", "", "")) if not what else ("", "", "")
                     label = ", ".join(filter(None, (f"{size} x {size}" if size else "empty", what)))
-                    mark = f" {MARK}" if any(map(rested, found.values())) else ""
+                    mark = f" {MARK}" if any(map(rested, by_pace.values())) else ""
                     yield _title(row), [label + mark, *cells, *(paper if printed else ())]
 
 
-def _costs(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
-    real = [one for pace in IN_REAL_TIME for one in found.get(pace, ())]
-    every = [one for each in found.values() for one in each]
+def _costs(by_pace: Mapping[str, Sequence[Outcome]]) -> list[str]:
+    real = [outcome for pace in IN_REAL_TIME for outcome in by_pace.get(pace, ())]
+    every = [outcome for outcomes in by_pace.values() for outcome in outcomes]
     rtf, cpu, machine = rtf_limits(real), median_of(real, "cpu"), median_of(real, "machine")
     return [
         f"{rtf[0]:.2f}-{rtf[2]:.2f} ({rtf[1]:.2f})" if rtf else "-",
@@ -241,32 +242,35 @@ def _costs(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
     ]
 
 
-def _rendered(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
+def _rendered(by_pace: Mapping[str, Sequence[Outcome]]) -> list[str]:
     """Frames per second and load of the GPU; empty where there are none."""
-    every = [one for each in found.values() for one in each]
+    every = [outcome for outcomes in by_pace.values() for outcome in outcomes]
     return [_plain(median_of(every, "fps"), 1), _percent(median_of(every, "gpu"))]
 
 
-def _full_speed(found: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -> list[str]:
-    """The speed, and its share of the empty world's, if it is known what the robots did."""
-    free, beside = found.get("free", ()), found.get("beside", ())
+def _full_speed(by_pace: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -> list[str]:
+    """Return the speed, and its share of the empty world's, if it is known what the robots did."""
+    free, beside = by_pace.get("free", ()), by_pace.get("beside", ())
     speed = _plain(median_of([*free, *beside], "speed"), 1) or "-"
     if not known([*free, *beside], "driven"):
         return [speed, "-"]
     return [speed, _share(beside) or _quotient(median_of(free, "speed"), median_of(empty, "speed"))]
 
 
-def _robots(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
-    """What the robots did, at one pace after the other."""
-    told = [each for each in found.values() if known(each, "driven")]
-    ways = [f"{_plain(mean_of(each, 'driven'), 2)} m in {_plain(mean_of(each, 'simulated'), 0)} s" for each in told]
-    stuck, covered = ([_percent(mean_of(each, name)) for each in told] for name in ("stuck", "covered"))
-    tipped = [_plain(mean_of(each, "tipped"), 2) for each in told]
+def _robots(by_pace: Mapping[str, Sequence[Outcome]]) -> list[str]:
+    """Return the cells of what the robots did, at one pace after the other."""
+    told = [outcomes for outcomes in by_pace.values() if known(outcomes, "driven")]
+    ways = [
+        f"{_plain(mean_of(outcomes, 'driven'), 2)} m in {_plain(mean_of(outcomes, 'simulated'), 0)} s"
+        for outcomes in told
+    ]
+    stuck, covered = ([_percent(mean_of(outcomes, name)) for outcomes in told] for name in ("stuck", "covered"))
+    tipped = [_plain(mean_of(outcomes, "tipped"), 2) for outcomes in told]
     return [" / ".join(filter(None, texts)) for texts in (ways, stuck, tipped, covered)]
 
 
 def _share(beside: Sequence[Outcome]) -> str:
-    """Of the speed of the empty world in turns with which it was simulated, and how far that is sure."""
+    """Return the share of the empty world's speed, simulated in turns with it, and its standard error."""
     shares = known(beside, "share")
     if len(shares) < 2:
         return "".join(f"{share:.2f}" for share in shares)
@@ -278,13 +282,13 @@ def _quotient(speed: float | None, usual: float | None) -> str:
 
 
 def _empty(plan: ExperimentPlan, results: Results, row: TableRow) -> Sequence[Outcome]:
-    """The same robots in an empty world at full speed, in this row or, if it has none, in whichever they were."""
+    """Return the outcomes of these robots in an empty world at full speed, of this row or else of a similar one."""
     alike = (
-        number
-        for number, each in sorted(enumerate(plan.rows), key=lambda numbered: numbered[1] is not row)
-        if (each.robot, each.robots, each.simulator) == (row.robot, row.robots, row.simulator)
+        index
+        for index, other in sorted(enumerate(plan.rows), key=lambda numbered: numbered[1] is not row)
+        if (other.robot, other.robots, other.simulator) == (row.robot, row.robots, row.simulator)
     )
-    return next((found for number in alike if (found := outcomes_of(results, number, 0, "free"))), ())
+    return next((outcomes for index in alike if (outcomes := outcomes_of(results, index, 0, "free"))), ())
 
 
 def _line(cells: Sequence[str]) -> str:
@@ -292,7 +296,7 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def _percent(share: float | None) -> str:
-    """Whole percents, or tenths of small ones."""
+    """Return a share as whole percents, or as tenths if it is small."""
     return "" if share is None else f"{share * 100:.{0 if share >= 0.1 or not share else 1}f} %"
 
 

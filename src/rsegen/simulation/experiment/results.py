@@ -1,9 +1,10 @@
-"""Outcomes of trials, as lines of the journal of an experiment's folder: a stopped experiment goes on with them.
+"""Outcomes of trials, as lines of the journal of an experiment's folder, and the files of what robots did in them.
 
-What robots did in each trial, on disk: the folder `tracks` of an experiment.
+    tracks/row1-80-free-0.csv   poses of the robots in the first trial of the plan's first row, 80 x 80 blocks, at
+    `free` tracks/row1-80-free.png     a picture of those in the last trial of this cell, on the plan of its map
 
-row1-80-free-0.csv   where every robot was in the first trial of the plan's first row, 80 x 80 blocks, pace `free`
-row1-80-free.png     the same of the last trial of this cell, on the plan of its map
+A stopped experiment goes on with the outcomes in the journal. They are read as a file from anybody: whatever is no
+outcome of this plan is refused with its place.
 """
 
 from __future__ import annotations
@@ -55,31 +56,31 @@ def read_entries(journal: Journal | None, folder: Path, rows: int) -> list[Entry
 
 def results_of(entries: Iterable[Entry]) -> Results:
     """Return the outcomes of every cell."""
-    found: dict[Cell, list[Outcome]] = {}
+    results: dict[Cell, list[Outcome]] = {}
     for cell, _, outcome in entries:
-        found.setdefault(cell, []).append(outcome)
-    return found
+        results.setdefault(cell, []).append(outcome)
+    return results
 
 
-def read_cell(found: object, rows: int) -> Cell:
-    """The cell that a file has, of a plan with this number of rows; a ParameterError if it cannot be."""
-    return Cell(**_checked("cell", found, {**_CELL, "row": Integer(0, rows - 1)}))
+def read_cell(content: object, rows: int) -> Cell:
+    """Return the cell that a file has, of a plan with this number of rows; a ParameterError if it cannot be."""
+    return Cell(**_checked("cell", content, {**_CELL, "row": Integer(0, rows - 1)}))
 
 
-def read_outcome(found: object) -> Outcome:
-    """The outcome that a file has; a ParameterError if a value is no number."""
-    return Outcome(**_checked("outcome", found, _OUTCOME, _OPTIONAL))
+def read_outcome(content: object) -> Outcome:
+    """Return the outcome that a file has; a ParameterError if a value is no number."""
+    return Outcome(**_checked("outcome", content, _OUTCOME, _OPTIONAL))
 
 
 def _checked(
-    where: str, found: object, sorts: Mapping[str, Parameter], optional: Collection[str] = ()
+    where: str, content: object, sorts: Mapping[str, Parameter], optional: Collection[str] = ()
 ) -> dict[str, Any]:
-    """The values of a mapping by their sorts; a ParameterError for one that is missing, too many, or wrong."""
-    if not isinstance(found, Mapping):
-        raise ParameterError(where, f"{shown(found)} is not a mapping with {', '.join(sorts)}")
+    """Return the values of a mapping by their sorts; a ParameterError for one that is missing, too many, or wrong."""
+    if not isinstance(content, Mapping):
+        raise ParameterError(where, f"{shown(content)} is not a mapping with {', '.join(sorts)}")
     try:
-        refuse_unknown("key", found, sorts)
-        given = {name: found.get(name) for name in sorts}
+        refuse_unknown("key", content, sorts)
+        given = {name: content.get(name) for name in sorts}
         return {
             name: None if given[name] is None and name in optional else sort.check(name, given[name])
             for name, sort in sorts.items()
@@ -89,7 +90,7 @@ def _checked(
 
 
 FOLDER = "tracks"
-"""The folder below that of the results."""
+"""The folder of trajectories, in the folder of the results."""
 
 
 def track_files(plan: ExperimentPlan, cell: Cell, repeat: int, trial: Trial) -> dict[str, list[bytes]]:

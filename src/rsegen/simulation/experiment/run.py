@@ -36,13 +36,14 @@ from rsegen.simulation.simulators.server import choose_installation
 
 HOLDS = "experiment"
 _LINE = Text(r".{0,4096}", "a line of at most 4096 letters")
+"""The command line in a summary, which may come from anybody; 4096 is the longest path of Linux."""
 
 REPORT_FILES = ("table.md", "trials.csv", "summary.json", "plot.png")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ExperimentResult:
-    """What `rsegen.experiment` gives: the plan, every cell's outcomes, the machine, and the folder of the files.
+    """The result of `rsegen.experiment`: the plan, every cell's outcomes, the machine, and the folder of the files.
 
     command: the command line, or the call in Python, that gives them
     """
@@ -113,6 +114,7 @@ def _tried(
 @contextmanager
 def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Store]:
     """Open the folder of the results, or that of those which replace them; an OutputError if that may not be."""
+    # Three cases: replace another experiment, refuse other files, or go on with what this plan has begun.
     refuse_busy(folder)
     of: Json = json.loads(json.dumps(asdict(plan)))
     journal = read_journal(folder)
@@ -144,21 +146,21 @@ def in_simulators(plan: ExperimentPlan, simulators: Sequence[str] | None) -> Exp
 
 
 def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str], str]:
-    """The plan, the outcomes, the machine and the command of a summary.json that `experiment` wrote.
+    """Return the plan, the outcomes, the machine and the command of a summary.json that `experiment` wrote.
 
     FileError if it is damaged.
     """
-    found = recipe_file.content(file)
+    content = recipe_file.content(file)
     try:
-        plan = read_plan(file.stem, found["plan"])  # type: ignore[index]  # a TypeError if it is no mapping
+        plan = read_plan(file.stem, content["plan"])  # type: ignore[index]  # a TypeError if it is no mapping
         results = {
             read_cell({key: cell[key] for key in ("row", "size", "pace")}, len(plan.rows)): [
-                read_outcome(one) for one in cell["outcomes"]
+                read_outcome(outcome) for outcome in cell["outcomes"]
             ]
-            for cell in found["cells"]  # type: ignore[index]
+            for cell in content["cells"]  # type: ignore[index]
         }
-        machine = {str(name): str(value) for name, value in found["machine"].items()}  # type: ignore[index]
-        command = _LINE.check("command", found["command"])  # type: ignore[index]
+        machine = {str(name): str(value) for name, value in content["machine"].items()}  # type: ignore[index]
+        command = _LINE.check("command", content["command"])  # type: ignore[index]
     except ParameterError as error:
         raise error.of(str(file)) from None
     except (AttributeError, KeyError, TypeError) as error:
@@ -174,14 +176,16 @@ def _command(plan: str | os.PathLike[str] | ExperimentPlan, folder: Path, simula
     return shlex.join(["rsegen", "experiment", os.fspath(plan), *flags, "-o", os.fspath(folder)])
 
 
-def _files(found: ExperimentResult) -> dict[str, bytes]:
-    plan, results = found.plan, found.results
+def _files(result: ExperimentResult) -> dict[str, bytes]:
+    plan, results = result.plan, result.results
     cells = [
-        {**asdict(cell), "outcomes": [asdict(one) for one in results[cell]]} for cell in plan.cells if cell in results
+        {**asdict(cell), "outcomes": [asdict(outcome) for outcome in results[cell]]}
+        for cell in plan.cells
+        if cell in results
     ]
-    summary = {"command": found.command, "machine": found.machine, "plan": asdict(plan), "cells": cells}
+    summary = {"command": result.command, "machine": result.machine, "plan": asdict(plan), "cells": cells}
     return {
-        "table.md": found.table.encode(),
+        "table.md": result.table.encode(),
         "trials.csv": trials_csv(plan, results).encode(),
         "summary.json": json.dumps(summary, indent=2).encode() + b"\n",
         "plot.png": plot(plan, results),

@@ -1,6 +1,8 @@
-"""One trial: a world with robots that drive randomly, and what it costs the simulator.
+"""A trial: a world with robots that drive randomly, what it costs the simulator, and what the robots did meanwhile.
 
-What robots did in a trial: how far they drove, how long they were stuck, what they have seen of the map.
+The cost of a map is only comparable if robots do about the same: stuck ones cost less. So how far they drove, how long
+they were stuck and what they have covered of the map is measured with it. At the pace `beside` the world and an empty
+one are simulated in turns of a second, in two servers, so that other load on the machine affects both alike.
 """
 
 from __future__ import annotations
@@ -23,11 +25,12 @@ from rsegen.field.stepfield import Array, StepField
 from rsegen.robots import robot
 from rsegen.robots.base import DrivableRobot
 from rsegen.simulation.driving.drive_metrics import Trajectory, drive_metrics
-from rsegen.simulation.driving.recording import RobotRun, camera_model, world_with_robots
+from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.robot_runs import driving_speed, robot_runs
 from rsegen.simulation.driving.routes import Wandering
+from rsegen.simulation.driving.world_file import camera_model, world_with_robots
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan, TableRow
-from rsegen.simulation.experiment.trial_server import CAMERA_PIXELS, SOURCES, Setup, Span, total, trial_server
+from rsegen.simulation.experiment.trial_server import CAMERA_PIXELS, SOURCES, Measurement, Setup, total, trial_server
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import Record
 from rsegen.simulation.simulators.server import retried
@@ -48,34 +51,34 @@ class DrivingFigures(NamedTuple):
 
 
 def trajectories(record: Record, runs: Sequence[RobotRun]) -> dict[str, Trajectory]:
-    """The trajectories of robots that were in a record, by their names."""
+    """Return the trajectories of robots that were in a record, by their names."""
     rows = {run.name: [[second, *poses[run.name]] for second, poses in record if run.name in poses] for run in runs}
-    return {name: Trajectory(rows=np.array(each)) for name, each in rows.items() if each}
+    return {name: Trajectory(rows=np.array(own)) for name, own in rows.items() if own}
 
 
 def driving_figures(
-    found: Mapping[str, Trajectory], runs: Sequence[RobotRun], field: StepField | None
+    tracks: Mapping[str, Trajectory], runs: Sequence[RobotRun], field: StepField | None
 ) -> DrivingFigures:
-    """The figures of robots with these trajectories on a field, None for an empty world."""
-    driven = [(found[run.name], run.robot) for run in runs if run.name in found]
+    """Return the figures of robots with these trajectories on a field, None for an empty world."""
+    driven = [(tracks[run.name], run.robot) for run in runs if run.name in tracks]
     if not driven:
         return DrivingFigures(None, None, None, None)
-    metrics = [drive_metrics(track, driving_speed(robot)) for track, robot in driven]
+    every = [drive_metrics(track, driving_speed(robot)) for track, robot in driven]
     return DrivingFigures(
-        driven=round(fmean(one.distance for one in metrics), 3),
-        stuck=round(fmean(one.stuck / max(one.seconds, 1.0) for one in metrics), 4),
-        tipped=round(fmean(one.tipped for one in metrics), 3),
+        driven=round(fmean(metrics.distance for metrics in every), 3),
+        stuck=round(fmean(metrics.stuck / max(metrics.seconds, 1.0) for metrics in every), 4),
+        tipped=round(fmean(metrics.tipped for metrics in every), 3),
         covered=round(fmean(covered(track, robot, field) for track, robot in driven), 5) if field else None,
     )
 
 
 def covered(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
-    """The share of a field's cells over which some part of a robot's footprint has been, 0..1.
+    """Return the share of a field's cells over which some part of a robot's footprint has been, 0..1.
 
     The footprint is the rectangle of its length and width; it is there at points half a block apart or less, at every
     row of its trajectory.
     """
-    points = _footprint(robot, field.block_width / 2)
+    points = _points_below(robot, field.block_width / 2)  # half a block apart, so that no cell between is missed
     x, y, yaw = (track.rows[:, [column]] for column in (1, 2, 6))
     along, across = points[:, 0], points[:, 1]
     places = [x + np.cos(yaw) * along - np.sin(yaw) * across, y + np.sin(yaw) * along + np.cos(yaw) * across]
@@ -89,17 +92,17 @@ def covered(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
     return float(been.mean())
 
 
-def _footprint(robot: DrivableRobot, apart: float) -> Array:
-    """Points of a robot's length and width about its origin, this far apart or less, shape (n, 2)."""
+def _points_below(robot: DrivableRobot, apart: float) -> Array:
+    """Return points of a robot's length and width about its origin, this far apart or less, shape (n, 2)."""
     axes = [np.linspace(-side / 2, side / 2, ceil(side / apart) + 1) for side in robot.size[:2]]
     return np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
 
 
 REST, REST_AT_FULL_SPEED = 1.0, 0.2
-"""Seconds between commands to robots: about a simulated second."""
+"""Seconds between commands to robots: about a simulated second, as small worlds run five times as fast as real time."""
 
 TURN = 1.0
-"""Seconds that one of two worlds is simulated before it is the other's turn."""
+"""Seconds that one of two worlds is simulated before it is the other's turn: shorter than other load comes and goes."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -135,7 +138,7 @@ class Outcome:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Trial:
-    """One trial: its outcome, the map, and the trajectory of every robot by its name."""
+    """A trial: its outcome, the map, and the trajectory of every robot by its name."""
 
     outcome: Outcome
     scene: Scene
@@ -143,39 +146,36 @@ class Trial:
 
 
 def run_trial(
-    plan: ExperimentPlan,
-    cell: Cell,
-    repeat: int,
-    here: Installation,
-    watch: Callable[[], None] = lambda: None,
+    plan: ExperimentPlan, cell: Cell, repeat: int, here: Installation, watch: Callable[[], None] = lambda: None
 ) -> Trial:
-    """One trial; each repeat has its own map and start poses. A failed server is tried again.
+    """Run a trial; each repeat has its own map and start poses. A failed server is tried again.
 
     `watch` is called several times per second; what it raises ends the trial and its servers.
     """
     cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
     with ExitStack() as stack:
-        setups = [stack.enter_context(_setup(plan, each, plan.seed + repeat, here)) for each in cells]
+        setups = [stack.enter_context(_setup(plan, part, plan.seed + repeat, here)) for part in cells]
         return retried(lambda: _trial(setups, plan.seconds, here, watch, is_empty=not cell.size))
 
 
 def refuse_crowded(plan: ExperimentPlan) -> None:
     """Raise a ParameterError, before any trial, if the smallest map of a row has no room for its robots."""
-    for number, row in enumerate(plan.rows):
+    for index, row in enumerate(plan.rows):
         smallest = min((size for size in row.sizes if size), default=0)
-        with inside(f"rows[{number}]"):
+        with inside(f"rows[{index}]"):
             for seed in range(plan.seed, plan.seed + plan.repeats) if smallest else ():
                 _runs(row, compose(row.map_of(smallest, seed)), seed)
 
 
 def _runs(row: TableRow, scene: Scene, seed: int) -> Sequence[RobotRun]:
-    """The runs of the robots of a row on one of its maps."""
+    """Return the runs of the robots of a row on one of its maps."""
     return robot_runs(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed, evenest=True)
 
 
 @contextmanager
 def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> Iterator[Setup]:
-    """A temporary world file with robots, of a map or empty."""
+    """Write a temporary world file with robots, of a map or empty."""
+    # Also an empty world has robots at the places of a map, so that both differ by the map alone.
     row = plan.rows[cell.row]
     recipe = row.map_of(cell.size, seed)
     scene = compose(recipe)
@@ -200,12 +200,12 @@ def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> I
 def _trial(
     setups: Sequence[Setup], seconds: float, here: Installation, watch: Callable[[], None], *, is_empty: bool
 ) -> Trial:
-    """The trial of the first setup, simulated in turns with the second, if there is one."""
-    with ExitStack() as stack:
+    """Run the trial of the first setup, in turns with the second, if any; round its figures for the journal."""
+    with ExitStack() as stack:  # both servers run for the whole trial
         servers = [stack.enter_context(trial_server(setup, here, watch)) for setup in setups]
         turns = [seconds] if len(servers) == 1 else [TURN] * ceil(seconds / TURN)
         spans = [[server.measure(turn) for server in servers] for turn in turns]
-        ours, *others = (total(each) for each in zip(*spans, strict=True))
+        ours, *others = (total(parts) for parts in zip(*spans, strict=True))
         first = servers[0]
         tracks = trajectories(first.record, first.setup.runs)
         figures = driving_figures(tracks, first.setup.runs, None if is_empty else first.setup.scene.field)
@@ -221,8 +221,8 @@ def _trial(
     return Trial(outcome=outcome, scene=first.setup.scene, trajectories=tracks)
 
 
-def _in_real_time(span: Span, setup: Setup) -> dict[str, float | None]:
-    """The figures that only a trial in real time has."""
+def _in_real_time(span: Measurement, setup: Setup) -> dict[str, float | None]:
+    """Return the figures that only a trial in real time has."""
     if not setup.real:
         return dict.fromkeys(("cpu", "machine", "gpu", "fps", "rtf_min", "rtf", "rtf_max"))
     return {

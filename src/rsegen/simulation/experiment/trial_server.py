@@ -1,6 +1,9 @@
-"""A server of a trial, in which robots drive randomly, and what that costs.
+"""A server of a trial, in which robots drive randomly, and what that costs: clocks, CPU time, memory, frames.
 
-What draws frames in a trial: a camera in the server, or the simulator's own window; and how many it draws.
+All clocks are read while the world is paused, before and after a span, so they belong to the same moment. CPU time is
+that of the server's process; the machine's own load is measured too, as it tells how far a real-time factor is the
+map's. Frames are drawn by a camera in the server, or by the simulator's own window, and counted by their messages.
+What breaks it: a machine so busy that a span takes twenty times as long, which ends the trial.
 """
 
 from __future__ import annotations
@@ -27,10 +30,31 @@ SOURCES = ("camera", "window")
 """The paces in which frames are drawn."""
 
 CAMERA_PIXELS = (640, 480)
-"""Width and height of the camera's pictures."""
+"""Width and height of the camera's pictures: those of a usual robot's camera; frames per second fall with the area."""
 
-FIRST_FRAME = 120.0
-"""Seconds within which the first frame must be drawn."""
+_FIRST_FRAME = 120.0
+"""Seconds within which the first frame must be drawn: a renderer without a GPU is slow to begin.
+
+With less, trials that work would end; with more, a screen without OpenGL is reported later.
+"""
+
+TIMEOUT = 600.0
+"""Seconds within which the largest world must load: 80 x 80 models take 87 to load, 160 x 160 boxes more than 100."""
+
+SETTLED = 2.0
+"""Simulated seconds before measuring begins, in which robots fall to the ground and start to drive."""
+
+REST = 1.0
+"""Seconds between two looks for the first frame."""
+
+LOOKS = 0.05
+"""Seconds between two looks at the poses of robots: two per row of a trajectory, as poses come when they like."""
+
+PERIOD = 0.1
+"""Simulated seconds between two rows of a trajectory, or more if the world is simulated faster than is looked."""
+
+_SLOWEST = 20
+"""Times of a span within which it must end: a slower world is stuck, or the machine does something else."""
 
 
 def refuse_without_frames(plan: ExperimentPlan, installed: Mapping[str, Installation]) -> None:
@@ -59,32 +83,16 @@ def wait_for_frames(frames: Callable[[], int], source: str, wait: Callable[[], f
     """Wait until a frame has been drawn; `wait` waits a little and gives the seconds of it. NoSimulator if none is."""
     waited = 0.0
     while not frames():
-        if waited > FIRST_FRAME:
-            raise NoSimulator(f"the {source} drew nothing in {FIRST_FRAME:g} s: does this screen have OpenGL?")
+        if waited > _FIRST_FRAME:
+            raise NoSimulator(f"the {source} drew nothing in {_FIRST_FRAME:g} s: does this screen have OpenGL?")
         waited += wait()
-
-
-TIMEOUT = 600.0
-"""Seconds within which the largest world must load."""
-
-SETTLED = 2.0
-"""Simulated seconds before measuring begins, in which robots fall to the ground and start to drive."""
-
-
-REST = 1.0
-"""Seconds between two looks for the first frame."""
-
-LOOKS = 0.05
-"""Seconds between two looks at the poses of robots."""
-
-PERIOD = 0.1
-"""Simulated seconds between two rows of a trajectory, or more where the world is simulated faster than is looked."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Setup:
-    """A world file with robots on a map, their runs, the seconds between commands, whether in real time, and by what
-    frames are drawn, if by anything.
+    """A world file with robots on a map, their runs, and how they are simulated.
+
+    rest: seconds between commands; real: in real time; frames: the source that draws frames, None for none
     """
 
     file: Path
@@ -96,7 +104,7 @@ class Setup:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Span:
+class Measurement:
     """Seconds of simulation, wall and CPU time; real-time factors and loads of the GPU, 0..1, between commands.
 
     busy: seconds of CPU time of the whole machine, by its number of processors; frames: those that were drawn
@@ -112,13 +120,13 @@ class Span:
 
     @property
     def speed(self) -> float:
-        """Simulated seconds per second of CPU."""
+        """Simulated seconds per second of CPU, which the system counts in hundredths."""
         return self.simulated / max(self.cpu, 0.01)
 
 
-def total(spans: Sequence[Span]) -> Span:
-    """The sum of spans."""
-    return Span(
+def total(spans: Sequence[Measurement]) -> Measurement:
+    """Return the sum of spans."""
+    return Measurement(
         simulated=sum(span.simulated for span in spans),
         real=sum(span.real for span in spans),
         cpu=sum(span.cpu for span in spans),
@@ -150,12 +158,12 @@ class TrialServer:
         """Memory of the server in MB."""
         return usage(self.pid).memory
 
-    def measure(self, seconds: float) -> Span:
-        """The span of this many wall seconds, paused only before and after, so that all clocks are exact."""
+    def measure(self, seconds: float) -> Measurement:
+        """Measure `seconds` of wall time, paused only before and after, so that all clocks are exact."""
         start, cpu, machine, frames = self.live.clock(), usage(self.pid).cpu, busy(), self.frames()
         samples = self.run_robots("real", seconds, self.record)
         end = self.live.clock()
-        return Span(
+        return Measurement(
             simulated=end.simulated - start.simulated,
             real=end.real - start.real,
             cpu=usage(self.pid).cpu - cpu,
@@ -172,15 +180,16 @@ class TrialServer:
 
         Gives the real-time factor and the load of the GPU between commands; poses are added to `record`.
         """
+        # Between two commands the world runs freely; each interval gives a real-time factor.
         start = last = self.live.clock()
-        samples, end = [], time.monotonic() + 20 * seconds
+        samples, end = [], time.monotonic() + _SLOWEST * seconds
         self.live.unpause()
         while getattr(last, clock) < getattr(start, clock) + seconds:
             send_commands(self.live, self.setup.runs, self.routes, self.live.poses())
             self._rest(record)
             now = self.live.clock()
             if time.monotonic() > end:
-                raise SimulatorFailed(f"{now.simulated - start.simulated:g} s simulated in {20 * seconds:g} s")
+                raise SimulatorFailed(f"{now.simulated - start.simulated:g} s simulated in {_SLOWEST * seconds:g} s")
             factor = (now.simulated - last.simulated) / max(now.real - last.real, 1e-9)
             samples.append((factor, gpu_load() if self.setup.real else None))
             last = now
@@ -188,7 +197,7 @@ class TrialServer:
         return samples
 
     def run_a_second(self) -> float:
-        """Let robots drive for a second; gives the seconds."""
+        """Let robots drive for a second, and return its seconds."""
         self.run_robots("real", REST)
         return REST
 
@@ -211,7 +220,8 @@ class TrialServer:
 
 @contextmanager
 def trial_server(setup: Setup, here: Installation, watch: Callable[[], None]) -> Iterator[TrialServer]:
-    """A server of a trial in which the robots have fallen to the ground and started to drive."""
+    """Start a server of a trial, in which the robots have fallen to the ground and started to drive."""
+    # Loading ends with the connection: what comes later, window, first frame and settling, is not its time.
     began = time.monotonic()
     with ExitStack() as stack:
         screen = setup.frames == "camera"
@@ -235,6 +245,6 @@ def trial_server(setup: Setup, here: Installation, watch: Callable[[], None]) ->
 
 
 def _paused() -> float:
-    """A window draws a paused world too."""
+    """Wait a little while the world is paused: a window draws it too."""
     time.sleep(REST)
     return REST

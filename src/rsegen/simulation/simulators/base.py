@@ -1,7 +1,8 @@
-"""The interface of a simulator: how to find and install it, and the commands that open a world in it.
+"""The interface of a simulator: how to find and install it, the commands that open a world in it, and how to connect.
 
 A simulator is one file of this folder with one class under `@register`. It starts nothing itself: it gives a
-`LaunchCommand`, which can be printed, tested, or run by `process`.
+`LaunchCommand`, which can be printed, tested, or run by `process`. The installed ones are found by `installations`, the
+running one, at the address in the user's environment variables, by `connected`.
 """
 
 from __future__ import annotations
@@ -12,11 +13,12 @@ import shlex
 import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, TypeVar
 
+from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.params.registry import Contract, Registry
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
 
@@ -24,6 +26,14 @@ _MARKS = ("[Err]", "[error]", "Error [", "Error Code")
 """Marks of error lines: of Gazebo up to Harmonic, and since Ionic; of libsdformat up to 9, and later."""
 
 _COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
+"""An escape sequence of a terminal, by which Gazebo colours its lines."""
+
+_TIMEOUTS = 0.3, 2.0
+"""Seconds in which a running server must answer.
+
+First each simulator is asked for a moment, as most do not run; a busy server gets more time then. With more, a command
+without any simulation takes longer to say so.
+"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -41,7 +51,7 @@ class LaunchCommand:
         return " ".join(["cd", shlex.quote(str(self.folder)), "&&", *variables, shlex.join(self.command)])
 
     def with_options(self, *options: str) -> LaunchCommand:
-        """The command with more options in front of the world."""
+        """Return the command with more options in front of the world."""
         return replace(self, command=(*self.command[:-1], *options, self.command[-1]))
 
 
@@ -71,7 +81,7 @@ class OpenRequest:
         return {"HOME": str(self.home), "TMPDIR": str(self.home)} if self.home else {}
 
     def model_path(self, variable: str) -> str:
-        """The folder of models, followed by the user's own folders in a variable."""
+        """Return the folder of models, followed by the user's own folders in a variable."""
         own = str((self.models or self.folder.parent).absolute())
         return os.pathsep.join(filter(None, (own, os.environ.get(variable))))
 
@@ -115,38 +125,38 @@ class Simulator(ABC):
 
     @abstractmethod
     def installation(self) -> Installation | None:
-        """The installation on this machine; None if there is none, or another program of that name."""
+        """Return the installation on this machine; None if there is none, or another program of that name."""
 
     @abstractmethod
     def with_gui(self, here: Installation, opening: OpenRequest) -> LaunchCommand | None:
-        """The command that opens a world with a window; None if the window is not installed."""
+        """Return the command that opens a world with a window; None if the window is not installed."""
 
     @abstractmethod
     def headless(self, here: Installation, opening: OpenRequest) -> LaunchCommand:
-        """The command that runs a world in a server without a window."""
+        """Return the command that runs a world in a server without a window."""
 
     @abstractmethod
     def paused(self, here: Installation, opening: OpenRequest, home: Path) -> LaunchCommand:
-        """The command of a server with its own home, in which the world is paused."""
+        """Return the command of a server with its own home, in which the world is paused."""
 
     @abstractmethod
     def is_loaded(self, home: Path, log: str) -> bool:
-        """Whether a server that was started by `paused` has loaded its world, by its home and log."""
+        """Return whether a server that was started by `paused` has loaded its world, by its home and log."""
 
     @abstractmethod
     def backend(self, here: Installation) -> str:
-        """The name of its message and plug-in types, one of `rsegen.robots.BACKENDS`."""
+        """Return the name of its message and plug-in types, one of `rsegen.robots.BACKENDS`."""
 
     @abstractmethod
     def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
-        """A connection to the world of the server at this address; SimulatorFailed if none answers in `timeout` s."""
+        """Connect to the world of the server at this address; SimulatorFailed if none answers in `timeout` s."""
 
     def window(self, here: Installation, server: LaunchCommand) -> LaunchCommand | None:
-        """The command of a window on the world of a running server; None if there is none that can be added."""
+        """Return the command of a window on the world of a running server; None if there is none that can be added."""
         return None
 
     def with_contact_sensors(self, model: str) -> str:
-        """The text of a <model> with the sensors that it needs so that its contacts are known; by default none."""
+        """Return the text of a <model> with the sensors that make its contacts known; by default none."""
         return model
 
     def record_options(self, period: float) -> tuple[str, ...]:
@@ -154,27 +164,27 @@ class Simulator(ABC):
         return ()
 
     def read_record(self, home: Path) -> Record | None:
-        """The record of a server with this home, after its end; None if it cannot."""
+        """Return the record of a server with this home, after its end; None if it cannot."""
         return None
 
     def error_lines(self, log: str) -> list[str]:
-        """The error lines of a log, without harmless ones."""
-        found = (line.strip() for line in plain_text(log).splitlines() if any(mark in line for mark in _MARKS))
-        return [line for line in found if not any(known in line for known in self.harmless_messages)]
+        """Return the error lines of a log, without harmless ones."""
+        errors = (line.strip() for line in plain_text(log).splitlines() if any(mark in line for mark in _MARKS))
+        return [line for line in errors if not any(harmless in line for harmless in self.harmless_messages)]
 
     def load_failed(self, log: str) -> bool:
-        """Whether a log says that the world was not loaded."""
+        """Return whether a log says that the world was not loaded."""
         plain = plain_text(log)
         return any(words in plain for words in self.load_failures)
 
 
 def plain_text(log: str) -> str:
-    """A log without the codes of its colours."""
+    """Return a log without the codes of its colours."""
     return _COLOUR_CODE.sub("", log)
 
 
 def on_path(name: str, *elsewhere: Path) -> Path | None:
-    """The path of a command: on PATH, else in one of the given folders."""
+    """Return the path of a command: on PATH, else in one of the given folders."""
     places = (shutil.which(name), *(shutil.which(name, path=str(folder)) for folder in elsewhere))
     return next((Path(place) for place in places if place), None)
 
@@ -198,6 +208,26 @@ def register(cls: _Kind) -> _Kind:
 
 
 def installations(first: str = "") -> Iterator[Installation]:
-    """The installed simulators, that of a name first, else the newest; each is searched when it is its turn."""
+    """Return the installed simulators, that of a name first, else the newest; each is searched when it is its turn."""
     ordered = sorted(SIMULATORS.values(), key=lambda simulator: simulator.name != first)
     return (here for simulator in ordered if (here := simulator.installation()))
+
+
+@contextmanager
+def connected(name: str | None) -> Iterator[tuple[Simulator, LiveWorld]]:
+    """Connect to the running simulator, of that name if given, and its world; NothingRuns if none runs."""
+    simulators = list(SIMULATORS.values()) if name is None else [SIMULATORS.named(name, "simulator")]
+    with ExitStack() as stack:
+        yield _first_running(stack, simulators)
+
+
+def _first_running(stack: ExitStack, simulators: list[Simulator]) -> tuple[Simulator, LiveWorld]:
+    reasons: list[str] = []
+    for timeout in _TIMEOUTS:
+        reasons.clear()
+        for simulator in simulators:
+            try:
+                return simulator, stack.enter_context(simulator.connect(os.environ, timeout))
+            except SimulatorFailed as error:  # noqa: PERF203  # there are two simulators
+                reasons.append(str(error))
+    raise NothingRuns(f"no simulation runs ({'; '.join(reasons)}); start one, as with rsegen open --shared")

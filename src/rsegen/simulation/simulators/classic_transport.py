@@ -4,10 +4,11 @@
     rsegen <--"sub"-- each subscriber of a topic of ours;   messages go back the same way
     rsegen --"sub"--> each publisher of a topic;            messages come back the same way
 
-One client stays connected as long as it is needed: Gazebo 11.1's server dies one time in 10 to 25 when the command
-`gz`, which opens and closes four connections, starts or ends.
-
-The message types of Gazebo Classic that rsegen sends and receives.
+A message is preceded by its length in eight hexadecimal digits; to and from the master it is wrapped in a Packet with
+its type. Source: the transport of Gazebo 11.1, and what it sends (decision 10). One client stays connected as long as
+it is needed, as the server dies one time in 10 to 25 when the command `gz`, which opens and closes four connections,
+starts or ends. Cost: a thread and a socket per publisher and subscriber; a paused server answers five times a second,
+so each step of a drive takes 0.4 s. What breaks it: disconnecting while a publisher is about to send (see `close`).
 """
 
 from __future__ import annotations
@@ -23,74 +24,28 @@ from typing import Any
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators.inbox import Inbox
-from rsegen.simulation.simulators.wire import Message, MessageTypes
-
-CLASSIC = MessageTypes(
-    {
-        "Time": {"sec": (1, int), "nsec": (2, int)},
-        "Vector3d": {"x": (1, float), "y": (2, float), "z": (3, float)},
-        "Quaternion": {"x": (2, float), "y": (3, float), "z": (4, float), "w": (5, float)},
-        "Pose": {"name": (1, str), "id": (2, int), "position": (3, "Vector3d"), "orientation": (4, "Quaternion")},
-        "ImageStamped": {"time": (1, "Time"), "image": (2, bytes)},
-        "PosesStamped": {"time": (1, "Time"), "pose": (2, "bytes[]")},
-        "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
-        "GzString": {"data": (1, str)},
-        "GzString_V": {"data": (1, "text[]")},
-        "Mesh": {"filename": (1, str)},
-        "Geometry": {"mesh": (8, "Mesh")},
-        "Visual": {"geometry": (9, "Geometry")},
-        "Link": {"name": (2, str), "pose": (9, "Pose"), "visual": (10, "Visual[]")},
-        "Model": {
-            "name": (1, str),
-            "id": (2, int),
-            "is_static": (3, bool),
-            "pose": (4, "Pose"),
-            "link": (6, "Link[]"),
-        },
-        "Model_V": {"models": (2, "Model[]")},
-        "Factory": {"sdf": (1, str), "sdf_filename": (2, str), "pose": (3, "Pose"), "allow_renaming": (6, bool)},
-        "Request": {"id": (1, int), "request": (2, str), "data": (3, str)},
-        "Response": {"id": (1, int), "response": (3, str), "type": (4, str), "serialized_data": (5, bytes)},
-        "LogControl": {"stop": (2, bool)},
-        "WorldControl": {"pause": (1, bool), "step": (2, bool), "multi_step": (3, int)},
-        "WorldStatistics": {
-            "sim_time": (2, "Time"),
-            "pause_time": (3, "Time"),
-            "real_time": (4, "Time"),
-            "paused": (5, bool),
-            "iterations": (6, int),
-        },
-        "Contact": {"collision1": (1, str), "collision2": (2, str), "position": (3, "Vector3d[]")},
-        "Contacts": {"contact": (1, "Contact[]")},
-        "Packet": {"stamp": (1, "Time"), "type": (2, str), "serialized_data": (3, bytes)},
-        "Publish": {"topic": (1, str), "msg_type": (2, str), "host": (3, str), "port": (4, int)},
-        "Subscribe": {
-            "topic": (1, str),
-            "host": (2, str),
-            "port": (3, int),
-            "msg_type": (4, str),
-            "latching": (5, bool),
-        },
-    }
-)
+from rsegen.simulation.simulators.wire import CLASSIC, Message
 
 TIMEOUT = 20.0
-"""Seconds for an answer."""
+"""Seconds for an answer: a server that loads a large map answers nothing meanwhile; a dead one is noticed this late."""
 
 DISCONNECT_TIMEOUT = 2.0
-"""Seconds for publishers to disconnect."""
+"""Seconds for publishers to disconnect, ten times the period of a paused server; a client then goes without them."""
 
 _QUIET_AFTER, _QUIET_TIME = 0.4, 0.05
-"""Seconds after which all requests are answered, and after a message in which no other has been sent."""
+"""Seconds after which all requests are answered, two periods of a paused server, and those without a message after
+which none is on its way. With less, a client may disconnect while a publisher sends; more delays every command.
+"""
 
 _HEAD = 8
-"""Hexadecimal digits of the length before each message."""
+"""Hexadecimal digits of the length before each message, by Gazebo's transport."""
 
 
 class TransportClient:
     """A client that publishes and subscribes topics below /gazebo/WORLD/, and keeps the last messages of each."""
 
     def __init__(self, address: tuple[str, int], timeout: float) -> None:
+        # What threads learn changes inside the inbox's condition; sockets are kept to be closed at the end.
         self._inbox = Inbox("Gazebo Classic")
         self._types: dict[str, str] = {}
         self._takers: dict[str, Callable[[dict[str, Any]], None]] = {}
@@ -126,7 +81,7 @@ class TransportClient:
         self._send_to_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
 
     def is_subscribed(self, topic: str) -> bool:
-        """Whether a topic was ever subscribed."""
+        """Return whether a topic was ever subscribed."""
         return self._full_topic(topic) in self._types
 
     def publish(self, topic: str, type_name: str, message: Message) -> None:
@@ -142,11 +97,11 @@ class TransportClient:
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float = TIMEOUT
     ) -> dict[str, Any]:
-        """The last message of a topic that `wanted` accepts; waits for one if there is none yet."""
+        """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
         return self._inbox.wait_for_message(self._full_topic(topic), wanted, timeout)
 
     def last(self, topic: str) -> dict[str, Any] | None:
-        """The last message of a topic; None if there is none yet."""
+        """Return the last message of a topic; None if there is none yet."""
         return self._inbox.last(self._full_topic(topic))
 
     def clear(self, topic: str) -> None:
@@ -181,8 +136,8 @@ class TransportClient:
         self._is_closed = True
         with suppress(OSError):  # not every system ends a waiting accept() so
             self._own.shutdown(socket.SHUT_RDWR)
-        for each in (self._own, *self._sockets):
-            each.close()
+        for connection in (self._own, *self._sockets):
+            connection.close()
 
     def _full_topic(self, topic: str) -> str:
         return topic if topic.startswith("/") else f"/gazebo/{self._world}/{topic.removeprefix('~/')}"
@@ -263,7 +218,7 @@ class TransportClient:
                 self._inbox.update(lambda: self._subscribers[topic].append(subscriber))  # noqa: B023
 
     def _registered(self, other: socket.socket) -> socket.socket:
-        """A connection that is closed with this client, at once if that is closed already."""
+        """Note a connection, to be closed with this client, or at once if that is closed already; return it."""
         other.settimeout(None)
         other.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._sockets.append(other)

@@ -1,4 +1,14 @@
-"""The world in a running Gazebo Classic, through its transport."""
+"""The world in a running Gazebo Classic, through its transport.
+
+~/world_control, request, factory, model/modify     topics that change the world, or ask about it
+~/response                                          the answer to a request, with its number
+~/world_stats                                       the clock, five times a second, also of a paused server
+~/pose/info, physics/contacts                       poses of what moves, and contacts, while somebody subscribes
+
+Nothing in this protocol confirms a message, so whatever is ordered is asked about until it is done. What breaks it:
+many messages at once, after which Gazebo 11 now and then stops publishing a topic, and a model of its world's name,
+whose deletion would delete everything; both are avoided below.
+"""
 
 from __future__ import annotations
 
@@ -13,29 +23,33 @@ from typing import Any
 
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.drives import Command
-from rsegen.simulation.simulators.classic_transport import CLASSIC, TransportClient, transport_client
+from rsegen.simulation.simulators.classic_transport import TransportClient, transport_client
 from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, model_name, wait_until
-from rsegen.simulation.simulators.wire import is_nearer, mesh_file, parse_text, pose_message, pose_of
+from rsegen.simulation.simulators.wire import CLASSIC, is_nearer, mesh_file, parse_text, pose_message, pose_of
 
 _DELIVERY_TIME = 0.03
-"""Seconds that a message between two programs on one machine takes."""
+"""Seconds that a message between two programs on one machine takes at most.
+
+With less, a world may step before a command has come, and a drive does not repeat; more is added to every command.
+"""
 
 _RESPONSES_TIME = 0.6
-"""Seconds in which even a paused server has done a request and published all responses."""
+"""Seconds in which even a paused server has done a request and published all responses: three of its periods."""
 
 _POSES = "pose/info"
 """The topic of the poses of models that have moved, and of their links, with the simulation time."""
 
 _LINK = b"::"
-"""What only the names of links have in them."""
+"""Separator of names, which the names of links have and those of models have not."""
 
 _FRAMES = {"camera": ("eye/link/camera/image", "ImageStamped"), "window": ("user_camera/pose", "Pose")}
 """The topic of each source of frames, a message a frame; the window sends at most thirty messages per second."""
 
 _START = {"sec": 0, "nsec": 0}
+"""The time of a world of which no pose has come yet."""
 
 _HIDDEN_HEIGHT = 10_000.0
-"""Metres above the ground at which a model is hidden."""
+"""Height, metres, at which a model is hidden: out of sight, and above all models that are not."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -58,14 +72,14 @@ class ClassicWorld(LiveWorld):
         self._wait_for(target)
 
     def step_with_contacts(self, steps: int) -> Sequence[Contact]:
-        """The first step is done alone: of many in a row the server reports contacts late, and not all."""
+        """Do the first step alone: of many in a row the server reports contacts late, and not all."""
         target = self.clock().steps + steps
         with self.client.subscribed("physics/contacts", "Contacts"):
             self._step(1)
             message = self.client.wait_for_message("physics/contacts", lambda _: True)
         self._step(steps - 1)
         self._wait_for(target)
-        return [_contact(one) for one in message.get("contact", [])]
+        return [_contact(contact) for contact in message.get("contact", [])]
 
     def unpause(self) -> None:
         """Unpause, and wait until the server reports it."""
@@ -81,7 +95,7 @@ class ClassicWorld(LiveWorld):
         time.sleep(_DELIVERY_TIME)
 
     def clock(self) -> Clock:
-        """The last clock that the server published."""
+        """Return the last clock that the server published."""
         now = self._statistics(after=-1)
         return Clock(
             simulated=_seconds(now["sim_time"]),
@@ -91,35 +105,35 @@ class ClassicWorld(LiveWorld):
         )
 
     def poses(self) -> Mapping[str, Pose]:
-        """The poses of all models, by a request."""
+        """Return the poses of all models, by a request."""
         return {name: pose_of(model["pose"]) for name, model in self._models().items()}
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
-        """From a topic that the server publishes sixty times a second at most, while it is subscribed."""
+        """Return the last message of a topic that a server publishes at most sixty times a second."""
         if not self.client.is_subscribed(_POSES):
             self.client.subscribe(_POSES, "PosesStamped")
-        found = self.client.last(_POSES) or {}
-        poses = (CLASSIC.decode("Pose", raw) for raw in found.get("pose", []) if _LINK not in raw)
-        return _seconds(found.get("time", _START)), {pose["name"]: pose_of(pose) for pose in poses}
+        message = self.client.last(_POSES) or {}
+        poses = (CLASSIC.decode("Pose", raw) for raw in message.get("pose", []) if _LINK not in raw)
+        return _seconds(message.get("time", _START)), {pose["name"]: pose_of(pose) for pose in poses}
 
     def frame_counter(self, source: str) -> Callable[[], int]:
-        """Pictures that the camera sends, or poses that the window's camera sends with each frame, thirty a second."""
+        """Count pictures of the camera, or poses of the window's camera: one per frame, at most thirty a second."""
         topic, kind = _FRAMES[source]
-        found: list[None] = []
-        self.client.subscribe(topic, kind, lambda _: found.append(None))
-        return lambda: len(found)
+        frames: list[None] = []
+        self.client.subscribe(topic, kind, lambda _: frames.append(None))
+        return lambda: len(frames)
 
     def links(self) -> Mapping[str, Pose]:
-        """The pose of every link in its model, by its full name."""
+        """Return the pose of every link in its model, by its full name."""
         links = (link for model in self._models().values() for link in model.get("link", []))
         return {link["name"]: pose_of(link["pose"]) for link in links}
 
     def mesh_files(self) -> Mapping[str, str]:
-        """The same answer as that about poses has them; of a map in a world file relative to the world."""
+        """Return the files in the answer about poses; those of a map in a world file are relative to the world."""
         return {name: file for name, model in self._models().items() if (file := mesh_file(model))}
 
     def movable(self) -> Set[str]:
-        """Each model says whether it is static."""
+        """Return the models that do not say that they are static."""
         return frozenset(name for name, model in self._models().items() if not model.get("is_static"))
 
     def move(self, name: str, pose: Pose) -> None:
@@ -162,7 +176,7 @@ class ClassicWorld(LiveWorld):
             self.client.publish("world_control", "WorldControl", {"multi_step": steps})
 
     def _wait_for(self, target: int) -> None:
-        """As long as steps are being done."""
+        """Wait until a number of steps is done; SimulatorFailed if no further ones are done."""
         done = self.clock().steps
         while done < target:
             done = int(self._statistics(after=done)["iterations"])
@@ -173,25 +187,25 @@ class ClassicWorld(LiveWorld):
         self.client.wait_for_message("world_stats", lambda message: bool(message["paused"]) == pause)
 
     def _statistics(self, after: int) -> dict[str, Any]:
-        """The first statistics with more steps than `after`."""
+        """Return the first statistics with more steps than `after`."""
         return self.client.wait_for_message("world_stats", lambda message: message.get("iterations", 0) > after)
 
     def _asked(self, request: str, data: str) -> dict[str, Any]:
-        number = next(self._numbers)
-        self.client.publish("request", "Request", {"id": number, "request": request, "data": data})
+        request_id = next(self._numbers)
+        self.client.publish("request", "Request", {"id": request_id, "request": request, "data": data})
         return self.client.wait_for_message(
-            "response", lambda message: message["id"] == number and "serialized_data" in message
+            "response", lambda message: message["id"] == request_id and "serialized_data" in message
         )
 
     def _modified(self, name: str, pose: Pose) -> dict[str, Any]:
-        """The message that sets the pose of a model."""
+        """Return the message that sets the pose of a model."""
         models = self._models(hidden=True)
         if name not in models:
             raise SimulatorFailed(f"Gazebo Classic: no model {name} to move")
         return {"name": name, "id": models[name]["id"], "pose": pose_message(pose)}
 
     def _models(self, *, hidden: bool = False) -> dict[str, dict[str, Any]]:
-        """All models, without or with hidden ones."""
+        """Return the models by name, without or with hidden ones."""
         content = self._asked("entity_list", "")["serialized_data"]
         models = CLASSIC.decode("Model_V", content).get("models", [])
         return {model["name"]: model for model in models if hidden or model["pose"]["position"]["z"] < _HIDDEN_HEIGHT}

@@ -1,6 +1,8 @@
 """Gazebo Classic 11: gzserver, gzclient, and gazebo that starts both.
 
-The record of a Gazebo Classic server: where models were, to three digits, which is all that Gazebo writes.
+Two servers need two ports of GAZEBO_MASTER_URI, and the internet's database of models is switched off, or they wait for
+it. A paused server begins its record when its world is complete, which tells that it has loaded; the record later tells
+where models were, to three digits, which is all that Gazebo writes.
 """
 
 from __future__ import annotations
@@ -25,26 +27,26 @@ _MODEL = re.compile(r"<model name='([^']+)'>\s*<pose>([^<]+)</pose>")
 
 
 def record_options(period: float) -> tuple[str, ...]:
-    """A server's options, that record a state as text every `period` seconds."""
+    """Return the options of a server that records a state as text every `period` seconds."""
     return "--record_encoding", "txt", "--record_period", f"{period:g}"
 
 
 def parse_record(text: str) -> Record:
-    """The models of each recorded state."""
+    """Return the models of each recorded state."""
     return [
         (
             int(seconds) + int(nanos) / 1e9,
-            {name: [float(number) for number in pose.split()] for name, pose in _MODEL.findall(models)},
+            {name: [float(value) for value in pose.split()] for name, pose in _MODEL.findall(models)},
         )
         for seconds, nanos, models in _STATE.findall(text)
     ]
 
 
 SET_UP = Path(".cache", "rsegen", "gazebo-classic")
-"""Where scripts/gazebo-classic sets it up, below the user's home."""
+"""The folder in the user's home in which scripts/gazebo-classic sets it up."""
 
 MASTER = "http://localhost:11345"
-"""Where Gazebo Classic looks for its server."""
+"""The default address of Gazebo Classic's server."""
 
 STATE = Path("record", "state.log")
 """The record of a server, below its home."""
@@ -52,7 +54,7 @@ STATE = Path("record", "state.log")
 
 @register
 class GazeboClassic(Simulator):
-    """Gazebo 11, the last of its line."""
+    """Gazebo Classic 11, the last of its line."""
 
     name: ClassVar[str] = "classic"
     title: ClassVar[str] = "Gazebo Classic"
@@ -76,7 +78,7 @@ class GazeboClassic(Simulator):
     load_failures: ClassVar[tuple[str, ...]] = ("Falling back on worlds/empty.world", "Unable to start server[bind")
 
     def installation(self) -> Installation | None:
-        """The one on PATH, else the one that scripts/gazebo-classic has set up."""
+        """Return the installation on PATH, else the one that scripts/gazebo-classic has set up."""
         home = Path.home() / SET_UP
         elsewhere = [home / "bin"] if (home / "complete").exists() else []
         server = on_path("gzserver", *elsewhere)
@@ -84,63 +86,63 @@ class GazeboClassic(Simulator):
         if not server or not version:
             return None
         names = ("gzserver", "gz", "gazebo", "gzclient")
-        there = {name: server.with_name(name) for name in names if server.with_name(name).exists()}
-        return Installation(simulator=self, version=version[1], commands=MappingProxyType(there))
+        commands = {name: server.with_name(name) for name in names if server.with_name(name).exists()}
+        return Installation(simulator=self, version=version[1], commands=MappingProxyType(commands))
 
     def with_gui(self, here: Installation, opening: OpenRequest) -> LaunchCommand | None:
-        """By `gazebo`, which starts server and window."""
+        """Return the command `gazebo`, which starts server and window."""
         if "gazebo" not in here.commands or "gzclient" not in here.commands:
             return None
         return _launch(here.commands["gazebo"], opening, {})
 
     def headless(self, here: Installation, opening: OpenRequest) -> LaunchCommand:
-        """By `gzserver`, without a screen if it needs none."""
+        """Return the command `gzserver`, without a screen if it needs none."""
         blind = {} if opening.screen else {"DISPLAY": ""}
         return _launch(here.commands["gzserver"], opening, blind | opening.home_variables)
 
     def paused(self, here: Installation, opening: OpenRequest, home: Path) -> LaunchCommand:
-        """The same, paused, with a record in its home."""
+        """Return the command `gzserver`, paused, with a record in its home."""
         options = ("--pause", "--record", "--record_path", str(home / STATE.parent))
         return self.headless(here, replace(opening, home=home)).with_options(*options)
 
     def window(self, here: Installation, server: LaunchCommand) -> LaunchCommand | None:
-        """By `gzclient`, with the variables of the server, but on the screen."""
+        """Return the command `gzclient`, with the variables of the server, but on the screen."""
         if "gzclient" not in here.commands:
             return None
         variables = {name: value for name, value in server.environment.items() if name != "DISPLAY"}
         return replace(server, command=(str(here.commands["gzclient"]),), environment=MappingProxyType(variables))
 
     def is_loaded(self, home: Path, log: str) -> bool:
-        """A paused server begins its record when its world is complete."""
+        """Return whether the record exists: a paused server begins it when its world is complete."""
         return (home / STATE).exists()
 
     def backend(self, here: Installation) -> str:
-        """There is one."""
+        """Return the only one."""
         return "classic"
 
     def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
-        """Through its own transport, so it may run on another machine, and need not be installed on this one."""
+        """Connect through its own transport, so it may run on another machine, and need not be installed here."""
         return classic_world(_address(environment.get("GAZEBO_MASTER_URI") or MASTER), timeout)
 
     def record_options(self, period: float) -> tuple[str, ...]:
-        """The record is a text."""
+        """Return the options of a record as text."""
         return record_options(period)
 
     def read_record(self, home: Path) -> Record | None:
-        """Complete when the server has ended."""
+        """Return the record, which is complete when the server has ended."""
         return parse_record((home / STATE).read_text())
 
 
 def _address(master: str) -> tuple[str, int]:
     """Host and port of a GAZEBO_MASTER_URI."""
-    found = re.fullmatch(r"(?:http://)?([^/:]+):(\d{1,5})/?", master)
-    if not found:
+    parts = re.fullmatch(r"(?:http://)?([^/:]+):(\d{1,5})/?", master)
+    if not parts:
         raise ParameterError("GAZEBO_MASTER_URI", f"{shown(master)} is not a host and a port, as in {MASTER}")
-    return found[1], int(found[2])
+    return parts[1], int(parts[2])
 
 
 def _launch(command: Path, opening: OpenRequest, more: Mapping[str, str]) -> LaunchCommand:
-    """In the world's folder: Gazebo 11.1 looks for meshes there."""
+    """Return a command in the world's folder: Gazebo 11.1 looks for meshes there."""
     return LaunchCommand(
         command=(str(command), "--verbose", opening.world.name),
         environment=MappingProxyType(_environment(opening) | dict(more)),
@@ -149,12 +151,10 @@ def _launch(command: Path, opening: OpenRequest, more: Mapping[str, str]) -> Lau
 
 
 def _environment(opening: OpenRequest) -> dict[str, str]:
-    """No model database in the internet; an address of its own, unless it is to be shared."""
+    """Return variables: no model database in the internet, and an address of its own unless it is to be shared."""
     own = {"GAZEBO_IP": "127.0.0.1", "GAZEBO_MASTER_URI": f"http://127.0.0.1:{_free_port()}"}
-    return {
-        "GAZEBO_MODEL_DATABASE_URI": "",
-        "GAZEBO_MODEL_PATH": opening.model_path("GAZEBO_MODEL_PATH"),
-    } | ({} if opening.shared else own)
+    models = {"GAZEBO_MODEL_DATABASE_URI": "", "GAZEBO_MODEL_PATH": opening.model_path("GAZEBO_MODEL_PATH")}
+    return models if opening.shared else models | own
 
 
 def _free_port() -> int:

@@ -1,4 +1,9 @@
-"""Gazebo Sim, once Ignition: `ign gazebo` up to Fortress, `gz sim` from Garden on."""
+"""Gazebo Sim, once Ignition: `ign gazebo` up to Fortress, `gz sim` from Garden on.
+
+Every variable is set by both of its names, old and new. A partition of its own keeps a server apart from others. It
+prints in blocks of 4096 bytes, so whether it has loaded its world is read from its own log, which is flushed by line;
+its exit code is 0 whatever fails.
+"""
 
 from __future__ import annotations
 
@@ -26,10 +31,10 @@ _SETTINGS = MappingProxyType(
         "ign gazebo": (Path(".ignition", "gazebo"), "IGN_GAZEBO_SERVER_CONFIG_PATH"),
     }
 )
-"""Where its settings are below the user's home, and the variable that names another file of its default plug-ins."""
+"""The folder of its settings in the user's home, and the variable that names another file of default plug-ins."""
 
 _LOADED = "Publishing dynamic pose messages on ["
-"""What its scene broadcaster says last, in a message of level 3, in the first update after all entities are made."""
+"""The last message, of level 3, of its scene broadcaster in the first update after all entities are made."""
 
 _NO_MESSAGE_IS_DROPPED = MappingProxyType({"GZ_TRANSPORT_SNDHWM": "0", "IGN_TRANSPORT_SNDHWM": "0"})
 """The length of the queue of messages to send, 0 for any. By default a server drops what is beyond 1000 messages, which
@@ -42,7 +47,7 @@ that are spawned come from other files of its source.)"""
 
 @register
 class GazeboSim(Simulator):
-    """Fortress and all later ones."""
+    """Gazebo Sim from Fortress on."""
 
     name: ClassVar[str] = "sim"
     title: ClassVar[str] = "Gazebo Sim"
@@ -66,8 +71,8 @@ class GazeboSim(Simulator):
     )
 
     def installation(self) -> Installation | None:
-        """The newest of all that are on PATH; it tells its versions one a line."""
-        told = ((number, words) for words in COMMANDS for number in _versions(words))
+        """Return the newest of all that are on PATH; each prints its versions, one per line."""
+        told = ((version, words) for words in COMMANDS for version in _versions(words))
         newest = max(told, key=lambda each: _order(each[0]), default=None)
         if not newest:
             return None
@@ -76,38 +81,38 @@ class GazeboSim(Simulator):
         return Installation(simulator=self, version=version, commands=MappingProxyType({f"{program} {verb}": where}))
 
     def with_gui(self, here: Installation, opening: OpenRequest) -> LaunchCommand | None:
-        """Server and window, which start to simulate at once."""
+        """Return the command of server and window, which start to simulate at once."""
         return _launch(here, opening).with_options("-r")
 
     def headless(self, here: Installation, opening: OpenRequest) -> LaunchCommand:
-        """The server alone; in a home of its own with the default plug-ins that the user has chosen in theirs."""
+        """Return the command of the server alone; in a home of its own with the default plug-ins of the user's."""
         launch = _launch(here, opening).with_options("-s", "-r")
         chosen = _server_config(here) if opening.home else {}
         return replace(launch, environment=MappingProxyType({**launch.environment, **chosen}))
 
     def paused(self, here: Installation, opening: OpenRequest, home: Path) -> LaunchCommand:
-        """The server alone, which is not told to run, says what it has loaded, and drops no message."""
+        """Return the command of a paused server, which says what it has loaded, and drops no message."""
         launch = _launch(here, replace(opening, home=home)).with_options("-s", "-v", "3")
         return replace(launch, environment=MappingProxyType({**launch.environment, **_NO_MESSAGE_IS_DROPPED}))
 
     def is_loaded(self, home: Path, log: str) -> bool:
-        """It says so; in its own log in its home at once, in what it prints perhaps 4096 bytes later."""
+        """Return whether it says so: at once in its own log in its home, perhaps 4096 bytes later in what it prints."""
         return _LOADED in log or any(_LOADED in text for text in _console_logs(home))
 
     def load_failed(self, log: str) -> bool:
-        """Whether its log has such a message, or an error in the world's SDF."""
+        """Return whether its log has such a message, or an error in the world's SDF."""
         return super().load_failed(log) or any(_SDF_ERROR.search(line) for line in self.error_lines(log))
 
     def backend(self, here: Installation) -> str:
-        """Up to Fortress, names begin with ignition."""
+        """Return `fortress` up to that version, whose names begin with ignition, else `sim`."""
         return "fortress" if "ign gazebo" in here.commands else "sim"
 
     def with_contact_sensors(self, model: str) -> str:
-        """A server knows the contacts of collisions that a sensor names, and of no others."""
+        """Return the model with sensors: a server gives only contacts of collisions that a sensor names."""
         return with_contact_sensors(model)
 
     def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
-        """Through its own transport, so it may run on another machine, and need not be installed on this one."""
+        """Connect through its own transport, so it may run on another machine, and need not be installed here."""
         return sim_world(environment, timeout)
 
 
@@ -121,7 +126,7 @@ def _launch(here: Installation, opening: OpenRequest) -> LaunchCommand:
 
 
 def _environment(opening: OpenRequest) -> dict[str, str]:
-    """Every variable by both of its names; a partition of its own on this machine alone, unless it is to be shared."""
+    """Return variables by both of their names; a partition on this machine alone, unless it is to be shared."""
     partition = f"rsegen-{secrets.token_hex(4)}"
     own = {"GZ_PARTITION": partition, "IGN_PARTITION": partition, "GZ_IP": "127.0.0.1", "IGN_IP": "127.0.0.1"}
     names = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
@@ -129,7 +134,7 @@ def _environment(opening: OpenRequest) -> dict[str, str]:
 
 
 def _server_config(here: Installation) -> dict[str, str]:
-    """The variable that names the user's own file of default plug-ins, if there is one and the variable is not set."""
+    """Return the variable that names the user's own file of default plug-ins, if the file exists and it is not set."""
     ((words, _),) = here.commands.items()
     folder, variable = _SETTINGS[words]
     file = Path.home() / folder / here.version.partition(".")[0] / "server.config"
@@ -137,7 +142,7 @@ def _server_config(here: Installation) -> dict[str, str]:
 
 
 def _console_logs(home: Path) -> Iterator[str]:
-    """The logs that servers have written in a home, in a folder for each start; they are flushed line by line."""
+    """Yield the logs that servers have written in a home, in a folder for each start; they are flushed line by line."""
     for folder, _ in _SETTINGS.values():
         for file in (home / folder).glob("log/*/server_console.log"):
             yield file.read_text(errors="replace")
@@ -151,4 +156,4 @@ def _versions(words: Sequence[str]) -> Iterator[str]:
 
 
 def _order(version: str) -> list[int]:
-    return [int(number) for number in re.findall(r"\d+", version)[:3]]
+    return [int(part) for part in re.findall(r"\d+", version)[:3]]

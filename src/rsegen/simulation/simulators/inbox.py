@@ -1,4 +1,8 @@
-"""The last messages of each topic, which a thread receives and others wait for."""
+"""The last messages of each topic, which a thread receives and others wait for.
+
+One condition guards everything that a transport client learns, messages and connections: whoever waits is woken by each
+change and looks again. Cost: a wake per message, fine for hundreds per second and a few who wait.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +14,7 @@ from typing import Any
 from rsegen.errors import SimulatorFailed
 
 _KEPT = 64
-"""The number of messages of a topic that are kept."""
+"""Messages of a topic that are kept: a second of Gazebo's poses, so that none that is waited for is pushed out."""
 
 
 class Inbox:
@@ -43,19 +47,19 @@ class Inbox:
     def wait(self, why: str, until: Callable[[], bool], timeout: float) -> None:
         """Wait until a condition holds; SimulatorFailed with the reason after `timeout` seconds."""
         with self._changed:
-            found = self._changed.wait_for(lambda: bool(self._failure) or until(), timeout)
-            if self._failure or not found:
+            has_come = self._changed.wait_for(lambda: bool(self._failure) or until(), timeout)
+            if self._failure or not has_come:
                 raise SimulatorFailed(f"{self._title}: {self._failure or why}")
 
     def last(self, topic: str) -> dict[str, Any] | None:
-        """The last message of a topic; None if there is none yet."""
+        """Return the last message of a topic; None if there is none yet."""
         with self._changed:
             return next(reversed(self._messages[topic]), None)
 
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float
     ) -> dict[str, Any]:
-        """The last message of a topic that `wanted` accepts; waits for one if there is none yet."""
+        """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
         self.wait(f"no message on {topic}", lambda: any(map(wanted, self._messages[topic])), timeout)
         with self._changed:
             return [message for message in self._messages[topic] if wanted(message)][-1]

@@ -12,7 +12,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.robots.drives import Command
 
 TIMEOUT = 20.0
-"""Seconds in which a change that was ordered must be done."""
+"""Seconds in which a change that was ordered must be done: a map of 320 x 320 blocks takes 5 to 8 to load."""
 
 Record = list[tuple[float, dict[str, list[float]]]]
 """Simulated seconds, and the poses (x, y, z, roll, pitch, yaw) of models at that time, state by state."""
@@ -51,7 +51,7 @@ class Contact:
 class LiveWorld(ABC):
     """A world in a running simulator. SimulatorFailed if the simulator has ended or does not answer.
 
-    dialect: the name of its message and plug-in types, one of `rsegen.robots.BACKENDS`.
+    backend: the name of its message and plug-in types, one of `rsegen.robots.BACKENDS`.
     """
 
     backend: str
@@ -81,11 +81,11 @@ class LiveWorld(ABC):
         """Record the poses of these robots from now on, as `recorded` gives them."""
 
     def watch_contacts(self) -> bool:
-        """Whether `step_with_contacts` gives contacts, which it may do only after this was called."""
+        """Return whether `step_with_contacts` gives contacts, which it may do only after this was called."""
         return True
 
     def recorded(self) -> Record:
-        """The record of the robots; empty where the server keeps one."""
+        """Return the record of the robots; empty where the server keeps one."""
         return []
 
     def stop_recording(self) -> None:  # noqa: B027  # not every server keeps one
@@ -93,11 +93,11 @@ class LiveWorld(ABC):
 
     @abstractmethod
     def clock(self) -> Clock:
-        """The clock now."""
+        """Return the clock now."""
 
     @abstractmethod
     def poses(self) -> Mapping[str, Pose]:
-        """The pose of every model, by its name."""
+        """Return the pose of every model, by its name."""
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
         """Simulated seconds, and the poses of the models that moved then; what is known already, without a request.
@@ -107,16 +107,16 @@ class LiveWorld(ABC):
         return self.clock().simulated, self.poses()
 
     def frame_counter(self, source: str) -> Callable[[], int]:
-        """A function that gives how many frames have come from now on; source: one of its simulator's `frames`."""
+        """Return a function that counts frames from now on; source: one of its simulator's `frames`."""
         raise SimulatorFailed(f"the frames of a {source} cannot be counted here")
 
     def mesh_files(self) -> Mapping[str, str]:
-        """The file of the first mesh that is seen of each model, as its SDF names it, by the model's name."""
+        """Return the URI of the first visual mesh of each model, as its SDF has it, by the model's name."""
         return {}
 
     @abstractmethod
     def movable(self) -> Set[str]:
-        """The names of the models that are not static."""
+        """Return the names of the models that are not static."""
 
     @abstractmethod
     def move(self, name: str, pose: Pose) -> None:
@@ -132,11 +132,11 @@ class LiveWorld(ABC):
 
 
 def model_name(sdf: str) -> str:
-    """The name of the model of an SDF text."""
-    found = re.search(r"<model\s+name=['\"]([^'\"]+)['\"]", sdf)
-    if not found:
+    """Return the name of the model of an SDF text."""
+    start = re.search(r"<model\s+name=['\"]([^'\"]+)['\"]", sdf)
+    if not start:
         raise SimulatorFailed("no <model> in the SDF text to spawn")
-    return found[1]
+    return start[1]
 
 
 def wait_until(done: Callable[[], bool], failure: str, pause: float) -> None:

@@ -1,6 +1,8 @@
-"""A headless server with a loaded and paused world, to drive robots in, measure or change.
+"""Simulators that rsegen starts: a headless server with a paused world to drive robots in, or one run for a person.
 
-The installation that fits a map, and a simulator run for a person, with its error lines as they come.
+A server has its own home, address and log, so that it disturbs no other and changes no settings, and it ends when
+rsegen ends. Whether it has loaded its world is read from its home and log, as its exit code does not tell
+(docs/gazebo.md).
 """
 
 from __future__ import annotations
@@ -29,10 +31,19 @@ from rsegen.simulation.simulators.live_world import LiveWorld
 from rsegen.simulation.simulators.process import OutputFiles, RunningProgram, counted, output_of
 
 TIMEOUT = 20.0
-"""Seconds for a world to load, and for a server to answer."""
+"""Seconds for a world to load, and for a server to answer: a map of 320 x 320 blocks takes 5 to 8 to load."""
+
+_PAUSE = 0.02
+"""Seconds between two looks at a server that loads: each reads its log."""
+
+_ERRORS, _LINES = 5, 20
+"""The last error lines, or else lines, of a log in a message: more hide the reason, which comes at the end."""
 
 ATTEMPTS = 4
-"""Gazebo 11.1's server now and then dies or hangs."""
+"""Servers that are tried, as Gazebo 11.1's now and then dies or hangs.
+
+With fewer, long experiments stop sooner; with more, a world that cannot be loaded is reported later.
+"""
 
 Result = TypeVar("Result")
 
@@ -58,7 +69,7 @@ class Server:
 
     @property
     def log(self) -> str:
-        """What it has printed until now, errors last."""
+        """The output until now, errors last."""
         return OutputFiles(folder=self.home).text
 
     @property
@@ -67,7 +78,7 @@ class Server:
         return list(counted(self.here.simulator.error_lines(self.log)))
 
     def connect(self) -> AbstractContextManager[LiveWorld]:
-        """A connection to its world."""
+        """Connect to its world."""
         return self.here.simulator.connect(self.environment, TIMEOUT)
 
     def wait_until_loaded(self, timeout: float = TIMEOUT, watch: Callable[[], None] = lambda: None) -> None:
@@ -86,10 +97,10 @@ class Server:
             if has_died or (late and not is_loaded):
                 raise self.failure("the server has died" if has_died else "it did not load in time")
             watch()
-            time.sleep(0 if is_loaded else 0.02)
+            time.sleep(0 if is_loaded else _PAUSE)
 
     def run_command(self, name: str, *arguments: str, timeout: float = TIMEOUT) -> str:
-        """The output of one of the installation's commands with this server's variables."""
+        """Return the output of one of the installation's commands with this server's variables."""
         command = (str(self.here.commands[name]), *arguments)
         try:
             return output_of(replace(self.launch, command=command), timeout)
@@ -101,8 +112,8 @@ class Server:
         self.running.end()
 
     def failure(self, why: str) -> SimulatorFailed:
-        """An error with the reason and the last error lines of the log, or its last lines if there is no error."""
-        errors, lines = self.errors[-5:], plain_text(self.log).splitlines()[-20:]
+        """Return an error with the reason and the last error lines of the log, else its last lines."""
+        errors, lines = self.errors[-_ERRORS:], plain_text(self.log).splitlines()[-_LINES:]
         what = "its last errors are" if errors else "its log ends with"
         return SimulatorFailed("\n".join([f"{self.here}: {why}; {what}:", *(errors or lines)]))
 
@@ -118,12 +129,12 @@ def running_server(  # noqa: PLR0913  # options of a server
     screen: bool = False,
     watch: Callable[[], None] = lambda: None,
 ) -> Iterator[Server]:
-    """A server that has loaded a world and is paused; it ends with all its processes when this ends.
+    """Start a server that has loaded a world and is paused; it ends with all its processes when this ends.
 
-    Its home, its address and its log are its own. `models` is the folder of model:// URIs, by default the one above the
-    world's; `options` are options of the server; with `screen` it may render. `watch`
-    is called often while it loads, and may raise.
+    models: the folder of model:// URIs, by default the one above the world's; options: options of the server; screen:
+    whether it may render; watch: called often while it loads, may raise.
     """
+    # The folder is home and log of this server alone, and is deleted with it.
     with tempfile.TemporaryDirectory(prefix="rsegen-") as name:
         home = Path(name)
         opening = OpenRequest(world=world, models=models, screen=screen)
@@ -135,7 +146,7 @@ def running_server(  # noqa: PLR0913  # options of a server
 
 
 def retried(once: Callable[[], Result], attempts: int = ATTEMPTS) -> Result:
-    """The result of `once`, which is called again if its server fails; the last failure is raised."""
+    """Return the result of `once`, which is called again if its server fails; the last failure is raised."""
     try:
         return once()
     except SimulatorFailed:
@@ -145,22 +156,22 @@ def retried(once: Callable[[], Result], attempts: int = ATTEMPTS) -> Result:
 
 
 def choose_installation(made_for: str, name: str | None) -> Installation:
-    """The installation of that name, else of what a map is made for, else the newest."""
+    """Return the installation of that name, else of what a map is made for, else the newest."""
     if name is None:
         return next(installations(first=made_for), None) or _missing(*SIMULATORS.values())
-    wanted = SIMULATORS.named(name, "simulator")
-    return wanted.installation() or _missing(wanted)
+    simulator = SIMULATORS.named(name, "simulator")
+    return simulator.installation() or _missing(simulator)
 
 
 def has_screen() -> bool:
-    """Whether a window can be shown; only on Linux can it be known that there is no screen."""
+    """Return whether a window can be shown; only on Linux can it be known that there is no screen."""
     return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
 
 
 def run_until_end(
     here: Installation, launch: LaunchCommand, *, seconds: float, on_error: Callable[[str], None]
 ) -> int | None:
-    """The exit code of a simulator that runs until it ends, or None if it was ended after `seconds`.
+    """Return the exit code of a simulator that runs until it ends, or None if it was ended after `seconds`.
 
     `on_error` is called with each of its error lines. SimulatorFailed, at once, if it says that it has no world.
     """
@@ -177,6 +188,6 @@ def run_until_end(
 
 
 def _missing(*able: Simulator) -> Installation:
-    titles = " or ".join(each.title for each in able)
-    hints = "; ".join(f"{each.title}: {each.how_to_install[0]}" for each in able)
+    titles = " or ".join(simulator.title for simulator in able)
+    hints = "; ".join(f"{simulator.title}: {simulator.how_to_install[0]}" for simulator in able)
     raise NoSimulator(f"{titles} is not installed; to install it: {hints} (see rsegen sim)")

@@ -1,24 +1,23 @@
 """A client of Gazebo Sim's transport: topics over ZeroMQ's PUB and SUB, services over its ROUTER.
 
-    rsegen SUB    <--messages--  each publisher of a topic that discovery has found
-    rsegen XPUB   --messages-->  each subscriber of ours; it tells us what it has subscribed to
-    rsegen ROUTER --request--->  the program that offers a service, which connects to our second ROUTER to respond
-
-One thread owns all sockets; others hand it what is to be sent. The protocol is that of Gazebo Transport since
-Fortress (version 10 of discovery), so neither Gazebo nor its Python bindings need to be installed.
-
-The message types of Gazebo Sim that rsegen sends and receives; they are the same in all versions since Fortress.
-
-The ZeroMQ sockets of a client of Gazebo Sim's transport.
-
-Discovery of Gazebo Sim's transport: who publishes a topic or offers a service, told by UDP multicast.
+Discovery finds by UDP multicast who publishes a topic or offers a service; each message has its length in two bytes
+before it, and topics and services have a port each:
 
     rsegen --SUBSCRIBE topic--> all programs        a program that has the topic answers ADVERTISE, with its address
     rsegen --ADVERTISE topic--> all programs        a program that wants the topic connects to our address
     rsegen --NEW_CONNECTION---> the publisher       only then it sends its messages to others than itself
     all    --HEARTBEAT--------> all programs        each second; who is silent for three is gone
 
-Topics and services have a port each. A message is preceded by its length in two bytes.
+Messages then go over TCP, by ZeroMQ:
+
+    rsegen SUB    <--messages--  each publisher of a topic that discovery has found
+    rsegen XPUB   --messages-->  each subscriber of ours; it tells us what it has subscribed to
+    rsegen ROUTER --request--->  the program that offers a service, which connects to our second ROUTER to respond
+
+One thread owns all sockets; others hand it what is to be sent. Source: Gazebo Transport since Fortress, whose discovery
+has wire version 10 up to Jetty; neither Gazebo nor its Python bindings need to be installed (decision 16). Cost: 0.4 to
+0.9 ms per request. What breaks it: an interface without multicast, GZ_TRANSPORT_IMPLEMENTATION=zenoh, topic statistics
+(wire version 110), and a response that a server drops, for which another client is tried (`sim_world`).
 """
 
 from __future__ import annotations
@@ -37,70 +36,7 @@ from typing import Any
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators.inbox import Inbox
-from rsegen.simulation.simulators.wire import NO_MESSAGE, Message, MessageTypes
-
-SIM = MessageTypes(
-    {
-        "Time": {"sec": (1, int), "nsec": (2, int)},
-        "Header": {"stamp": (1, "Time")},
-        "Vector3d": {"x": (2, float), "y": (3, float), "z": (4, float)},
-        "Quaternion": {"x": (2, float), "y": (3, float), "z": (4, float), "w": (5, float)},
-        "Pose": {
-            "header": (1, "Header"),
-            "name": (2, str),
-            "id": (3, int),
-            "position": (4, "Vector3d"),
-            "orientation": (5, "Quaternion"),
-        },
-        "Pose_V": {"header": (1, "Header"), "pose": (2, "Pose[]")},
-        "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
-        "Double": {"data": (2, float)},
-        "Boolean": {"data": (2, bool)},
-        "Empty": {},
-        "StringMsg_V": {"data": (2, "text[]")},
-        "Entity": {"id": (2, int), "name": (3, str), "type": (4, int)},
-        "EntityFactory": {"sdf": (2, str), "pose": (7, "Pose"), "name": (8, str), "allow_renaming": (9, bool)},
-        "Contact": {"collision1": (2, "Entity"), "collision2": (3, "Entity"), "position": (4, "Vector3d[]")},
-        "Contacts": {"header": (1, "Header"), "contact": (2, "bytes[]")},
-        "Mesh": {"filename": (2, str)},
-        "Geometry": {"mesh": (9, "Mesh")},
-        "Visual": {"geometry": (10, "Geometry")},
-        "Link": {"visual": (11, "Visual[]")},
-        "Model": {"name": (2, str), "id": (3, int), "pose": (5, "Pose"), "link": (7, "Link[]")},
-        "Scene": {"name": (2, str), "model": (9, "Model[]")},
-        "WorldControl": {"pause": (2, bool), "step": (3, bool), "multi_step": (4, int)},
-        "WorldStatistics": {
-            "sim_time": (2, "Time"),
-            "real_time": (4, "Time"),
-            "paused": (5, bool),
-            "iterations": (6, int),
-        },
-        "Subscriber": {"topic": (1, str)},
-        "MessagePublisher": {"ctrl": (1, str), "msg_type": (2, str)},
-        "ServicePublisher": {"socket_id": (1, str), "request_type": (2, str), "response_type": (3, str)},
-        "Publisher": {
-            "topic": (1, str),
-            "address": (2, str),
-            "process_uuid": (3, str),
-            "node_uuid": (4, str),
-            "scope": (5, int),
-            "msg_pub": (6, "MessagePublisher"),
-            "srv_pub": (7, "ServicePublisher"),
-        },
-        "Discovery": {
-            "version": (2, int),
-            "process_uuid": (3, str),
-            "type": (4, int),
-            "sub": (6, "Subscriber"),
-            "pub": (7, "Publisher"),
-        },
-    }
-)
-
-
-def nanoseconds(time: Mapping[str, int] | None) -> int:
-    """A message Time; 0 if there is none, as of a message whose time is 0."""
-    return (time or {}).get("sec", 0) * 10**9 + (time or {}).get("nsec", 0)
+from rsegen.simulation.simulators.wire import NO_MESSAGE, SIM, Message
 
 
 class Sockets:
@@ -114,20 +50,20 @@ class Sockets:
         self._connected: set[str] = set()
         self.Error = zmq.ZMQError
         self.subscriber = self._context.socket(zmq.SUB)
-        self.subscriber.setsockopt(zmq.RCVHWM, 0)
+        self.subscriber.setsockopt(zmq.RCVHWM, 0)  # any number of messages may wait: none is dropped
         self.publisher = self._context.socket(zmq.XPUB)
         self.requester, self.responder = (self._context.socket(zmq.ROUTER) for _ in range(2))
-        self.requester.setsockopt(zmq.ROUTER_MANDATORY, 1)
+        self.requester.setsockopt(zmq.ROUTER_MANDATORY, 1)  # an error, not silence, while there is no connection
         self.responder.setsockopt(zmq.ROUTING_ID, process.encode())
-        for each in self.all:
-            each.setsockopt(zmq.LINGER, 0)
+        for own in self.all:
+            own.setsockopt(zmq.LINGER, 0)
         self.publisher_address, self.responder_address = (
-            self._bound(each, host) for each in (self.publisher, self.responder)
+            self._bound(own, host) for own in (self.publisher, self.responder)
         )
 
     @property
     def all(self) -> tuple[Any, ...]:
-        """All of them."""
+        """The four sockets."""
         return self.subscriber, self.publisher, self.requester, self.responder
 
     def subscribe(self, topic: str) -> None:
@@ -141,16 +77,16 @@ class Sockets:
             own.connect(address)
 
     def poller(self, *others: Any) -> Any:
-        """A poller of those that receive, and of other sockets."""
+        """Return a poller of those that receive, and of other sockets."""
         poller = self._zmq.Poller()
-        for each in (self.subscriber, self.publisher, self.responder, *others):
-            poller.register(each, self._zmq.POLLIN)
+        for receiver in (self.subscriber, self.publisher, self.responder, *others):
+            poller.register(receiver, self._zmq.POLLIN)
         return poller
 
     def close(self) -> None:
         """Close them."""
-        for each in self.all:
-            each.close()
+        for own in self.all:
+            own.close()
         self._context.term()
 
     def _bound(self, own: Any, host: str) -> str:
@@ -159,11 +95,12 @@ class Sockets:
 
 
 HEARTBEAT_PERIOD = 1.0
-"""Seconds."""
+"""Seconds between two heartbeats, as in Gazebo Transport itself, which gives a program up after three."""
 
 TOPICS, SERVICES = "MSG", "SRV"
 """The two sorts of what is discovered, as in the names of variables."""
 
+# Gazebo Transport's own defaults and numbers, the same from Fortress to Jetty.
 _PORTS = {TOPICS: 10317, SERVICES: 10318}
 _GROUP = "239.255.0.7"
 _WIRE_VERSION = 10
@@ -190,7 +127,7 @@ class Discovery:
         self._process = process
         self._group = _variable(environment, "DISCOVERY_MULTICAST_IP") or _GROUP
         self._port = int(_variable(environment, f"DISCOVERY_{sort}_PORT") or _PORTS[sort])
-        self._relays = [each for each in _variable(environment, "RELAY").split(":") if each]
+        self._relays = [relay for relay in _variable(environment, "RELAY").split(":") if relay]
         self._senders: list[socket.socket] = []
         self.receiver = _udp()
         try:
@@ -201,19 +138,19 @@ class Discovery:
 
     def send(self, event: Event, **content: Message) -> None:
         """Send a message to all programs; `content`: sub or pub."""
-        found = {"version": _WIRE_VERSION, "process_uuid": self._process, "type": event, **content}
-        if "pub" in found:
-            found["pub"] = {"process_uuid": self._process, "scope": _EVERYWHERE, **content["pub"]}
-        message = SIM.encode("Discovery", found)
+        fields = {"version": _WIRE_VERSION, "process_uuid": self._process, "type": event, **content}
+        if "pub" in fields:
+            fields["pub"] = {"process_uuid": self._process, "scope": _EVERYWHERE, **content["pub"]}
+        message = SIM.encode("Discovery", fields)
         for sender in self._senders:
             for host in (self._group, *self._relays):
                 with suppress(OSError):  # an interface that is down
                     sender.sendto(struct.pack("<H", len(message)) + message, (host, self._port))
 
     def receive(self) -> dict[str, Any] | None:
-        """The next message of another program of our version; None if it is something else."""
+        """Return the next message of another program of our version; None if it is something else."""
         with suppress(OSError, KeyError, *NO_MESSAGE):
-            content = self.receiver.recv(2**16)
+            content = self.receiver.recv(2**16)  # more than a datagram of UDP can have
             if struct.unpack_from("<H", content)[0] == len(content) - 2:
                 message = SIM.decode("Discovery", content[2:])
                 if message.get("version") == _WIRE_VERSION and message["process_uuid"] != self._process:
@@ -222,8 +159,8 @@ class Discovery:
 
     def close(self) -> None:
         """Close the sockets."""
-        for each in (self.receiver, *self._senders):
-            each.close()
+        for own in (self.receiver, *self._senders):
+            own.close()
 
     def _join(self, addresses: list[str]) -> None:
         for option in (socket.SO_REUSEADDR, getattr(socket, "SO_REUSEPORT", socket.SO_REUSEADDR)):
@@ -240,13 +177,15 @@ class Discovery:
 
 
 def interfaces(environment: Mapping[str, str]) -> list[str]:
-    """The addresses of this computer that messages go by: that of GZ_IP or IGN_IP, else all, 127.0.0.1 last."""
+    """Return the addresses of this computer that messages go by: that of GZ_IP or IGN_IP, else all, 127.0.0.1 last."""
     given = _variable(environment, "IP")
-    return [given] if given else sorted(set(_addresses()) | {"127.0.0.1"}, key=lambda each: each.startswith("127."))
+    return (
+        [given] if given else sorted(set(_addresses()) | {"127.0.0.1"}, key=lambda address: address.startswith("127."))
+    )
 
 
 def partition_of(environment: Mapping[str, str]) -> str:
-    """The name that keeps simulations apart, by default that of the computer and the user."""
+    """Return the name that keeps simulations apart, by default that of the computer and the user."""
     import getpass
 
     given = _variable(environment, "PARTITION")
@@ -254,15 +193,15 @@ def partition_of(environment: Mapping[str, str]) -> str:
 
 
 def _variable(environment: Mapping[str, str], name: str) -> str:
-    """A variable by its name since Garden, else by that of before."""
+    """Return a variable by its name since Garden, else by that of before."""
     return environment.get(f"GZ_{name}") or environment.get(f"IGN_{name}") or ""
 
 
 def _addresses() -> Iterator[str]:
     import psutil
 
-    for found in psutil.net_if_addrs().values():
-        yield from (each.address for each in found if each.family == socket.AF_INET)
+    for addresses in psutil.net_if_addrs().values():
+        yield from (address.address for address in addresses if address.family == socket.AF_INET)
 
 
 def _udp() -> socket.socket:
@@ -270,22 +209,29 @@ def _udp() -> socket.socket:
 
 
 TIMEOUT = 20.0
-"""Seconds for an answer."""
+"""Seconds for an answer: a server that loads a large map answers nothing meanwhile; heartbeats show one that ended."""
 
 _SILENT_BEATS = 5
-"""Of our heartbeats without one of a server, after which it has ended; other programs give it up after three seconds.
+"""Heartbeats of ours without one of a server, after which it has ended; other programs give it up after three seconds.
 
 Ours are counted instead of seconds: on a busy machine this program stands still too, and hears nothing.
 """
 
 _ASK_AGAIN = 0.2
-"""Seconds after which a question of discovery that is not answered is asked again: a datagram may get lost."""
+"""Seconds after which a question of discovery that is not answered is asked again: a datagram may get lost.
+
+A program on the same machine answers in milliseconds; asking more often only loads the network.
+"""
+
+_RETRY = 0.002
+"""Seconds between two tries to send a request while the connection is being made, which takes a few milliseconds."""
 
 
 class TransportClient:
     """A client in a partition, which publishes, subscribes, and requests services."""
 
     def __init__(self, environment: Mapping[str, str]) -> None:
+        # The thread alone touches the sockets; what it learns changes inside the inbox's condition.
         self.partition = partition_of(environment)
         self._process, self._node = (str(uuid.uuid4()) for _ in range(2))
         self._inbox = Inbox("Gazebo Sim")
@@ -345,7 +291,7 @@ class TransportClient:
         self._do(lambda: self._sockets.publisher.send_multipart([*parts, content, type_name.encode()]))
 
     def offers(self, service: str, timeout: float = TIMEOUT) -> list[Message]:
-        """Who offers a service: the publications of all programs that answer; SimulatorFailed if none does."""
+        """Return the publications of all programs that offer a service; SimulatorFailed if none answers."""
         full, end = self._full_name(service), time.monotonic() + timeout
         while not self._services.get(full):
             if time.monotonic() > end:
@@ -356,33 +302,34 @@ class TransportClient:
         return list(self._services[full].values())
 
     def all_offers(self, service: str) -> list[Message]:
-        """The same of all programs that answer within a moment, once one has answered."""
+        """Return the publications of all programs that offer a service and answer within a moment after the first."""
         self._ask(self._offers, self._full_name(service))
         time.sleep(_ASK_AGAIN / 2)
         return self.offers(service)
 
     def request(self, service: str, type_name: str, message: Message, timeout: float = TIMEOUT) -> dict[str, Any]:
-        """The response of a service to a message of a type; SimulatorFailed if it refuses or does not answer."""
-        offer, number = self.offers(service, timeout)[0], str(uuid.uuid4())
-        found = offer["srv_pub"]
-        parts = [found["socket_id"], offer["topic"], self._sockets.responder_address, self._process, self._node, number]
-        types = [found["request_type"].encode(), found["response_type"].encode()]
+        """Return the response of a service to a message of a type; SimulatorFailed if it refuses or does not answer."""
+        # Where the response goes and who asks, then the message, then the types of both.
+        offer, request_id = self.offers(service, timeout)[0], str(uuid.uuid4())
+        publisher, own = offer["srv_pub"], self._sockets.responder_address
+        parts = [publisher["socket_id"], offer["topic"], own, self._process, self._node, request_id]
+        types = [publisher["request_type"].encode(), publisher["response_type"].encode()]
         content = [*(part.encode() for part in parts), SIM.encode(type_name, message), *types]
         self._do(lambda: self._send_request(offer["address"], content, time.monotonic() + timeout))
-        self._inbox.wait(f"{service} does not answer", lambda: number in self._responses, timeout)
-        answer, is_done = self._responses.pop(number)
+        self._inbox.wait(f"{service} does not answer", lambda: request_id in self._responses, timeout)
+        answer, is_done = self._responses.pop(request_id)
         if not is_done:
             raise SimulatorFailed(f"Gazebo Sim: {service} refuses")
-        return SIM.decode(found["response_type"].rpartition(".")[2], answer)
+        return SIM.decode(publisher["response_type"].rpartition(".")[2], answer)
 
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float = TIMEOUT
     ) -> dict[str, Any]:
-        """The last message of a topic that `wanted` accepts; waits for one if there is none yet."""
+        """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
         return self._inbox.wait_for_message(self._full_name(topic), wanted, timeout)
 
     def last(self, topic: str) -> dict[str, Any] | None:
-        """The last message of a topic; None if there is none yet."""
+        """Return the last message of a topic; None if there is none yet."""
         return self._inbox.last(self._full_name(topic))
 
     def clear(self, topic: str) -> None:
@@ -405,7 +352,7 @@ class TransportClient:
         """Hand work to the thread that owns the sockets."""
         self._work.put(work)
         with suppress(BlockingIOError):  # enough are waiting to wake it
-            self._wake.send(b"!")
+            self._wake.send(b"!")  # any byte
 
     def _run(self) -> None:
         sockets, others = self._sockets, (self._woken, self._topics.receiver, self._offers.receiver)
@@ -422,9 +369,9 @@ class TransportClient:
             if time.monotonic() >= beat:
                 self._beat()
                 beat = time.monotonic() + HEARTBEAT_PERIOD
-            for each, _ in poller.poll(max(0, int((beat - time.monotonic()) * 1000))):
+            for ready, _ in poller.poll(max(0, int((beat - time.monotonic()) * 1000))):
                 with suppress(KeyError, ValueError, sockets.Error):  # what others send may be anything
-                    readers[each]()
+                    readers[ready]()
         for other in (sockets, self._topics, self._offers, self._wake, self._woken):
             other.close()
 
@@ -433,8 +380,8 @@ class TransportClient:
         self._heard.clear()
         if self._attended and self._silent_beats >= _SILENT_BEATS:
             self._inbox.fail("the server does not answer any more")
-        for each in (self._topics, self._offers):
-            each.send(Event.HEARTBEAT)
+        for discovery in (self._topics, self._offers):
+            discovery.send(Event.HEARTBEAT)
         for publication in list(self._publications.values()):
             self._topics.send(Event.ADVERTISE, pub=publication)
         for topic in list(self._types):
@@ -457,22 +404,26 @@ class TransportClient:
         elif message.get("type") == Event.BYE:
             self._forget(message["process_uuid"])
 
-    def _note_publisher(self, found: Message) -> None:
+    def _note_publisher(self, publication: Message) -> None:
         """Connect to a publisher of a topic that is subscribed, and register with it."""
-        topic, process = found["topic"], found["process_uuid"]
+        topic, process = publication["topic"], publication["process_uuid"]
         if topic not in self._types or (topic, process) in self._connections:
             return
-        self._sockets.connect(self._sockets.subscriber, found["address"])
-        kind = {"ctrl": process, "msg_type": found.get("msg_pub", {}).get("msg_type", "")}
-        own = {"topic": topic, "address": found["address"], "node_uuid": self._node, "msg_pub": kind}
+        self._sockets.connect(self._sockets.subscriber, publication["address"])
+        kind = {"ctrl": process, "msg_type": publication.get("msg_pub", {}).get("msg_type", "")}
+        own = {"topic": topic, "address": publication["address"], "node_uuid": self._node, "msg_pub": kind}
         self._topics.send(Event.NEW_CONNECTION, pub=own)
         self._inbox.update(lambda: self._connections.update({(topic, process): own}))
 
-    def _note_service(self, found: Message) -> None:
-        self._inbox.update(lambda: self._services.setdefault(found["topic"], {}).update({found["process_uuid"]: found}))
+    def _note_service(self, publication: Message) -> None:
+        self._inbox.update(
+            lambda: self._services.setdefault(publication["topic"], {}).update(
+                {publication["process_uuid"]: publication}
+            )
+        )
 
     def _forget(self, process: str) -> None:
-        """Nothing more comes from a program that has said goodbye."""
+        """Drop the services and topics of a program that has said goodbye."""
         if process == self._attended:
             self._inbox.fail("the server has ended")
         self._inbox.update(lambda: [offers.pop(process, None) for offers in self._services.values()])
@@ -489,14 +440,14 @@ class TransportClient:
                 self._takers[topic](SIM.decode(name, content))
 
     def _read_subscription(self) -> None:
-        """A first byte of 1 says that somebody has subscribed, of 0 that nobody is left."""
+        """Note a subscription: a first byte of 1 says that somebody has subscribed, of 0 that nobody is left."""
         content = self._sockets.publisher.recv()
         change = self._subscribed.add if content[:1] == b"\1" else self._subscribed.discard
         self._inbox.update(lambda: change(content[1:].decode(errors="replace")))
 
     def _read_response(self) -> None:
-        *_, number, content, result = self._sockets.responder.recv_multipart()
-        self._inbox.update(lambda: self._responses.update({number.decode(): (content, result == b"1")}))
+        *_, request_id, content, result = self._sockets.responder.recv_multipart()
+        self._inbox.update(lambda: self._responses.update({request_id.decode(): (content, result == b"1")}))
 
     def _send_request(self, address: str, content: list[bytes], end: float) -> None:
         """Send a request; while the connection is being made, try again."""
@@ -505,14 +456,14 @@ class TransportClient:
             self._sockets.requester.send_multipart(content)
         except self._sockets.Error:
             if time.monotonic() < end:
-                time.sleep(0.002)
+                time.sleep(_RETRY)
                 self._do(lambda: self._send_request(address, content, end))
 
     def _end(self) -> None:
         for topic, process in list(self._connections):
             self._topics.send(Event.END_CONNECTION, pub=self._connections[topic, process])
-        for each in (self._topics, self._offers):
-            each.send(Event.BYE)
+        for discovery in (self._topics, self._offers):
+            discovery.send(Event.BYE)
         self._closing = True
 
 

@@ -4,18 +4,18 @@
 /world/NAME/stats                                            the clock, ten times a second
 /world/NAME/pose/info                                        poses with the simulation time, sixty times a second
 /model/NAME/pose                                             poses of a robot, as often as its plug-in publishes
+/rsegen/contacts                                             contacts, of sensors in the links of robots
 
-Contacts in Gazebo Sim: sensors in the links of robots, which publish on one topic, and samples of it.
+A step is done when poses of its time are published, as a service answers before it has changed anything. A server gives
+contacts of collisions that a sensor names, and of no others. Its sensors publish at every step in which their link has
+a contact, so a sample is what has the time of its step. The messages of a server arrive in the order in which it sends
+them: after poses of a later step no more contacts of an earlier one come.
 
-A server gives contacts of collisions that a sensor names, and of no others. Its sensors publish at every step in which
-their link has a contact, so a sample is what has the time of its step. The messages of a server arrive in the order in
-which it sends them: after poses of a later step no more contacts of an earlier one come.
-
-Measured in Gazebo Sim 6.7 on a mesh of 80 x 80 blocks: with sensors the server takes 0.62 s of CPU per simulated second
-instead of 0.40 for one Burger, and 1.9 instead of 1.1 for five, as it then collects the contacts of every step, whether
-anybody subscribes or not. Messages to a subscriber are less than a fifth of the difference, names of entities, which
-could be left out, less than a seventh. Trajectories stay the same to the digit. The service of the world's state would
-need the sensors too, and gives all of the world at once.
+Cost, measured in Gazebo Sim 6.7 on a mesh of 80 x 80 blocks: with sensors the server takes 0.62 s of CPU per simulated
+second instead of 0.40 for one Burger, and 1.9 instead of 1.1 for five, as it then collects the contacts of every step,
+whether anybody subscribes or not. Messages to a subscriber are less than a fifth of the difference, names of entities,
+which could be left out, less than a seventh. Trajectories stay the same to the digit. The service of the world's state
+would need the sensors too, and gives all of the world at once.
 """
 
 from __future__ import annotations
@@ -32,21 +32,28 @@ from xml.etree import ElementTree
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.drives import Command
 from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, Record, model_name, wait_until
-from rsegen.simulation.simulators.sim_transport import SIM, TransportClient, nanoseconds, transport_client
-from rsegen.simulation.simulators.wire import NO_MESSAGE, is_nearer, mesh_file, parse_text, pose_message, pose_of
+from rsegen.simulation.simulators.sim_transport import TransportClient, transport_client
+from rsegen.simulation.simulators.wire import (
+    NO_MESSAGE,
+    SIM,
+    is_nearer,
+    mesh_file,
+    nanoseconds,
+    parse_text,
+    pose_message,
+    pose_of,
+)
 
 CONTACTS = "/rsegen/contacts"
 """The topic of all sensors that `with_contact_sensors` adds."""
 
-_NAME = "rsegen_contacts"
-
 
 def with_contact_sensors(model: str) -> str:
-    """The text of a <model> with a sensor of contact in each link that has collisions, nested models included."""
+    """Return the text of a <model> with a contact sensor in each link with collisions, nested models included."""
     root = ElementTree.fromstring(model)  # noqa: S314  # ours, or was found to be plain elements
     for link in root.iter("link"):
         if names := [collision.get("name", "") for collision in link.findall("collision")]:
-            sensor = ElementTree.SubElement(link, "sensor", {"name": _NAME, "type": "contact"})
+            sensor = ElementTree.SubElement(link, "sensor", {"name": "rsegen_contacts", "type": "contact"})
             ElementTree.SubElement(sensor, "always_on").text = "true"
             contact = ElementTree.SubElement(sensor, "contact")
             for name in names:
@@ -60,35 +67,35 @@ class ContactSample:
 
     def __init__(self) -> None:
         self._time: int | None = None
-        self._found: list[bytes] = []
+        self._contacts: list[bytes] = []
 
     def begin(self, time: int | None) -> None:
-        """Forget all, and keep the contacts at this time, nanoseconds, from now on; None: at all times."""
-        self._time, self._found = time, []
+        """Delete all, and keep the contacts at this time, nanoseconds, from now on; None: at all times."""
+        self._time, self._contacts = time, []
 
     def add(self, message: dict[str, Any]) -> None:
         """Keep the contacts of a message if they are of the time; most are not, and are never decoded."""
         if self._time in (None, nanoseconds(message.get("header", {}).get("stamp"))):
-            self._found += message.get("contact", [])
+            self._contacts += message.get("contact", [])
 
     def end(self) -> Sequence[Contact]:
-        """The contacts at that time, sorted; what two robots' sensors both report is one."""
-        found = {contact.collisions: contact for contact in map(_contact, self._found) if contact}
-        return [found[names] for names in sorted(found)]
+        """Return the contacts at that time, sorted; what two robots' sensors both report is one."""
+        contacts = {contact.collisions: contact for contact in map(_contact, self._contacts) if contact}
+        return [contacts[names] for names in sorted(contacts)]
 
 
 def _contact(content: bytes) -> Contact | None:
-    """The contact of a message; None if it has no points."""
+    """Return the contact of a message; None if it has no points."""
     try:
         message = SIM.decode("Contact", content)
     except NO_MESSAGE:
         return None
     points = [tuple(point.get(along, 0.0) for along in "xyz") for point in message.get("position", [])]
-    one, other = sorted(message.get(name, {}).get("name", "") for name in ("collision1", "collision2"))
+    first, second = sorted(message.get(name, {}).get("name", "") for name in ("collision1", "collision2"))
     if not points:
         return None
     x, y, z = (fmean(along) for along in zip(*points, strict=True))
-    return Contact(collisions=(one, other), position=(x, y, z))
+    return Contact(collisions=(first, second), position=(x, y, z))
 
 
 WORLDS = "/gazebo/worlds"
@@ -98,19 +105,25 @@ TOPICS = {"stats": "WorldStatistics", "pose/info": "Pose_V", "dynamic_pose/info"
 """The topics of a world that are subscribed, and the types of their messages."""
 
 _BETWEEN_LOOKS = 0.02
-"""Seconds: poses are published as often."""
+"""Seconds between two looks whether something is done: poses are published about as often."""
 
 _CONNECTION_TIME = 0.1
-"""Seconds in which a publisher that has been told of a subscriber is connected with it."""
+"""Seconds in which a publisher that has been told of a subscriber is connected with it; servers wait as long.
+
+With less, a drive may miss its first poses or contacts; more is added to every drive once.
+"""
 
 _SENSORS_TIME = 2.0
-"""Seconds in which the sensors of a world that is loaded are found."""
+"""Seconds in which the sensors of a loaded world are found: two heartbeats, with which publishers tell of themselves.
+
+A world without sensors costs a drive this time once.
+"""
 
 _CLIENTS, _FIRST_RESPONSE = 5, 1.0
-"""How many clients are tried, and seconds within which a server must answer one."""
+"""Clients that are tried, and seconds within which a server must answer one (decision 16)."""
 
 _MODEL = 2
-"""The type of a model in a message Entity."""
+"""The type of a model in a message Entity, by gz-msgs' entity.proto."""
 
 
 @dataclass(kw_only=True, slots=True)
@@ -156,7 +169,7 @@ class SimWorld(LiveWorld):
         return self._sample is not None
 
     def step_with_contacts(self, steps: int) -> Sequence[Contact]:
-        """Sensors give the contacts of every step; those of the first have its time."""
+        """Step, and return the contacts of the first step: sensors give those of every step, with its time."""
         if self._sample is None or not steps:
             self.step(steps)
             return ()
@@ -167,9 +180,9 @@ class SimWorld(LiveWorld):
         if first == 1:  # in its last step the server may send the poses first
             self.client.clear(self._topic("pose/info"))
             self._message("pose/info", lambda _: True)
-        found = self._sample.end()
+        contacts = self._sample.end()
         self.step(steps - first)
-        return found
+        return contacts
 
     def unpause(self) -> None:
         """Unpause, and wait until the server reports it."""
@@ -180,22 +193,24 @@ class SimWorld(LiveWorld):
         self._pause(pause=True)
 
     def clock(self) -> Clock:
-        """The last clock that the server published, not before the end of our last step."""
+        """Return the last clock that the server published, not before the end of our last step."""
         reached = self._stopped[1] if self._stopped else 0
         return _clock(self._message("stats", lambda message: nanoseconds(message.get("sim_time")) >= reached))
 
     def poses(self) -> Mapping[str, Pose]:
-        """The poses of all models, not before the end of our last step."""
+        """Return the poses of all models, not before the end of our last step."""
         poses = self._poses("pose/info")
         if poses.keys() != self._ids:
             self._names, self._ids = self._models(), poses.keys()
-        return {name: pose_of(poses[number]) for number, name in self._names.items() if number in poses}
+        return {name: pose_of(poses[entity]) for entity, name in self._names.items() if entity in poses}
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
-        """From the topic of poses; the names are those of the last `poses`."""
-        found = self.client.last(self._topic("pose/info")) or {}
-        poses = {pose["id"]: pose for pose in found.get("pose", []) if "id" in pose}
-        return _stamp(found) / 1e9, {name: pose_of(poses[one]) for one, name in self._names.items() if one in poses}
+        """Return the last message of the topic of poses; the names are those of the last `poses`."""
+        message = self.client.last(self._topic("pose/info")) or {}
+        poses = {pose["id"]: pose for pose in message.get("pose", []) if "id" in pose}
+        return _stamp(message) / 1e9, {
+            name: pose_of(poses[entity]) for entity, name in self._names.items() if entity in poses
+        }
 
     def record(self, names: Sequence[str]) -> None:
         """Record the poses that the plug-ins of these robots publish from now on."""
@@ -207,7 +222,7 @@ class SimWorld(LiveWorld):
         time.sleep(_CONNECTION_TIME)
 
     def recorded(self) -> Record:
-        """The record of the robots, at the times that their plug-ins choose."""
+        """Return the record of the robots, at the times that their plug-ins choose."""
         states: dict[int, dict[str, list[float]]] = defaultdict(dict)
         for name, messages in self._recorded.items():
             for message in messages:
@@ -216,13 +231,13 @@ class SimWorld(LiveWorld):
         return [(at / 1e9, states[at]) for at in sorted(states)]
 
     def mesh_files(self) -> Mapping[str, str]:
-        """The scene has them, absolute."""
+        """Return the files in the scene, which are absolute."""
         return {model["name"]: file for model in self._scene() if (file := mesh_file(model))}
 
     def movable(self) -> Set[str]:
-        """The models in the topic of poses that are not static."""
+        """Return the models in the topic of moving poses."""
         moving = self._poses("dynamic_pose/info")
-        return frozenset(name for number, name in self._models().items() if number in moving)
+        return frozenset(name for entity, name in self._models().items() if entity in moving)
 
     def move(self, name: str, pose: Pose) -> None:
         """Set the pose of a model by a service."""
@@ -250,8 +265,8 @@ class SimWorld(LiveWorld):
         self._message("stats", lambda message: bool(message.get("paused")) == pause)
 
     def _steps_and_time(self) -> tuple[int, int]:
-        found = self._message("stats", lambda _: True)
-        return found.get("iterations", 0), nanoseconds(found.get("sim_time"))
+        message = self._message("stats", lambda _: True)
+        return message.get("iterations", 0), nanoseconds(message.get("sim_time"))
 
     def _wait_for_steps(self, target: int) -> tuple[int, int]:
         done = now = 0
@@ -261,28 +276,28 @@ class SimWorld(LiveWorld):
         return done, now
 
     def _wait_for_time(self, target: int) -> None:
-        """As long as poses of later times come."""
+        """Wait until poses of a time are published; SimulatorFailed if no later ones come."""
         now = -1
         while now < target:
             now = _stamp(self._message("pose/info", lambda message: _stamp(message) > now))  # noqa: B023
 
     def _poses(self, topic: str) -> dict[int, dict[str, Any]]:
-        """The poses in a topic by the ids of their entities, not before the end of our last step."""
+        """Return the poses in a topic by the ids of their entities, not before the end of our last step."""
         reached = self._stopped[1] if self._stopped else 0
-        found = self._message(topic, lambda message: _stamp(message) >= reached)
-        return {pose["id"]: pose for pose in found.get("pose", []) if "id" in pose}
+        message = self._message(topic, lambda message: _stamp(message) >= reached)
+        return {pose["id"]: pose for pose in message.get("pose", []) if "id" in pose}
 
     def _models(self) -> dict[int, str]:
-        """The names of the models in the scene by their ids."""
+        """Return the names of the models in the scene by their ids."""
         return {model["id"]: model["name"] for model in self._scene()}
 
     def _scene(self) -> Sequence[Mapping[str, Any]]:
-        """The models of the scene."""
+        """Return the models of the scene."""
         scene = self.client.request(self._topic("scene/info"), "Empty", {})
         return list(scene.get("model", []))
 
     def _message(self, topic: str, wanted: Callable[[Mapping[str, Any]], bool]) -> dict[str, Any]:
-        """The last message of a topic of the world that `wanted` accepts."""
+        """Return the last message of a topic of the world that `wanted` accepts."""
         full = self._topic(topic)
         self.client.subscribe(full, TOPICS[topic])
         return self.client.wait_for_message(full, wanted)
@@ -316,13 +331,13 @@ def sim_world(environment: Mapping[str, str], timeout: float) -> Iterator[SimWor
 def _answered_client(
     stack: ExitStack, environment: Mapping[str, str], timeout: float
 ) -> tuple[TransportClient, list[str]]:
-    """A client that a server has answered, and the server's worlds; one that is not answered is replaced.
+    """Return a client that a server has answered, and the server's worlds; an unanswered client is replaced.
 
     A server's response to a new program is lost if the connection takes it more than 0.1 s; and always, if the program
     has the port of an earlier one, whose name the server goes on to use.
     """
     for _ in range(_CLIENTS):
-        with ExitStack() as attempt:
+        with ExitStack() as attempt:  # closes the client, unless it is kept by `stack`
             client = attempt.enter_context(transport_client(environment))
             try:
                 client.offers(WORLDS, timeout)

@@ -14,7 +14,10 @@ import time
 from contextlib import suppress
 
 TIMEOUT = 5.0
-"""Seconds between SIGINT and SIGKILL."""
+"""Seconds between SIGINT and SIGKILL: a server closes its log in this time; a hanging one delays rsegen's end by it."""
+
+_PAUSE = 0.02
+"""Seconds between two looks at what still runs: each reads the table of processes, and most servers end at once."""
 
 
 def main() -> None:
@@ -35,19 +38,19 @@ def end(session: int) -> None:
         while members(session):
             if time.monotonic() > deadline:
                 break
-            time.sleep(0.02)
+            time.sleep(_PAUSE)
 
 
 def members(session: int) -> list[int]:
-    """The ids of the processes of a session that still run."""
+    """Return the ids of the processes of a session that still run."""
     import psutil
 
-    found = []
+    running = []
     for process in psutil.process_iter():
         with suppress(ProcessLookupError, PermissionError, psutil.Error):
             if os.getsid(process.pid) == session and process.status() != psutil.STATUS_ZOMBIE:
-                found.append(process.pid)
-    return found
+                running.append(process.pid)
+    return running
 
 
 if __name__ == "__main__":

@@ -1,11 +1,11 @@
 """Messages of both Gazebos as bytes: protocol buffers, of which each field is a number and a kind of value.
 
-The tables of a simulator list the fields of its message types; fields that rsegen never needs are not in them, and are
-skipped in what is received.
-
-Conversion of poses with roll, pitch and yaw to simulators' messages with a quaternion, and back.
-
-What a message about a model, of either Gazebo, says of its meshes.
+A message is a sequence of fields: a key, number * 8 + wire type, and a value; wire type 0 is a varint of seven bits per
+byte, 1 and 5 are eight and four bytes, 2 is a length and so many bytes (protobuf.dev, "Encoding"). The tables CLASSIC
+and SIM list the fields of the message types that rsegen needs; others are skipped in what is received. Cost: some
+microseconds per field. No protobuf library: its versions exclude each other, and users have one already (decision 16).
+What breaks it: packed repeated fields, which no message of these tables has, and a field with another number in a
+later Gazebo. Poses are converted between roll, pitch and yaw and quaternions.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Fields: TypeAlias = Mapping[str, tuple[int, Kind]]
 """Number and kind of each field of a message type, by its name."""
 
 NO_MESSAGE = (AttributeError, IndexError, TypeError, ValueError, struct.error)
-"""What `decode` raises for bytes that are no message of the type."""
+"""Errors that `decode` raises for bytes that are no message of the type."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,27 +39,27 @@ class MessageTypes:
     types: Mapping[str, Fields]
 
     def encode(self, type_name: str, message: Message) -> bytes:
-        """A message of a type, such as `Twist`, as bytes."""
+        """Return a message of a type, such as `Twist`, as bytes."""
         fields = self.types[type_name]
         return b"".join(self._field(*fields[name], value) for name, value in message.items())
 
     def decode(self, type_name: str, content: bytes) -> dict[str, Any]:
-        """The message of a type from bytes; missing fields are left out."""
+        """Return the message of a type from bytes; missing fields are left out."""
         names = {number: (name, kind) for name, (number, kind) in self.types[type_name].items()}
-        found: dict[str, Any] = {}
+        message: dict[str, Any] = {}
         for number, value in _fields(content):
             if number not in names:
                 continue
             name, kind = names[number]
             if isinstance(kind, str) and kind.endswith("[]"):
-                found.setdefault(name, []).append(self._value(kind[:-2], value))
+                message.setdefault(name, []).append(self._value(kind[:-2], value))
             else:
-                found[name] = self._value(kind, value)
-        return found
+                message[name] = self._value(kind, value)
+        return message
 
     def _field(self, number: int, kind: Kind, value: Any) -> bytes:
         if isinstance(kind, str) and kind.endswith("[]"):
-            return b"".join(self._field(number, kind[:-2], one) for one in value)
+            return b"".join(self._field(number, kind[:-2], item) for item in value)
         if kind is float:
             return _varint(number << 3 | 1) + struct.pack("<d", float(value))
         if kind in (int, bool):
@@ -79,9 +79,9 @@ class MessageTypes:
 
 
 def parse_text(text: str) -> Message:
-    """The message of a text for `gz topic`: `position { x: 1 } name: "a"`; its values stay texts."""
+    """Return the message of a text for `gz topic`: `position { x: 1 } name: "a"`; its values stay texts."""
     whole: dict[str, Any] = {}
-    inside = [whole]
+    inside = [whole]  # the messages that are open, the innermost last
     name = ""
     for word in re.findall(r'"[^"]*"|[{}]|[^\s{}:]+', text):
         if word == "}":
@@ -97,11 +97,11 @@ def parse_text(text: str) -> Message:
 
 
 def _fields(content: bytes) -> Iterator[tuple[int, Any]]:
-    """Number and raw value of each field, in order."""
+    """Yield number and raw value of each field, in order."""
     at = 0
     while at < len(content):
         key, at = _number(content, at)
-        length = {1: 8, 5: 4}.get(key & 7)
+        length = {1: 8, 5: 4}.get(key & 7)  # the wire types of a fixed length
         if key & 7 == 0:
             value, at = _number(content, at)
             yield key >> 3, value
@@ -113,17 +113,17 @@ def _fields(content: bytes) -> Iterator[tuple[int, Any]]:
 
 
 def _varint(number: int) -> bytes:
-    """Seven bits a byte, the lowest first; a negative number as if it had 64 bits."""
-    number &= 2**64 - 1
+    """Return a number as seven bits a byte, the lowest first; a negative one as if it had 64 bits."""
+    rest = number & 2**64 - 1
     content = bytearray()
-    while number > 127:
-        content.append(number & 127 | 128)
-        number >>= 7
-    return bytes([*content, number])
+    while rest > 127:
+        content.append(rest & 127 | 128)  # the eighth bit: more follow
+        rest >>= 7
+    return bytes([*content, rest])
 
 
 def _number(content: bytes, at: int) -> tuple[int, int]:
-    """The number that begins there, and where the next thing begins."""
+    """Return the number that begins there, and where the next thing begins."""
     number = shift = 0
     while True:
         byte = content[at]
@@ -133,12 +133,121 @@ def _number(content: bytes, at: int) -> tuple[int, int]:
             return (number - 2**64 if number >= 2**63 else number), at
 
 
+CLASSIC = MessageTypes(
+    {
+        "Time": {"sec": (1, int), "nsec": (2, int)},
+        "Vector3d": {"x": (1, float), "y": (2, float), "z": (3, float)},
+        "Quaternion": {"x": (2, float), "y": (3, float), "z": (4, float), "w": (5, float)},
+        "Pose": {"name": (1, str), "id": (2, int), "position": (3, "Vector3d"), "orientation": (4, "Quaternion")},
+        "ImageStamped": {"time": (1, "Time"), "image": (2, bytes)},
+        "PosesStamped": {"time": (1, "Time"), "pose": (2, "bytes[]")},
+        "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
+        "GzString": {"data": (1, str)},
+        "GzString_V": {"data": (1, "text[]")},
+        "Mesh": {"filename": (1, str)},
+        "Geometry": {"mesh": (8, "Mesh")},
+        "Visual": {"geometry": (9, "Geometry")},
+        "Link": {"name": (2, str), "pose": (9, "Pose"), "visual": (10, "Visual[]")},
+        "Model": {"name": (1, str), "id": (2, int), "is_static": (3, bool), "pose": (4, "Pose"), "link": (6, "Link[]")},
+        "Model_V": {"models": (2, "Model[]")},
+        "Factory": {"sdf": (1, str), "sdf_filename": (2, str), "pose": (3, "Pose"), "allow_renaming": (6, bool)},
+        "Request": {"id": (1, int), "request": (2, str), "data": (3, str)},
+        "Response": {"id": (1, int), "response": (3, str), "type": (4, str), "serialized_data": (5, bytes)},
+        "LogControl": {"stop": (2, bool)},
+        "WorldControl": {"pause": (1, bool), "step": (2, bool), "multi_step": (3, int)},
+        "WorldStatistics": {
+            "sim_time": (2, "Time"),
+            "pause_time": (3, "Time"),
+            "real_time": (4, "Time"),
+            "paused": (5, bool),
+            "iterations": (6, int),
+        },
+        "Contact": {"collision1": (1, str), "collision2": (2, str), "position": (3, "Vector3d[]")},
+        "Contacts": {"contact": (1, "Contact[]")},
+        "Packet": {"stamp": (1, "Time"), "type": (2, str), "serialized_data": (3, bytes)},
+        "Publish": {"topic": (1, str), "msg_type": (2, str), "host": (3, str), "port": (4, int)},
+        "Subscribe": {
+            "topic": (1, str),
+            "host": (2, str),
+            "port": (3, int),
+            "msg_type": (4, str),
+            "latching": (5, bool),
+        },
+    }
+)
+"""The message types of Gazebo Classic that rsegen sends and receives, with the numbers in Gazebo 11.1's library."""
+
+SIM = MessageTypes(
+    {
+        "Time": {"sec": (1, int), "nsec": (2, int)},
+        "Header": {"stamp": (1, "Time")},
+        "Vector3d": {"x": (2, float), "y": (3, float), "z": (4, float)},
+        "Quaternion": {"x": (2, float), "y": (3, float), "z": (4, float), "w": (5, float)},
+        "Pose": {
+            "header": (1, "Header"),
+            "name": (2, str),
+            "id": (3, int),
+            "position": (4, "Vector3d"),
+            "orientation": (5, "Quaternion"),
+        },
+        "Pose_V": {"header": (1, "Header"), "pose": (2, "Pose[]")},
+        "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
+        "Double": {"data": (2, float)},
+        "Boolean": {"data": (2, bool)},
+        "Empty": {},
+        "StringMsg_V": {"data": (2, "text[]")},
+        "Entity": {"id": (2, int), "name": (3, str), "type": (4, int)},
+        "EntityFactory": {"sdf": (2, str), "pose": (7, "Pose"), "name": (8, str), "allow_renaming": (9, bool)},
+        "Contact": {"collision1": (2, "Entity"), "collision2": (3, "Entity"), "position": (4, "Vector3d[]")},
+        "Contacts": {"header": (1, "Header"), "contact": (2, "bytes[]")},
+        "Mesh": {"filename": (2, str)},
+        "Geometry": {"mesh": (9, "Mesh")},
+        "Visual": {"geometry": (10, "Geometry")},
+        "Link": {"visual": (11, "Visual[]")},
+        "Model": {"name": (2, str), "id": (3, int), "pose": (5, "Pose"), "link": (7, "Link[]")},
+        "Scene": {"name": (2, str), "model": (9, "Model[]")},
+        "WorldControl": {"pause": (2, bool), "step": (3, bool), "multi_step": (4, int)},
+        "WorldStatistics": {
+            "sim_time": (2, "Time"),
+            "real_time": (4, "Time"),
+            "paused": (5, bool),
+            "iterations": (6, int),
+        },
+        "Subscriber": {"topic": (1, str)},
+        "MessagePublisher": {"ctrl": (1, str), "msg_type": (2, str)},
+        "ServicePublisher": {"socket_id": (1, str), "request_type": (2, str), "response_type": (3, str)},
+        "Publisher": {
+            "topic": (1, str),
+            "address": (2, str),
+            "process_uuid": (3, str),
+            "node_uuid": (4, str),
+            "scope": (5, int),
+            "msg_pub": (6, "MessagePublisher"),
+            "srv_pub": (7, "ServicePublisher"),
+        },
+        "Discovery": {
+            "version": (2, int),
+            "process_uuid": (3, str),
+            "type": (4, int),
+            "sub": (6, "Subscriber"),
+            "pub": (7, "Publisher"),
+        },
+    }
+)
+"""The message types of Gazebo Sim that rsegen sends and receives; they are the same in all versions since Fortress."""
+
+
+def nanoseconds(time: Mapping[str, int] | None) -> int:
+    """Return a message Time of Gazebo Sim in nanoseconds; 0 if there is none, as protobuf leaves out zeros."""
+    return (time or {}).get("sec", 0) * 10**9 + (time or {}).get("nsec", 0)
+
+
 PoseMessage = Mapping[str, Mapping[str, Any]]
 """A pose as a message: position x, y, z and orientation x, y, z, w."""
 
 
 def pose_message(pose: Pose) -> PoseMessage:
-    """The message of a pose."""
+    """Return the message of a pose."""
     (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a / 2), math.sin(a / 2)) for a in (pose.roll, pose.pitch, pose.yaw))
     turned = {
         "w": cr * cp * cy + sr * sp * sy,
@@ -150,7 +259,7 @@ def pose_message(pose: Pose) -> PoseMessage:
 
 
 def pose_of(message: PoseMessage) -> Pose:
-    """The pose in a message; missing fields are 0."""
+    """Return the pose in a message; missing fields are 0."""
     at, q = message.get("position", {}), message.get("orientation", {})
     x, y, z, w = (float(q.get(name, 0.0)) for name in "xyzw")
     return Pose(
@@ -164,21 +273,13 @@ def pose_of(message: PoseMessage) -> Pose:
 
 
 def is_nearer(at: Pose, wanted: Pose, before: Pose) -> bool:
-    """Whether a model is nearer to its wanted pose than to the one before."""
-    return _distance(at, wanted) <= _distance(at, before)
-
-
-def _distance(one: Pose, other: Pose) -> float:
-    return math.dist((one.x, one.y, one.z), (other.x, other.y, other.z))
+    """Return whether a model is closer to its target pose than to its previous one."""
+    place, target, start = ((pose.x, pose.y, pose.z) for pose in (at, wanted, before))
+    return math.dist(place, target) <= math.dist(place, start)
 
 
 def mesh_file(model: Mapping[str, Any]) -> str:
-    """The file of the first mesh that is seen of a model; empty if there is none."""
-    return next(_mesh_files(model), "")
-
-
-def _mesh_files(model: Mapping[str, Any]) -> Iterator[str]:
+    """Return the file of the first visual mesh of a model; empty if there is none."""
     visuals = (visual for link in model.get("link", []) for visual in link.get("visual", []))
-    for visual in visuals:
-        if file := visual.get("geometry", {}).get("mesh", {}).get("filename"):
-            yield file
+    files = (visual.get("geometry", {}).get("mesh", {}).get("filename") for visual in visuals)
+    return next(filter(None, files), "")

@@ -1,6 +1,7 @@
-"""`rsegen.respawn`: the map of a running simulation replaced by another one, at the same pose.
+"""`rsegen.respawn` and `rsegen.remove`: the map of a running simulation replaced at its pose, and models deleted.
 
-`rsegen.remove`: models deleted from the running simulation.
+The map to replace is the one of the same recipes, else the only one whose recipe is known; the new one is the next in
+the folder, or the next index of the recipe. The new map comes before the old one goes, so nothing falls meanwhile.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
 from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.simulators.connecting import connected
+from rsegen.simulation.simulators.base import connected
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.spawning import (
     MapModel,
@@ -33,7 +34,7 @@ from rsegen.simulation.worlds import Target
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RespawnResult:
-    """What `rsegen.respawn` gives: the new map's name and the old one's, the simulator, the pose, the models on top."""
+    """The result of `rsegen.respawn`: names of the new and the old map, simulator, pose, and models put on top."""
 
     name: str
     instead_of: str
@@ -80,29 +81,29 @@ def _homes(target: Target) -> list[Path]:
 
 
 def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Iterable[str], given: str | None) -> str:
-    """The name of the map that is to be replaced: one of the same recipes, else any other map that is known."""
+    """Return the name of the map that is to be replaced: one of the same recipes, else any other map that is known."""
     models = ", ".join(sorted(poses))
     if given is not None:
         if given not in poses:
             raise ParameterError("name", f"no model {shown(given)} in the simulation (models: {models})")
         return given
     pattern = "|".join(rf"{re.escape(stem)}_\d{{4,}}" for stem in sorted(stems))
-    found = sorted(name for name in poses if re.fullmatch(pattern, name)) or sorted(known)
-    if not found:
+    candidates = sorted(name for name in poses if re.fullmatch(pattern, name)) or sorted(known)
+    if not candidates:
         what = " or ".join(f"{stem}_0000" for stem in sorted(stems))
         raise ParameterError("", f"no map such as {what} in the simulation (models: {models})")
-    if len(found) > 1:
-        raise ParameterError("name", f"several maps could be replaced; give one of {', '.join(found)}")
-    return found[0]
+    if len(candidates) > 1:
+        raise ParameterError("name", f"several maps could be replaced; give one of {', '.join(candidates)}")
+    return candidates[0]
 
 
 def _given_or_next(target: Target, which: int | str | None, output: Path, current: str) -> MapModel:
-    """The given map, else the one after the current map, in the folder or by its index."""
+    """Return the given map, else the one after the current map, in the folder or by its index."""
     if which is not None or isinstance(target, Scene):
         return map_of(target, which, output)
     if not isinstance(target, Recipe) and os.path.isdir(target):
         maps = maps_in(os.fspath(target))
-        names = [one.name for one in maps]
+        names = [model.name for model in maps]
         return maps[(names.index(current) + 1) % len(maps)] if current in names else maps[0]
     recipe = target if isinstance(target, Recipe) else recipe_in(os.fspath(target))
     index = _index(recipe, current)
@@ -110,19 +111,19 @@ def _given_or_next(target: Target, which: int | str | None, output: Path, curren
 
 
 def _index(recipe: Recipe, name: str) -> int | None:
-    """The index of the map of this name."""
+    """Return the index of the map of this name."""
     digits = name.removeprefix(f"{recipe.name}_")
     return int(digits) if digits.isdecimal() and recipe.map_name(int(digits)) == name else None
 
 
 def _field(recipe: Recipe, name: str) -> StepField:
-    """The blocks of a map whose folder is unknown: those that the recipe gives for its index."""
+    """Return the blocks of a map whose folder is unknown: those that the recipe gives for its index."""
     return compose(recipe, _index(recipe, name) or recipe.first_map).field
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RemoveResult:
-    """What `rsegen.remove` gives: the names of the deleted models, and the simulator's."""
+    """The result of `rsegen.remove`: the names of the deleted models, and the simulator's."""
 
     removed: tuple[str, ...]
     simulator: str

@@ -1,4 +1,8 @@
-"""`rsegen.spawn`: a map or a robot put into the running simulation."""
+"""`rsegen.spawn`: a map or a robot put into the running simulation, at a given or a free place.
+
+A robot is put on top of the maps under it, as far as their heights are known; a map lifts the models on it
+(`spawning`).
+"""
 
 from __future__ import annotations
 
@@ -17,16 +21,16 @@ from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS, Robot, SdfRobot, from_file, is_robot_file
 from rsegen.robots.footprint import footprint_of
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, spots_on_map
-from rsegen.simulation.simulators.connecting import connected
+from rsegen.simulation.simulators.base import connected
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.spawning.spawning import (
     GROUND,
     RADIUS,
+    Area,
     MapModel,
-    Rectangle,
     SpawnedMap,
     at_free_place,
-    free_rectangle,
+    free_area,
     known_maps,
     map_of,
     occupied,
@@ -36,14 +40,14 @@ from rsegen.simulation.spawning.spawning import (
 from rsegen.simulation.worlds import Target
 
 _TRIES = 10
-"""Even places that are tried until one is free."""
+"""Even places that are tried until one is free; if ten are taken, the robot is put next to the map."""
 
 _Spawnable: TypeAlias = Robot | SdfRobot | MapModel
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SpawnResult:
-    """What `rsegen.spawn` gives: the model's name, the simulator's, the pose, and the models put on top of the map.
+    """The result of `rsegen.spawn`: the names of model and simulator, the pose, and the models put on top of the map.
 
     notes: what could not be known, in a sentence each
     """
@@ -87,19 +91,19 @@ def spawn_model(
 
 
 def _notes(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> Iterator[str]:
-    """A warning if there are maps whose blocks the robot may be put into."""
+    """Yield a warning if there are maps whose blocks the robot may be put into."""
     for name in unknown_maps(poses, maps):
         advice = "the robot may be inside them; give the folder that it is in with -o, or X, Y and Z with --at"
         yield f"the heights of the blocks of {name} are unknown, as its recipe.json was not found; {advice}"
 
 
 def _spawn_robot(
-    live: LiveWorld, robot: Robot | SdfRobot, name: str, taken: list[Rectangle], maps: list[SpawnedMap], at: list[float]
+    live: LiveWorld, robot: Robot | SdfRobot, name: str, taken: list[Area], maps: list[SpawnedMap], at: list[float]
 ) -> Pose:
     """Spawn a robot on top of the maps under it, unless z is given; gives its pose."""
     radius = hypot(*robot.size[:2]) / 2
-    x, y = at[:2] if at else free_rectangle(radius, radius, taken)[:2]
-    ground = max((each.top(Pose(x=x, y=y, z=0), radius) for each in maps), default=0.0)
+    x, y = at[:2] if at else free_area(radius, radius, taken)[:2]
+    ground = max((spawned.top(Pose(x=x, y=y, z=0), radius) for spawned in maps), default=0.0)
     lift = robot.lift if isinstance(robot, SdfRobot) else 0.0
     pose = _pose([x, y, ground + lift + DROP_HEIGHT] if len(at) <= 2 else at)
     live.spawn(robot.file(name, live.backend), pose)
@@ -107,18 +111,20 @@ def _spawn_robot(
 
 
 def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: Mapping[str, Pose]) -> list[float]:
-    """The pose on an even place of the first map that has one where nothing else stands, for a robot of a file."""
+    """Return the pose on an even, free place of the first map that has one, for a robot of a file."""
     if not isinstance(robot, SdfRobot):
         return []
     radius, footprint = hypot(*robot.size[:2]) / 2, footprint_of(robot)
-    for each in maps:
-        others = [at for other, at in poses.items() if other not in (each.name, GROUND) and each.covers(at, radius)]
+    for spawned in maps:
+        others = [
+            at for other, at in poses.items() if other not in (spawned.name, GROUND) and spawned.covers(at, radius)
+        ]
         with suppress(ParameterError):  # no even place is left
             for seed in range(_TRIES):
-                (spot,) = spots_on_map(each.field, footprint, 1, generator(seed, 0, name))
-                x, y = each.outside(spot.x, spot.y)
+                (spot,) = spots_on_map(spawned.field, footprint, 1, generator(seed, 0, name))
+                x, y = spawned.outside(spot.x, spot.y)
                 if all(hypot(at.x - x, at.y - y) > radius + RADIUS for at in others):
-                    return [x, y, each.at.z + spot.z + robot.lift + DROP_HEIGHT, each.at.yaw + spot.yaw]
+                    return [x, y, spawned.at.z + spot.z + robot.lift + DROP_HEIGHT, spawned.at.yaw + spot.yaw]
     return []
 
 

@@ -1,10 +1,10 @@
 """Maps put into a running simulation so that no model ends up inside a block.
 
-Maps as models for a running simulation, in folders from which the simulator reads meshes as long as it runs.
-
-A map in a simulation: the ground that it covers, and its height under a model.
-
-Free ground for a new model in a simulation.
+A new map or robot gets the free place nearest to the origin; a map that replaces another comes while the world is
+paused, and models on it are put upright on top of the blocks under them, as high above these as before. A map is known
+by its recipe.json, in the folder of its mesh or in a folder of its name; of other models only the origin is known. Maps
+are models in folders that stay, as the simulator reads their meshes as long as it runs. What breaks it: a map whose
+recipe is not found, whose blocks are taken for flat ground, and a map that is not upright.
 """
 
 from __future__ import annotations
@@ -26,46 +26,49 @@ from rsegen.field.stepfield import StepField
 from rsegen.io.input_files import text_of
 from rsegen.io.recipe_file import load
 from rsegen.io.resources import refuse_too_large
-from rsegen.io.targets import found, map_index, recipe_files, recipe_in
+from rsegen.io.targets import chosen_map, map_index, recipe_files, recipe_in
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import ROBOTS
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.worlds import Target, write_world
 
+_ROUNDING = 1e-3
+"""Slack of a gap, metres: positions on the grid are rounded to millimetres."""
+
 GAP = 0.5
-"""Metres between a new model and those that are there."""
+"""Gap, metres, between a new model and those that are there: a small robot passes between them."""
 
 
-class Rectangle(NamedTuple):
-    """An axis-aligned rectangle: its centre, and half of its length and width, metres."""
+class Area(NamedTuple):
+    """An axis-aligned rectangle of ground: its centre, and half of its length and width, metres."""
 
     x: float
     y: float
     half_x: float = 0.0
     half_y: float = 0.0
 
-    def is_clear_of(self, other: Rectangle) -> bool:
-        """Whether there is a gap between both."""
+    def is_clear_of(self, other: Area) -> bool:
+        """Return whether there is a gap between both."""
         return (
-            abs(self.x - other.x) > self.half_x + other.half_x + GAP - 1e-3
-            or abs(self.y - other.y) > self.half_y + other.half_y + GAP - 1e-3
+            abs(self.x - other.x) > self.half_x + other.half_x + GAP - _ROUNDING
+            or abs(self.y - other.y) > self.half_y + other.half_y + GAP - _ROUNDING
         )
 
 
-def free_rectangle(half_x: float, half_y: float, occupied: Sequence[Rectangle]) -> Rectangle:
-    """The rectangle nearest to the origin, on a grid around it, that is clear of all taken ones."""
-    run_trial = (
-        Rectangle(round(i * (2 * half_x + GAP), 3), round(j * (2 * half_y + GAP), 3), half_x, half_y)
+def free_area(half_x: float, half_y: float, occupied: Sequence[Area]) -> Area:
+    """Return the area nearest to the origin, on a grid around it, that is clear of all occupied ones."""
+    candidates = (
+        Area(round(i * (2 * half_x + GAP), 3), round(j * (2 * half_y + GAP), 3), half_x, half_y)
         for i, j in chain.from_iterable(map(_ring, count()))
     )
-    return next(place for place in run_trial if all(map(place.is_clear_of, occupied)))
+    return next(place for place in candidates if all(map(place.is_clear_of, occupied)))
 
 
-def _ring(number: int) -> Iterator[tuple[int, int]]:
-    """The cells of a grid around the origin, the nearest first; east and north before west and south."""
-    line = range(-number, number + 1)
-    cells = (cell for cell in product(line, line) if max(map(abs, cell)) == number)
+def _ring(away: int) -> Iterator[tuple[int, int]]:
+    """Yield the cells of a square ring around the origin, the nearest first; east and north before west and south."""
+    line = range(-away, away + 1)
+    cells = (cell for cell in product(line, line) if max(map(abs, cell)) == away)
     return iter(sorted(cells, key=lambda cell: (hypot(*cell), -cell[0], -cell[1])))
 
 
@@ -78,22 +81,22 @@ class SpawnedMap:
     at: Pose
 
     @property
-    def rectangle(self) -> Rectangle:
+    def area(self) -> Area:
         """The smallest axis-aligned rectangle around it."""
         (x, y), c, s = self.field.extent, abs(cos(self.at.yaw)), abs(sin(self.at.yaw))
-        return Rectangle(self.at.x, self.at.y, (x * c + y * s) / 2, (x * s + y * c) / 2)
+        return Area(self.at.x, self.at.y, (x * c + y * s) / 2, (x * s + y * c) / 2)
 
     def covers(self, at: Pose, reach: float) -> bool:
-        """Whether a model at a pose, with this radius, is above the map."""
+        """Return whether a model at a pose, with this radius, is above the map."""
         return all(abs(x) <= along / 2 + reach for x, along in zip(self._seen(at), self.field.extent, strict=True))
 
     def top(self, at: Pose, reach: float = 0.0) -> float:
-        """The z of the highest block within a radius of a pose; of the ground if there is no block."""
+        """Return the z of the highest block within a radius of a pose; of the ground if there is no block."""
         along_x, along_y = (self._cells(axis, x, reach) for axis, x in enumerate(self._seen(at)))
         return self.at.z + float(self.field.heights[along_x, along_y].max(initial=0.0))
 
     def outside(self, x: float, y: float) -> tuple[float, float]:
-        """The place in the world of one in the map's own axes, from its middle."""
+        """Return the place in the world of one in the map's own axes, from its middle."""
         c, s = cos(self.at.yaw), sin(self.at.yaw)
         return self.at.x + x * c - y * s, self.at.y + x * s + y * c
 
@@ -104,7 +107,7 @@ class SpawnedMap:
         return slice(max(first, 0), max(last + 1, 0))
 
     def _seen(self, at: Pose) -> tuple[float, float]:
-        """A place in the map's own axes, from its middle."""
+        """Return a place in the map's own axes, from its middle."""
         x, y, c, s = at.x - self.at.x, at.y - self.at.y, cos(self.at.yaw), sin(self.at.yaw)
         return x * c + y * s, y * c - x * s
 
@@ -113,18 +116,21 @@ GROUND = "ground_plane"
 """The name of the ground in Gazebo's worlds, on which everything may be placed."""
 
 RADIUS = 0.3
-"""Metres: the assumed radius of a model that is not one of rsegen's robots."""
+"""The assumed radius, metres, of a model that is not one of rsegen's robots: that of a robot of a Jackal's class.
+
+A larger model may be put into a block; a smaller one is only put higher than need be, and falls.
+"""
 
 
-def occupied(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> list[Rectangle]:
-    """The rectangles that models occupy; of a model that is not one of these maps, only the origin is known."""
-    known = {each.name: each.rectangle for each in maps}
-    return [known.get(name) or Rectangle(at.x, at.y) for name, at in poses.items() if name != GROUND]
+def occupied(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> list[Area]:
+    """Return the rectangles that models occupy; of a model that is not one of these maps, only the origin is known."""
+    known = {spawned.name: spawned.area for spawned in maps}
+    return [known.get(name) or Area(at.x, at.y) for name, at in poses.items() if name != GROUND]
 
 
 def at_free_place(new: SpawnedMap, poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> SpawnedMap:
-    """The map moved to the free place that is nearest to the origin."""
-    place = free_rectangle(*new.rectangle[2:], occupied(poses, maps))
+    """Return the map moved to the free place that is nearest to the origin."""
+    place = free_area(*new.area[2:], occupied(poses, maps))
     return replace(new, at=Pose(x=place.x, y=place.y, z=0))
 
 
@@ -139,14 +145,14 @@ def spawn_map(live: LiveWorld, sdf: str, new: SpawnedMap, old: SpawnedMap | None
 
 
 def model_radius(name: str) -> float:
-    """Metres around its origin that a model covers; rsegen's robots are known by the beginning of their names."""
+    """Return the radius, metres, of a model; rsegen's robots are known by the beginning of their names."""
     kind = next((robot for kind, robot in ROBOTS.items() if name.startswith(kind)), None)
     return hypot(*kind.size[:2]) / 2 if kind else RADIUS
 
 
 @contextmanager
 def _paused(live: LiveWorld) -> Iterator[None]:
-    """The world is paused inside; afterwards it runs only if it ran before."""
+    """Pause the world inside; afterwards it runs only if it ran before."""
     if live.clock().paused:
         yield
         return
@@ -160,18 +166,19 @@ def _paused(live: LiveWorld) -> Iterator[None]:
 def _raise_models(live: LiveWorld, new: SpawnedMap, old: SpawnedMap | None) -> tuple[str, ...]:
     """Put movable models above a map upright on top of the blocks under them, as high above these as before."""
     movable = live.movable() - {new.name, old.name if old else ""}
-    found = {
+    models = {
         name: at
         for name, at in live.poses().items()
-        if name in movable and any(each.covers(at, model_radius(name)) for each in (new, old) if each)
+        if name in movable and any(spawned.covers(at, model_radius(name)) for spawned in (new, old) if spawned)
     }
-    for name, at in found.items():
+    for name, at in models.items():
         above = max(at.z - (old.top(at) if old else new.at.z), 0.0)
         live.move(name, Pose(x=at.x, y=at.y, z=new.top(at, model_radius(name)) + above + DROP_HEIGHT, yaw=at.yaw))
-    return tuple(found)
+    return tuple(models)
 
 
 _MOST_MIB = 512
+"""The largest model that is read, MiB, and sent to the simulator as one message."""
 
 _MODEL_FILE = "model.sdf"
 
@@ -209,7 +216,7 @@ class MapModel:
             raise ParameterError("mesh_type", problem)
 
     def sdf(self, name: str) -> str:
-        """Its model file under a name, with absolute paths of meshes; the map is written first if it does not exist."""
+        """Return its model file under a name, with absolute paths of meshes; the map is written first if need be."""
         if not self.folder.is_dir():
             write_world(self.scene, self.folder.parent)
         file = self.folder / _MODEL_FILE
@@ -219,59 +226,59 @@ class MapModel:
 
 
 def map_model(recipe: Recipe, index: int, output: Path, scene: Scene | None = None) -> MapModel:
-    """A map of a recipe in an output folder; OutputError if a different map of its name exists there."""
-    one = MapModel(recipe=recipe.alone(index), folder=output / recipe.map_name(index), made_of=scene)
-    if one.folder.exists() and _recipe_in(one.folder) != one.recipe:
+    """Return a map of a recipe in an output folder; OutputError if a different map of its name exists there."""
+    model = MapModel(recipe=recipe.alone(index), folder=output / recipe.map_name(index), made_of=scene)
+    if model.folder.exists() and _recipe_in(model.folder) != model.recipe:
         advice = "give that folder to spawn it as it is, or another output folder, or the recipe a seed"
-        raise OutputError(f"{one.folder}: exists already and is a different map; {advice}")
-    return one
+        raise OutputError(f"{model.folder}: exists already and is a different map; {advice}")
+    return model
 
 
 def map_of(target: Target, which: int | str | None, output: Path) -> MapModel:
-    """The map of a target, by index or name, by default the first; one of a recipe goes into the output folder."""
+    """Return the map of a target, by index or name, by default the first; a recipe's goes into the output folder."""
     if isinstance(target, Scene):
         return map_model(target.recipe, target.index, output, target)
     if isinstance(target, Recipe):
         return map_model(target, map_index(target, which), output)
     path = os.fspath(target)
-    file, recipe, index = found(path, None if which is None else str(which), "map")
+    file, recipe, index = chosen_map(path, None if which is None else str(which), "map")
     if os.path.isdir(path):
         return MapModel(recipe=recipe.alone(index), folder=file.parent)
     return map_model(recipe, index, output)
 
 
 def maps_in(folder: str) -> list[MapModel]:
-    """Every map in a folder, or the map whose folder it is."""
+    """Return every map in a folder, or the map whose folder it is."""
     return [MapModel(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(folder)]
 
 
 def known_recipes(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> dict[str, Recipe]:
-    """The recipes of the maps in a simulation by their names, where known: they are in the folder of the mesh, or in a
-    folder of the map's name in one of `homes`.
+    """Return the known recipes of the maps in a simulation, by their names.
+
+    A recipe is known if it is in the folder of the mesh, or in a folder of the map's name in one of `homes`.
     """
     meshes, homes = live.mesh_files(), list(homes)
-    found = {}
+    recipes = {}
     for name in poses:
         mesh = Path(meshes.get(name, ""))
         folders = [mesh.parents[1]] if mesh.is_absolute() and len(mesh.parts) > 3 else []
         folders += [home / name for home in homes if _is_map_name(name)]
         if recipe := next(filter(None, map(_recipe_in, folders)), None):
-            found[name] = recipe
-    return found
+            recipes[name] = recipe
+    return recipes
 
 
 def known_maps(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> list[SpawnedMap]:
-    """Of the models in a simulation, the maps whose recipe is known."""
-    found = known_recipes(live, poses, homes)
+    """Return the maps among the models of a simulation whose recipe is known."""
     return [
         SpawnedMap(name=name, field=compose(recipe, recipe.first_map).field, at=poses[name])
-        for name, recipe in found.items()
+        for name, recipe in known_recipes(live, poses, homes).items()
     ]
 
 
 def unknown_maps(poses: Mapping[str, Pose], known: Iterable[SpawnedMap]) -> list[str]:
-    """The names of the models in a simulation that are called like maps, and are none of these."""
-    names = {each.name for each in known}
+    """Return the names of the models in a simulation that are called like maps, and are none of these."""
+    names = {spawned.name for spawned in known}
     return [name for name in poses if _is_map_name(name) and name not in names]
 
 
