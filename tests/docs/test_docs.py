@@ -73,7 +73,7 @@ def test_the_commands_of_a_page_run_in_order_in_one_folder(page: Path, tmp_path:
             (tmp_path / name[1]).write_text(content)
 
 
-def test_the_readme_is_short_and_makes_what_it_says(tmp_path: Path) -> None:
+def test_the_readme_is_short_and_its_python_makes_a_world(tmp_path: Path) -> None:
     text = (ROOT / "README.md").read_text("utf-8")
     assert len(text.splitlines()) <= 100
     script = blocks(ROOT / "README.md", "python")[0]
@@ -233,7 +233,7 @@ def ridge(kind: str) -> set[tuple[int, int]]:
     return {(int(i), int(j)) for i, j in np.argwhere(levels == levels.max())}
 
 
-def test_pictures_of_kinds_show_what_their_names_say() -> None:
+def test_pictures_of_kinds_match_their_names() -> None:
     assert ridge("diagonal_barrier") == {(i, i) for i in range(10)}
     assert ridge("horizontal_barrier") == {(i, 5) for i in range(10)}
     assert ridge("peak") <= {(i, j) for i in (4, 5) for j in (4, 5)}

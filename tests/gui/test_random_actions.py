@@ -37,7 +37,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 @pytest.mark.slow
-def test_whatever_is_done_nothing_is_raised_and_what_is_shown_is_what_there_is(
+def test_random_actions_raise_nothing_and_the_window_shows_the_session(
     request: pytest.FixtureRequest, tmp_path: Path, display: str, seed: int
 ) -> None:
     actions = request.config.getoption("--window-actions")
@@ -96,6 +96,6 @@ def shortest_failing(steps: Sequence[str], fails: Callable[[Sequence[str]], bool
 @pytest.mark.parametrize(
     ("steps", "wrong"), [("abcdefghijklmnop", "kp"), ("abc", "a"), ("abcdefghijklmnop", "bp"), ("x", "x")]
 )
-def test_a_failure_is_told_in_as_few_actions_as_lead_to_it(steps: str, wrong: str) -> None:
+def test_a_failure_is_reduced_to_the_actions_that_cause_it(steps: str, wrong: str) -> None:
     found = shortest_failing(list(steps), lambda some: set(wrong) <= set(some))
     assert "".join(found) == wrong

@@ -48,7 +48,7 @@ def at(window: Window, block: tuple[int, int]) -> QPoint:
     return QPoint(*map(round, layout.middle(block)))
 
 
-def test_tools_and_levels_are_buttons_that_are_there_while_painting(window: Window) -> None:
+def test_tools_and_levels_are_buttons_shown_while_painting(window: Window) -> None:
     box = find(window, QAbstractButton, "paint_box")
     assert not box.isVisible()
     click(window, "paint")
@@ -112,7 +112,7 @@ def test_a_cell_that_is_clicked_in_the_view_chooses_its_obstacle(window: Window)
     assert (window.document.selected, window.views.table.selected) == (-1, -1)
 
 
-def test_what_the_chosen_robot_reaches_is_on_the_plan_until_the_map_changes(window: Window) -> None:
+def test_the_reach_of_the_chosen_robot_is_on_the_plan_until_the_map_changes(window: Window) -> None:
     window.session.set("boundary", "none")
     window.session.set("seed", 1)  # of the start and the goal
     previewed(window)

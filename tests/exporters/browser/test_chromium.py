@@ -157,7 +157,7 @@ def test_the_view_from_above_says_the_height_of_every_cell(name: str, browser: C
 
 
 @pytest.mark.long(reason="drawn without a graphics card")
-def test_the_oblique_view_says_what_is_in_front(browser: Chrome, tmp_path: Path) -> None:
+def test_the_oblique_view_tells_the_block_in_front(browser: Chrome, tmp_path: Path) -> None:
     """The highest blocks hide others and are hidden by none; beside the map nothing is said."""
     scene = compose(rsegen.load(EXAMPLES["mixed-course"]))
     show(browser, rsegen.view(scene).html, tmp_path)

@@ -104,7 +104,7 @@ def test_a_package_is_named_after_its_map(name: str, package: str) -> None:
 
 @pytest.mark.long(reason="CMake, 0.1 GB")
 @pytest.mark.parametrize("scene", [NAMED, SCENES["nothing"]], ids=["a name that ROS refuses", "nothing"])
-def test_cmake_installs_what_the_package_holds(scene: Scene, tmp_path: Path) -> None:
+def test_cmake_installs_the_files_of_the_package(scene: Scene, tmp_path: Path) -> None:
     source = written(scene, tmp_path / "src")
     share = installed_by_cmake(source, tmp_path) / "share" / source.name
     there, held = contents(share), contents(source)

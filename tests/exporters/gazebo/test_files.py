@@ -45,7 +45,7 @@ def test_same_recipe_same_bytes(recipe: Recipe) -> None:
 
 
 @pytest.mark.parametrize("mesh", ["merged", "watertight", "blocks"])
-def test_a_mesh_has_the_same_bytes_however_many_lines_are_made_at_once(
+def test_a_mesh_has_the_same_bytes_for_any_number_of_lines_per_strip(
     monkeypatch: pytest.MonkeyPatch, mesh: str
 ) -> None:
     scene = compose(Recipe(seed=7, mesh=mesh, obstacles=(Random(levels=4),)))

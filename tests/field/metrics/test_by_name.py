@@ -61,6 +61,6 @@ def test_a_function_is_a_metric_and_a_metric_is_itself() -> None:
         ("steps.rms", "burger", r"robot: 'burger' is not a robot's limits; give RobotLimits\(climb_cm=10\)"),
     ],
 )
-def test_what_is_no_metric_is_said(by: Any, robot: Any, message: str) -> None:
+def test_an_unknown_metric_is_refused(by: Any, robot: Any, message: str) -> None:
     with pytest.raises(UserError, match=message):
         metric_by(by, robot)

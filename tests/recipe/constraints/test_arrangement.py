@@ -108,7 +108,7 @@ def test_counted_blocks_are_all_kept_if_the_largest_step_allows_it(capsys: pytes
     ]
 
 
-def test_what_is_left_in_the_box_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_remaining_blocks_are_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     asked = ["--seed", "3", "--obstacle", "random levels=5", "--max-step", "1", "--inventory", "10,4,20,40"]
     assert main(["generate", *asked, "-o", str(tmp_path)]) == 0
     said = capsys.readouterr().out

@@ -146,7 +146,7 @@ def test_the_proof_is_written_and_measured_on_the_field(tmp_path: Path) -> None:
     )
 
 
-def test_it_is_said_what_the_map_keeps_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_constraints_that_the_map_meets_are_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     asked = ["--max-step", "1", "--inventory", "1,1,1,1", "--crossable-by", "10,12.5,30"]
     assert main(["generate", "--seed", "3", "--obstacle", "random levels=5", *asked, "-o", str(tmp_path)]) == 0
     said = capsys.readouterr().out

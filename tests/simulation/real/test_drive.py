@@ -145,7 +145,7 @@ def test_sampling_contacts_does_not_change_a_drive(gazebo: Installation, tmp_pat
     assert with_contacts.notes == without.notes == ()
 
 
-def test_what_the_simulator_complains_of_is_told(
+def test_errors_of_the_simulator_are_warned_of(
     gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = course(tmp_path, 1)

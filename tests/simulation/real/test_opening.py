@@ -90,9 +90,7 @@ def test_a_world_that_is_no_world_is_an_error_at_once(gazebo_classic: Installati
 
 
 @pytest.mark.long(reason="a server more")
-def test_a_mesh_that_is_missing_is_told_and_is_a_failure(
-    gazebo_classic: Installation, tmp_path: Path, mark: str
-) -> None:
+def test_a_missing_mesh_is_reported_and_fails(gazebo_classic: Installation, tmp_path: Path, mark: str) -> None:
     world = made(tmp_path, "course")
     for mesh in world.parent.glob("meshes/*.obj"):
         mesh.unlink()
@@ -150,7 +148,7 @@ def test_two_servers_side_by_side_do_not_disturb_each_other(gazebo: Installation
     assert left(mark) == []
 
 
-def test_a_server_goes_on_when_it_is_told_to(gazebo: Installation, tmp_path: Path, mark: str) -> None:
+def test_a_server_runs_after_unpause(gazebo: Installation, tmp_path: Path, mark: str) -> None:
     def resumed() -> int:
         with (
             running_server(gazebo, made(tmp_path / str(time.monotonic_ns()), "course")) as server,

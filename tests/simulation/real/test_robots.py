@@ -64,7 +64,7 @@ def test_tracks_stand_level_in_fortress_and_do_not_move(gazebo_sim: Installation
     assert level(end["one"], 0)
 
 
-def test_wheels_stop_when_told(gazebo: Installation, tmp_path: Path) -> None:
+def test_wheels_stop_on_command(gazebo: Installation, tmp_path: Path) -> None:
     course = Course(robots={"one": ROBOTS["burger"]})
     _, early, late = driven(gazebo, tmp_path, course, {"one": (0.22, 0.0)}, (500, 500, 1000), stop_after=1)
     assert off(early["one"], late["one"]) < 0.0002
@@ -83,7 +83,7 @@ def test_wheels_stop_when_told(gazebo: Installation, tmp_path: Path) -> None:
         pytest.param("crawler", [0.400], False, marks=A_COURSE_MORE),
     ],
 )
-def test_it_climbs_what_it_should_and_no_more_in_classic(
+def test_a_robot_climbs_its_rated_step_and_no_higher_one_in_classic(
     kind: str, heights: Sequence[float], climbed: bool, gazebo_classic: Installation, tmp_path: Path
 ) -> None:
     robot = ROBOTS[kind]
@@ -104,7 +104,7 @@ def test_wheels_climb_less_in_sim(
 
 
 @pytest.mark.long(reason="a server more")
-def test_flippers_and_arm_go_where_they_are_told(gazebo_classic: Installation, tmp_path: Path) -> None:
+def test_flippers_and_arm_reach_the_commanded_angles(gazebo_classic: Installation, tmp_path: Path) -> None:
     angles = {"left_flipper_pivot": 0.6, "right_flipper_pivot": 0.9, "shoulder_joint": 0.8}
     course = Course(robots={"one": ROBOTS["crawler"].holding({"right_flipper_pivot": 0.9})})
 

@@ -52,7 +52,7 @@ def robots(tmp_path: Path) -> Mapping[str, SdfRobot]:
     return found
 
 
-def test_any_drive_goes_ahead_and_to_the_left_as_it_is_told_and_nothing_complains(
+def test_any_drive_goes_ahead_and_left_as_commanded_without_errors(
     gazebo: Installation, robots: Mapping[str, SdfRobot], tmp_path: Path
 ) -> None:
     world = tmp_path / "ground.world"

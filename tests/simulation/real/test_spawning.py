@@ -126,7 +126,7 @@ def test_a_robot_is_put_on_a_map_that_lies_elsewhere(server: Server, capsys: Cap
 
 
 @pytest.mark.long(reason="a server more")
-def test_what_stands_still_goes_on_standing_still(server: Server, capsys: Capture) -> None:
+def test_a_paused_world_stays_paused(server: Server, capsys: Capture) -> None:
     with server.connect() as live:
         done(capsys, "spawn", "burger")
         assert done(capsys, "spawn", "course.yaml", "--at", "0,0,0,0.5")["put_on_top"] == ["burger"]
@@ -177,7 +177,7 @@ def test_two_maps_do_not_overlap(server: Server, capsys: Capture) -> None:
 
 
 @pytest.mark.long(reason="a server more; tests/simulation/spawning has these lines too")
-def test_what_cannot_be_is_said_in_one_line(server: Server, capsys: Capture) -> None:
+def test_impossible_values_are_refused_in_one_line(server: Server, capsys: Capture) -> None:
     rsegen.save(replace(COURSE, name="many", mesh_type="multi"), "many.yaml")
     done(capsys, "spawn", "burger")
     assert "'burger' exists already; give another" in refused(capsys, "spawn", "burger")

@@ -65,7 +65,7 @@ def test_a_drive_that_is_cancelled_leaves_nothing(gazebo: Installation, tmp_path
         assert not (tmp_path / "drives").exists()
 
 
-def test_without_a_simulator_it_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_simulator_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     alone_on_path(tmp_path, monkeypatch)
     with opened(tmp_path) as dialog:
         click(dialog, "start")

@@ -130,7 +130,7 @@ def test_a_map_of_many_boxes_is_spawned(sim_address: Mapping[str, str]) -> None:
     assert Path("worlds/rse_0000/model.sdf").stat().st_size > 2**17
 
 
-def test_where_no_server_is_it_says_so() -> None:
+def test_a_missing_server_is_reported() -> None:
     with (
         pytest.raises(SimulatorFailed, match=r"no server answers in the partition no-lab$"),
         SIMULATORS["sim"].connect({"GZ_PARTITION": "no-lab"}, 0.5),
@@ -188,7 +188,7 @@ def test_a_server_that_ends_is_an_error() -> None:
 
 
 @pytest.mark.parametrize("words", [["spawn", "burger"], ["remove", "burger"]])
-def test_where_nothing_runs_it_is_said_in_one_line(
+def test_without_a_running_simulation_it_is_refused_in_one_line(
     words: list[str], programs: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("GAZEBO_MASTER_URI", "http://127.0.0.1:1")
@@ -198,7 +198,7 @@ def test_where_nothing_runs_it_is_said_in_one_line(
     assert "no simulation runs (Gazebo Sim: no server answers in the partition no-lab; Gazebo Classic: nobody" in line
 
 
-def test_an_address_that_is_none_is_said(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_invalid_address_is_refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setenv("GAZEBO_MASTER_URI", "localhost")
     assert main(["remove", "burger", "--simulator", "classic"]) == 2
     assert "GAZEBO_MASTER_URI: 'localhost' is not a host and a port" in the_line(capsys.readouterr().err)

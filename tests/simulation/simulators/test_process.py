@@ -79,7 +79,7 @@ def test_it_is_asked_before_it_is_killed(tmp_path: Path, mark: str) -> None:
     assert program.exit_code == 0
 
 
-def test_it_is_killed_where_somebody_has_killed_its_watch(tmp_path: Path, mark: str) -> None:
+def test_a_server_is_killed_if_its_watch_was_killed(tmp_path: Path, mark: str) -> None:
     with running(shell(STUBBORN, tmp_path), subprocess.DEVNULL) as program:
         until_begun(tmp_path)
         program.watch.kill()
