@@ -1,5 +1,6 @@
 # make worlds   sets up and generates every example into worlds/
-# make test     sets up, with a real Gazebo where this machine allows one, and runs the tests
+# make test     sets up, with a real Gazebo where this machine allows one, and tests every promise: within 6 minutes on two cores
+# make test-all    these and the long tests, with more of everything, as CI runs them: within 11 minutes on two cores
 # make test-fast   the tests without a simulator, a window and all that is slow: within a minute on two cores
 # make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
 # make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
@@ -20,17 +21,21 @@ FAST ?= --numprocesses=2
 MUTANTS ?=
 FUZZ ?=
 CRASH ?=
+LOCK = $(VENV)/lock/bin/uv pip compile --quiet --universal --python-version 3.10 pyproject.toml --custom-compile-command 'make lock'
 
-.PHONY: browser compiler learners worlds test test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: browser classic compiler learners worlds test test-all test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in src/rsegen/recipe/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
 
-test: $(VENV)/developer gazebo screen browser compiler learners
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest $(ARGS)
+test: $(VENV)/tester classic screen browser compiler
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not long" $(ARGS)
 
-test-fast: $(VENV)/developer
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not slow and not real and not window" $(FAST)
+test-all: $(VENV)/developer gazebo screen browser compiler learners
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest --hypothesis-profile=thorough $(ARGS)
+
+test-fast: $(VENV)/tester
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not slow and not long and not real and not window" $(FAST)
 
 mutants: $(VENV)/developer
 	$(BIN)/python -m tests.support.mutants $(MUTANTS)
@@ -84,10 +89,13 @@ bench-experiment: $(VENV)/developer gazebo
 	$(BIN)/python -m docs.generate
 
 # A real simulator for the tests, set up where it is missing; where that cannot be, the tests that need it say so.
-gazebo:
+classic:
 	scripts/gazebo-classic || test $$? = 3
-	scripts/gazebo-sim || test $$? = 1
 	scripts/sdformat || test $$? = 3
+
+# All that judges worlds and packages of ROS 2.
+gazebo: classic
+	scripts/gazebo-sim || test $$? = 1
 	scripts/gazebo-engine || test $$? = 3
 	scripts/ros2 || test $$? = 3
 
@@ -112,13 +120,17 @@ $(VENV)/installed: pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable .
 	touch $@
 
-$(VENV)/developer: $(VENV)/installed dev.lock
+$(VENV)/tester: $(VENV)/installed test.lock
+	$(BIN)/python -m pip install --quiet --requirement test.lock
+	touch $@
+
+$(VENV)/developer: $(VENV)/tester dev.lock
 	$(BIN)/python -m pip install --quiet --requirement dev.lock
 	touch $@
 
-# The developers' tools, each in one version: make lock, then make test.
+# The developers' tools, each in one version, and those of them that make test needs: make lock, then make test-all.
 lock:
 	$(PYTHON) -m venv $(VENV)/lock
 	$(VENV)/lock/bin/pip install --quiet uv
-	$(VENV)/lock/bin/uv pip compile --quiet --universal --python-version 3.10 --group dev pyproject.toml -o dev.lock \
-	  --custom-compile-command 'make lock'
+	$(LOCK) --group dev -o dev.lock
+	$(LOCK) --group test --constraints dev.lock -o test.lock

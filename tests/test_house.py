@@ -37,7 +37,7 @@ def test_no_module_imports_itself_by_way_of_others() -> None:
     assert set(TopologicalSorter(imports).static_order()) == graph.modules  # or a CycleError that names the circle
 
 
-def test_public_names_are_those_that_type_checkers_see() -> None:
+def test_public_names_equal_the_names_for_type_checkers() -> None:
     """The names imported for type checkers only, with their modules, are those that are imported on use."""
     tree = ast.parse(Path(rsegen.__file__).read_text("utf-8"))
     (block,) = (node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")

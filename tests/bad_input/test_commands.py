@@ -222,7 +222,7 @@ def test_a_command_line(refused: Refused, arguments: Sequence[str], words: Seque
     assert [word for word in words if word not in line] == []
 
 
-def test_json_does_not_change_how_a_mistake_is_told(refused: Refused) -> None:
+def test_json_does_not_change_error_messages(refused: Refused) -> None:
     assert refused("generate", "-o", "out", "--json", "--maps", "0") == refused("generate", "-o", "out", "--maps", "0")
 
 
@@ -249,14 +249,14 @@ def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, c
 # What is there already.
 
 
-def test_a_map_that_is_there_is_left_alone_and_no_other_is_begun(refused: Refused) -> None:
+def test_an_existing_map_stays_and_no_other_is_begun(refused: Refused) -> None:
     assert exit_code("generate", *OBSTACLE, "--first-map", "2", "-o", "out") == 0
     line = refused("generate", *OBSTACLE, "--maps", "5", "-o", "out")
     assert "out/rse_0002: exists already; give --force to replace it" in line
 
 
 @pytest.mark.parametrize("name", ["rse_0001", "series.csv", "series.png"])
-def test_a_series_that_meets_what_is_there_is_not_begun(refused: Refused, name: str) -> None:
+def test_a_series_that_would_overwrite_maps_is_not_begun(refused: Refused, name: str) -> None:
     Path("out").mkdir()
     recipe("years of work", f"out/{name}")
     assert f"out/{name}: exists already; give --force" in refused("series", *OBSTACLE, "--maps", "3", "-o", "out")
@@ -305,7 +305,9 @@ TOO_MUCH: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
 
 
 @pytest.mark.parametrize(("flags", "words"), TOO_MUCH.values(), ids=TOO_MUCH)
-def test_more_than_there_is_memory_for(refused: Refused, flags: Sequence[str], words: Sequence[str]) -> None:
+def test_more_maps_than_the_memory_holds_are_refused(
+    refused: Refused, flags: Sequence[str], words: Sequence[str]
+) -> None:
     line = refused("generate", *OBSTACLE, *flags, "-o", "out")
     assert " GB" in line
     assert [word for word in words if word not in line] == []
@@ -314,5 +316,5 @@ def test_more_than_there_is_memory_for(refused: Refused, flags: Sequence[str], w
 @pytest.mark.parametrize(
     "command", [["info"], ["metrics"], ["preview", "-o", "p.png"], ["export", "--to", "stl", "-o", "o"]], ids=" ".join
 )
-def test_looking_at_more_than_there_is_memory_for(refused: Refused, command: list[str]) -> None:
+def test_a_view_larger_than_the_memory_is_refused(refused: Refused, command: list[str]) -> None:
     assert "chunks: a map of" in refused(*command, recipe("chunks: 1000000\n"))

@@ -79,7 +79,7 @@ def test_a_size_that_is_not_the_file_s(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", "null", '{"dataset": 1}', "[" * 100_000, '{"a": 1, "a": 2}'])
-def test_a_manifest_that_is_none(refused: Refused, text: str) -> None:
+def test_an_invalid_manifest_is_refused(refused: Refused, text: str) -> None:
     Path("set").mkdir()
     Path("set/manifest.json").write_text(text)
     assert "set/manifest.json" in refused("info", "set#0")
@@ -103,7 +103,7 @@ def test_several_recipes(refused: Refused) -> None:
     assert "--verify: needs no recipe" in refused("dataset", "peak", "--verify", "set")
 
 
-def test_a_data_set_that_is_there_or_unfinished(refused: Refused) -> None:
+def test_an_existing_or_unfinished_data_set_is_refused(refused: Refused) -> None:
     assert exit_code(*MADE, "-o", "set") == 0
     assert "set: a data set exists there already; give --resume" in refused(*MADE, "-o", "set")
     Path("set/manifest.json").unlink()

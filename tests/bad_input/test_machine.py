@@ -39,7 +39,7 @@ def test_a_mistake_of_ours_is_one_line_that_asks_for_a_report(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_memory_that_runs_out_after_all_is_said_in_one_line(
+def test_running_out_of_memory_is_reported_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def full(*_: object) -> None:
@@ -136,7 +136,7 @@ def test_a_full_disk_leaves_whole_maps_only(disk: Path, capsys: pytest.CaptureFi
     [["generate", "--chunks", "10", "-o", "a/b"], ["preview", "recipe.yaml", "-o", "a/b.png"]],
     ids=lambda c: c[0],
 )
-def test_a_full_disk_leaves_nothing_of_what_does_not_fit(
+def test_a_full_disk_leaves_no_partial_output(
     disk: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: list[str]
 ) -> None:
     monkeypatch.chdir(disk)
@@ -176,7 +176,7 @@ def test_a_report_that_cannot_be_printed(command: list[str]) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", [["schema"], ["obstacles"], ["--help"]], ids=" ".join)
-def test_a_reader_that_has_gone_hears_nothing_more(command: list[str]) -> None:
+def test_a_closed_pipe_ends_the_output_silently(command: list[str]) -> None:
     reader, pipe = os.pipe()
     os.close(reader)
     try:

@@ -29,7 +29,9 @@ def test_a_partition_covers_every_top_once(partition: fields.Partition, field: S
 
 
 @pytest.mark.parametrize("partition", [partitions.layered, partitions.extended])
-def test_what_reaches_further_is_hidden_under_higher_blocks(partition: fields.Partition, field: StepField) -> None:
+def test_parts_cover_the_field_and_reach_only_under_higher_blocks(
+    partition: fields.Partition, field: StepField
+) -> None:
     covered = np.zeros(field.shape)
     for i0, i1, j0, j1, height in partition(field.heights):
         assert (field.heights[i0:i1, j0:j1] >= height).all()

@@ -14,7 +14,7 @@ from rsegen import Random, Recipe
 
 
 @pytest.mark.parametrize("place", [(0.5, 0.2, 2.0), (1.6, -0.4, 0.7), (-0.2, 0.0, 1.5)])
-def test_rays_go_as_far_as_those_of_mujoco(place: tuple[float, float, float], tmp_path: Path) -> None:
+def test_rays_go_as_far_as_mujoco_rays(place: tuple[float, float, float], tmp_path: Path) -> None:
     recipe = Recipe(seed=8, obstacles=(Random(levels=5),))
     rsegen.export(recipe, tmp_path / "map", "mjcf")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "map" / "mjcf" / "scene.xml"))
@@ -30,7 +30,7 @@ def test_rays_go_as_far_as_those_of_mujoco(place: tuple[float, float, float], tm
     assert np.abs(ours - theirs)[met].max() < 1e-6
 
 
-def test_flaws_are_as_large_as_they_are_said_to_be() -> None:
+def test_flaws_have_the_requested_size() -> None:
     recipe = Recipe(seed=8, obstacles=(Random(levels=5),))
     field = rsegen.build(recipe, 0)
     camera = DepthCamera(place=(0.0, 0.01, 2.0), columns=80, rows=60, focal=70)

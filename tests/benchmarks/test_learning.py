@@ -13,6 +13,7 @@ from rsegen import Random, Recipe
 RECIPE = Recipe(seed=7, chunk_size=8, boundary="none", unit_cm=5, obstacles=[Random(levels=5)])
 
 
+@pytest.mark.long(reason="needs Newton, with Warp 0.5 GB")
 @pytest.mark.slow
 def test_every_shape_of_every_engine_has_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("mujoco", reason="MuJoCo is not installed")

@@ -76,7 +76,7 @@ def test_a_flag_overrides_the_file(tmp_path: Path, recipe_file: Path, name: str)
     assert content["seed"] == (value if name == "seed" else 7)
 
 
-def test_obstacles_of_flags_come_after_those_of_the_file(tmp_path: Path, recipe_file: Path) -> None:
+def test_obstacles_of_flags_come_after_obstacles_of_the_file(tmp_path: Path, recipe_file: Path) -> None:
     added = ["random levels=4 weights=1,0,0,2", "horizontal_barrier levels=5 softness=30 first=0,2 last=3,2"]
     flags = [part for text in added for part in ("--obstacle", text)]
     assert generated(recipe_file, *flags, "-o", tmp_path / "out") == 0
@@ -131,7 +131,9 @@ def test_a_preview_is_the_picture_that_the_preview_command_draws(tmp_path: Path)
 
 
 @pytest.mark.parametrize(("boundary", "side"), [("none", 20), ("divided", 24), ("outer", 22)])
-def test_json_says_what_was_made(tmp_path: Path, capsys: pytest.CaptureFixture[str], boundary: str, side: int) -> None:
+def test_json_lists_the_written_maps(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], boundary: str, side: int
+) -> None:
     flags = ["--obstacle", "random levels=3", "--chunks", "2", "--boundary", boundary, "--seed", "7"]
     told = read(capsys, "generate", *flags, "-o", tmp_path)
     assert set(told) == {"folder", "seed", "maps"}
@@ -207,7 +209,7 @@ def test_the_schema_accepts_every_example(path: Path, capsys: pytest.CaptureFixt
     ],
     ids=str,
 )
-def test_the_schema_refuses_what_rsegen_refuses(content: object, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_schema_refuses_the_values_that_rsegen_refuses(content: object, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(content, json.loads(printed(capsys, "schema")))
     with pytest.raises(rsegen.UserError):
@@ -230,7 +232,7 @@ def test_obstacles_in_json_are_the_schemas_of_the_kinds(capsys: pytest.CaptureFi
     }
 
 
-def test_info_agrees_with_what_generate_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_agrees_with_generated_maps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (one,) = read(capsys, "generate", *SMALL, "-o", tmp_path)["maps"]
     told = read(capsys, "info", tmp_path / "rse_0000")
     files = [path for path in tmp_path.rglob("*") if path.is_file() and path.name != JOURNAL]
@@ -263,7 +265,7 @@ def test_a_target_is_a_recipe_a_map_or_a_folder_of_maps(tmp_path: Path, capsys: 
     ("name", "start"),
     [("a.png", b"\x89PNG"), ("a.SVG", b"<?xml"), ("a.pdf", b"%PDF"), ("a.jpeg", b"\xff\xd8"), ("a.webp", b"RIFF")],
 )
-def test_preview_draws_what_the_ending_asks_for(
+def test_preview_draws_the_format_of_the_suffix(
     tmp_path: Path, recipe_file: Path, capsys: pytest.CaptureFixture[str], name: str, start: bytes
 ) -> None:
     path = tmp_path / "new" / name
@@ -307,7 +309,7 @@ def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize("name", parameters(Recipe))
-def test_help_of_generate_says_of_every_parameter_what_it_takes(
+def test_help_of_generate_has_the_values_of_every_parameter(
     name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "400")

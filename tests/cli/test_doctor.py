@@ -57,12 +57,12 @@ def remedies(capsys: Capture) -> dict[str, str]:
     return {row["what"]: row["remedy"] for row in summary(capsys)["missing"]}
 
 
-def test_extras_are_those_of_the_package() -> None:
+def test_extras_match_the_package() -> None:
     section = PYPROJECT.read_text("utf-8").partition("[project.optional-dependencies]")[2].partition("\n[")[0]
     assert set(re.findall(r"^(\w+) = \[", section, re.MULTILINE)) == {extra.name for extra in EXTRAS} | {"all"}
 
 
-def test_versions_are_those_that_run(capsys: Capture) -> None:
+def test_versions_match_the_imported_packages(capsys: Capture) -> None:
     found = summary(capsys)
     assert found["rsegen"] == rsegen.__version__
     assert found["libraries"]["numpy"] == np.__version__
@@ -86,17 +86,17 @@ def test_simulators_are_found_with_version_and_path(
     assert not (programs / "gzserver.started").exists()
 
 
-def test_what_an_extra_is_for_and_how_to_get_it_is_said_where_it_is_missing(
+def test_a_missing_extra_is_reported_with_its_use_and_install_command(
     monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    monkeypatch.setattr(extras, "find_spec", lambda name: None if name in ("scipy", "pyvista") else find_spec(name))
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name in ("scipy", "pyvista") else find_spec("numpy"))
     found = remedies(capsys)
     assert found["scipy: MATLAB files of the formats arrays and posture"] == pip_install(["mat"])
     assert found["pyvista: rsegen gui: the window"] == pip_install(["gui"])
     assert {row["name"]: row["missing"] for row in summary(capsys)["extras"]}["gui"] == ["pyvista"]
 
 
-def test_without_any_extra_there_is_a_report(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+def test_without_any_extra_the_report_is_printed(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     monkeypatch.setattr(extras, "find_spec", lambda name: None)
     text = report(capsys)
     assert all(pip_install([extra.name]) in text for extra in EXTRAS)
@@ -111,7 +111,7 @@ def test_a_simulator_that_breaks_is_a_line(monkeypatch: pytest.MonkeyPatch, caps
     assert "  Gazebo Sim: RuntimeError: no way\n" in report(capsys)
 
 
-def test_without_metadata_of_the_package_there_is_a_report(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+def test_without_package_metadata_the_report_is_printed(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     def not_installed(_: str) -> list[str]:
         raise PackageNotFoundError
 
@@ -120,7 +120,7 @@ def test_without_metadata_of_the_package_there_is_a_report(monkeypatch: pytest.M
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems have a screen, or say so by themselves")
-def test_no_screen_is_said(without_screen: None, capsys: Capture) -> None:
+def test_a_missing_screen_is_reported(without_screen: None, capsys: Capture) -> None:
     found = summary(capsys)["opengl"]
     assert found == {
         "version": None,

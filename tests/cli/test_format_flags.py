@@ -92,7 +92,7 @@ def test_everything_that_is_missing_is_named_at_once_with_this_pythons_command(
 @pytest.mark.parametrize(
     ("name", "file", "other"), [("arrays", "levels.mat", "levels.npy"), ("posture", "posture.mat", "raster.npy")]
 )
-def test_without_scipy_the_rest_is_written_and_the_mat_is_said_to_be_left_out(
+def test_without_scipy_all_but_the_mat_file_is_written_with_a_note(
     name: str,
     file: str,
     other: str,

@@ -86,7 +86,7 @@ def test_the_help_of_a_command_has_options_last_and_none_that_are_required_among
     assert "-o " not in options.split("\n\n")[0] or command in ("examples", "drive", "experiment", "spawn", "respawn")
 
 
-def test_a_default_is_said_once_and_none_is_not_said(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_default_is_printed_once_and_none_is_omitted(capsys: pytest.CaptureFixture[str]) -> None:
     text = " ".join(helped(capsys, "generate").split())
     assert (
         "--boundary {none,divided,outer} frames: none, around every chunk, or one around the map (default: divided)"

@@ -76,7 +76,7 @@ def test_the_end_of_a_shortened_message_stays() -> None:
     assert len(line) < 400
 
 
-def test_a_warning_is_printable_and_those_of_libraries_are_not_shown(
+def test_our_warnings_are_printable_and_warnings_of_libraries_are_hidden(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def warn(_: object) -> None:

@@ -70,7 +70,7 @@ def test_a_seed_is_that_of_all_recipes(tmp_path: Path) -> None:
     ],
     ids=lambda value: value if isinstance(value, str) else " ".join(value),
 )
-def test_what_cannot_be_is_said_in_a_line(
+def test_impossible_values_are_refused_in_a_line(
     flags: tuple[str, ...], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["terrain", *SMALL, *flags, "-o", str(tmp_path)]) == 2
@@ -78,7 +78,7 @@ def test_what_cannot_be_is_said_in_a_line(
     assert not list(tmp_path.iterdir())
 
 
-def test_what_is_there_is_not_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_existing_files_are_not_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "terrain_0000.json").write_text("mine")
     assert main(["terrain", *SMALL, "-o", str(tmp_path)]) == 2
     assert "terrain_0000.json" in capsys.readouterr().err

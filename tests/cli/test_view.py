@@ -58,7 +58,7 @@ def test_a_file_that_exists_is_replaced_on_request_only(tmp_path: Path, capsys: 
         ([*OBSTACLE, "--chunk-size", "900", "--maps", "9", "-o", "map.html"], "9 maps have 7,322,436 cells"),
     ],
 )
-def test_what_no_browser_shows_is_refused_before_it_is_made(
+def test_a_page_too_large_for_browsers_is_refused_before_it_is_made(
     arguments: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -79,7 +79,7 @@ def test_every_kind_round_trips_through_a_file(cls: type[Obstacle]) -> None:
 
 
 @KIND
-def test_schema_accepts_what_encode_writes_and_refuses_a_strange_key(cls: type[Obstacle]) -> None:
+def test_schema_accepts_encoded_recipes_and_refuses_a_strange_key(cls: type[Obstacle]) -> None:
     content = encode(recipe_of(cls(levels=7, softness=12.5)))
     jsonschema.validate(content, schema())
     content["obstacles"][0]["hight"] = 3

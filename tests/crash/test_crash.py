@@ -10,12 +10,16 @@ import pytest
 from tests.crash.injection import missing
 from tests.crash.running import numbers, run
 
-TRIALS = 500
+FEW, ALL = 40, 240
+"""Trials of `make test` and of `make test-all`."""
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(bool(missing()), reason=missing() or "nothing is missing")
-def test_a_run_that_is_disturbed_at_any_call_leaves_the_old_or_the_new() -> None:
+@pytest.mark.parametrize(
+    "those", [slice(FEW), pytest.param(slice(FEW, ALL), marks=pytest.mark.long(reason="trials take a minute"))], ids=str
+)
+def test_a_run_that_is_disturbed_at_any_call_leaves_the_old_or_the_new(those: slice) -> None:
     seed = 7 if os.environ.get("CI") == "true" else random.SystemRandom().randrange(10**6)
-    found = run(seed, numbers(TRIALS), min(2, os.cpu_count() or 1), lambda done, new: None)
+    found = run(seed, numbers(ALL)[those], min(2, os.cpu_count() or 1), lambda done, new: None)
     assert [str(problem) for problem in found] == [], f"seed {seed}"

@@ -46,7 +46,7 @@ def test_the_calls_of_workers_are_counted(server: Server, root: Path) -> None:
 
 
 @pytest.mark.parametrize("mode", [mode for mode in MODES if mode not in ("count", "stop", "interrupt")])
-def test_a_call_fails_as_it_is_told(server: Server, root: Path, mode: str) -> None:
+def test_an_injected_call_fails_as_requested(server: Server, root: Path, mode: str) -> None:
     command = [*SMALL.command[:-1], "new"]
     end = server.run(command, Injection(mode=mode, k=20, error=errno.EIO))
     assert bool(end.signal) == mode.startswith("kill")
@@ -63,7 +63,7 @@ def test_a_stopped_run_goes_on(server: Server, root: Path) -> None:
     assert server.go_on().code == 0
 
 
-def test_what_was_not_synced_is_lost_in_a_power_failure(server: Server, root: Path) -> None:
+def test_unsynced_data_is_lost_in_a_power_failure(server: Server, root: Path) -> None:
     for more, loses in ([], False), (["--no-sync"], True):
         output = root / f"new{loses}"
         calls = server.run([*SMALL.command[:-1], f"dry{loses}", *more]).calls

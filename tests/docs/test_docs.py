@@ -18,6 +18,7 @@ from docs import catalogue
 from rsegen import KINDS
 from rsegen.cli import main
 from tests.plugins.installed import declare, done
+from tests.support.long import long_unless
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -53,7 +54,11 @@ def steps(page: Path) -> list[tuple[str, str]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", RUN, ids=lambda page: page.name)
+@pytest.mark.parametrize(
+    "page",
+    long_unless(lambda page: page.name != "scan.md", RUN, reason="tests/cli/test_scan.py has its commands"),
+    ids=lambda page: page.name,
+)
 def test_the_commands_of_a_page_run_in_order_in_one_folder(page: Path, tmp_path: Path) -> None:
     """Recipes begin with the name that they are saved by, as `# NAME.yaml`."""
     tools = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
@@ -68,7 +73,7 @@ def test_the_commands_of_a_page_run_in_order_in_one_folder(page: Path, tmp_path:
             (tmp_path / name[1]).write_text(content)
 
 
-def test_the_readme_is_short_and_makes_what_it_says(tmp_path: Path) -> None:
+def test_the_readme_is_short_and_its_python_makes_a_world(tmp_path: Path) -> None:
     text = (ROOT / "README.md").read_text("utf-8")
     assert len(text.splitlines()) <= 100
     script = blocks(ROOT / "README.md", "python")[0]
@@ -129,6 +134,7 @@ def test_the_python_of_the_page_of_data_sets_works(tmp_path: Path) -> None:
     assert columns.strip("[]").split() == ["1"] * 14 + ["0"] * 6
 
 
+@pytest.mark.long(reason="tests/learning has each framework")
 @pytest.mark.slow
 def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
     """But for Isaac Lab's configuration: no package here has all of it."""
@@ -145,6 +151,7 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
     assert (tmp_path / "terrain.glb").stat().st_size > 100_000
 
 
+@pytest.mark.long(reason="needs mujoco_warp, with Warp 0.4 GB")
 @pytest.mark.slow
 def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) -> None:
     pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
@@ -156,6 +163,7 @@ def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) 
     assert easy > 1.3 > 2 * hard
 
 
+@pytest.mark.long(reason="needs mjlab")
 @pytest.mark.slow
 def test_the_quadruped_of_the_page_of_learning_stands_on_flat_tiles_and_falls_on_rough_ones(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
@@ -225,7 +233,7 @@ def ridge(kind: str) -> set[tuple[int, int]]:
     return {(int(i), int(j)) for i, j in np.argwhere(levels == levels.max())}
 
 
-def test_pictures_of_kinds_show_what_their_names_say() -> None:
+def test_pictures_of_kinds_match_their_names() -> None:
     assert ridge("diagonal_barrier") == {(i, i) for i in range(10)}
     assert ridge("horizontal_barrier") == {(i, 5) for i in range(10)}
     assert ridge("peak") <= {(i, j) for i in (4, 5) for j in (4, 5)}

@@ -128,7 +128,7 @@ def test_a_path_without_suffix_is_a_folder_with_the_recipe(scene: Scene, tmp_pat
         ("x", "mjcf", {"pixels": 0}, r"pixels: 0 is outside 1..100"),
     ],
 )
-def test_what_cannot_be_exported_is_said_in_one_line_and_leaves_nothing(
+def test_an_impossible_export_is_refused_in_one_line_and_leaves_nothing(
     scene: Scene, tmp_path: Path, path: str, name: str | None, options: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(UserError, match=message) as error:

@@ -95,7 +95,7 @@ def test_the_parts_of_a_picture_keep_their_shape_and_do_not_overlap(plan: float,
 
 
 @given(recipes(), st.integers(0, 3))
-def test_outlines_are_those_of_the_cells_that_obstacles_cover(recipe: Recipe, index: int) -> None:
+def test_outlines_enclose_the_cells_that_obstacles_cover(recipe: Recipe, index: int) -> None:
     scene = compose(recipe, index)
     inside = np.ix_(scene.field.inside(0), scene.field.inside(1))
     for obstacle in recipe.obstacles:

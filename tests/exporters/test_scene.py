@@ -78,7 +78,7 @@ def test_the_window_and_the_build_sheet_are_in_them() -> None:
         ("level_colours", "#ffffff,#12345", "level_colours[1]: invalid value '#12345': expected #rrggbb, in quotes"),
     ],
 )
-def test_a_colour_that_is_none_is_one_line(
+def test_an_invalid_colour_is_refused_in_one_line(
     name: str, text: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["generate", f"--{name.replace('_', '-')}", text, "-o", str(tmp_path / "out")]) == 2

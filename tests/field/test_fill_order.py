@@ -38,7 +38,7 @@ def test_the_ascending_order_keeps_to_any_limit_that_can_be_met(shape: tuple[int
 
 
 @pytest.mark.parametrize("shape", [(2, 2), (3, 3), (3, 4), (4, 3)])
-def test_an_order_is_found_exactly_if_there_is_one(shape: tuple[int, int]) -> None:
+def test_an_order_is_found_exactly_if_one_exists(shape: tuple[int, int]) -> None:
     possible = possible_counts(shape, levels=3, limit=1)
     every = {counts for counts in np.ndindex(*[shape[0] * shape[1] + 1] * 3) if sum(counts) == shape[0] * shape[1]}
     assert 0 < len(possible) < len(every)

@@ -41,7 +41,7 @@ def test_pallets_put_together_are_the_map(recipe: Recipe) -> None:
 
 
 @given(recipes())
-def test_there_is_a_pallet_for_each_chunk_with_all_its_blocks(recipe: Recipe) -> None:
+def test_every_chunk_has_a_pallet_with_all_its_blocks(recipe: Recipe) -> None:
     pallets = list(build(recipe).chunks(recipe.chunk_size))
     assert len(pallets) == recipe.chunks[0] * recipe.chunks[1]
     assert {pallet.field.blocks.shape for pallet in pallets} == {(recipe.chunk_size, recipe.chunk_size)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rsegen.footprints import Rectangle
@@ -17,7 +17,6 @@ YAWS = st.one_of(st.sampled_from([number * pi / 8 for number in range(16)]), st.
 SHIFTS = st.floats(-0.2, 0.2)
 
 
-@settings(max_examples=30)
 @given(LENGTHS, LENGTHS, SHIFTS, YAWS, st.tuples(st.floats(0, 0.1), st.floats(0, 0.1)))
 def test_a_cell_is_overlapped_exactly_if_the_rectangle_covers_some_of_it(
     length: float, width: float, shift: float, yaw: float, at: tuple[float, float]
@@ -37,7 +36,6 @@ def test_a_rectangle_that_only_touches_a_cell_does_not_overlap_it() -> None:
     assert found.sum() == 4
 
 
-@settings(max_examples=30)
 @given(LENGTHS, LENGTHS, YAWS, YAWS, st.floats(-0.8, 0.8), st.floats(-0.8, 0.8))
 def test_rectangles_are_apart_exactly_if_no_cell_of_one_is_under_the_other(
     length: float, width: float, one: float, other: float, x: float, y: float

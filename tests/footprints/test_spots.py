@@ -99,7 +99,7 @@ def test_frames_carry_no_wheels() -> None:
         (flat(5), 9, "count: found even places for . of 9 on this map; give fewer, or add a platform obstacle"),
     ],
 )
-def test_what_is_too_large_or_too_many_is_said(field: StepField, count: int, message: str) -> None:
+def test_too_large_or_too_many_values_are_refused(field: StepField, count: int, message: str) -> None:
     with pytest.raises(ParameterError, match=message):
         even_spots(field, ROVER, count, np.random.default_rng(1), gap=0.1)
 
@@ -109,7 +109,7 @@ def stairs() -> StepField:
     return StepField(levels=levels, frame=levels < 0, block_width=0.1, unit=0.1, frame_height=0.1)
 
 
-def test_where_no_place_is_even_the_best_is_said_and_taken_only_on_request() -> None:
+def test_without_an_even_place_the_best_is_named_and_taken_only_on_request() -> None:
     match = "robot: no place is even enough: at the best one the blocks under its wheels or tracks differ by 40 cm, and"
     with pytest.raises(ParameterError, match=match):
         even_spots(stairs(), ROVER, 1, np.random.default_rng(1))

@@ -47,7 +47,6 @@ def left_of(p: np.ndarray, q: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.nd
 
 @pytest.mark.parametrize("mesh", MESHES)
 @given(field=fields())
-@settings(max_examples=60)
 def test_a_ray_from_above_meets_every_cell_at_its_height(mesh: str, field: StepField) -> None:
     np.testing.assert_array_equal(heights_seen_from_above(meshes(field, mesh), field), field.heights)
 

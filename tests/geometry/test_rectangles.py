@@ -38,7 +38,7 @@ def test_rectangles_cover_every_labelled_square_once(labels: np.ndarray) -> None
 
 
 @given(grids(top=2, side=3))
-def test_the_theorem_counts_what_a_search_finds(labels: np.ndarray) -> None:
+def test_the_theorem_agrees_with_an_exhaustive_search(labels: np.ndarray) -> None:
     assert counted(labels) == searched(labels)
 
 
@@ -72,7 +72,7 @@ def fewest_faces(levels: np.ndarray) -> int:
 
 
 @given(st.lists(st.integers(0, 5), min_size=1, max_size=12))
-def test_what_hangs_is_cut_into_the_fewest(low: list[int]) -> None:
+def test_hanging_pieces_are_cut_into_the_fewest(low: list[int]) -> None:
     top = 6
     starts = [0] + [k for k in range(1, len(low)) if low[k] != low[k - 1]]
     u0 = np.array(starts)
@@ -87,7 +87,7 @@ def test_what_hangs_is_cut_into_the_fewest(low: list[int]) -> None:
     assert len(found.label) == counted(painted)
 
 
-def test_a_lane_is_one_rectangle_whatever_lies_beside_it() -> None:
+def test_a_lane_is_one_rectangle_whatever_its_neighbours() -> None:
     labels = np.full((9, 40), 2)
     labels[2:7] = 1
     labels[1, 1::3] = labels[7, 1::4] = 1

@@ -294,7 +294,7 @@ def test_every_case_is_recorded() -> None:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_the_bytes_are_those_recorded(case: str, tmp_path: Path) -> None:
+def test_the_bytes_equal_the_recorded_ones(case: str, tmp_path: Path) -> None:
     CASES[case](tmp_path)
     assert fingerprint(tmp_path) == RECORDED[case]
 

@@ -22,6 +22,8 @@ from rsegen.gui.window import Window
 from tests.support.clicking import active, find, shown
 from tests.support.waiting import until
 
+pytestmark = pytest.mark.long(reason="windows more")
+
 LEFT = Qt.MouseButton.LeftButton
 PEAK = {"kind": "peak", "levels": 5, "first": [2, 2], "last": [7, 7]}
 
@@ -91,7 +93,7 @@ def test_an_end_opposite_a_random_or_an_invalid_one_can_be_moved(window: Window)
         assert moved == {**entry, "first": [3, 3], "key": moved["key"]}
 
 
-def test_why_there_is_no_preview_goes_away_with_the_next_preview_and_covers_no_other_error(window: Window) -> None:
+def test_a_preview_error_vanishes_with_the_next_preview_and_hides_no_other(window: Window) -> None:
     error = find(window, QLabel, "error")
     window.session.set("chunk_size", 1000)
     window.session.set("chunks", [10**9, 10**9])
@@ -133,7 +135,7 @@ def typing(window: Window, row: int, column: int, text: str) -> QLineEdit:
     return field
 
 
-def test_a_click_into_a_field_that_what_was_typed_replaces_is_a_click(window: Window) -> None:
+def test_a_click_into_a_field_that_typing_replaces_is_a_click(window: Window) -> None:
     active(window)
     for kind in ("matrix", "peak", "random"):
         window.views.table.setCurrentCell(1, 1)

@@ -86,7 +86,7 @@ def test_the_ghost_of_the_form_goes_with_it_until_the_obstacle_is_added(window: 
     until(lambda: not has_ghost(window))
 
 
-def test_a_click_beside_the_rows_and_a_button_select_none(window: Window) -> None:
+def test_a_click_outside_the_rows_and_a_button_clear_the_selection(window: Window) -> None:
     window.resize(1280, 900)
     click(window, "add")
     table = window.views.table
@@ -125,7 +125,7 @@ def test_the_pictures_of_the_welcome_are_made_only_if_it_is_shown(app: QApplicat
     welcome.close()
 
 
-def test_what_blend_does_is_said(window: Window) -> None:
+def test_blend_is_described(window: Window) -> None:
     assert said(window, "about_blend") == "This obstacle overwrites the earlier ones."
     assert said(window, "about_kind").startswith("A straight ridge along x or y.")
 
@@ -231,7 +231,7 @@ def test_the_seed_is_shown_whole(window: Window) -> None:
     assert field.fontMetrics().horizontalAdvance(field.text()) < field.width()
 
 
-def test_a_written_map_can_be_opened_and_sent_from_beside_start(window: Window, tmp_path: Path) -> None:
+def test_a_written_map_can_be_opened_and_sent_next_to_start(window: Window, tmp_path: Path) -> None:
     button = find(window.forms, QPushButton, "open_in")
     assert not button.isVisible()
     window.outputs.start_into(tmp_path / "out")

@@ -20,6 +20,8 @@ from rsegen.gui.window import Window
 from tests.support.clicking import active, click, find, shown, typed
 from tests.support.waiting import until
 
+pytestmark = pytest.mark.long(reason="views in three dimensions need VTK, 0.6 GB")
+
 LEFT = Qt.MouseButton.LeftButton
 STEPS = {"kind": "matrix", "levels": 4, "rows": ["0 0 3 3", "0 0 3 1"], "first": [2, 2], "last": [5, 3]}
 
@@ -46,7 +48,7 @@ def at(window: Window, block: tuple[int, int]) -> QPoint:
     return QPoint(*map(round, layout.middle(block)))
 
 
-def test_tools_and_levels_are_buttons_that_are_there_while_painting(window: Window) -> None:
+def test_tools_and_levels_are_buttons_shown_while_painting(window: Window) -> None:
     box = find(window, QAbstractButton, "paint_box")
     assert not box.isVisible()
     click(window, "paint")
@@ -110,7 +112,7 @@ def test_a_cell_that_is_clicked_in_the_view_chooses_its_obstacle(window: Window)
     assert (window.document.selected, window.views.table.selected) == (-1, -1)
 
 
-def test_what_the_chosen_robot_reaches_is_on_the_plan_until_the_map_changes(window: Window) -> None:
+def test_the_reach_of_the_chosen_robot_is_on_the_plan_until_the_map_changes(window: Window) -> None:
     window.session.set("boundary", "none")
     window.session.set("seed", 1)  # of the start and the goal
     previewed(window)

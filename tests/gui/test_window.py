@@ -89,7 +89,7 @@ def test_plus_adds_minus_takes_the_last_and_c_clears(window: Window) -> None:
     assert kinds(window) == []
 
 
-def test_the_type_height_and_softness_of_the_form_are_those_of_the_row(window: Window) -> None:
+def test_type_height_and_softness_of_the_form_match_the_row(window: Window) -> None:
     choose(window, "random")
     find(window.forms.obstacle, QSpinBox, "levels_field").setValue(4)
     click(window, "add")
@@ -126,7 +126,7 @@ def test_undo_and_redo_by_key(window: Window) -> None:
     assert kinds(window) == ["horizontal_barrier"]
 
 
-def test_a_problem_stands_beside_its_row_and_nothing_can_be_started(window: Window) -> None:
+def test_a_problem_is_shown_in_its_row_and_start_is_disabled(window: Window) -> None:
     choose(window, "peak")
     window.forms.obstacle.default_ends.setChecked(False)
     for name in ("x_first", "y_first", "y_last"):
@@ -142,7 +142,7 @@ def test_a_problem_stands_beside_its_row_and_nothing_can_be_started(window: Wind
     assert window.forms.error_label.isHidden()
 
 
-def test_the_field_follows_what_is_changed(window: Window) -> None:
+def test_the_field_follows_changes(window: Window) -> None:
     choose(window, "random")
     click(window, "add")
     assert previewed(window) == build(window.session.recipe)
@@ -173,7 +173,7 @@ def test_a_range_of_difficulty_is_shown_and_stays(window: Window) -> None:
     assert window.session.recipe.entry()["difficulty"] == 0.5
 
 
-def test_frictions_stand_in_the_form_and_what_is_wrong_under_them(window: Window) -> None:
+def test_frictions_are_in_the_form_with_their_errors_below(window: Window) -> None:
     field = find(window, QLineEdit, "level_friction_field")
     error_label = find(window, QLabel, "level_friction_error")
     for text, said in (("0.9,0.1", ""), ("0.9,rough", "'rough' is not a number; give 0..1000"), ("", "")):
@@ -228,7 +228,7 @@ def pressed(window: Window, *blocks: tuple[int, int]) -> None:
     QTest.mouseRelease(plan, LEFT, pos=points[-1])
 
 
-def test_painted_cells_are_a_matrix_of_which_each_stroke_is_undone_at_once(window: Window) -> None:
+def test_painted_cells_are_a_matrix_and_undo_removes_a_whole_stroke(window: Window) -> None:
     previewed(window)
     QTest.keyClick(window, Qt.Key.Key_P)
     QApplication.processEvents()  # the tools take some of the plan's room
@@ -303,7 +303,7 @@ def test_a_recipe_is_dropped(window: Window, tmp_path: Path) -> None:
     assert window.session.recipe.chunk_size == 7
 
 
-def test_a_chosen_robot_gets_across_what_it_climbs(window: Window) -> None:
+def test_the_chosen_robot_crosses_steps_that_it_climbs(window: Window) -> None:
     wall = {"kind": "horizontal_barrier", "levels": 5, "softness": 0, "first": [5, 0], "last": [5, 19]}
     window.session.set("chunks", [2, 2])
     window.session.set("boundary", "none")  # the crawler mostly does not cross frames of 10 cm
@@ -319,7 +319,7 @@ def test_a_chosen_robot_gets_across_what_it_climbs(window: Window) -> None:
     assert crossing.text() == ""
 
 
-def test_every_widget_that_takes_input_has_a_name_for_those_who_do_not_see_it(window: Window) -> None:
+def test_every_input_has_an_accessible_name(window: Window) -> None:
     nameless = [
         widget.objectName()
         for widget in window.findChildren(QWidget)
@@ -332,7 +332,7 @@ def test_every_widget_that_takes_input_has_a_name_for_those_who_do_not_see_it(wi
     assert window.childAt(QPoint(5, 5)) is not None
 
 
-def test_an_end_beside_the_map_is_said_to_be_and_everything_else_goes_on(window: Window) -> None:
+def test_an_end_outside_the_map_is_reported_and_the_rest_goes_on(window: Window) -> None:
     choose(window, "peak")
     window.forms.obstacle.default_ends.setChecked(False)
     click(window, "add")
@@ -366,12 +366,12 @@ def test_tab_goes_through_the_window_as_it_is_read(window: Window) -> None:
     assert [name for name in names if name in wanted] == wanted
 
 
-def test_every_button_says_what_it_does(window: Window) -> None:
+def test_every_button_has_a_description(window: Window) -> None:
     silent = [button.objectName() for button in window.findChildren(QAbstractButton) if not button.toolTip()]
     assert [name for name in silent if name and not name.startswith("qt_") and name not in SELF_EXPLAINING] == []
 
 
-def test_what_a_tooltip_says_is_spoken_without_its_markup(window: Window) -> None:
+def test_a_tooltip_is_spoken_without_markup(window: Window) -> None:
     robot = find(window, QComboBox, "robot")
     assert robot.toolTip() == f"<p>{robot.accessibleDescription()}</p>"
     assert robot.accessibleDescription().startswith("whether this robot can cross the map")
@@ -436,7 +436,7 @@ def spin(field: QWidget) -> None:
     QApplication.sendEvent(field, event)
 
 
-def test_what_was_written_is_forgotten_when_another_recipe_is_opened(window: Window, tmp_path: Path) -> None:
+def test_the_written_folder_is_forgotten_when_another_recipe_is_opened(window: Window, tmp_path: Path) -> None:
     window.outputs.start_into(tmp_path / "worlds")
     outcome = find(window, QLabel, "outcome")
     until(lambda: outcome.text().startswith("1 map in"))

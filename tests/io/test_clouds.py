@@ -122,7 +122,7 @@ NO_CLOUDS: Mapping[str, tuple[Callable[[Path], Any], str]] = {
 
 
 @pytest.mark.parametrize("name", NO_CLOUDS)
-def test_what_is_no_cloud_is_one_line(name: str, tmp_path: Path) -> None:
+def test_an_invalid_cloud_is_refused_in_one_line(name: str, tmp_path: Path) -> None:
     write, said = NO_CLOUDS[name]
     write(tmp_path / name)
     with pytest.raises(FileError) as refused:

@@ -114,7 +114,7 @@ COMMAND = f"{sys.executable} -m rsegen info --json"
         f"mkfifo p.yaml; cat recipe.yaml > p.yaml & sleep 0.1; {COMMAND} p.yaml",
     ],
 )
-def test_what_a_shell_passes_is_the_same_recipe(tmp_path: Path, line: str) -> None:
+def test_a_recipe_through_a_shell_pipe_is_the_same(tmp_path: Path, line: str) -> None:
     (tmp_path / "recipe.yaml").write_bytes(RECIPE)
     shown = subprocess.run(["bash", "-c", line], cwd=tmp_path, check=True, capture_output=True, text=True, timeout=60)
     direct = f"{COMMAND} recipe.yaml"

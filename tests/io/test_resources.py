@@ -97,7 +97,7 @@ def needed(side: int, what: str = "world", **options: Any) -> int:
 
 
 @pytest.mark.parametrize(("what", "side"), MEASURED)
-def test_the_rule_is_near_to_what_was_measured(what: str, side: int) -> None:
+def test_the_rule_is_near_the_measurements(what: str, side: int) -> None:
     assert 0.8 < needed(side, what) / (MEASURED[what, side] * 1e6) < 4.5
 
 

@@ -70,7 +70,7 @@ def test_seed_and_difficulty_alone_choose_the_map() -> None:
     assert max(levels(0.0, 1)) == pytest.approx(0)
 
 
-def test_what_isaac_lab_keeps_in_its_cache_is_called_after_the_recipe() -> None:
+def test_the_cache_of_isaac_lab_is_named_after_the_recipe() -> None:
     """It names a function by __module__ and __name__ (isaaclab.utils.string.callable_to_string)."""
     names = {
         StepFieldTerrain(recipe, mesh=kind).__name__
@@ -92,6 +92,6 @@ def test_what_isaac_lab_keeps_in_its_cache_is_called_after_the_recipe() -> None:
     ],
     ids=["larger", "no multiple", "frictions", "range"],
 )
-def test_what_cannot_be_is_said(recipe: Recipe, size: tuple[float, float], message: str) -> None:
+def test_impossible_values_are_refused(recipe: Recipe, size: tuple[float, float], message: str) -> None:
     with pytest.raises(ParameterError, match=message):
         StepFieldTerrain(recipe)(1.0, SubTerrain(size=size))

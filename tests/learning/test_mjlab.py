@@ -15,6 +15,8 @@ import rsegen
 from rsegen import Random, Recipe
 from rsegen.errors import ParameterError
 
+pytestmark = pytest.mark.long(reason="mjlab, which only make learners brings")
+
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 
 MJLAB = Path(sys.prefix) / "mjlab"
@@ -97,7 +99,7 @@ def test_the_generator_s_seed_chooses_the_maps(mjlab: Any) -> None:
     assert once.shape != other.shape or not np.array_equal(once, other)
 
 
-def test_what_cannot_be_is_said(mjlab: Any) -> None:
+def test_impossible_values_are_refused(mjlab: Any) -> None:
     with pytest.raises(ParameterError, match="size: a map of 10 x 10 cells is larger than a tile of 5 x 5"):
         _compiled(mjlab, size=(0.5, 0.5))
     with pytest.raises(ParameterError, match="difficulty"):

@@ -63,7 +63,7 @@ def test_each_cell_of_a_written_map_is_that_of_the_compiled_one() -> None:
             assert len(_contacts(model, state, x, y, levels[i, j] * 0.05 + RADIUS - 0.001)) == 1
 
 
-def test_a_ball_rests_on_what_is_written_last() -> None:
+def test_a_ball_rests_on_the_blocks_written_last() -> None:
     grid, spec = adapter.BlockGrid(RECIPE, pos=(1, 2, 0.5)), mujoco.MjSpec()
     grid.add_to(spec)
     model, state = _with_ball(spec)
@@ -75,7 +75,7 @@ def test_a_ball_rests_on_what_is_written_last() -> None:
         assert state.qpos[2] == pytest.approx(0.5 + level * 0.05 + RADIUS, abs=0.001)
 
 
-def test_arrays_of_many_maps_are_those_of_each() -> None:
+def test_arrays_of_many_maps_equal_the_arrays_of_each_map() -> None:
     grid, many = adapter.BlockGrid(RECIPE), rsegen.build_many(RECIPE, range(3))
     for array in (grid.pos, grid.size, grid.rgba, grid.friction):
         assert array(many).shape[:2] == (3, 72)
@@ -91,7 +91,7 @@ def test_a_map_has_no_mass() -> None:
     assert model.body(body.name).pos.tolist() == [0, 0, 1]
 
 
-def test_what_a_grid_cannot_hold_is_said() -> None:
+def test_values_that_a_grid_cannot_hold_are_refused() -> None:
     with pytest.raises(ParameterError, match="boundary: 'divided' has frames"):
         adapter.BlockGrid(Recipe(seed=1))
     with pytest.raises(ParameterError, match=r"levels: of shape \(3, 3\) for a grid of \(6, 12\)"):

@@ -17,6 +17,8 @@ mjw = pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: i
 from rsegen.learning.mujoco import BlockGrid  # noqa: E402  # they need both
 from rsegen.learning.mujoco_warp import BlocksOfWorlds  # noqa: E402
 
+pytestmark = pytest.mark.long(reason="Warp, 0.4 GB, which compiles its kernels")
+
 pytestmark = pytest.mark.slow
 
 RECIPE = Recipe(
@@ -99,7 +101,7 @@ def test_balls_rest_on_the_maps_of_their_worlds(worlds: Any) -> None:
         assert data.qpos.numpy()[:, 2] == pytest.approx(0.5 + levels[:, 2, 4] * 0.05 + RADIUS, abs=0.001)
 
 
-def test_colours_are_those_of_the_levels(worlds: Any) -> None:
+def test_colours_match_the_levels(worlds: Any) -> None:
     model, _, blocks = worlds
     levels = rsegen.build_many(RECIPE, range(WORLDS))
     blocks.write(levels)

@@ -15,6 +15,8 @@ import warp as wp  # noqa: E402  # Newton brings it
 
 from rsegen.learning.newton import BlockGrid, add_map  # noqa: E402  # it needs Newton
 
+pytestmark = pytest.mark.long(reason="Newton, with Warp 0.5 GB")
+
 SCENE = compose(
     Recipe(
         seed=3,
@@ -55,7 +57,7 @@ def test_boxes_are_the_heights_of_the_cells() -> None:
     assert np.allclose(found, SCENE.field.heights, atol=1e-6)
 
 
-def test_an_unknown_shape_is_said() -> None:
+def test_an_unknown_shape_is_refused() -> None:
     with pytest.raises(UnknownName, match=r"unknown shape 'hfield' .*boxes, mesh"):
         add_map(newton.ModelBuilder(), SCENE, shape="hfield")
 
@@ -118,7 +120,7 @@ def test_other_shapes_are_refused() -> None:
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:set_const_:DeprecationWarning")  # Newton calls it
 @pytest.mark.parametrize("solver", ["SolverXPBD", "SolverMuJoCo"])
-def test_balls_rest_on_what_is_written_last(solver: str) -> None:
+def test_balls_rest_on_the_blocks_written_last(solver: str) -> None:
     if solver == "SolverMuJoCo":
         pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
     model, shapes = _worlds()

@@ -151,7 +151,7 @@ def test_parameters_of_one_name_mean_the_same_in_every_command(function: Any) ->
                 assert (type(like.sort), like.sort.describe()) == (type(parameter.sort), parameter.sort.describe())
 
 
-def test_there_is_one_default_of_a_drive() -> None:
+def test_a_drive_has_the_same_defaults_everywhere() -> None:
     from rsegen.gui.model.jobs import DriveSettings
 
     assert DriveSettings().duration == default(rsegen.drive, "duration") == 30
@@ -159,7 +159,7 @@ def test_there_is_one_default_of_a_drive() -> None:
 
 
 @pytest.mark.parametrize("folder", ["", 3, None])
-def test_a_folder_that_is_none_is_refused(folder: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_invalid_folder_is_refused(folder: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ParameterError, match=r"folder: .*give a folder"):
         rsegen.generate(rsegen.Recipe(seed=1), folder)

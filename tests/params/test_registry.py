@@ -21,7 +21,7 @@ def fruits() -> Registry[int]:
     return found
 
 
-def test_things_are_there_by_their_names_in_order() -> None:
+def test_a_registry_lists_names_in_order() -> None:
     assert dict(fruits()) == {"pear": 3, "apple": 5, "fig": 1}
     assert list(fruits()) == ["apple", "fig", "pear"]
     dearest: Registry[int] = Registry("fruit", order=lambda price: -price)
@@ -36,7 +36,7 @@ def test_two_of_one_name_are_a_mistake() -> None:
 
 
 @pytest.mark.parametrize("name", ["figg", ["fig"], None])
-def test_a_name_that_nothing_has_is_told_with_those_that_there_are(name: object) -> None:
+def test_an_unknown_name_is_refused_with_the_known_ones(name: object) -> None:
     with pytest.raises(UnknownName, match=r"basket: unknown fruit .* \(known: apple, fig, pear\)"):
         fruits().named(name, "basket")  # type: ignore[arg-type]
     assert fruits().named("fig", "basket") == 1
@@ -51,19 +51,19 @@ def basket(monkeypatch: pytest.MonkeyPatch, *found: EntryPoint) -> Registry[str]
     return Registry("fruit", group="fruits", contract=contract)
 
 
-def test_what_a_package_offers_is_imported_when_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_entry_point_is_imported_on_use(monkeypatch: pytest.MonkeyPatch) -> None:
     found = basket(monkeypatch, OFFER)
     assert found["kiwi"] == "0123456789"
     assert str(found.source("kiwi")) == "orchard 2"
     assert list(found) == ["kiwi"]
 
 
-def test_an_offer_of_another_group_is_none_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_offers_of_another_group_are_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
     offer = EntryPoint(group="vegetables", name="kiwi", value="string:digits", source=OFFER.source)
     assert "kiwi" not in basket(monkeypatch, offer)
 
 
-def test_what_cannot_be_imported_is_told_each_time_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failed_import_is_reported_on_every_use(monkeypatch: pytest.MonkeyPatch) -> None:
     offer = EntryPoint(group="fruits", name="kiwi", value="string:peel", source=OFFER.source)
     found = basket(monkeypatch, offer)
     for _ in range(2):

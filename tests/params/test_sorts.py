@@ -43,7 +43,7 @@ def refusal(parameter: Parameter, value: object) -> str:
 
 
 @PARAMETER
-def test_a_parameter_refuses_what_its_sort_does_not_take(owner: str, name: str) -> None:
+def test_a_parameter_refuses_values_outside_its_sort(owner: str, name: str) -> None:
     parameter = EVERY[owner, name]
     given = [*wrong_values(name, parameter), *map(parameter.parse, wrong_texts(name, parameter))]
     said = [(value, refusal(parameter, value)) for value in given]
@@ -79,7 +79,7 @@ BOUNDS: Mapping[str, tuple[Parameter, list[object], list[object]]] = {
 
 
 @pytest.mark.parametrize(("parameter", "taken", "refused"), BOUNDS.values(), ids=BOUNDS)
-def test_a_sort_takes_what_lies_within_its_bounds_and_nothing_else(
+def test_a_sort_takes_values_within_its_bounds_only(
     parameter: Parameter, taken: list[object], refused: list[object]
 ) -> None:
     assert [value for value in taken if refusal(parameter, value)] == []
@@ -87,7 +87,7 @@ def test_a_sort_takes_what_lies_within_its_bounds_and_nothing_else(
 
 
 @pytest.mark.parametrize(("parameter", "taken", "refused"), BOUNDS.values(), ids=BOUNDS)
-def test_what_a_sort_takes_is_in_one_form_that_file_flag_and_schema_share(
+def test_file_flag_and_schema_share_the_canonical_form_of_a_value(
     parameter: Parameter, taken: list[object], refused: list[object]
 ) -> None:
     for value in taken:
@@ -143,9 +143,7 @@ def test_canonical_forms() -> None:
         (Rows(), ["0 x"], "here[0]: '0 x' is not a row of levels and dots, as in '0 1 . 2'"),
     ],
 )
-def test_a_complaint_says_where_what_was_given_and_what_would_be_right(
-    parameter: Parameter, value: object, said: str
-) -> None:
+def test_a_message_has_the_place_the_value_and_the_valid_range(parameter: Parameter, value: object, said: str) -> None:
     assert refusal(parameter, value) == said
 
 

@@ -49,7 +49,7 @@ def installed(folder: Path, source: str, offers: str = "[rsegen.obstacles]\ndune
     return folder
 
 
-def test_what_is_broken_is_named_in_a_line_each_and_the_other_kinds_work(tmp_path: Path) -> None:
+def test_broken_plug_ins_are_named_in_a_line_each_and_the_others_work(tmp_path: Path) -> None:
     offers = ["[rsegen.obstacles]"]
     for number, source in enumerate(BROKEN.values()):
         (tmp_path / f"dunes{number}.py").write_text(source.replace('"dune"', f'"dune{number}"'))
@@ -138,7 +138,7 @@ def test_an_option_that_clashes_with_a_flag_is_named(option: str, complaint: str
     assert "dune\n" not in found.stdout
 
 
-def test_reserved_names_are_those_of_rows_and_of_reading() -> None:
+def test_reserved_names_are_the_keys_of_rows_and_of_readers() -> None:
     from rsegen.exporters.formats.base import READING
     from rsegen.io.importers import IMPORTERS
     from rsegen.params.sorts import parameters

@@ -91,7 +91,7 @@ def test_every_command_names_the_flag_in_its_help() -> None:
         assert "--plugin MODULE" in done(command, "--help")
 
 
-def test_what_follows_two_dashes_is_no_flag(ramp: Path) -> None:
+def test_words_after_two_dashes_are_no_flags(ramp: Path) -> None:
     assert "ramp" not in refused("obstacles", "--", "--plugin", "nowhere.py")
 
 
@@ -135,7 +135,7 @@ def test_two_files_of_one_name_are_refused(ramp: Path, tmp_path: Path) -> None:
     assert run("obstacles", "--plugin", ramp, "--plugin", ramp).returncode == 0
 
 
-def test_what_goes_wrong_in_the_code_of_a_file_is_said_to_be_there(ramp: Path, tmp_path: Path) -> None:
+def test_an_error_in_a_plug_in_file_is_attributed_to_it(ramp: Path, tmp_path: Path) -> None:
     ramp.write_text(RAMP.replace("return 0.0", "return 1 / 0"))
     found = run("--plugin", ramp, "generate", *FLAGS, "-o", tmp_path / "worlds")
     line = f"rsegen: plug-in my ramp.py: line {RAMP[: RAMP.index('return 0.0')].count(chr(10)) + 1}: "

@@ -96,7 +96,7 @@ def test_another_version_of_the_package_is_warned_of(worlds: Path, tmp_path: Pat
     assert found.stderr == f"rsegen: warning: {warned}\n"
 
 
-def test_resume_makes_what_is_missing(packages: Path, tmp_path: Path) -> None:
+def test_resume_makes_missing_outputs(packages: Path, tmp_path: Path) -> None:
     (tmp_path / "ramp.yaml").write_text(RECIPE)
     command = ("generate", tmp_path / "ramp.yaml", "-o", tmp_path / "worlds")
     done(*command, packages=packages)
@@ -179,7 +179,7 @@ def test_the_commands_that_need_none_look_for_none(packages: Path) -> None:
     assert done(packages=packages, code=script) == "[]\n"
 
 
-def test_only_what_is_asked_for_is_imported(packages: Path) -> None:
+def test_only_requested_modules_are_imported(packages: Path) -> None:
     script = "import sys, rsegen; rsegen.KINDS['ramp']; print([name for name in sys.modules if 'demo.' in name])"
     assert done(packages=packages, code=script) == "['rsegen_demo.obstacle']\n"
 

@@ -29,7 +29,7 @@ def _one_by_one(recipe: Recipe, indices: Iterable[int]) -> Levels:
 
 
 @given(recipe=recipes(), indices=st.lists(st.integers(0, 2**63 - 1), max_size=3))
-def test_many_maps_are_those_built_one_by_one(recipe: Recipe, indices: list[int]) -> None:
+def test_many_maps_equal_maps_built_one_by_one(recipe: Recipe, indices: list[int]) -> None:
     found = rsegen.build_many(recipe, [*indices, 0])
     assert found.dtype == np.int16
     assert np.array_equal(found, _one_by_one(recipe, [*indices, 0]))
@@ -37,13 +37,13 @@ def test_many_maps_are_those_built_one_by_one(recipe: Recipe, indices: list[int]
 
 @pytest.mark.parametrize("example", EXAMPLES)
 @pytest.mark.parametrize("changes", [{}, {"difficulty": 0.4}, {"max_step": 1}], ids=str)
-def test_many_maps_of_every_example_are_those_built_one_by_one(example: str, changes: dict[str, Any]) -> None:
+def test_many_maps_of_every_example_equal_maps_built_one_by_one(example: str, changes: dict[str, Any]) -> None:
     recipe = replace(rsegen.load(EXAMPLES[example]), **changes)
     assert np.array_equal(rsegen.build_many(recipe, FAR), _one_by_one(recipe, FAR))
 
 
 @given(seed=SEEDS, index=st.integers(0, 2**63 - 1), key=st.text(max_size=20))
-def test_generators_of_many_maps_are_those_of_one(seed: int, index: int, key: str) -> None:
+def test_generators_of_many_maps_equal_the_generators_of_each(seed: int, index: int, key: str) -> None:
     for at, rng in zip((index, 0), generators(seed, (index, 0), key), strict=True):
         assert rng.bit_generator.state == generator(seed, at, key).bit_generator.state
         assert rng.random() == generator(seed, at, key).random()

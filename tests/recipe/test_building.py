@@ -148,7 +148,7 @@ def test_four_small_chunks_and_one_large_chunk_have_equal_size() -> None:
     [{}, {"max_step": 1}, {"inventory": (50, 9)}, {"crossable_by": (10.0, 10.0, 53.0), "difficulty": 0.7}],
     ids=str,
 )
-def test_blocks_alone_are_those_of_the_whole_map(asked: dict[str, Any]) -> None:
+def test_blocks_alone_equal_the_blocks_of_the_whole_map(asked: dict[str, Any]) -> None:
     """A data set has these: the map without frames, which keeps to all that it was asked for."""
     recipe = Recipe(seed=3, chunks=(2, 1), obstacles=(Random(levels=5),), **asked)
     free = build(replace(recipe, max_step=None, inventory=None, crossable_by=None), 1)

@@ -72,7 +72,7 @@ def test_a_recipe_file_is_replaced_only_by_force(tmp_path: Path) -> None:
     assert rsegen.load(path).seed == 4
 
 
-def test_derived_keys_stay_those_of_recipes_in_which_levels_was_max_height() -> None:
+def test_derived_keys_equal_keys_of_recipes_with_max_height() -> None:
     recipe = decode({"seed": 1, "obstacles": [{"kind": "peak", "levels": 5}, {"kind": "matrix", "rows": ["0 1"]}]})
     assert [obstacle.key for obstacle in recipe.obstacles] == ["peak-469fe3ad", "matrix-b2ab4d71"]
 
@@ -90,13 +90,13 @@ def test_wrong_missing_and_misnamed_levels_are_refused(row: dict[str, int], mess
         decode({"obstacles": [{"kind": "peak", **row}]})
 
 
-def test_a_file_says_what_differs_from_the_defaults_and_the_seed() -> None:
+def test_a_file_has_only_the_seed_and_what_differs_from_the_defaults() -> None:
     content = encode(Recipe(seed=7))
     assert content == {"version": 2, "generator": f"rsegen {rsegen.__version__}", "seed": 7, "obstacles": []}
     assert encode(Recipe(seed=7, unit_cm=10, chunks=(2, 2))) == content | {"chunks": [2, 2]}
 
 
-def test_the_parts_of_a_recipe_are_those_that_decide_a_map_its_looks_and_its_run() -> None:
+def test_a_recipe_has_map_design_representation_and_run() -> None:
     recipe = Recipe(seed=7, maps=3, mesh_type="multi", unit_cm=5)
     assert replace(recipe, frame_colour="#ff0000", friction=0.5, name="other").design == recipe.design
     assert replace(recipe, seed=8).design != recipe.design
@@ -105,7 +105,7 @@ def test_the_parts_of_a_recipe_are_those_that_decide_a_map_its_looks_and_its_run
     assert build(recipe.design, 2) == build(recipe, 2)
 
 
-def test_an_anchor_stands_for_what_it_names(tmp_path: Path) -> None:
+def test_an_alias_stands_for_its_anchor(tmp_path: Path) -> None:
     short, long = tmp_path / "short.yaml", tmp_path / "long.yaml"
     short.write_text("seed: 3\nobstacles:\n- &hill {kind: peak, levels: 5, first: &a [2, 2], last: *a}\n- *hill\n")
     long.write_text("seed: 3\nobstacles:\n" + "- {kind: peak, levels: 5, first: [2, 2], last: [2, 2]}\n" * 2)

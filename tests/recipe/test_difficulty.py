@@ -54,7 +54,7 @@ def of_one_block(field: StepField) -> int:
 
 
 @pytest.mark.parametrize("recipe", SMALL.values(), ids=SMALL)
-def test_the_measure_is_what_is_asked_as_near_as_one_block_allows(recipe: Recipe) -> None:
+def test_the_measure_is_met_within_one_block(recipe: Recipe) -> None:
     whole = build(recipe)
     full = squares(whole) ** 0.5
     for share in RISE:

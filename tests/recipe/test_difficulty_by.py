@@ -57,7 +57,7 @@ def test_a_map_goes_no_further_than_it_is() -> None:
     assert share_of(RUBBLE, 0, OPENING, own, Span(-1.0, own.full), 0.1) == 0.0
 
 
-def test_a_map_whose_values_are_all_the_same_has_the_difficulty_itself() -> None:
+def test_a_map_of_equal_values_has_the_difficulty_itself() -> None:
     def two(field: StepField) -> float:
         return 2.0
 

@@ -29,7 +29,7 @@ def test_masses_add_up(robot: Robot) -> None:
 
 
 @ROBOT
-def test_inertias_are_those_of_bodies(robot: Robot) -> None:
+def test_inertias_are_physical(robot: Robot) -> None:
     for link in parsed(robot).findall("link"):
         least, middle, most = sorted(number(link, f"inertial/inertia/{axis}") for axis in ("ixx", "iyy", "izz"))
         assert least > 0
@@ -54,7 +54,7 @@ def test_joints_join_links_in_a_tree(robot: Robot) -> None:
 
 @ROBOT
 @SIMULATOR
-def test_plugins_are_the_simulators_own_and_name_what_is_there(robot: Robot, simulator: str) -> None:
+def test_plugins_belong_to_the_simulator_and_name_existing_joints(robot: Robot, simulator: str) -> None:
     model = parsed(robot, simulator)
     beginning = {"classic": "lib", "sim": "gz-sim-", "fortress": "ignition-gazebo-"}[simulator]
     names = {part.get("name") for part in (*model.findall("joint"), *model.findall("link"))}
@@ -89,7 +89,7 @@ def test_commands_name_the_robot_and_its_speeds_are_bounded(robot: Robot, simula
 
 
 @ROBOT
-def test_what_is_written_is_the_same_every_time(robot: Robot) -> None:
+def test_output_is_the_same_every_time(robot: Robot) -> None:
     assert robot.file("one") == robot.file("one")
 
 

@@ -61,7 +61,7 @@ def test_a_simulator_gets_its_own_drive_on_a_topic_of_each_robot(tmp_path: Path,
     assert not list(model.iter("sensor"))
 
 
-def test_a_file_for_spawning_keeps_what_the_model_has(tmp_path: Path) -> None:
+def test_a_file_for_spawning_keeps_the_elements_of_the_model(tmp_path: Path) -> None:
     text = read(tmp_path, two_wheels(ROS_1, version="1.9")).file("two")
     assert "libgazebo_ros_diff_drive.so" in text
     assert "libgazebo_ros_camera.so" in text
@@ -70,7 +70,7 @@ def test_a_file_for_spawning_keeps_what_the_model_has(tmp_path: Path) -> None:
     assert '<sdf version="1.6">' in read(tmp_path, two_wheels(version="&quot;>")).file("two", "sim")
 
 
-def test_size_limits_and_height_are_those_of_the_model_and_the_user_s_go_first(tmp_path: Path) -> None:
+def test_size_limits_and_height_come_from_the_user_else_from_the_model(tmp_path: Path) -> None:
     robot = read(tmp_path, two_wheels(GZ))
     assert robot.kind == "my_robot"
     assert robot.size == pytest.approx((0.4, 0.32, 0.13))  # the hull reaches from -0.2 to 0.1
@@ -83,7 +83,7 @@ def test_size_limits_and_height_are_those_of_the_model_and_the_user_s_go_first(t
     assert "speed" not in next(robot.given({"speed": 0.1, "turn": 1}).notes("classic")).split("by its model")[0]
 
 
-def test_notes_say_what_was_derived_and_what_was_left_out(tmp_path: Path) -> None:
+def test_notes_list_derived_and_omitted_values(tmp_path: Path) -> None:
     derived, files, sensors = read(tmp_path, two_wheels(ROS_1)).notes("classic")
     assert derived == (
         "my_robot: its drive is read from gazebo_ros_diff_drive, with wheels 0.3 m apart, radius 0.05 m, by its"
@@ -101,7 +101,7 @@ def test_a_library_of_ros_that_is_here_stays(tmp_path: Path, monkeypatch: pytest
     assert plugins(robot, "classic") == ["libgazebo_ros_joint_state_publisher.so", "libDiffDrivePlugin.so"]
 
 
-def test_axes_of_old_files_are_those_of_the_model(tmp_path: Path) -> None:
+def test_axes_of_old_files_are_read_in_the_frame_of_the_model(tmp_path: Path) -> None:
     text = two_wheels(version="1.4").replace("<xyz>0 0 1</xyz>", "<xyz>0 1 0</xyz>")
     robot = read(tmp_path, text, "left_hub,right_hub")
     assert robot.read_drive is not None

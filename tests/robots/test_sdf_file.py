@@ -109,7 +109,7 @@ def test_a_robot_in_millimetres_is_refused_in_one_line(tmp_path: Path, name: str
     assert says in str(caught.value)
 
 
-def test_a_limit_that_no_robot_reaches_is_none(tmp_path: Path) -> None:
+def test_an_extreme_limit_counts_as_none(tmp_path: Path) -> None:
     robot = from_file(written(tmp_path, MODEL.format(DRIVEN.format(**USUAL | {"speed": "1e16", "turn": "200"}))))
     assert {"speed", "turn"} <= set(robot.assumed)
 

@@ -22,6 +22,7 @@ from rsegen.recipe.codec import decode
 from rsegen.run import execute as execute_module
 from rsegen.run.exports import ExportedMap
 from tests.support.complaints import exit_code, the_line
+from tests.support.long import long_unless
 from tests.support.patience import PATIENCE
 from tests.support.runs import (
     contents,
@@ -53,7 +54,7 @@ def eager(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.slow
 @pytest.mark.usefixtures("eager")
 @pytest.mark.parametrize("mesh_type", ["single", "multi"])
-def test_maps_are_the_same_whoever_makes_them(tmp_path: Path, mesh_type: str) -> None:
+def test_maps_are_the_same_for_any_number_of_workers(tmp_path: Path, mesh_type: str) -> None:
     recipe, told = decode({**RECIPE.entry(), "mesh_type": mesh_type}), []
     for workers in (1, 2, 3):
         seen: list[GeneratedMap] = []
@@ -66,9 +67,10 @@ def test_maps_are_the_same_whoever_makes_them(tmp_path: Path, mesh_type: str) ->
     assert contents(tmp_path / "1") == contents(tmp_path / "2") == contents(tmp_path / "3")
 
 
+@pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")
 @pytest.mark.slow
 @pytest.mark.usefixtures("eager")
-def test_maps_of_several_recipes_are_exported_the_same_whoever_does_it(tmp_path: Path) -> None:
+def test_exports_of_several_recipes_are_the_same_for_any_number_of_workers(tmp_path: Path) -> None:
     recipes, formats, told = [RECIPE, replace(RECIPE, name="other", seed=8)], [Heightmap(), Occupancy()], []
     names = [recipe.map_name(index) for recipe in recipes for index in recipe.indices]
     for workers in (1, 2, 3):
@@ -143,7 +145,7 @@ def many(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 
 
 @pytest.mark.slow
-def test_what_fails_in_a_worker_is_told_as_if_it_were_here(tmp_path: Path, failing: list[str | Path]) -> None:
+def test_an_error_in_a_worker_is_reported_as_in_the_main_process(tmp_path: Path, failing: list[str | Path]) -> None:
     told = []
     for workers in "13":
         code, err = ended(started_with_small_files(*failing, "--workers", workers, "-o", tmp_path / "a" / "b"))
@@ -175,7 +177,7 @@ def to_its_workers_too(process: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("send", [to_it_alone, to_its_workers_too])
-@pytest.mark.parametrize("maps", [0, 1, 200])
+@pytest.mark.parametrize("maps", long_unless(lambda maps: maps == 1, [0, 1, 200], reason="another moment"))
 def test_ctrl_c_ends_all_workers_and_leaves_whole_maps(
     tmp_path: Path, many: list[str | Path], send: Callable[[int], None], maps: int
 ) -> None:
@@ -207,7 +209,7 @@ def test_ctrl_c_stops_in_the_middle_of_a_large_map(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_worker_that_is_killed_is_told_of_and_leaves_nothing(tmp_path: Path, many: list[str | Path]) -> None:
+def test_a_killed_worker_is_reported_and_leaves_nothing(tmp_path: Path, many: list[str | Path]) -> None:
     process = started(*many, "-o", tmp_path / "out")
     until_there(process, tmp_path / "out", 50)
     *_, worker = (one for one in psutil.Process(process.pid).children() if "spawn_main" in " ".join(one.cmdline()))
@@ -221,7 +223,7 @@ def test_a_worker_that_is_killed_is_told_of_and_leaves_nothing(tmp_path: Path, m
 
 
 @pytest.mark.slow
-def test_workers_end_when_the_one_who_started_them_is_killed(tmp_path: Path, many: list[str | Path]) -> None:
+def test_workers_end_when_their_parent_is_killed(tmp_path: Path, many: list[str | Path]) -> None:
     process = started(*many, "-o", tmp_path / "out")
     until_there(process, tmp_path / "out", 50)
     workers = psutil.Process(process.pid).children(recursive=True)

@@ -55,7 +55,9 @@ def test_recipe_json_is_foretold(recipe: Recipe, first: int, further: int) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize(
+    "workers", [pytest.param("1", marks=pytest.mark.long(reason="a run of two workers is stopped too")), "2"]
+)
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGKILL], ids=lambda stop: stop.name)
 def test_a_run_that_was_stopped_goes_on(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], whole: dict[str, bytes], stop: signal.Signals, workers: str
@@ -99,7 +101,7 @@ def test_maps_anywhere_in_the_row_are_kept(tmp_path: Path, capsys: pytest.Captur
     assert before.items() <= stamps(tmp_path).items()
 
 
-def test_where_every_map_is_there_none_is_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_map_is_made_if_all_exist(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert generated(tmp_path, "--maps", "2") == 0
     before = stamps(tmp_path)
     capsys.readouterr()
@@ -132,7 +134,7 @@ def test_a_map_of_another_recipe_is_refused_before_anything_is_written(
 
 
 @pytest.mark.parametrize("name", ["recipe.json", "thesis.tex"])
-def test_what_is_not_a_map_is_refused(tmp_path: Path, name: str) -> None:
+def test_a_folder_that_is_no_map_is_refused(tmp_path: Path, name: str) -> None:
     (tmp_path / "rse_0000").mkdir()
     (tmp_path / "rse_0000" / name).write_text("years of work")
     with pytest.raises(OutputError, match="is not this map"):
@@ -156,7 +158,7 @@ def test_only_the_hidden_folder_of_rsegen_is_cleared_away(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("flag", ["--preview", "--sheet"])
-def test_a_map_without_what_a_flag_adds_is_made_anew(tmp_path: Path, flag: str) -> None:
+def test_a_map_without_a_requested_sidecar_is_made_again(tmp_path: Path, flag: str) -> None:
     assert generated(tmp_path / "a", flag) == 0
     assert generated(tmp_path / "a", "--first-map", "1") == 0
     before = stamps(tmp_path / "a")

@@ -40,7 +40,7 @@ def half_written(self: Occupancy, scene: Scene) -> Mapping[str, Iterator[bytes]]
     return {"map.yaml": pieces()}
 
 
-def test_formats_added_one_after_the_other_are_those_of_one_export(tmp_path: Path) -> None:
+def test_formats_added_one_by_one_equal_one_export(tmp_path: Path) -> None:
     for format_ in (Heightmap(), Occupancy(climb_cm=12)):
         export_maps([RECIPE], tmp_path / "a", [format_])
     export_maps([RECIPE], tmp_path / "b", [Heightmap(), Occupancy(climb_cm=12)])
@@ -102,7 +102,7 @@ def test_a_format_that_a_map_has_is_replaced_by_force_alone(tmp_path: Path, caps
 
 @pytest.mark.parametrize("force", [False, True])
 @pytest.mark.parametrize("world", [False, True])
-def test_formats_of_another_map_are_not_mixed_with_those_that_exist(tmp_path: Path, force: bool, world: bool) -> None:
+def test_formats_of_different_maps_are_not_mixed(tmp_path: Path, force: bool, world: bool) -> None:
     formats = [Heightmap(), Occupancy()]
     if world:
         rsegen.generate(RECIPE, tmp_path, formats=formats)
@@ -114,7 +114,7 @@ def test_formats_of_another_map_are_not_mixed_with_those_that_exist(tmp_path: Pa
     assert snapshot(tmp_path) == before
 
 
-def test_force_replaces_another_map_of_which_every_format_is_named(tmp_path: Path) -> None:
+def test_force_replaces_another_map_if_every_format_is_named(tmp_path: Path) -> None:
     other = replace(RECIPE, seed=5)
     export_maps([RECIPE], tmp_path / "a", [Heightmap(), Occupancy()])
     export_maps([other], tmp_path / "a", [Occupancy(), Heightmap(), Arrays()], force=True)
@@ -133,7 +133,7 @@ def test_a_recipe_file_of_another_version_is_the_same_map(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("force", [False, True])
-def test_what_rsegen_did_not_export_is_never_replaced(tmp_path: Path, force: bool) -> None:
+def test_foreign_files_are_never_replaced(tmp_path: Path, force: bool) -> None:
     export_maps([RECIPE], tmp_path, [Heightmap()])
     home = tmp_path / "rse_0001"
     (home / "occupancy").mkdir()

@@ -77,15 +77,13 @@ def test_any_folder_with_a_recipe_in_it_is_not_a_map(tmp_path: Path, capsys: pyt
 
 
 @pytest.mark.parametrize("flag", ["--force", "--resume"])
-def test_a_map_without_a_journal_is_nobodys_to_replace(
-    world: Path, capsys: pytest.CaptureFixture[str], flag: str
-) -> None:
+def test_a_map_without_a_journal_is_not_replaced(world: Path, capsys: pytest.CaptureFixture[str], flag: str) -> None:
     (world / JOURNAL).unlink()
     (world / "rse_0000.world").write_text(WORK)
     assert str(world) in refused(capsys, world.parent, "generate", *OBSTACLE, "-o", world.parent, flag)
 
 
-def test_a_picture_beside_an_empty_recipe_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_picture_next_to_an_empty_recipe_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     home = tmp_path / "rse_0000"
     home.mkdir()
     (home / "recipe.json").write_text("")
@@ -136,7 +134,7 @@ def test_a_data_set_overwrites_no_link(
     assert str(folder) in line
 
 
-def test_a_data_set_that_was_stopped_is_continued_beside_hard_links(tmp_path: Path) -> None:
+def test_a_stopped_data_set_is_continued_and_hard_links_stay(tmp_path: Path) -> None:
     folder, copy = tmp_path / "w", tmp_path / "backup"
     assert exit_code("dataset", *OBSTACLE, "--maps", "3", "-o", folder) == 0
     copy.mkdir()

@@ -74,7 +74,7 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path: Path, run: Run) -> N
 
 
 @pytest.mark.parametrize("name", ["generate", "series", "dataset"])
-def test_what_exists_is_left_alone_without_force_or_resume(tmp_path: Path, name: str) -> None:
+def test_existing_outputs_stay_without_force_or_resume(tmp_path: Path, name: str) -> None:
     RUNS[name](RECIPE, tmp_path / "out")
     assert "already; give --" in refused(RUNS[name], RECIPE, tmp_path / "out", OutputError)
 
@@ -100,7 +100,7 @@ def test_a_format_without_its_package_leaves_nothing(
     assert "stl needs trimesh" in message
 
 
-def test_a_plan_of_worlds_says_what_is_made_what_exists_and_what_it_needs(tmp_path: Path) -> None:
+def test_a_plan_of_worlds_has_new_and_existing_maps_and_the_resources(tmp_path: Path) -> None:
     rsegen.generate(replace(RECIPE, maps=1, first_map=2), tmp_path)
     before = snapshot(tmp_path)
     plan = plan_worlds(RECIPE, tmp_path, Sidecars(), OnExisting.KEEP, Execution(workers=3))

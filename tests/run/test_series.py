@@ -65,20 +65,22 @@ def test_difficulty_rises_in_equal_steps_from_first_to_last(made: rsegen.Series)
     np.testing.assert_allclose(np.diff(difficulties), 0.9 / 7, atol=1e-6)
 
 
-def test_what_is_asked_is_a_straight_line_to_the_mean_of_the_fields(made: rsegen.Series) -> None:
+def test_targets_rise_linearly_to_the_mean_of_the_fields(made: rsegen.Series) -> None:
     mean = np.mean([metrics(build(RANDOM, index)).steps.rms for index in range(8)])
     for row in made.rows:
         assert row.rms_asked == pytest.approx(row.difficulty * mean)
 
 
-def test_maps_reach_what_is_asked_or_are_as_rough_as_their_fields(made: rsegen.Series) -> None:
+def test_maps_reach_the_difficulty_or_are_as_rough_as_their_fields(made: rsegen.Series) -> None:
     for row in made.rows:
         assert row.rms_asked
         assert row.rms_full
         assert row.rms == pytest.approx(min(row.rms_asked, row.rms_full), abs=0.004)
 
 
-def test_the_table_is_what_the_worlds_on_disk_measure(made: rsegen.Series, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_table_equals_the_metrics_of_the_worlds_on_disk(
+    made: rsegen.Series, capsys: pytest.CaptureFixture[str]
+) -> None:
     measured = list(csv.DictReader(io.StringIO(printed(capsys, "metrics", made.folder, "--csv"))))
     table = rows_of(made.table)
     assert list(table[0]) == list(asdict(made.rows[0]))
@@ -102,7 +104,7 @@ def test_the_picture_carries_the_recipe(made: rsegen.Series) -> None:
         assert decode(json.loads(found.info["Description"])) == RANDOM
 
 
-def test_new_fields_are_those_of_the_recipe_eased(made: rsegen.Series) -> None:
+def test_new_fields_equal_the_recipe_scaled_to_difficulty(made: rsegen.Series) -> None:
     for row in made.rows:
         expected = build(replace(RANDOM, difficulty=row.recipe_difficulty), row.number)
         assert expected == build(load(made.folder / row.map / "recipe.json"), row.number)
@@ -135,6 +137,7 @@ def test_maps_that_keep_to_constraints_follow_the_line_too(tmp_path: Path) -> No
         assert row.highest_step <= 0.2
 
 
+@pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")
 @pytest.mark.slow
 def test_workers_make_the_same(tmp_path: Path) -> None:
     recipe = replace(RANDOM, maps=250)
@@ -277,7 +280,7 @@ def test_the_command_takes_a_metric_and_a_robot(tmp_path: Path, capsys: pytest.C
     ],
     ids=" ".join,
 )
-def test_a_metric_or_robot_that_is_none(
+def test_an_unknown_metric_or_robot_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], flags: tuple[str, ...], message: str
 ) -> None:
     assert main(["series", *FLAGS, *flags, "-o", str(tmp_path / "out")]) == 2
@@ -285,7 +288,7 @@ def test_a_metric_or_robot_that_is_none(
     assert not list(tmp_path.iterdir())
 
 
-def test_the_command_makes_what_python_makes(tmp_path: Path, made: rsegen.Series) -> None:
+def test_the_command_makes_the_same_bytes_as_python(tmp_path: Path, made: rsegen.Series) -> None:
     assert main(["series", *FLAGS, "-o", str(tmp_path)]) == 0
     assert contents(tmp_path) == contents(made.folder)
 
@@ -306,7 +309,7 @@ def test_json_has_every_row(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert Path(told["picture"]).is_file()
 
 
-def test_who_stops_a_series_hears_how_to_go_on(
+def test_stopping_a_series_prints_how_to_resume(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def stopped(*_: object, **__: object) -> None:
@@ -344,7 +347,7 @@ def test_force_replaces_a_series_and_spares_the_rest(tmp_path: Path) -> None:
     ],
     ids=str,
 )
-def test_what_is_no_series_is_refused(tmp_path: Path, given: dict[str, Any], where: str) -> None:
+def test_invalid_arguments_of_a_series_are_refused(tmp_path: Path, given: dict[str, Any], where: str) -> None:
     with pytest.raises(ParameterError) as refused:
         series(RANDOM, tmp_path / "out", **given)
     assert refused.value.where == where
@@ -364,7 +367,7 @@ def test_a_plan_says_its_names_without_building() -> None:
             assert plan.map_name(number) == recipe.map_name(recipe.first_map)
 
 
-def test_sheets_and_formats_are_beside_the_worlds_of_a_series(tmp_path: Path) -> None:
+def test_sheets_and_formats_are_next_to_the_worlds_of_a_series(tmp_path: Path) -> None:
     words = ["series", "peak", "--maps", "2", "--sheet", "--formats", "heightmap", "--preview", "-o", str(tmp_path)]
     assert main(words) == 0
     for number in range(2):

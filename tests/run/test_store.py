@@ -62,7 +62,7 @@ def test_the_journal_has_the_size_and_checksum_of_every_file(tmp_path: Path) -> 
     ]
 
 
-def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
+def test_an_existing_folder_stays_unchanged(tmp_path: Path) -> None:
     write_folder(BUNDLE, tmp_path / "map")
     with pytest.raises(OutputError, match="--force"):
         write_folder({PurePosixPath("recipe.json"): [b"new"]}, tmp_path / "map")
@@ -85,7 +85,7 @@ def test_force_spares_a_folder_that_rsegen_did_not_make(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("content", "error"), [(full_disk, WriteError), (interrupted, KeyboardInterrupt)])
-def test_what_fails_in_the_middle_leaves_nothing(tmp_path: Path, content: object, error: type[BaseException]) -> None:
+def test_a_failure_in_the_middle_leaves_nothing(tmp_path: Path, content: object, error: type[BaseException]) -> None:
     assert callable(content)
     with pytest.raises(error):
         write_folder({**BUNDLE, PurePosixPath("b"): content()}, tmp_path / "above" / "map")
@@ -93,7 +93,7 @@ def test_what_fails_in_the_middle_leaves_nothing(tmp_path: Path, content: object
 
 
 @pytest.mark.parametrize(("content", "error"), [(full_disk, WriteError), (interrupted, KeyboardInterrupt)])
-def test_what_fails_in_the_middle_leaves_the_old_map(
+def test_a_failure_in_the_middle_leaves_the_old_map(
     tmp_path: Path, content: object, error: type[BaseException]
 ) -> None:
     assert callable(content)
@@ -282,7 +282,7 @@ def test_another_replacement_begins_anew(tmp_path: Path) -> None:
     assert contents(tmp_path / "set").keys() == {"d", JOURNAL}
 
 
-def test_a_person_who_was_asked_replaces_any_file(tmp_path: Path) -> None:
+def test_a_confirmed_overwrite_replaces_any_file(tmp_path: Path) -> None:
     (tmp_path / "recipe.yaml").write_text("# by hand")
     write_file([b"new"], tmp_path / "recipe.yaml", confirmed=True)
     assert contents(tmp_path)["recipe.yaml"] == b"new"

@@ -9,7 +9,13 @@ import pytest
 
 from rsegen.cli import main
 from tests.simulation.simulators.standins import alone_on_path
-from tests.simulation.transport import transport_world
+from tests.simulation.transport import NEEDS_ENGINE, transport_world
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Mark what uses `sim_address` as long."""
+    if "sim_address" in getattr(item, "fixturenames", ()):
+        item.add_marker(NEEDS_ENGINE)
 
 
 @pytest.fixture

@@ -9,12 +9,15 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
+
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.simulators.live_world import LiveWorld
 from tests.simulation.real.conftest import missing
 
 PROGRAM = Path.home() / ".cache/rsegen/gazebo-engine/gazebo-transport"
 PATIENCE = 30.0
+NEEDS_ENGINE = pytest.mark.long(reason="packages of 1.7 GB, which scripts/gazebo-engine installs")
 
 
 @contextmanager

@@ -18,11 +18,13 @@ from rsegen.exporters.numbers import decimal
 from rsegen.recipe.examples import EXAMPLES
 from tests.exporters.browser.test_page import HOSTILE
 from tests.support.browser import chromium, complaints, requests, resize
+from tests.support.long import long_unless
 
 if TYPE_CHECKING:
     from selenium.webdriver import Chrome
 
 pytestmark = pytest.mark.slow
+DRAWN = pytest.mark.long(reason="drawn without a graphics card")
 FRAMED = rsegen.load(EXAMPLES["framed-2x2"])
 
 
@@ -99,7 +101,9 @@ def some_cells(scene: Scene, count: int = 12) -> list[tuple[int, int]]:
     return [(0, 0), (n_x - 1, 0), (0, n_y - 1), (n_x - 1, n_y - 1), (1, 1), *drawn]
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize(
+    "name", long_unless({"framed-2x2", "mixed-course"}.__contains__, EXAMPLES, reason="drawn without a graphics card")
+)
 def test_a_page_is_drawn_without_a_complaint_or_a_request(name: str, browser: Chrome, tmp_path: Path) -> None:
     recipe = replace(rsegen.load(EXAMPLES[name]), maps=1)
     path = show(browser, rsegen.view(recipe).html, tmp_path)
@@ -110,7 +114,9 @@ def test_a_page_is_drawn_without_a_complaint_or_a_request(name: str, browser: Ch
     assert requests(browser) == [path.as_uri()]
 
 
-@pytest.mark.parametrize(("width", "dark"), [(1400, True), (400, False), (400, True)])
+@pytest.mark.parametrize(
+    ("width", "dark"), [pytest.param(1400, True, marks=DRAWN), (400, False), pytest.param(400, True, marks=DRAWN)]
+)
 def test_a_page_fits_every_width_in_light_and_dark(width: int, dark: bool, browser: Chrome, tmp_path: Path) -> None:
     resize(browser, width, 800, dark=dark)
     show(browser, rsegen.view(FRAMED, 0).html, tmp_path)
@@ -121,7 +127,7 @@ def test_a_page_fits_every_width_in_light_and_dark(width: int, dark: bool, brows
     assert complaints(browser) == []
 
 
-@pytest.mark.parametrize("name", ["framed-2x2", "turtlebot"])
+@pytest.mark.parametrize("name", ["framed-2x2", pytest.param("turtlebot", marks=DRAWN)])
 def test_the_plan_has_the_field_s_colours_and_says_its_heights(name: str, browser: Chrome, tmp_path: Path) -> None:
     scene = compose(rsegen.load(EXAMPLES[name]))
     show(browser, rsegen.view(scene).html, tmp_path)
@@ -139,7 +145,7 @@ def test_the_plan_has_the_field_s_colours_and_says_its_heights(name: str, browse
         assert hover(browser, "plan", x + size / 2, y + size / 2).split("\n") == expected(scene, i, j)
 
 
-@pytest.mark.parametrize("name", ["framed-2x2", "mixed-course"])
+@pytest.mark.parametrize("name", ["framed-2x2", pytest.param("mixed-course", marks=DRAWN)])
 def test_the_view_from_above_says_the_height_of_every_cell(name: str, browser: Chrome, tmp_path: Path) -> None:
     scene = compose(rsegen.load(EXAMPLES[name]))
     show(browser, rsegen.view(scene).html, tmp_path)
@@ -150,7 +156,8 @@ def test_the_view_from_above_says_the_height_of_every_cell(name: str, browser: C
         assert hover(browser, "view", x, y).split("\n") == expected(scene, i, j)
 
 
-def test_the_oblique_view_says_what_is_in_front(browser: Chrome, tmp_path: Path) -> None:
+@pytest.mark.long(reason="drawn without a graphics card")
+def test_the_oblique_view_tells_the_block_in_front(browser: Chrome, tmp_path: Path) -> None:
     """The highest blocks hide others and are hidden by none; beside the map nothing is said."""
     scene = compose(rsegen.load(EXAMPLES["mixed-course"]))
     show(browser, rsegen.view(scene).html, tmp_path)
@@ -163,6 +170,7 @@ def test_the_oblique_view_says_what_is_in_front(browser: Chrome, tmp_path: Path)
 def test_a_drag_turns_the_map_and_a_key_too(browser: Chrome, tmp_path: Path) -> None:
     from selenium.webdriver import ActionChains, Keys
 
+    resize(browser, 640, 480)  # every move of the mouse draws it
     show(browser, rsegen.view(FRAMED, 0).html, tmp_path)
     canvas = element(browser, "view")
     pictures = [canvas.screenshot_as_png]

@@ -100,7 +100,7 @@ def test_heights_are_in_the_units_of_the_recipe() -> None:
 
 
 @pytest.mark.parametrize("look", ["plain", "wood", "friction"])
-def test_the_view_has_the_colours_of_the_look_and_the_plan_those_of_levels(look: str) -> None:
+def test_the_view_has_the_colours_of_the_look_and_the_plan_the_colours_of_levels(look: str) -> None:
     scene = rsegen.compose(replace(ROUGH, look=look))
     (shown,) = maps_of(rsegen.view(scene).html)
     for entry in shown["palette"]:
@@ -127,7 +127,7 @@ def test_a_notebook_shows_the_page_in_a_frame() -> None:
     assert "allow-same-origin" not in (attrs["sandbox"] or "")
 
 
-def test_metrics_are_those_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+def test_metrics_equal_the_output_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
     (shown,) = maps_of(rsegen.view(ROUGH).html)
     found = rsegen.metrics(rsegen.build(ROUGH))
     values = {name: value for name, value, _ in shown["metrics"]}

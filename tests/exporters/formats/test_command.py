@@ -59,7 +59,7 @@ def test_json_names_every_file(tmp_path: Path, recipe_file: Path, capsys: pytest
     }
 
 
-def test_the_list_says_what_each_format_is_and_needs_nothing_else(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_list_describes_each_format_and_needs_nothing_else(capsys: pytest.CaptureFixture[str]) -> None:
     assert exit_code("export", "--list") == 0
     told = capsys.readouterr().out
     assert all(f"{name}\n    {summary(cls)}" in told for name, cls in FORMATS.items())
@@ -75,7 +75,7 @@ def test_two_maps_of_one_name_are_refused_before_anything_is_written(tmp_path: P
     assert not (tmp_path / "out").exists()
 
 
-def test_a_map_is_there_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_map_is_complete_or_absent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(self: Occupancy, scene: Scene) -> Mapping[str, Iterator[bytes]]:
         def pieces() -> Iterator[bytes]:
             yield b"half"
@@ -124,7 +124,7 @@ def test_resume_makes_worlds_of_maps_that_were_exported_alone(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("content", [b"", b"[", b"[1]", b'{"heightmap": 1}', b"\xff"])
-def test_a_list_of_formats_that_is_none_has_none(content: bytes, tmp_path: Path) -> None:
+def test_a_map_with_an_invalid_list_of_formats_is_incomplete(content: bytes, tmp_path: Path) -> None:
     formats = [Heightmap()]
     rsegen.generate(SMALL, tmp_path, formats=formats)
     wanted = Sidecars(formats=formats).complete_in
@@ -135,6 +135,7 @@ def test_a_list_of_formats_that_is_none_has_none(content: bytes, tmp_path: Path)
     assert all(map(Sidecars().complete_in, homes))
 
 
+@pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")
 @pytest.mark.slow
 def test_workers_make_the_same_files(tmp_path: Path) -> None:
     many: Recipe = replace(SMALL, maps=150)

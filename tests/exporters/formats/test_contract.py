@@ -84,7 +84,7 @@ def test_a_world_with_a_format_is_the_world_and_the_export(cls: type[Format], tm
 
 
 @FORMAT
-def test_what_is_not_installed_is_said_in_one_line_with_how_to_get_it(
+def test_a_missing_library_is_reported_in_one_line_with_its_install_command(
     cls: type[Format], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if cls.extra is None:

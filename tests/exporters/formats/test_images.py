@@ -72,7 +72,7 @@ def test_a_heightmap_says_how_it_is_imported_and_so_gives_the_same_levels(
 
 
 @pytest.mark.parametrize("top", [1, 4, 255, 256, 1000, 21845])
-def test_levels_are_exact_however_many_there_are(top: int, tmp_path: Path) -> None:
+def test_levels_are_exact_for_any_number_of_levels(top: int, tmp_path: Path) -> None:
     scene = of_levels([[0, top], [top // 2, top - 1]])
     put(Heightmap(), scene, tmp_path)
     command = shlex.split(json.loads((tmp_path / "heightmap.json").read_text("utf-8"))["import"])

@@ -94,7 +94,7 @@ def test_every_level_and_the_frame_are_parts_of_their_colour() -> None:
     assert rgb == {tuple(round(255 * part) for part in colour) for colour in expected}
 
 
-def test_where_nothing_stands_the_file_is_whole_and_empty() -> None:
+def test_a_flat_map_gives_a_valid_empty_file() -> None:
     scene = SCENES["nothing"]
     magic, version, size, length, kind = struct.unpack_from("<4sIIII", content("glb", scene))
     assert (magic, version, size, kind) == (b"glTF", 2, len(content("glb", scene)), 0x4E4F534A)

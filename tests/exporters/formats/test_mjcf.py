@@ -96,7 +96,7 @@ def test_the_boxes_are_the_volume_of_the_blocks(shape: str, scene: Scene, tmp_pa
 
 
 @pytest.mark.parametrize("shape", ["boxes", "mesh"])
-def test_what_is_seen_has_the_colour_of_its_level(shape: str, tmp_path: Path) -> None:
+def test_visuals_have_the_colour_of_their_level(shape: str, tmp_path: Path) -> None:
     scene = SCENES["frames round every chunk"]
     model, _ = compiled(written(shape, scene, tmp_path), f"{scene.name}.xml")
     shown = model.geom_group < 3

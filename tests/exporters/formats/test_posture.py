@@ -106,7 +106,7 @@ def plateaus(field: StepField) -> Iterator[tuple[set[tuple[int, int]], list[floa
 
 
 @given(field=fields(), limit=st.sampled_from([0.0, 0.1, 0.2]))
-def test_peaks_and_pits_are_what_they_are_said_to_be(field: StepField, limit: float) -> None:
+def test_peaks_and_pits_have_their_documented_heights(field: StepField, limit: float) -> None:
     peaks, pits = peaks_and_pits(field, limit)
     found = list(plateaus(field))
     for where, sign in ((peaks, 1), (pits, -1)):
@@ -141,7 +141,7 @@ def test_a_field_without_a_known_obstacle_has_tags_of_its_heights_alone() -> Non
 
 
 @SCENE
-def test_start_and_goal_are_on_flat_ground_beside_the_map(scene: Scene) -> None:
+def test_start_and_goal_are_on_flat_ground_outside_the_map(scene: Scene) -> None:
     said = json.loads(made(Posture(clearance_cm=50), scene)["posture.json"])
     reach = scene.field.extent[0] / 2 + 0.5
     assert (said["start"]["x"], said["goal"]["x"]) == pytest.approx((-reach, reach))

@@ -102,8 +102,9 @@ def test_a_package_is_named_after_its_map(name: str, package: str) -> None:
     assert package_name(name) == package
 
 
+@pytest.mark.long(reason="CMake, 0.1 GB")
 @pytest.mark.parametrize("scene", [NAMED, SCENES["nothing"]], ids=["a name that ROS refuses", "nothing"])
-def test_cmake_installs_what_the_package_holds(scene: Scene, tmp_path: Path) -> None:
+def test_cmake_installs_the_files_of_the_package(scene: Scene, tmp_path: Path) -> None:
     source = written(scene, tmp_path / "src")
     share = installed_by_cmake(source, tmp_path) / "share" / source.name
     there, held = contents(share), contents(source)
@@ -113,6 +114,7 @@ def test_cmake_installs_what_the_package_holds(scene: Scene, tmp_path: Path) -> 
     assert hook == [f"prepend-non-duplicate;{variable};share/{source.name}/models" for variable in VARIABLES]
 
 
+@pytest.mark.long(reason="colcon, which scripts/ros2 installs")
 @pytest.mark.slow
 def test_colcon_builds_it_and_its_setup_says_where_the_models_are(tmp_path: Path) -> None:
     """With the real ament_cmake, which takes the python3 beside colcon."""
@@ -203,6 +205,7 @@ def test_worlds_have_no_joined_package_next_to_each(tmp_path: Path, capsys: pyte
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long(reason="linters, which scripts/ros2 installs")
 @pytest.mark.slow
 @pytest.mark.parametrize("linter", LINTERS)
 def test_ament_s_linters_find_nothing(linter: str, tmp_path: Path) -> None:

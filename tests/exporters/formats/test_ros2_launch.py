@@ -183,7 +183,7 @@ def test_gazebo_classic_is_launched_with_the_world_and_a_window(
     ("simulator", "command"),
     [("sim", ("ros_gz_sim", "create", "-name")), ("classic", ("gazebo_ros", "spawn_entity.py", "-entity"))],
 )
-def test_a_robot_is_spawned_on_the_ground_west_of_the_map_or_where_it_is_told(
+def test_a_robot_is_spawned_west_of_the_map_or_at_a_given_place(
     package: Path, launch: Launch, simulator: str, command: tuple[str, str, str]
 ) -> None:
     file, (name, executable, named) = package / "launch" / "spawn_robot.launch.py", command

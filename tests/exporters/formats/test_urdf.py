@@ -42,6 +42,7 @@ def centres(scene: Scene) -> list[np.ndarray]:
     return [(line[:-1] + line[1:]) / 2 for line in scene.field.edges()]
 
 
+@pytest.mark.long(reason="PyBullet, 0.3 GB")
 @pytest.mark.parametrize("scene", [*SCENES.values(), SLIPPERY], ids=[*SCENES, "several frictions"])
 def test_pybullet_s_rays_meet_every_cell_at_its_height(scene: Scene, tmp_path: Path, bullet: Any) -> None:
     body = bullet.loadURDF(str(written(scene, tmp_path)))
@@ -53,6 +54,7 @@ def test_pybullet_s_rays_meet_every_cell_at_its_height(scene: Scene, tmp_path: P
     np.testing.assert_allclose(np.reshape(found, scene.field.shape), scene.field.heights, rtol=0, atol=1e-9)
 
 
+@pytest.mark.long(reason="PyBullet, 0.3 GB")
 @pytest.mark.parametrize("name", ["frames round every chunk", "one frame of another height"])
 def test_a_ball_comes_to_rest_on_a_block_in_pybullet(name: str, tmp_path: Path, bullet: Any) -> None:
     scene = SCENES[name]
@@ -68,6 +70,7 @@ def test_a_ball_comes_to_rest_on_a_block_in_pybullet(name: str, tmp_path: Path, 
     np.testing.assert_allclose(bullet.getBasePositionAndOrientation(body)[0], [x, y, top + 0.03], rtol=0, atol=1e-3)
 
 
+@pytest.mark.long(reason="PyBullet, 0.3 GB")
 def test_pybullet_shows_every_colour_and_keeps_the_friction(tmp_path: Path, bullet: Any) -> None:
     scene = compose(replace(RECIPES["frames round every chunk"], friction=0.35))
     body = bullet.loadURDF(str(written(scene, tmp_path)))
@@ -77,6 +80,7 @@ def test_pybullet_shows_every_colour_and_keeps_the_friction(tmp_path: Path, bull
     assert bullet.getDynamicsInfo(body, -1)[1] == pytest.approx(0.35)
 
 
+@pytest.mark.long(reason="PyBullet, 0.3 GB")
 @pytest.mark.parametrize("scene", [SLIPPERY, SLIPPERY_HIGH], ids=["low", "high"])
 def test_a_cube_that_is_pushed_in_pybullet_slides_where_it_is_slippery_alone(
     scene: Scene, tmp_path: Path, bullet: Any

@@ -154,7 +154,7 @@ def test_every_level_and_the_frame_have_faces_of_their_colour(scene: Scene, tmp_
     assert found == pytest.approx(cells, rel=1e-5)
 
 
-def test_normals_are_those_of_the_triangles(tmp_path: Path) -> None:
+def test_normals_match_the_triangles(tmp_path: Path) -> None:
     stage = opened(SCENES["blocks that touch along an edge"], tmp_path)
     mesh = surface(stage)
     np.testing.assert_allclose(mesh.GetNormalsAttr().Get(), triangles(mesh).face_normals, atol=1e-6)

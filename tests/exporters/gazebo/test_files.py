@@ -11,7 +11,7 @@ from pathlib import PurePosixPath
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given, settings
+from hypothesis import given
 
 from rsegen import Random, Recipe, compose
 from rsegen.exporters.gazebo import MESH_TYPES, export, obj
@@ -45,7 +45,7 @@ def test_same_recipe_same_bytes(recipe: Recipe) -> None:
 
 
 @pytest.mark.parametrize("mesh", ["merged", "watertight", "blocks"])
-def test_a_mesh_has_the_same_bytes_however_many_lines_are_made_at_once(
+def test_a_mesh_has_the_same_bytes_for_any_number_of_lines_per_strip(
     monkeypatch: pytest.MonkeyPatch, mesh: str
 ) -> None:
     scene = compose(Recipe(seed=7, mesh=mesh, obstacles=(Random(levels=4),)))
@@ -77,7 +77,6 @@ def test_levels_csv_is_the_blocks_north_up(recipe: Recipe) -> None:
 
 @pytest.mark.slow
 @given(recipes())
-@settings(max_examples=30)
 def test_obj_read_by_trimesh_has_the_volume_of_the_blocks(recipe: Recipe) -> None:
     scene = compose(replace(recipe, mesh_type="single"))
     files = files_of(scene)
@@ -97,7 +96,6 @@ def occupied_extent(scene: Scene) -> np.ndarray:
 
 
 @given(recipes())
-@settings(max_examples=30)
 def test_obj_has_a_normal_at_every_corner_and_absolute_indices(recipe: Recipe) -> None:
     scene = compose(replace(recipe, mesh_type="single", boundary="outer"))
     lines = files_of(scene)[f"meshes/{scene.name}.obj"].decode().splitlines()
@@ -111,7 +109,6 @@ def test_obj_has_a_normal_at_every_corner_and_absolute_indices(recipe: Recipe) -
 
 @pytest.mark.slow
 @given(recipes())
-@settings(max_examples=30)
 def test_materials_that_a_mesh_uses_are_in_its_library(recipe: Recipe) -> None:
     for mesh_type in ("single", "pallet"):
         scene = compose(replace(recipe, mesh_type=mesh_type))
@@ -156,7 +153,6 @@ def test_multi_names_blocks_by_cell_with_frames_left_out() -> None:
 
 @pytest.mark.slow
 @given(recipes())
-@settings(max_examples=30)
 def test_pallets_hold_all_blocks_at_their_place(recipe: Recipe) -> None:
     scene = compose(replace(recipe, mesh_type="pallet"))
     files = files_of(scene)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rsegen import Scene, compose
@@ -105,7 +105,6 @@ def faces(obj: bytes) -> Iterator[tuple[int, Face]]:
 
 @pytest.mark.slow
 @given(gripping(MESHES))
-@settings(max_examples=60)
 def test_meshes_that_are_touched_are_together_the_faces_that_are_seen_each_of_one_friction(scene: Scene) -> None:
     files = files_of(scene)
     for model in models(files, scene):
@@ -121,8 +120,7 @@ def test_meshes_that_are_touched_are_together_the_faces_that_are_seen_each_of_on
 
 @pytest.mark.slow
 @given(gripping(MESHES))
-@settings(max_examples=40)
-def test_nothing_but_frictions_and_what_is_touched_differs_from_a_map_of_one_friction(scene: Scene) -> None:
+def test_only_frictions_and_collisions_differ_from_a_map_of_one_friction(scene: Scene) -> None:
     plain = compose(replace(scene.recipe, frame_friction=None, level_friction=None), scene.index)
     own, other = files_of(scene), files_of(plain)
     assert {path for path in own if "/touched/" not in path} == set(other)
@@ -137,7 +135,6 @@ def test_nothing_but_frictions_and_what_is_touched_differs_from_a_map_of_one_fri
 
 @pytest.mark.slow
 @given(gripping(BOXES))
-@settings(max_examples=60)
 def test_boxes_rebuild_the_map_each_of_one_friction(scene: Scene) -> None:
     field = scene.field
     (x, y), frictions = field.edges(), grips(scene)
@@ -169,7 +166,7 @@ def numbers(text: str | None) -> np.ndarray:
 
 
 @given(field=fields())
-def test_what_stands_in_a_field_by_material_is_all_of_it(field: StepField) -> None:
+def test_surfaces_by_material_are_the_whole_field(field: StepField) -> None:
     materials = field.materials()
     parts = [field.only([material]) for material in materials]
     assert bool(materials) == field.stands()
@@ -185,7 +182,7 @@ def test_levels_beyond_the_list_and_frames_that_are_not_told_have_the_friction_o
 
 
 @pytest.mark.parametrize("entries", [{"level_friction": [0.3] * 3, "frame_friction": 0.3}, {"friction": 0.3}])
-def test_a_map_of_which_all_has_one_friction_is_touched_as_it_is_seen(entries: dict[str, object]) -> None:
+def test_with_one_friction_the_collision_is_the_visual_mesh(entries: dict[str, object]) -> None:
     scene = scene_of(**entries)
     files = files_of(scene)
     (model,) = models(files, scene)
@@ -245,6 +242,6 @@ def test_a_map_of_a_data_set_has_the_frictions_of_its_recipe(tmp_path: Path) -> 
         ({"friction": 0.5, "simulator": "classic"}, False),
     ],
 )
-def test_friction_that_gazebo_sim_does_not_take_is_told(changes: dict[str, Any], is_told: bool) -> None:
+def test_friction_that_gazebo_sim_ignores_is_warned_of(changes: dict[str, Any], is_told: bool) -> None:
     scene = compose(decode({**SMALL, **changes}))
     assert any("ignores the friction" in text for text in warnings(scene)) == is_told

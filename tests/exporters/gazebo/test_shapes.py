@@ -48,9 +48,7 @@ def box_volume(link: ET.Element) -> float:
 
 
 @pytest.mark.parametrize(("mesh_type", "mesh", "collision"), [*product(["single", "pallet"], MESHES, COLLISIONS)])
-def test_what_is_seen_and_what_is_touched_have_the_volume_of_the_blocks(
-    mesh_type: str, mesh: str, collision: str
-) -> None:
+def test_visuals_and_collisions_have_the_volume_of_the_blocks(mesh_type: str, mesh: str, collision: str) -> None:
     scene = scene_of(mesh_type=mesh_type, mesh=mesh, collision=collision)
     files = files_of(scene)
     blocks = scene.field.heights.sum() * 0.01

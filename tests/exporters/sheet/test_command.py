@@ -26,7 +26,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
 
 
 @pytest.mark.slow
-def test_it_writes_what_python_gives(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_writes_the_bytes_of_python(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pdf, table = tmp_path / "new" / "s.PDF", tmp_path / "s.csv"
     out = printed(capsys, "sheet", PALLET, "-o", pdf, "--csv", table, "--kerf-mm", "2", "--stock-cm", "300")
     assert out == f"{pdf}: red-diagonal-pallet_0000, seed 1\n{table}: red-diagonal-pallet_0000, seed 1\n"
@@ -57,8 +57,14 @@ def test_a_sheet_is_replaced_only_by_force(tmp_path: Path, capsys: pytest.Captur
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("workers", ["1", "2"])
-def test_generate_puts_into_every_folder_what_the_command_writes(
+@pytest.mark.parametrize(
+    "workers",
+    [
+        "1",
+        pytest.param("2", marks=pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")),
+    ],
+)
+def test_generate_writes_the_sheets_of_the_command_into_every_folder(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], workers: str
 ) -> None:
     worlds = tmp_path / "worlds"
@@ -81,7 +87,9 @@ def test_generate_puts_into_every_folder_what_the_command_writes(
             assert (folder / f"sheet.{suffix}").read_bytes() == (tmp_path / f"s.{suffix}").read_bytes()
 
 
-def test_without_it_there_is_none_and_the_maps_are_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_the_flag_no_sheet_is_written_and_the_maps_are_the_same(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     printed(capsys, "generate", *RANDOM, "-o", tmp_path / "without")
     printed(capsys, "generate", *RANDOM, "--sheet", "-o", tmp_path / "with")
     without, with_ = (

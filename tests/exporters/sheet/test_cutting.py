@@ -94,7 +94,7 @@ def test_the_ends_of_stock_and_a_tolerance_are_left_over() -> None:
         CutSettings(stock_cm=10, trim_cm=5)
 
 
-def test_what_is_longer_than_the_stock_is_refused() -> None:
+def test_a_block_longer_than_the_stock_is_refused() -> None:
     said = r"stock_cm: 30 is shorter than the longest block, 30\.5 cm; give 32\.5 or more"
     with pytest.raises(ParameterError, match=said):
         plan_cuts({nanometres(30.5): 1}, CutSettings(stock_cm=30))
@@ -107,7 +107,7 @@ def test_the_boards_of_a_nist_pallet_are_120_and_100_cm() -> None:
     assert known.timber == 440 * CM
 
 
-def test_frames_are_as_many_as_there_stand() -> None:
+def test_frames_have_the_boards_of_their_boundary() -> None:
     recipe = Recipe(seed=1, chunks=(3, 2), chunk_size=4)
     divided, outer = (frames(replace(recipe, boundary=boundary)) for boundary in ("divided", "outer"))
     assert divided

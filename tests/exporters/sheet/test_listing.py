@@ -106,7 +106,7 @@ def test_its_head_says_how_every_piece_of_stock_is_sawn() -> None:
     ]
 
 
-def test_its_head_says_what_else_is_needed_and_how_to_know_the_field() -> None:
+def test_the_head_has_the_other_materials_and_the_fingerprint() -> None:
     scene = compose(Recipe(seed=1, chunks=(2, 1), obstacles=BLOCKS))
     said = sheet(scene, CutSettings(price=2, frame_price=1.5), "csv").decode().splitlines()
     pallets = [f"# fingerprint of {each.name}: {fingerprint(each.levels)}" for each in building_order(scene)]
@@ -170,13 +170,13 @@ HEAD = "pallet,order,x,y,height_cm\n"
     ],
     ids=lambda text: text[:60].replace("\n", " "),
 )
-def test_what_is_no_sheet_is_refused_with_its_place(tmp_path: Path, text: str, said: str) -> None:
+def test_an_invalid_sheet_is_refused_with_its_place(tmp_path: Path, text: str, said: str) -> None:
     with pytest.raises(FileError, match=said) as refused:
         imported(written(tmp_path, text), Table())
     assert "\n" not in str(refused.value)
 
 
-def test_a_sheet_says_itself_what_its_numbers_are(tmp_path: Path) -> None:
+def test_a_sheet_explains_its_numbers(tmp_path: Path) -> None:
     with pytest.raises(ParameterError, match="is a build sheet, whose heights are in cm"):
         imported(written(tmp_path, text_of(RECIPE)), Table(values="m"))
 

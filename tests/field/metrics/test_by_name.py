@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 import rsegen
 from rsegen import Metric, RobotLimits, StepField
@@ -19,7 +19,6 @@ NOT_MEASURED = ("steps.unit", "scale.hurst_is_weak", "ruggedness.cells", "reach.
 """What the table has beside figures by which maps may be ordered."""
 
 
-@settings(max_examples=40, deadline=None)
 @given(fields())
 def test_every_name_is_that_of_the_table(field: StepField) -> None:
     if field.frame.all():
@@ -62,6 +61,6 @@ def test_a_function_is_a_metric_and_a_metric_is_itself() -> None:
         ("steps.rms", "burger", r"robot: 'burger' is not a robot's limits; give RobotLimits\(climb_cm=10\)"),
     ],
 )
-def test_what_is_no_metric_is_said(by: Any, robot: Any, message: str) -> None:
+def test_an_unknown_metric_is_refused(by: Any, robot: Any, message: str) -> None:
     with pytest.raises(UserError, match=message):
         metric_by(by, robot)

@@ -49,7 +49,7 @@ def test_a_page_tells_of_the_pallet_in_centimetres(capsys: pytest.CaptureFixture
     assert max(map(len, page.splitlines())) <= 120
 
 
-def test_a_page_stays_short_whatever_steps_there_are(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_page_stays_short_for_any_steps(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / "many.yaml"
     path.write_text("unit_cm: 0.1\nseed: 1\nobstacles:\n  - {kind: random, levels: 500}\n")
     page = printed(capsys, path)
@@ -57,7 +57,7 @@ def test_a_page_stays_short_whatever_steps_there_are(capsys: pytest.CaptureFixtu
     assert len(page.splitlines()) < 12
 
 
-def test_nist_s_names_are_said_of_analogues_only(capsys: pytest.CaptureFixture[str]) -> None:
+def test_names_of_nist_are_used_for_analogues_only(capsys: pytest.CaptureFixture[str]) -> None:
     page = printed(capsys, PALLET, *TEN)
     for name in ("coverability", "crossability"):
         assert page.count(name) == page.count(f"analogue of {name}") == 1
@@ -82,7 +82,7 @@ def test_a_recipe_and_its_maps_have_the_same_metrics(capsys: pytest.CaptureFixtu
     assert printed(capsys, recipe, "--csv", *TEN) == printed(capsys, maps, "--csv", *TEN)
 
 
-def test_json_and_csv_say_what_python_says(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
+def test_json_and_csv_equal_the_values_of_python(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
     expected = rsegen.metrics(
         rsegen.compose(rsegen.load(maps / "rse_0002" / "recipe.json"), 2).field, RobotLimits(climb_cm=10)
     )
@@ -109,7 +109,7 @@ def test_a_robot_s_figures_are_its_own_and_each_is_overridden(capsys: pytest.Cap
     assert climber("--climb-cm", "10", "--drop-cm", "20") == {**usual, "climb_cm": 10, "drop_cm": 20}
 
 
-def test_without_a_robot_nothing_is_said_of_one(capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_a_robot_the_report_names_none(capsys: pytest.CaptureFixture[str]) -> None:
     (told,) = json.loads(printed(capsys, PALLET, "--json"))
     assert set(told) == {"map", "seed", "spread", "steps", "scale", "ruggedness", "opening"}
 
@@ -122,7 +122,7 @@ def test_a_picture_is_written(capsys: pytest.CaptureFixture[str], tmp_path: Path
 
 
 @pytest.mark.parametrize("climb_cm", [0, 10, 1000])
-def test_a_picture_shows_ways_where_there_are_any(climb_cm: float) -> None:
+def test_a_picture_shows_existing_paths(climb_cm: float) -> None:
     """A robot that gets nowhere has a picture too."""
     scene = rsegen.compose(rsegen.load(PALLET))
     found = traversability(scene.field, RobotLimits(climb_cm=climb_cm))

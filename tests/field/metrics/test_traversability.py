@@ -138,7 +138,7 @@ def partition(group: Ints) -> set[frozenset[int]]:
 
 
 @given(fields(), CLIMBERS)
-def test_a_path_is_a_way_that_the_robot_can_go_and_costs_what_is_said(found: StepField, climber: RobotLimits) -> None:
+def test_a_path_is_passable_and_costs_what_is_reported(found: StepField, climber: RobotLimits) -> None:
     assume(not found.frame.all())
     crossing = traversability(found, climber).west_east
     assume(crossing.crosses)
@@ -169,7 +169,7 @@ def test_a_robot_crosses_from_the_opening_on_and_not_below_it(found: StepField, 
 
 
 @given(fields(), CLIMBERS)
-def test_who_climbs_higher_gets_everywhere_that_another_gets(found: StepField, climber: RobotLimits) -> None:
+def test_a_better_climber_reaches_every_cell_that_another_reaches(found: StepField, climber: RobotLimits) -> None:
     assume(not found.frame.all())
     one = traversability(found, climber)
     two = traversability(found, RobotLimits(climb_cm=climber.climb_cm + 5, drop_cm=50, width_cm=climber.width_cm))
@@ -205,7 +205,7 @@ def test_a_step_is_paid_for_up_and_down() -> None:
     assert found.cost_ratio == pytest.approx(1 / 0.6)
 
 
-def test_what_is_dropped_into_is_not_in_the_region() -> None:
+def test_pits_that_a_robot_would_drop_into_are_not_in_the_region() -> None:
     """A pit of 2 units: a robot that drops 20 cm and climbs 10 cm gets in and not out again."""
     assert reached(["222", "202", "222"], 10, 20).cover == pytest.approx(8 / 9)
     assert reached(["222", "202", "222"], 20).cover == 1

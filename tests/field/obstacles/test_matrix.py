@@ -29,7 +29,7 @@ def test_the_top_row_is_the_largest_y() -> None:
     assert levels.sum() == 10
 
 
-def test_a_dot_leaves_what_was_there_and_a_zero_does_not() -> None:
+def test_a_dot_keeps_the_level_below_and_a_zero_replaces_it() -> None:
     ground = Random(levels=3, weights=(0, 0, 1))
     levels = built(ground, Matrix(levels=5, rows=ROWS, first=(1, 2)))
     assert levels[1:4, 2:4].tolist() == [[3, 0], [2, 1], [4, 2]]

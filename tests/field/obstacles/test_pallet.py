@@ -45,7 +45,7 @@ def test_a_diagonal_has_the_ridge_and_the_shoulders_of_the_measured_one() -> Non
         assert sorted(one[abs(i - j) == 1]) == [2] * 9 + [3] * 9
 
 
-def test_metrics_of_diagonals_are_near_those_of_the_measured_one() -> None:
+def test_metrics_of_diagonals_are_near_the_measured_field() -> None:
     real = rsegen.metrics(rsegen.build(MEASURED))
     found = [rsegen.metrics(rsegen.build(made(), index)) for index in range(40)]
     assert all(one.steps.highest == real.steps.highest for one in found)

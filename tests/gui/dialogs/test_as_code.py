@@ -53,7 +53,9 @@ def files(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_the_command_and_the_program_make_what_start_makes(window: Window, dialog: CodeDialog, tmp_path: Path) -> None:
+def test_the_command_and_the_program_make_the_same_maps_as_start(
+    window: Window, dialog: CodeDialog, tmp_path: Path
+) -> None:
     generate(window.session.recipe, tmp_path / "expected")
     assert main(shlex.split(spelled(dialog, "command_line"))[1:]) == 0
     assert files(tmp_path / "my worlds") == files(tmp_path / "expected")

@@ -62,7 +62,7 @@ def test_the_sheet_of_the_map_that_is_shown_is_imported_again(window: Window, tm
     assert build(load(again / "recipe.json")) == build(window.session.recipe, 2)
 
 
-def test_saw_and_timber_are_those_of_the_form(window: Window, tmp_path: Path) -> None:
+def test_saw_and_timber_come_from_the_form(window: Window, tmp_path: Path) -> None:
     dialog = opened(window, tmp_path)
     typed(dialog, "kerf_mm_field", "2.5")
     typed(dialog, "stock_cm_field", "300")
@@ -72,7 +72,7 @@ def test_saw_and_timber_are_those_of_the_form(window: Window, tmp_path: Path) ->
         assert (tmp_path / f"rse_0000.{format_}").read_bytes() == sheet(scene, saw, format_)
 
 
-def test_saw_and_timber_of_a_recipe_in_inches_are_those_of_the_command(window: Window, tmp_path: Path) -> None:
+def test_saw_and_timber_of_a_recipe_in_inches_equal_the_command(window: Window, tmp_path: Path) -> None:
     window.session.set("units", "in")
     dialog = opened(window, tmp_path)
     written(dialog)
@@ -90,7 +90,7 @@ def test_stock_that_is_too_short_is_one_line_and_nothing_is_written(window: Wind
     assert not os.listdir(tmp_path)
 
 
-def test_a_sheet_that_is_there_is_replaced_only_by_leave(window: Window, tmp_path: Path) -> None:
+def test_an_existing_sheet_is_replaced_only_after_confirmation(window: Window, tmp_path: Path) -> None:
     write_file([b"of another map"], tmp_path / "rse_0000.csv")
     dialog = opened(window, tmp_path)
     asked = answer(Said.No)
@@ -135,9 +135,7 @@ def test_start_adds_sheets_to_every_map_and_is_spelled_so(window: Window, tmp_pa
         assert (tmp_path / "mine" / path.relative_to(tmp_path / "kept")).read_bytes() == path.read_bytes()
 
 
-def test_a_map_that_nobody_builds_by_hand_is_one_line_and_no_seed_is_drawn_for_it(
-    window: Window, tmp_path: Path
-) -> None:
+def test_a_map_too_large_for_a_sheet_is_one_line_and_no_seed_is_drawn_for_it(window: Window, tmp_path: Path) -> None:
     window.session.set("chunk_size", 61)
     seed = window.session.recipe.seed
     click(window, "sheets")

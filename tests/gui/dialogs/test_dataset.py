@@ -80,7 +80,7 @@ def test_the_map_that_is_asked_for_is_that_of_the_data_set(
     assert not window.session.unsaved
 
 
-def test_the_number_is_one_of_those_that_there_are_and_has_its_picture(window: Window, rubble: Path) -> None:
+def test_the_index_is_within_the_data_set_and_has_a_picture(window: Window, rubble: Path) -> None:
     window.files.open(rubble)
     dialog = asked(window)
     number = find(dialog, QSpinBox, "place")
@@ -162,7 +162,7 @@ def test_a_number_beyond_them_and_a_data_set_that_is_damaged_are_one_line_each(w
     assert window.session is before
 
 
-def test_what_is_not_saved_is_asked_for(window: Window, rubble: Path) -> None:
+def test_unsaved_changes_are_asked_for(window: Window, rubble: Path) -> None:
     window.session.add({"kind": "peak", "levels": 3})
     before = window.session
     window.files.open(rubble)

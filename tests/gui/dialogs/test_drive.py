@@ -33,7 +33,7 @@ def test_it_starts_with_the_robot_of_the_window(app: QApplication) -> None:
             opened.setObjectName("closed")
 
 
-def test_it_grows_to_what_it_shows_and_stays_on_the_screen(dialog: DriveDialog) -> None:
+def test_it_grows_with_its_content_and_stays_on_the_screen(dialog: DriveDialog) -> None:
     dialog.show()
     screen = dialog.screen().availableGeometry()
     dialog.move(screen.right() - 100, screen.bottom() - 100)

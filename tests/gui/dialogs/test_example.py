@@ -49,7 +49,7 @@ def board(dialog: ExampleDialog) -> QListWidget:
     return found
 
 
-def test_every_example_is_there_by_name_and_says_what_it_is(dialog: ExampleDialog) -> None:
+def test_every_example_is_listed_with_name_and_description(dialog: ExampleDialog) -> None:
     pictures = board(dialog)
     assert [pictures.item(row).text() for row in range(pictures.count())] == list(EXAMPLES)
     (about,) = dialog.findChildren(QLabel, "about")

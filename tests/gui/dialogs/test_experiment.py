@@ -96,7 +96,7 @@ def ended(dialog: ExperimentDialog) -> None:
     until(lambda: not dialog.form.busy and dialog.form.start.isVisible())
 
 
-def test_table_and_plot_are_those_of_the_command(trials: Trials, dialog: ExperimentDialog, tmp_path: Path) -> None:
+def test_table_and_plot_equal_the_command(trials: Trials, dialog: ExperimentDialog, tmp_path: Path) -> None:
     assert said(dialog, "trials") == "4 trials of 1 s each: 4 s, and the time to load their worlds"
     click(dialog, "start")
     ended(dialog)
@@ -194,7 +194,7 @@ def test_a_plan_that_is_wrong_is_one_line(dialog: ExperimentDialog, tmp_path: Pa
         assert not dialog.form.busy
 
 
-def test_without_a_simulator_it_says_so(
+def test_a_missing_simulator_is_reported(
     dialog: ExperimentDialog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     alone_on_path(tmp_path, monkeypatch)
@@ -203,7 +203,7 @@ def test_without_a_simulator_it_says_so(
     assert dialog.form.written is None
 
 
-def test_every_included_plan_says_what_it_measures(dialog: ExperimentDialog) -> None:
+def test_every_included_plan_has_a_description(dialog: ExperimentDialog) -> None:
     box = find(dialog, QComboBox, "plan")
     for name, text in experiment_plans().items():
         box.setCurrentText(name)

@@ -67,7 +67,7 @@ def files(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_trimesh_reads_what_is_exported_and_the_command_writes_the_same(window: Window, tmp_path: Path) -> None:
+def test_trimesh_reads_the_export_and_the_command_writes_the_same(window: Window, tmp_path: Path) -> None:
     trimesh = pytest.importorskip("trimesh", reason="needs pip install 'rsegen[mesh]'")
     pytest.importorskip("scipy", reason="needs pip install 'rsegen[mat]'")
     dialog = opened(window, tmp_path / "mine")
@@ -83,7 +83,7 @@ def test_trimesh_reads_what_is_exported_and_the_command_writes_the_same(window: 
     assert files(tmp_path / "mine") == files(tmp_path / "command")
 
 
-def test_options_of_a_format_are_there_when_it_is_ticked_and_count(window: Window, tmp_path: Path) -> None:
+def test_options_of_a_ticked_format_are_shown_and_used(window: Window, tmp_path: Path) -> None:
     dialog = opened(window, tmp_path)
     options = find(dialog, QWidget, "options_heightmap")
     assert not options.isVisible()
@@ -97,7 +97,7 @@ def test_options_of_a_format_are_there_when_it_is_ticked_and_count(window: Windo
     assert json.loads((home / "formats.json").read_text("utf-8")) == {"heightmap": {"pixels": 3}}
 
 
-def test_every_format_is_there_in_the_words_of_the_command(window: Window, tmp_path: Path) -> None:
+def test_every_format_is_listed_in_the_words_of_the_command(window: Window, tmp_path: Path) -> None:
     dialog = opened(window, tmp_path)
     assert [(box.text(), box.toolTip()) for box in dialog.findChildren(QCheckBox) if box.text() in FORMATS] == [
         (name, tooltip(summary(cls))) for name, cls in FORMATS.items()
@@ -120,7 +120,7 @@ def test_all_maps_are_exported_or_the_one_that_is_shown(window: Window, tmp_path
     assert sorted(os.listdir(tmp_path / "all")) == ["rse_0000", "rse_0001", "rse_0002"]
 
 
-def test_a_format_that_needs_what_is_missing_is_grey_and_says_how_to_get_it(
+def test_a_format_whose_library_is_missing_is_grey_with_install_instructions(
     window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(extras, "find_spec", lambda name: None if name == "pxr" else find_spec(name))
@@ -184,7 +184,7 @@ def test_a_file_in_the_folders_place_is_one_line(window: Window, tmp_path: Path)
     assert said(dialog, "folder_error") == f"{tmp_path / 'taken'}: is a file; give a folder"
 
 
-def test_what_a_library_raises_is_one_line_and_leaves_nothing(
+def test_an_error_of_a_library_is_one_line_and_leaves_nothing(
     window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def broken(self: Arrays, scene: object) -> NoReturn:

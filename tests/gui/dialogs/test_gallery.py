@@ -90,7 +90,7 @@ def test_of_very_many_maps_some_are_shown(app: QApplication, monkeypatch: pytest
     dialog.close()
 
 
-def test_why_there_are_no_more_pictures_is_said(app: QApplication) -> None:
+def test_an_error_that_ends_the_pictures_is_shown(app: QApplication) -> None:
     def broken(place: int) -> None:
         raise FileError("the disk is gone")
 

@@ -90,7 +90,7 @@ def test_after_a_cancelled_one_another_is_saved(window: QWidget, tmp_path: Path)
 
 
 @pytest.mark.parametrize("name", ["nowhere/x.png", "x.abc", "x"])
-def test_what_cannot_be_written_is_one_line(window: QWidget, tmp_path: Path, name: str) -> None:
+def test_an_unwritable_output_is_refused_in_one_line(window: QWidget, tmp_path: Path, name: str) -> None:
     saver, draw = PictureSaver(window), Drawing()
     asked = answer(QMessageBox.StandardButton.Ok)
     SavingDialog(saver, draw, tmp_path / name, window)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from dataclasses import dataclass
 
-from hypothesis import example, given, settings
+from hypothesis import example, given
 
 from rsegen import Peak, Recipe
 from rsegen.cli.commands import parser
@@ -24,7 +24,6 @@ def test_the_command_line_makes_the_same_recipe(recipe: Recipe) -> None:
 
 @given(recipes())
 @example(FULL)
-@settings(max_examples=30)
 def test_the_python_code_makes_the_same_recipe(recipe: Recipe) -> None:
     code = python_code(recipe, "worlds").rpartition("rsegen.generate")[0]
     names: dict[str, object] = {}

@@ -108,7 +108,7 @@ def test_cells_are_painted_into_the_selected_matrix_or_into_a_new_one(document: 
     assert (kinds(document), document.selected) == (["matrix", "matrix"], 1)
 
 
-def test_every_change_and_every_opening_is_told(document: Document) -> None:
+def test_every_change_and_every_opening_is_signalled(document: Document) -> None:
     told: list[str] = []
     document.changed, document.opened = lambda: told.append("changed"), lambda: told.append("opened")
     document.add(PEAK)

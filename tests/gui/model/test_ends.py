@@ -35,7 +35,7 @@ def test_a_random_position_is_fixed_where_it_was_drawn(kind: str, size: dict[str
         {"kind": "random", "levels": 2, "counts": [1, 1]},
     ],
 )
-def test_what_is_invalid_stays_as_it_is(entry: dict[str, object]) -> None:
+def test_an_invalid_row_stays_as_it_is(entry: dict[str, object]) -> None:
     assert fixed(entry, Recipe(seed=1), 0) == entry
 
 

@@ -33,7 +33,7 @@ def test_a_ghost_is_where_the_obstacle_will_be(kind: str, blend: str) -> None:
     assert not (ghost.cells & old.frame).any()
 
 
-def test_what_is_invalid_has_no_ghost() -> None:
+def test_an_invalid_obstacle_has_no_ghost() -> None:
     scene = compose(Recipe(seed=1), 0)
     assert ghost_of(scene, {"kind": "peak", "levels": 5, "first": [99, 0], "last": [3, 3]}) is None
     assert ghost_of(scene, {"kind": "peek", "levels": 5}) is None

@@ -38,7 +38,7 @@ def test_typing_goes_on_in_reading_order() -> None:
         st.tuples(st.lists(CELLS, min_size=1, max_size=5), st.integers(UNPAINTED, 40)), min_size=1, max_size=8
     )
 )
-def test_what_is_painted_is_what_is_built(strokes: list[tuple[list[tuple[int, int]], int]]) -> None:
+def test_painted_levels_are_built(strokes: list[tuple[list[tuple[int, int]], int]]) -> None:
     wanted, entry = np.full((10, 10), UNPAINTED), None
     for cells, level in strokes:
         entry = painted(entry, cells, level)
@@ -51,7 +51,7 @@ def test_what_is_painted_is_what_is_built(strokes: list[tuple[list[tuple[int, in
         assert entry["last"] == covered.max(axis=0).tolist()
 
 
-def test_painting_keeps_what_else_the_row_says() -> None:
+def test_painting_keeps_the_other_parameters_of_the_row() -> None:
     entry = {"kind": "matrix", "levels": 9, "rows": ["1 2"], "first": [3, 3], "key": "mine", "blend": "max"}
     after = painted(entry, [(4, 4)], 5)
     assert (after["levels"], after["key"], after["blend"]) == (9, "mine", "max")

@@ -40,7 +40,7 @@ def test_along_a_slant_the_first_cell_is_met_as_by_small_steps(direction: tuple[
         assert cell_hit(FIELD, start, stop) == (x[first], y[first])
 
 
-def test_a_ray_beside_the_map_or_over_it_meets_nothing() -> None:
+def test_a_ray_past_or_over_the_map_meets_nothing() -> None:
     assert cell_hit(FIELD, EAST + HIGH, EAST - HIGH) is None
     assert cell_hit(FIELD, EAST + HIGH, HIGH - EAST) is None
 
@@ -53,7 +53,7 @@ def test_a_cell_is_in_a_window_but_not_at_its_end() -> None:
     assert not is_inside((1, 1), None)
 
 
-def test_the_last_obstacle_around_a_cell_is_chosen_and_none_beside_all() -> None:
+def test_the_last_obstacle_around_a_cell_is_chosen_and_none_outside_all() -> None:
     obstacles = [
         Random(levels=3, first=(0, 0), last=(9, 9)),
         Peak(levels=4, first=(2, 2), last=(5, 5)),

@@ -52,7 +52,7 @@ def test_the_nearest_block_is_on_the_map(x: float, y: float) -> None:
     assert 0 <= found[1] < 6
 
 
-def test_beside_the_map_there_is_no_cell() -> None:
+def test_a_point_outside_the_map_has_no_cell() -> None:
     plan = layout()
     left, top, width, height = plan.area
     assert plan.cell_at((left - 1, top + 1)) is None

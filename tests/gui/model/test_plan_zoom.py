@@ -27,7 +27,7 @@ def covers(layout: PlanLayout) -> bool:
 
 
 @given(st.lists(st.tuples(POINTS, FACTORS), min_size=1, max_size=6), SHIFTS)
-def test_however_it_is_zoomed_and_moved_the_map_fills_the_area(
+def test_the_map_fills_the_area_at_any_zoom_and_place(
     steps: list[tuple[tuple[float, float], float]], by: tuple[float, float]
 ) -> None:
     layout = FITTED

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import psutil
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from rsegen import Peak, Random, Recipe, compose
 from rsegen.errors import TooLarge
@@ -30,7 +30,6 @@ ROUGH = Recipe(seed=1, obstacles=[Random(levels=5)])
 
 
 @given(recipes())
-@settings(max_examples=30)
 def test_shares_are_all_blocks_of_the_map(recipe: Recipe) -> None:
     scene = compose(recipe)
     assert [share.blocks for share in shares(scene)] == list(scene.field.level_counts().values())
@@ -38,8 +37,7 @@ def test_shares_are_all_blocks_of_the_map(recipe: Recipe) -> None:
 
 
 @given(recipes())
-@settings(max_examples=30)
-def test_every_cell_has_the_colour_of_what_stands_in_it(recipe: Recipe) -> None:
+def test_every_cell_has_the_colour_of_its_block(recipe: Recipe) -> None:
     scene = compose(recipe)
     found, known = cells(scene), palette(scene)
     for (i, j), level in np.ndenumerate(scene.field.levels):
@@ -48,7 +46,7 @@ def test_every_cell_has_the_colour_of_what_stands_in_it(recipe: Recipe) -> None:
 
 
 @pytest.mark.parametrize("mesh_type", ["single", "multi", "pallet"])
-def test_costs_are_those_of_the_account(mesh_type: str) -> None:
+def test_costs_match_the_map_summary(mesh_type: str) -> None:
     scene = compose(replace(ROUGH, mesh_type=mesh_type))
     found = map_summary(scene)
     models = f"{found.models} model{'' if found.models == 1 else 's'}"
@@ -63,13 +61,13 @@ def test_a_map_too_large_to_be_counted_is_warned_of_all_the_same() -> None:
     assert "models: Gazebo Classic needs about" in costs(scene).warnings[0]
 
 
-def test_level_ground_is_warned_of_only_where_there_should_be_something() -> None:
+def test_flat_ground_is_warned_of_only_if_obstacles_were_given() -> None:
     assert costs(compose(replace(ROUGH, obstacles=()))).warnings == ()
     nothing = replace(ROUGH, obstacles=[Random(levels=5, softness=100)])
     assert "nothing to see" in costs(compose(nothing)).warnings[0]
 
 
-def test_size_and_largest_step_are_said() -> None:
+def test_size_and_largest_step_are_reported() -> None:
     peak = Peak(levels=5, softness=0, first=(2, 2), last=(7, 7))
     scene = compose(replace(ROUGH, boundary="none", obstacles=[peak]))
     assert size_text(scene) == "10 x 10 cells, 1 x 1 m, largest step 40 cm"

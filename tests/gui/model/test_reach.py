@@ -48,7 +48,7 @@ def test_reach_is_that_of_metrics_drive_and_spots(name: str, unit_cm: float) -> 
     assert found.spots == spots
 
 
-def test_without_a_robot_and_on_huge_maps_there_is_no_reach() -> None:
+def test_without_a_robot_and_on_huge_maps_no_reach_is_shown() -> None:
     assert costs(compose(ROUGH)).reach is None
     assert costs(compose(ROUGH), "burger").reach is not None
     huge = Recipe(seed=1, chunk_size=400, boundary="none", obstacles=ROUGH.obstacles)

@@ -72,7 +72,7 @@ def test_a_veil_over_everything_is_the_surface_of_all_blocks() -> None:
     assert not shape.spots
 
 
-def test_spots_and_ways_are_those_of_the_plan() -> None:
+def test_spots_and_paths_match_the_plan() -> None:
     scene = compose(replace(RECIPE, unit_cm=0.1))
     found = reach(scene.field, "burger", 5)
     shape = reach_shape(scene, found)

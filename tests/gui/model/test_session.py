@@ -66,7 +66,7 @@ def test_every_change_can_be_undone_and_redone(session: Session) -> None:
     assert not session.can_redo
 
 
-def test_a_change_after_undo_forgets_what_was_undone(session: Session) -> None:
+def test_a_change_after_undo_clears_redo(session: Session) -> None:
     session.add(PEAK)
     session.undo()
     session.add(RANDOM)
@@ -82,7 +82,7 @@ def test_a_gesture_is_undone_at_once(session: Session) -> None:
     assert session.draft == before
 
 
-def test_what_is_wrong_is_said_and_the_last_right_recipe_stays(session: Session) -> None:
+def test_an_error_is_shown_and_the_last_valid_recipe_stays(session: Session) -> None:
     session.add(RANDOM)
     right = session.recipe
     session.set("chunk_size", 0)
@@ -109,7 +109,7 @@ def test_a_row_that_is_switched_off_is_not_in_the_recipe(session: Session) -> No
     assert [obstacle.kind for obstacle in session.recipe.obstacles] == ["random"]
 
 
-def test_parameters_may_change_while_what_was_drawn_stays(session: Session) -> None:
+def test_parameters_may_change_and_random_draws_stay(session: Session) -> None:
     session.add({"kind": "peak", "levels": 5})
     session.set("chunks", [3, 3])
     before = build(session.recipe).levels
@@ -130,7 +130,7 @@ def test_files_are_saved_and_opened(session: Session, tmp_path: Path) -> None:
     assert Session.opened(tmp_path / "field.yaml").recipe == session.recipe
 
 
-def test_the_window_is_told_of_every_change(session: Session) -> None:
+def test_the_window_is_notified_of_every_change(session: Session) -> None:
     told: list[int] = []
     session.changed = lambda: told.append(len(session.draft.rows))
     session.add(PEAK)
@@ -151,14 +151,14 @@ BARRIER = {"kind": "horizontal_barrier", "levels": 3}
         ([2, 1], [2, 7], "last", ([2, 1], [2, 7])),
     ],
 )
-def test_a_barrier_that_cannot_lie_askew_is_straightened(
+def test_a_barrier_that_must_follow_an_axis_is_straightened(
     first: list[int], last: list[int], end: str, expected: tuple[list[int], list[int]]
 ) -> None:
     found = aligned({**BARRIER, "first": first, "last": last}, end)
     assert (found["first"], found["last"]) == expected
 
 
-def test_what_may_lie_askew_is_left_as_it_is() -> None:
+def test_ends_of_kinds_that_need_no_axis_stay_unchanged() -> None:
     assert aligned(PEAK, "last") == PEAK
 
 

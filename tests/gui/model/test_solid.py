@@ -96,14 +96,14 @@ def test_axes_have_a_few_round_numbers(extent: float) -> None:
     assert max(map(abs, found)) <= extent / 2 + 1e-9
 
 
-def test_marks_lie_beside_the_map() -> None:
+def test_marks_are_outside_the_map() -> None:
     found = tick_marks(BOUNDS, 0.3)
     assert {"x = 2 m", "y = 1 m", "-2", "0"} <= set(found.texts)
     assert all(x > 2 or y < -1 for x, y, _ in found.places)
     assert len(found.lines.pairs) == len(found.texts) == len(found.places)
 
 
-def test_along_a_short_side_there_are_few_numbers() -> None:
+def test_a_short_side_has_few_numbers() -> None:
     found = tick_marks((-30.0, 30.0, -0.6, 0.6, 0.0, 0.5), 3.0)
     assert found.texts[-3:] == ["-0.5", "0", "y = 0.5 m"]
 

@@ -78,7 +78,7 @@ def test_a_flat_map_is_ground_alone(found: Found, folder: Path) -> None:
     assert share(folder, "flat", BOX) == 0
 
 
-def test_what_a_robot_reaches_and_its_ways_are_shown_in_the_view_and_its_pictures(found: Found, folder: Path) -> None:
+def test_reach_and_paths_are_shown_in_the_view_and_its_pictures(found: Found, folder: Path) -> None:
     eastward, northward = (np.array(colour) / 255 for colour in (EASTWARD, NORTHWARD))
     for name in ("reach", "reach-saved"):
         assert share(folder, name, tuple(eastward)) > 0.0005

@@ -24,7 +24,7 @@ def colours(image: QImage) -> set[int]:
 
 
 @pytest.mark.parametrize("scale", [1.0, 1.5, 4.0])
-def test_a_legend_has_every_row_if_there_is_room(app: QApplication, scale: float) -> None:
+def test_a_legend_has_every_row_if_they_fit(app: QApplication, scale: float) -> None:
     assert colours(legend_image(ROWS, "", 1000, INKS, scale)) == set(range(1, 26))
 
 

@@ -95,7 +95,7 @@ def test_a_row_that_is_held_moves_no_other_choice(window: Window) -> None:
     assert window.views.table.selected == 0
 
 
-def test_only_what_can_be_done_can_be_chosen(window: Window) -> None:
+def test_only_possible_actions_are_enabled(window: Window) -> None:
     window.document.select(-1)
     assert possible(window).isdisjoint(ROWS)
     window.document.select(0)
@@ -118,7 +118,7 @@ def edit(window: Window, row: int, column: int, text: str) -> None:
     item.setText(text)
 
 
-def test_a_kind_that_there_is_not_is_an_error_and_can_be_corrected(window: Window) -> None:
+def test_an_unknown_kind_is_an_error_and_can_be_corrected(window: Window) -> None:
     window.document.select(0)
     edit(window, 0, 1, "pyramid")
     assert "pyramid" in window.forms.error_label.text()
@@ -180,7 +180,7 @@ def test_a_place_is_typed_with_brackets_or_without(window: Window, text: str) ->
     assert window.session.problem is None
 
 
-def test_another_kind_that_is_typed_takes_over_what_it_has_too(window: Window) -> None:
+def test_another_kind_keeps_the_parameters_that_it_shares(window: Window) -> None:
     window.session.change(0, {"kind": "matrix", "levels": 3, "rows": ["1 2"], "softness": 10})
     edit(window, 0, 1, "matrx")
     edit(window, 0, 1, "matrix")
@@ -195,7 +195,7 @@ def test_another_kind_that_is_typed_takes_over_what_it_has_too(window: Window) -
     assert window.session.problem is None
 
 
-def test_the_form_keeps_what_is_wrong_until_it_is_changed_there(window: Window) -> None:
+def test_the_form_keeps_a_wrong_value_until_it_is_corrected(window: Window) -> None:
     window.document.select(1)
     edit(window, 1, 2, "abc")
     edit(window, 1, 5, "99, random")

@@ -118,7 +118,7 @@ def test_a_click_draws_nothing(plan: PlanView, scene: Scene) -> None:
     assert drawn.count() == 0
 
 
-def test_escape_gives_up_what_is_being_drawn(plan: PlanView, scene: Scene) -> None:
+def test_escape_cancels_the_drawing(plan: PlanView, scene: Scene) -> None:
     drawn, before = QSignalSpy(plan.drawn), image(plan)
     QTest.mousePress(plan, LEFT, pos=at(plan, scene, (3, 8)))
     QTest.mouseMove(plan, at(plan, scene, (5, 6)))
@@ -142,7 +142,7 @@ def test_pressing_on_the_selected_obstacles_handle_chooses_nothing(plan: PlanVie
     assert chosen.count() == 0
 
 
-def test_where_both_ends_are_in_one_cell_the_selected_obstacles_last_is_taken(plan: PlanView, scene: Scene) -> None:
+def test_if_both_ends_share_a_cell_the_last_of_the_selected_obstacle_is_taken(plan: PlanView, scene: Scene) -> None:
     plan.show(scene, (Handle(row=0, first=(4, 4), last=(4, 4)), Handle(row=1, first=(4, 4), last=(4, 4))), 1)
     moved = QSignalSpy(plan.moved)
     drag(plan, scene, (4, 4), (5, 4))
@@ -185,7 +185,7 @@ def test_tab_goes_to_the_other_end_and_a_second_one_leaves(app: QApplication, sc
     window.close()
 
 
-def test_the_cell_under_the_cursor_is_told(plan: PlanView, scene: Scene) -> None:
+def test_the_cell_under_the_cursor_is_shown(plan: PlanView, scene: Scene) -> None:
     hovered = QSignalSpy(plan.hovered)
     level = int(scene.field.blocks[3, 2])
     hover(plan, at(plan, scene, (3, 2)))
@@ -391,7 +391,7 @@ def test_the_plan_stays_close_by_when_the_map_changes_or_the_widget_is_resized(p
     )
 
 
-def test_what_is_under_a_resting_cursor_is_never_stale(plan: PlanView, scene: Scene) -> None:
+def test_the_label_under_a_resting_cursor_is_never_stale(plan: PlanView, scene: Scene) -> None:
     hover(plan, at(plan, scene, (3, 2)))
     hovered = QSignalSpy(plan.hovered)
     other = next(each for seed in range(2, 9) if differs(each := compose(replace(RECIPE, seed=seed)), scene))

@@ -136,7 +136,7 @@ def test_a_folder_that_cannot_be_written_to_is_one_line_below_it(window: Window)
     assert said(window, "outcome") == ""
 
 
-def test_maps_that_are_there_are_replaced_only_by_leave(window: Window, tmp_path: Path) -> None:
+def test_existing_maps_are_replaced_only_after_confirmation(window: Window, tmp_path: Path) -> None:
     typed(window, "folder", str(tmp_path))
     started(window)
     before = os.stat(tmp_path / "rse_0000").st_ino

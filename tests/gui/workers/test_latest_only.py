@@ -44,7 +44,7 @@ def test_of_many_orders_the_first_and_the_newest_are_begun_and_the_newest_counts
     assert begun == ["a", "e"]
 
 
-def test_what_is_done_at_once_is_not_overtaken_by_what_was_ordered_before(worker: LatestOnly) -> None:
+def test_an_immediate_result_is_not_replaced_by_an_earlier_job(worker: LatestOnly) -> None:
     results: list[object] = []
     gate = Event()
     worker.result.connect(results.append)
@@ -56,7 +56,7 @@ def test_what_is_done_at_once_is_not_overtaken_by_what_was_ordered_before(worker
     assert results == ["quick"]
 
 
-def test_work_is_done_elsewhere_and_an_error_is_told_here(worker: LatestOnly) -> None:
+def test_work_is_done_in_a_thread_and_its_error_is_shown(worker: LatestOnly) -> None:
     threads: list[object] = []
     results: list[object] = []
     worker.result.connect(results.append)

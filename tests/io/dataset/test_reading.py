@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
@@ -36,7 +36,6 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
     return make_dataset(RECIPE, tmp_path_factory.mktemp("set"), shard_maps=6)
 
 
-@settings(max_examples=30)
 @given(recipes(), st.integers(1, 4), st.integers(0, 10**6), st.sampled_from([None, 1]))
 def test_every_map_is_built_alike(recipe: Recipe, shard: int, first: int, max_step: int | None) -> None:
     recipe = replace(recipe, maps=5, first_map=first, max_step=max_step)
@@ -80,7 +79,7 @@ def test_it_goes_to_other_processes(dataset: Dataset) -> None:
 
 
 @pytest.mark.parametrize("form", ["npy", "parquet", "none"])
-def test_metrics_are_those_of_each_map(tmp_path: Path, form: str) -> None:
+def test_metrics_equal_the_metrics_of_each_map(tmp_path: Path, form: str) -> None:
     found = make_dataset(RECIPE, tmp_path, shard_maps=6, metrics=form).metrics
     assert tuple(found) == ("map", *COLUMNS)
     assert found["map"].tolist() == list(range(20))
@@ -91,7 +90,7 @@ def test_metrics_are_those_of_each_map(tmp_path: Path, form: str) -> None:
         )
 
 
-def test_what_is_read_may_be_written_to_and_the_files_stay(dataset: Dataset) -> None:
+def test_arrays_that_were_read_are_writable_and_the_files_stay(dataset: Dataset) -> None:
     """As torch wants it of what it makes tensors of."""
     for found in (dataset[3], dataset[-1], dataset[:2], dataset[[1, 2]], dataset.__getitems__([4, 0, 4])):
         assert found.flags.writeable
@@ -113,7 +112,7 @@ def test_tiles_get_harder_from_row_to_row(spacing: str, dataset: Dataset) -> Non
         assert np.array_equal(found.heights[row_, column], dataset.heights(int(place)))
 
 
-def test_tiles_by_a_metric_of_a_robot_are_those_that_it_crosses(dataset: Dataset) -> None:
+def test_tiles_by_a_metric_of_a_robot_can_be_crossed_by_it(dataset: Dataset) -> None:
     robot = rsegen.RobotLimits(climb_cm=10, width_cm=5)
     found = dataset.tiles(2, 3, by="reach.west_east.cost", robot=robot)
     costs = [rsegen.metrics(dataset.field(place), robot).reach for place in range(20)]
@@ -180,7 +179,7 @@ def test_a_file_with_such_a_name_comes_first(dataset: Dataset, monkeypatch: pyte
     assert Path("out/other_0000").is_dir()
 
 
-def test_what_is_whole_is_told_to_be(dataset: Dataset, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_undamaged_data_set_is_verified(dataset: Dataset, capsys: pytest.CaptureFixture[str]) -> None:
     assert exit_code("dataset", "--verify", dataset.folder) == 0
     assert "all checksums are right, and 20 random maps" in capsys.readouterr().out
 

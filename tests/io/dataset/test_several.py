@@ -83,9 +83,12 @@ def test_a_list_of_one_recipe_makes_the_same_bytes_as_the_recipe(tmp_path: Path)
     assert contents(tmp_path / "one") == contents(tmp_path / "list")
 
 
+@pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")
 @pytest.mark.slow
 @pytest.mark.parametrize("metrics", ["npy", "parquet", "none"])
-def test_it_is_the_same_whoever_makes_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, metrics: str) -> None:
+def test_several_recipes_give_the_same_data_set_with_workers_and_a_cluster(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, metrics: str
+) -> None:
     monkeypatch.setattr(execute_module, "WORTHWHILE", 0.0)
     made = [
         make_dataset(ALL, tmp_path / name, metrics=metrics, shard_maps=4, workers=2, scheduler=scheduler)

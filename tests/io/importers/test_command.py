@@ -41,7 +41,7 @@ def test_an_image_is_read_with_its_options(tmp_path: Path) -> None:
         (["--chunks", "1", "--chunk-size", "1"], "obstacles[0].rows: 2 cells along x from 0 on do not fit into 0..0"),
     ],
 )
-def test_what_cannot_be_is_said_in_one_line_and_nothing_is_written(
+def test_impossible_values_are_refused_in_one_line_and_nothing_is_written(
     words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "a.csv").write_text("0,10\n20,30\n", "utf-8")

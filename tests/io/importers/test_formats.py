@@ -52,7 +52,7 @@ def test_every_format_explains_itself_and_its_options(suffix: str) -> None:
 @pytest.mark.parametrize(
     "content", [b"", b"\x00\xff\xfe\x01", b"{}", b"a: [", b"\x89PNG\r\n\x1a\n", b"\x93NUMPY\x01\x00"]
 )
-def test_what_is_no_file_of_a_format_is_refused_in_one_line(suffix: str, content: bytes, tmp_path: Path) -> None:
+def test_an_invalid_file_of_a_format_is_refused_in_one_line(suffix: str, content: bytes, tmp_path: Path) -> None:
     path = tmp_path / f"strange{suffix}"
     path.write_bytes(content)
     with pytest.raises(UserError, match=r"strange") as refused:
@@ -61,7 +61,7 @@ def test_what_is_no_file_of_a_format_is_refused_in_one_line(suffix: str, content
 
 
 @FORMAT
-def test_a_file_that_is_not_there_or_is_a_folder_is_refused(suffix: str, tmp_path: Path) -> None:
+def test_a_missing_file_and_a_folder_are_refused(suffix: str, tmp_path: Path) -> None:
     for path in (tmp_path / f"none{suffix}", tmp_path / f"folder{suffix}"):
         if path.stem == "folder":
             path.mkdir()
@@ -75,7 +75,7 @@ def test_a_file_of_no_known_format_is_refused_with_the_known_ones() -> None:
 
 
 @given(levels=LEVELS, unit_cm=st.sampled_from([10, 1, 8.5]))
-def test_what_rsegen_wrote_comes_back(
+def test_exported_heights_are_imported_unchanged(
     levels: np.ndarray, unit_cm: float, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     folder = tmp_path_factory.mktemp("again")

@@ -33,7 +33,7 @@ def table(folder: Path, heights: np.ndarray, name: str = "heights.csv") -> Path:
     return folder / name
 
 
-def test_measured_heights_are_rounded_and_it_is_said_how_far(tmp_path: Path) -> None:
+def test_measured_heights_are_rounded_and_the_residual_is_reported(tmp_path: Path) -> None:
     heights = heights_in(table(tmp_path, LEVELS * 10 + np.abs(NOISE)), Table(rounded=True))
     assert (heights.levels == LEVELS).all()
     assert heights.rounding is not None
@@ -45,7 +45,7 @@ def test_measured_heights_are_rounded_and_it_is_said_how_far(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("values", ["cm", "mm", "m", "in"])
-def test_heights_may_be_of_any_unit_that_is_said(values: str, tmp_path: Path) -> None:
+def test_heights_may_have_any_given_unit(values: str, tmp_path: Path) -> None:
     factor = {"cm": 1, "mm": 0.1, "m": 100, "in": 2.54}[values]
     np.save(tmp_path / "heights.npy", LEVELS * 8.89 / factor)
     assert (build(imported(tmp_path / "heights.npy", Saved(values=values), 8.89)).levels == LEVELS).all()
@@ -64,7 +64,7 @@ def test_heights_may_be_of_any_unit_that_is_said(values: str, tmp_path: Path) ->
     ],
     ids=["half-cubic", "inches", "datum", "levels", "metres", "no blocks"],
 )
-def test_heights_of_other_blocks_are_refused_with_what_they_may_be(
+def test_heights_that_no_block_has_are_refused_with_the_possible_ones(
     heights: np.ndarray, said: str, rounded: bool, tmp_path: Path
 ) -> None:
     with pytest.raises(FileError, match=r"heights\.csv: ") as refused:
@@ -74,7 +74,7 @@ def test_heights_of_other_blocks_are_refused_with_what_they_may_be(
     assert (levels == np.floor(heights / 10 + 0.5)).all()
 
 
-def test_what_is_advised_is_read(tmp_path: Path) -> None:
+def test_the_advised_options_read_measured_heights(tmp_path: Path) -> None:
     noisy = NOISE / 4
     assert (
         build(imported(table(tmp_path, LEVELS * 3.5 + noisy.clip(0)), Table(rounded=True), 3.5)).levels == LEVELS

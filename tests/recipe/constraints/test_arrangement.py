@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
@@ -46,7 +46,6 @@ def test_all_timber_is_used_that_can_be(inventory: tuple[int, ...], max_step: in
         assert np.abs(field.blocks - free.blocks).mean() < np.abs(sorted_along_x - free.blocks).mean()
 
 
-@settings(max_examples=40)
 @given(
     st.lists(st.integers(0, 25), min_size=1, max_size=5).filter(operator.itemgetter(0)),
     st.integers(1, 3),
@@ -109,7 +108,7 @@ def test_counted_blocks_are_all_kept_if_the_largest_step_allows_it(capsys: pytes
     ]
 
 
-def test_what_is_left_in_the_box_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_remaining_blocks_are_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     asked = ["--seed", "3", "--obstacle", "random levels=5", "--max-step", "1", "--inventory", "10,4,20,40"]
     assert main(["generate", *asked, "-o", str(tmp_path)]) == 0
     said = capsys.readouterr().out

@@ -31,7 +31,7 @@ def test_each_part_touches_in_a_share_of_the_looks() -> None:
 
 
 @pytest.mark.parametrize("samples", [[], [(0.0, []), (0.5, [])]])
-def test_nothing_is_told_of_nothing(samples: list[tuple[float, list[Contact]]]) -> None:
+def test_without_samples_no_shares_are_reported(samples: list[tuple[float, list[Contact]]]) -> None:
     assert contact_shares(samples, "a") == {}
 
 

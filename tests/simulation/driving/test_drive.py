@@ -45,6 +45,6 @@ def test_a_world_without_a_recipe_is_refused(programs: Path, tmp_path: Path) -> 
         rsegen.drive(world)
 
 
-def test_a_machine_without_gazebo_classic_is_told_how_to_install_it(programs: Path) -> None:
+def test_without_gazebo_classic_the_script_says_how_to_install_it(programs: Path) -> None:
     with pytest.raises(NoSimulator, match="Gazebo Classic is not installed; to install it: "):
         rsegen.drive(RECIPE)

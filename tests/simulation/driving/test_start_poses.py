@@ -49,7 +49,7 @@ def test_of_a_robot_from_a_file_only_the_size_is_known() -> None:
 
 
 @ROBOT
-def test_beside_the_map_the_whole_robot_is_on_the_ground(robot: Robot) -> None:
+def test_outside_the_map_the_whole_robot_is_on_the_ground(robot: Robot) -> None:
     field, footprint = flat(20), footprint_of(robot)
     place = adjacent_pose(field, footprint, 0.5)
     assert place.x + footprint.outline.high_x == pytest.approx(-1 - GAP)
@@ -65,7 +65,7 @@ def test_a_drive_starts_at_the_spots_of_its_seed() -> None:
     assert {run.unevenness for run in runs} == {0}
 
 
-def test_where_no_place_is_even_a_drive_is_refused_and_a_trial_gets_the_evenest() -> None:
+def test_without_an_even_place_a_drive_is_refused_and_a_trial_gets_the_evenest() -> None:
     with pytest.raises(ParameterError, match="robot: no place is even enough"):
         robot_runs(stairs(), ROBOTS["burger"], "random", count=1, seed=1)
     runs = robot_runs(stairs(), ROBOTS["burger"], "random", count=2, seed=1, evenest=True)
@@ -78,6 +78,6 @@ def test_too_many_robots_are_refused_by_the_name_of_their_number() -> None:
         robot_runs(flat(3), ROBOTS["burger"], "random", count=9, seed=1)
 
 
-def test_a_robot_larger_than_the_map_starts_beside_it() -> None:
+def test_a_robot_larger_than_the_map_starts_next_to_it() -> None:
     (run,) = robot_runs(flat(3), ROBOTS["crawler"], "random", count=1, seed=1)
     assert run.start.x < -0.15

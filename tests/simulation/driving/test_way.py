@@ -58,7 +58,7 @@ def test_a_robot_stays_on_its_way(example: str, kind: str) -> None:
     assert places[-1][0] >= finish_x(field, robot(kind))
 
 
-def test_a_way_goes_round_what_the_robot_cannot_climb() -> None:
+def test_a_path_avoids_steps_that_the_robot_cannot_climb() -> None:
     field = walled(gap=True)
     way = planned_way(field, 0.1, rsegen.RobotLimits(climb_cm=5, width_cm=10))
     assert (way.crosses, way.least_step) == (True, 0.0)
@@ -66,7 +66,7 @@ def test_a_way_goes_round_what_the_robot_cannot_climb() -> None:
     assert through[:, 1] == pytest.approx(0.85)
 
 
-def test_where_there_is_none_it_takes_the_least_of_the_highest_steps() -> None:
+def test_without_a_path_the_least_highest_step_is_taken() -> None:
     field = walled(gap=False)
     way = planned_way(field, 0.1, rsegen.RobotLimits(climb_cm=5, width_cm=10))
     assert way.crosses is False

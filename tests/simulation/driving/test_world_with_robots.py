@@ -81,7 +81,7 @@ def test_a_world_for_classic_names_no_systems(world: Path) -> None:
         ('<!DOCTYPE sdf [<!ENTITY a "b">]><sdf><world name="&a;"/></sdf>', "has a document type"),
     ],
 )
-def test_what_is_no_world_is_refused(content: str, said: str, tmp_path: Path) -> None:
+def test_an_invalid_world_is_refused(content: str, said: str, tmp_path: Path) -> None:
     path = tmp_path / "strange.world"
     path.write_text(content)
     with pytest.raises(FileError, match=rf"strange\.world: .*{said}"):

@@ -43,7 +43,7 @@ def test_a_plan_with_more_robots_than_its_smallest_map_holds_is_refused_before_a
     refuse_crowded(read_plan("alone", {"rows": [{"robot": "crawler", "robots": 1, "sizes": [0, 10]}]}))
 
 
-def test_no_step_of_the_driven_plan_is_higher_than_those_that_its_robots_cross() -> None:
+def test_no_step_of_the_driven_plan_is_too_high_for_its_robots() -> None:
     for row in load_plan("driven").rows:
         found = steps(build(row.map_of(80, seed=1)))
         assert found.share_above(robot(row.robot).limits.climb_cm / 100) == 0

@@ -56,7 +56,7 @@ def rows(text: str) -> dict[str, list[str]]:
     return {each[0]: each[1:] for each in cells}
 
 
-def test_the_page_has_the_cost_and_what_the_robots_did_and_the_paper_s_figures(results: Results) -> None:
+def test_the_page_has_costs_drives_and_the_figures_of_the_paper(results: Results) -> None:
     text = report_page(PLAN, results, MACHINE, COMMAND)
     found = rows(text)
     assert found["processor"] == ["a quick one"]
@@ -86,7 +86,7 @@ def test_a_row_whose_robots_rested_is_marked_and_explained(results: Results) -> 
     assert MARK not in report_page(PLAN, {**results, Cell(row=0, size=10, pace="free"): moving}, MACHINE, COMMAND)
 
 
-def test_no_speed_is_compared_with_the_empty_world_s_where_nobody_knows_what_the_robots_did(results: Results) -> None:
+def test_speeds_are_not_compared_with_the_empty_world_if_drives_are_unknown(results: Results) -> None:
     def unknown(one: Outcome) -> Outcome:
         return replace(one, simulated=None, driven=None, stuck=None, tipped=None, covered=None)
 
@@ -143,7 +143,7 @@ def test_rows_in_two_simulators_are_one_table(results: Results) -> None:
     assert next(reading.reader(trials_csv(both, outcomes).splitlines()[1:]))[0] == "sim"
 
 
-def test_a_world_in_turns_with_an_empty_one_is_told_with_its_error(results: Results) -> None:
+def test_a_world_in_turns_with_an_empty_one_is_reported_with_its_error(results: Results) -> None:
     def beside(*contact_shares: float) -> str:
         outcomes = [replace(outcome(4.0), share=share) for share in contact_shares]
         text = report_page(PLAN, {**results, Cell(row=0, size=80, pace="beside"): outcomes}, MACHINE, COMMAND)
@@ -164,7 +164,7 @@ def test_the_csv_has_every_trial(results: Results) -> None:
     assert [line["speed"] for line in lines if line["size"] == "80" and line["pace"] == "free"] == ["4.5", "4", "1"]
 
 
-def test_a_median_leaves_out_what_is_not_there() -> None:
+def test_a_median_ignores_missing_values() -> None:
     assert median_of([outcome(1), outcome(2, 0.5), outcome(9)], "rtf") == 0.5
     assert median_of([outcome(1)], "rtf") is None
 

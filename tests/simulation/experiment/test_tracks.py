@@ -43,5 +43,5 @@ def test_every_trial_has_a_csv_file_and_every_cell_a_picture_of_the_last(trial: 
         assert picture.size == (800, 800)
 
 
-def test_without_robots_there_are_no_tracks(trial: Trial) -> None:
+def test_without_robots_no_tracks_are_written(trial: Trial) -> None:
     assert track_files(PLAN, CELL, 1, replace(trial, trajectories={})) == {}

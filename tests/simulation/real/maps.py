@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import cycle, product
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ import rsegen
 from rsegen.exporters.gazebo import MESH_TYPES
 from rsegen.recipe.examples import EXAMPLES
 from tests.simulation.real.bodies import SIDEWAYS
+from tests.support.long import long_unless
 
 BOUNDARIES = ("none", "divided", "outer")
 
@@ -92,8 +93,11 @@ def shape_name(shape: Shape) -> str:
 
 
 def shaped() -> Iterator[rsegen.Recipe]:
-    """The first map of every example in every shape but the default one."""
-    for recipe, shape in product(map(rsegen.load, EXAMPLES.values()), SHAPES[1:]):
+    """The first map of every example, each in another shape than the one before it, none in the default one.
+
+    Every example in every shape is rebuilt from its files in tests/exporters/gazebo/test_rebuilt.py.
+    """
+    for recipe, shape in zip(map(rsegen.load, EXAMPLES.values()), cycle(SHAPES[1:])):
         yield replace(recipe, name=f"{recipe.name}-{shape_name(shape)}", maps=1, **shape)
 
 
@@ -127,12 +131,25 @@ def lanes(scene: rsegen.Scene) -> Iterator[tuple[str, tuple[float, float, float]
 
 
 def kinds() -> Iterator[rsegen.Recipe]:
-    """A small map with nothing but one obstacle, for every kind, as one mesh and as boxes."""
-    for kind, mesh_type in product(rsegen.KINDS, ("single", "multi")):
+    """A small map with nothing but one obstacle, for every kind, in turn as one mesh and as boxes."""
+    for kind, mesh_type in zip(rsegen.KINDS, cycle(("single", "multi"))):
         placement = rsegen.KINDS[kind](levels=4, softness=40)
         yield rsegen.Recipe(
             name=f"{kind}-{mesh_type}", chunk_size=6, mesh_type=mesh_type, seed=1, obstacles=(placement,)
         )
+
+
+FEW = {
+    *("mixed-course_0000", "single-divided_0000", "pallet-outer_0000", "multi-none_0000"),
+    *("single-friction_0000", "pallet-levels_0000", "multi-wood_0000"),
+    *("slippery-default_0000", "slippery-collision-boxes_0000", "slippery-mesh_type-multi_0000"),
+}
+"""Maps of which `make test` has the simulators judge one each: every mesh type, boundary and look, and friction."""
+
+
+def few_short(recipes: Iterable[rsegen.Recipe]) -> list[Any]:
+    """Return the recipes for `parametrize`, all but a few of them long."""
+    return long_unless(lambda recipe: map_name(recipe) in FEW, recipes, reason="a server per map")
 
 
 def map_name(recipe: rsegen.Recipe) -> str:

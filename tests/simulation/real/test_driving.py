@@ -26,6 +26,7 @@ from tests.simulation.real.bodies import furnished
 from tests.simulation.real.burger import SPEED, Start, Way, burger, way
 from tests.simulation.real.maps import SHAPES, Shape, shape_name
 from tests.simulation.simulated import simulated
+from tests.support.long import long_unless
 
 HEADINGS = (0, 20, 45, 70, 90)
 SECONDS = 10
@@ -40,12 +41,26 @@ LANE = 0.6
 """Metres across."""
 
 
-@pytest.mark.parametrize("others", [1.0, 0.25], ids=["lanes-in-a-random-field", "plain-with-few-other-cells"])
-@pytest.mark.parametrize("shape", SHAPES, ids=shape_name)
-def test_a_robot_goes_straight_over_equal_blocks(
-    shape: Shape, others: float, gazebo_classic: Installation, tmp_path: Path
+@pytest.mark.parametrize(
+    "shape", long_unless(lambda shape: not shape, SHAPES, reason="five robots for 10 s per shape"), ids=shape_name
+)
+def test_a_robot_goes_straight_along_lanes_in_a_random_field(
+    shape: Shape, gazebo_classic: Installation, tmp_path: Path
 ) -> None:
-    ways = driven(lanes(others), gazebo_classic, tmp_path, shape)
+    go_straight(shape, 1.0, gazebo_classic, tmp_path)
+
+
+@pytest.mark.long(reason="five robots for 10 s per shape")
+@pytest.mark.parametrize("shape", [{}, {"simulator": "classic"}, {"collision": "boxes"}], ids=shape_name)
+def test_a_robot_goes_straight_over_a_plain_with_few_other_cells(
+    shape: Shape, gazebo_classic: Installation, tmp_path: Path
+) -> None:
+    go_straight(shape, 0.25, gazebo_classic, tmp_path)
+
+
+def go_straight(shape: Shape, others: float, gazebo_classic: Installation, folder: Path) -> None:
+    """Robots keep to their lanes within what the shape allows."""
+    ways = driven(lanes(others), gazebo_classic, folder, shape)
 
     assert_full_way(ways)
     aside = [abs(way.aside) for way in ways.values()]
@@ -54,6 +69,7 @@ def test_a_robot_goes_straight_over_equal_blocks(
     assert max(aside) <= most, ways
 
 
+@pytest.mark.long(reason="the measure of the other lanes alone")
 def test_the_same_robot_goes_straight_on_the_bare_ground(gazebo_classic: Installation, tmp_path: Path) -> None:
     ways = driven(np.zeros_like(lanes(0)), gazebo_classic, tmp_path, {})
 

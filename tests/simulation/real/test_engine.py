@@ -23,6 +23,8 @@ from tests.simulation.real.conftest import missing
 from tests.simulation.real.falling import falling, judge
 from tests.simulation.real.maps import SHAPES, examples, generated, lanes, map_name, shape_name, slippery, variants
 
+pytestmark = pytest.mark.long(reason="a package of 1.7 GB, scripts/gazebo-engine")
+
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
@@ -93,7 +95,7 @@ def test_robots_stand_on_their_wheels_and_belts(kind: str, level: int, engine: E
 
 
 @pytest.mark.parametrize("kind", ["burger", "jackal"])
-def test_robots_on_wheels_go_over_floors_of_blocks_as_they_are_told(kind: str, engine: Engine, tmp_path: Path) -> None:
+def test_robots_on_wheels_cross_floors_of_blocks_as_commanded(kind: str, engine: Engine, tmp_path: Path) -> None:
     robot, levels = ROBOTS[kind], np.random.default_rng(1).integers(1, 3, size=(20, 20))
     levels[:, 7:13] = 2
     v, w = robot.drive.speed / 2, robot.drive.turn / 4
@@ -116,7 +118,7 @@ def test_robots_on_wheels_go_over_floors_of_blocks_as_they_are_told(kind: str, e
         ("burger", 0.5, "mesh", False),
     ],
 )
-def test_robots_on_wheels_climb_what_the_manual_says(
+def test_robots_on_wheels_climb_the_steps_of_the_manual(
     kind: str, unit_cm: float, collision: str, climbs: bool, engine: Engine, tmp_path: Path
 ) -> None:
     levels = np.repeat([0, 1], 10)[:, None].repeat(20, axis=1)

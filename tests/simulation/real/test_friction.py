@@ -12,11 +12,11 @@ import pytest
 import rsegen
 from rsegen.simulation.simulators import Installation
 from tests.simulation.real.bodies import SIZE, body, furnished, tilt
-from tests.simulation.real.maps import generated, lanes, map_name, slippery
+from tests.simulation.real.maps import few_short, generated, lanes, map_name, slippery
 from tests.simulation.simulated import simulated
 
 
-@pytest.mark.parametrize("recipe", [*slippery()], ids=map_name)
+@pytest.mark.parametrize("recipe", few_short(slippery()), ids=map_name)
 def test_a_cube_that_is_pushed_slides_where_it_is_slippery_alone(
     recipe: rsegen.Recipe, gazebo: Installation, tmp_path: Path
 ) -> None:

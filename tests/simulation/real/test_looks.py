@@ -9,12 +9,14 @@ import subprocess
 import sys
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 
 import rsegen
 from rsegen import Matrix, Recipe
+
+cv2 = pytest.importorskip("cv2", reason="opencv-python-headless is not installed")
+pytestmark = pytest.mark.long(reason="a camera without a graphics card")
 
 BLOCKS = 8
 PLATEAU = Matrix.of(np.full((BLOCKS, BLOCKS), 2))

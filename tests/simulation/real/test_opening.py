@@ -26,6 +26,7 @@ from tests.support.leftovers import MARK, left, left_in_the_end
 from tests.support.runs import ended, started
 
 COURSE = EXAMPLES["mixed-course"]
+A_SERVER_MORE = pytest.mark.long(reason="a server more")
 
 
 SERVERS = ("gzserver", "gzserver-11.1.0", "ruby", "gz", "ign")
@@ -88,14 +89,13 @@ def test_a_world_that_is_no_world_is_an_error_at_once(gazebo_classic: Installati
     assert left(mark) == []
 
 
-def test_a_mesh_that_is_missing_is_told_and_is_a_failure(
-    gazebo_classic: Installation, tmp_path: Path, mark: str
-) -> None:
+@pytest.mark.long(reason="a server more")
+def test_a_missing_mesh_is_reported_and_fails(gazebo_classic: Installation, tmp_path: Path, mark: str) -> None:
     world = made(tmp_path, "course")
     for mesh in world.parent.glob("meshes/*.obj"):
         mesh.unlink()
 
-    code, said = ended(opening("classic", world, "--seconds", "8"))
+    code, said = ended(opening("classic", world, "--seconds", "4"))
 
     assert code == 1
     *told, line = said.splitlines()
@@ -103,7 +103,14 @@ def test_a_mesh_that_is_missing_is_told_and_is_a_failure(
     assert line == f"rsegen: {gazebo_classic} printed an error: {told[0]}"
 
 
-@pytest.mark.parametrize(("word", "code"), [("SIGINT", 0), ("SIGTERM", 0), ("SIGKILL", -9)])
+@pytest.mark.parametrize(
+    ("word", "code"),
+    [
+        ("SIGINT", 0),
+        pytest.param("SIGTERM", 0, marks=A_SERVER_MORE),
+        pytest.param("SIGKILL", -9, marks=A_SERVER_MORE),
+    ],
+)
 def test_nothing_is_left_of_a_command_that_is_stopped(
     word: str, code: int, gazebo: Installation, tmp_path: Path, mark: str
 ) -> None:
@@ -141,7 +148,7 @@ def test_two_servers_side_by_side_do_not_disturb_each_other(gazebo: Installation
     assert left(mark) == []
 
 
-def test_a_server_goes_on_when_it_is_told_to(gazebo: Installation, tmp_path: Path, mark: str) -> None:
+def test_a_server_runs_after_unpause(gazebo: Installation, tmp_path: Path, mark: str) -> None:
     def resumed() -> int:
         with (
             running_server(gazebo, made(tmp_path / str(time.monotonic_ns()), "course")) as server,
@@ -158,6 +165,7 @@ def names(live: LiveWorld) -> set[str]:
     return set(live.poses())
 
 
+@pytest.mark.long(reason="a server more")
 def test_a_record_is_kept_by_classic_until_it_is_stopped(gazebo_classic: Installation, tmp_path: Path) -> None:
     with running_server(gazebo_classic, made(tmp_path, "course")) as server, server.connect() as live:
 

@@ -16,13 +16,17 @@ from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.simulators.server import retried
 from tests.simulation.real.courses import Course, driven, served, stair
 from tests.simulation.real.test_sdformat import said
+from tests.support.long import long_unless
 
-ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
+A_COURSE_MORE = pytest.mark.long(reason="a server and a course more")
+A_ROBOT_MORE = pytest.mark.parametrize(
+    "robot", long_unless(ROBOTS["burger"].__eq__, ROBOTS.values(), reason="a server more"), ids=list(ROBOTS)
+)
 TILT = 0.02
 """Radians: more is not level."""
 
 
-@ROBOT
+@A_ROBOT_MORE
 @pytest.mark.parametrize("simulator", BACKENDS)
 def test_libsdformat_finds_nothing_against_it(
     robot: Robot, simulator: str, check_sdf: Callable[[Path], str], tmp_path: Path
@@ -32,7 +36,7 @@ def test_libsdformat_finds_nothing_against_it(
     assert said(check_sdf(file)) == ["Valid."]
 
 
-@ROBOT
+@A_ROBOT_MORE
 def test_it_goes_straight_turns_and_stands(robot: Robot, gazebo: Installation, tmp_path: Path) -> None:
     if isinstance(robot.drive, Tracks) and gazebo.backend != "classic":
         pytest.skip(f"tracks in {gazebo}: they need DART 6.13 or later, and have a test of their own")
@@ -60,7 +64,7 @@ def test_tracks_stand_level_in_fortress_and_do_not_move(gazebo_sim: Installation
     assert level(end["one"], 0)
 
 
-def test_wheels_stop_when_told(gazebo: Installation, tmp_path: Path) -> None:
+def test_wheels_stop_on_command(gazebo: Installation, tmp_path: Path) -> None:
     course = Course(robots={"one": ROBOTS["burger"]})
     _, early, late = driven(gazebo, tmp_path, course, {"one": (0.22, 0.0)}, (500, 500, 1000), stop_after=1)
     assert off(early["one"], late["one"]) < 0.0002
@@ -70,16 +74,16 @@ def test_wheels_stop_when_told(gazebo: Installation, tmp_path: Path) -> None:
     ("kind", "heights", "climbed"),
     [
         ("burger", [0.010], True),
-        ("burger", [0.020], False),
-        ("jackal", [0.050], True),
+        pytest.param("burger", [0.020], False, marks=A_COURSE_MORE),
+        pytest.param("jackal", [0.050], True, marks=A_COURSE_MORE),
         ("jackal", [0.110], False),
-        ("crawler", [0.100], True),
-        ("crawler", [0.200], True),
+        pytest.param("crawler", [0.100], True, marks=A_COURSE_MORE),
+        pytest.param("crawler", [0.200], True, marks=A_COURSE_MORE),
         ("crawler", [0.100, 0.200], True),
-        ("crawler", [0.400], False),
+        pytest.param("crawler", [0.400], False, marks=A_COURSE_MORE),
     ],
 )
-def test_it_climbs_what_it_should_and_no_more_in_classic(
+def test_a_robot_climbs_its_rated_step_and_no_higher_one_in_classic(
     kind: str, heights: Sequence[float], climbed: bool, gazebo_classic: Installation, tmp_path: Path
 ) -> None:
     robot = ROBOTS[kind]
@@ -99,7 +103,8 @@ def test_wheels_climb_less_in_sim(
     assert level(climbing(ROBOTS[kind], [height], gazebo_sim, tmp_path), height) == climbed
 
 
-def test_flippers_and_arm_go_where_they_are_told(gazebo_classic: Installation, tmp_path: Path) -> None:
+@pytest.mark.long(reason="a server more")
+def test_flippers_and_arm_reach_the_commanded_angles(gazebo_classic: Installation, tmp_path: Path) -> None:
     angles = {"left_flipper_pivot": 0.6, "right_flipper_pivot": 0.9, "shoulder_joint": 0.8}
     course = Course(robots={"one": ROBOTS["crawler"].holding({"right_flipper_pivot": 0.9})})
 

@@ -29,7 +29,7 @@ def package(tmp_path: Path) -> tuple[rsegen.Scene, Path]:
     return scene, found
 
 
-def test_gazebo_classic_opens_the_world_and_holds_what_is_dropped(gazebo: Installation, tmp_path: Path) -> None:
+def test_gazebo_classic_opens_the_world_and_bodies_rest_on_it(gazebo: Installation, tmp_path: Path) -> None:
     scene, folder = package(tmp_path)
     field, world = scene.field, folder / "worlds" / f"{scene.name}.world"
     i, j = np.unravel_index(int(field.heights.argmax()), field.shape)

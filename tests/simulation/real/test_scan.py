@@ -12,6 +12,8 @@ from rsegen import Random, Recipe
 from rsegen.scanning import find_field
 from rsegen.simulation.simulators import Installation
 
+pytestmark = pytest.mark.long(reason="two cameras without a graphics card")
+
 RECIPE = Recipe(seed=5, boundary="outer", obstacles=(Random(levels=5),))
 PLACES = ((0.6, 0.1, 2.2), (-0.5, -0.3, 2.2))
 

@@ -52,7 +52,7 @@ def robots(tmp_path: Path) -> Mapping[str, SdfRobot]:
     return found
 
 
-def test_any_drive_goes_ahead_and_to_the_left_as_it_is_told_and_nothing_complains(
+def test_any_drive_goes_ahead_and_left_as_commanded_without_errors(
     gazebo: Installation, robots: Mapping[str, SdfRobot], tmp_path: Path
 ) -> None:
     world = tmp_path / "ground.world"
@@ -73,6 +73,7 @@ def test_any_drive_goes_ahead_and_to_the_left_as_it_is_told_and_nothing_complain
         assert late[3] == pytest.approx(0.03, abs=0.003), run.name
 
 
+@pytest.mark.long(reason="a server more")
 def test_the_file_of_a_robot_is_spawned_on_an_even_place_of_the_map(
     gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

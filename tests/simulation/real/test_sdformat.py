@@ -8,13 +8,25 @@ from pathlib import Path
 import pytest
 
 import rsegen
-from tests.simulation.real.maps import examples, generated, kinds, map_name, shaped, slippery, variants
+from tests.simulation.real.maps import (
+    examples,
+    few_short,
+    generated,
+    kinds,
+    map_name,
+    shaped,
+    slippery,
+    textured,
+    variants,
+)
 
 HARMLESS = "Library error: libignition-tools-backward.so not found"
 """Debian's ignition-tools says so of itself, whatever it is asked."""
 
 
-@pytest.mark.parametrize("recipe", [*examples(), *variants(), *kinds(), *shaped(), *slippery()], ids=map_name)
+@pytest.mark.parametrize(
+    "recipe", few_short([*examples(), *variants(), *textured(), *kinds(), *shaped(), *slippery()]), ids=map_name
+)
 def test_every_world_and_model_is_valid(
     recipe: rsegen.Recipe, check_sdf: Callable[[Path], str], tmp_path: Path
 ) -> None:

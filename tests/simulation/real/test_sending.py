@@ -24,6 +24,8 @@ from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.server import running_server
 from tests.support.waiting import until
 
+pytestmark = pytest.mark.long(reason="a window and a server")
+
 
 def test_a_map_is_sent_and_the_next_one_takes_its_place(
     gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -52,7 +54,9 @@ def test_a_map_is_sent_and_the_next_one_takes_its_place(
     assert "rse_0000-1" not in there
 
 
-def test_where_nothing_runs_the_window_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_running_simulation_the_window_shows_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     app = QApplication.instance() or QApplication([])
     monkeypatch.setenv("GAZEBO_MASTER_URI", "http://127.0.0.1:9")
     window = Window(Session.new())

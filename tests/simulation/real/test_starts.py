@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import pytest
+
 from benchmarks.starts import starts
 from rsegen.simulation.simulators import Installation
 
 
+@pytest.mark.long(reason="a drive per robot, map, route and seed")
 def test_every_robot_starts_level_on_rough_maps(gazebo: Installation) -> None:
     found = list(starts(gazebo, ["turtlebot", "mixed-course"], seeds=(1, 2)))
     driven = [each for each in found if each.tilt is not None]

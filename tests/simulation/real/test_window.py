@@ -21,6 +21,8 @@ from tests.support.patience import until
 from tests.support.runs import started
 from tests.support.screen import ON_SCREEN, xvfb
 
+pytestmark = pytest.mark.long(reason="a window without a graphics card")
+
 MUCH = 0.0003
 """A share of the screen that is more than a letter: the map is about a hundred pixels wide."""
 

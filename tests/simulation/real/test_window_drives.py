@@ -25,6 +25,8 @@ from tests.simulation.simulators.standins import alone_on_path
 from tests.support.clicking import click, find, said
 from tests.support.waiting import until
 
+pytestmark = pytest.mark.long(reason="a window and a server")
+
 
 @contextmanager
 def opened(tmp_path: Path) -> Iterator[DriveDialog]:
@@ -63,7 +65,7 @@ def test_a_drive_that_is_cancelled_leaves_nothing(gazebo: Installation, tmp_path
         assert not (tmp_path / "drives").exists()
 
 
-def test_without_a_simulator_it_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_simulator_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     alone_on_path(tmp_path, monkeypatch)
     with opened(tmp_path) as dialog:
         click(dialog, "start")

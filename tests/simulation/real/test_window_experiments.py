@@ -23,6 +23,8 @@ from rsegen.simulation.simulators import Installation
 from tests.support.clicking import click, find, said
 from tests.support.waiting import until
 
+pytestmark = pytest.mark.long(reason="a window and servers")
+
 PLAN = """
 name: tiny
 seconds: {seconds}

@@ -48,7 +48,7 @@ def subscriber(client: TransportClient) -> socket.socket:
     return socket.create_connection(client._own.getsockname(), 5)
 
 
-def test_every_subscriber_gets_a_message_however_many_come_before_the_first_is_read(
+def test_every_subscriber_gets_every_unread_message(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     with a_client() as client:
@@ -67,7 +67,7 @@ def test_every_subscriber_gets_a_message_however_many_come_before_the_first_is_r
                 assert CLASSIC.decode("GzString", stream.read(int(stream.read(8), 16))) == {"data": "hello"}
 
 
-def test_nobody_can_connect_to_a_client_that_is_closed() -> None:
+def test_a_closed_client_refuses_connections() -> None:
     with a_client() as client:
         address = client._own.getsockname()
     with pytest.raises(OSError, match="refused"):

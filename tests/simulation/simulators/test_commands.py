@@ -22,7 +22,7 @@ def opened(*arguments: str | Path) -> int:
     return main(["open", *map(str, arguments)])
 
 
-def test_sim_says_of_each_what_is_there_or_how_to_get_it(programs: Path, capsys: Capture) -> None:
+def test_sim_lists_installed_simulators_and_how_to_install_the_others(programs: Path, capsys: Capture) -> None:
     put(programs, PROGRAMS["sim"])
     assert main(["sim"]) == 0
     out = capsys.readouterr().out
@@ -63,7 +63,7 @@ def test_open_starts_a_server_until_the_seconds_are_over(
 
 
 @pytest.mark.parametrize(("name", "program"), [("sim", "gz"), ("classic", "gazebo")])
-def test_open_opens_a_window_where_there_is_a_screen(
+def test_open_opens_a_window_on_a_screen(
     name: str, program: str, programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     put(programs, PROGRAMS[name])
@@ -99,14 +99,14 @@ def test_without_a_screen_it_offers_to_open_without_a_window(
     assert "--headless" in line
 
 
-def test_a_server_without_its_window_says_so(programs: Path, world: Path, capsys: Capture) -> None:
+def test_an_installation_without_its_window_is_reported(programs: Path, world: Path, capsys: Capture) -> None:
     put(programs, {"gzserver": PROGRAMS["classic"]["gzserver"]})
     capsys.readouterr()
     assert opened(world, "--print") == 2
     assert "Gazebo Classic 11.14.0 is installed without its window; install it" in the_line(capsys.readouterr().err)
 
 
-def test_where_nothing_is_installed_it_says_how_to_get_each(programs: Path, world: Path, capsys: Capture) -> None:
+def test_without_simulators_every_installation_is_explained(programs: Path, world: Path, capsys: Capture) -> None:
     capsys.readouterr()
     assert opened(world) == 2
     line = the_line(capsys.readouterr().err)
@@ -120,7 +120,7 @@ def test_a_map_for_classic_opens_in_each(programs: Path, classic_world: Path, ca
     assert f"{programs}/gz sim " in capsys.readouterr().out
 
 
-def test_what_it_is_made_for_is_chosen_else_the_newest(
+def test_the_target_simulator_is_chosen_else_the_newest(
     programs: Path, world: Path, classic_world: Path, capsys: Capture
 ) -> None:
     put(programs, {**PROGRAMS["classic"], **PROGRAMS["sim"]})
@@ -170,7 +170,7 @@ NO_MESH = "[Err] [a.cc:1] no such mesh"
         ("(2026) [error] no such mesh", "(2026) [error] no such mesh", "printed an error: "),
     ],
 )
-def test_what_a_server_complains_of_is_told_and_is_a_failure(
+def test_an_error_of_the_server_is_printed_and_fails(
     says: str, told: str, words: str, programs: Path, world: Path, capsys: Capture
 ) -> None:
     put(programs, PROGRAMS["sim"])
@@ -178,7 +178,7 @@ def test_what_a_server_complains_of_is_told_and_is_a_failure(
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SAYS", f"[Msg] hello\\n{says}\\n")
         patch.setenv("STAYS", "60")
-        assert opened(world, "--headless", "--seconds", "5") == 1
+        assert opened(world, "--headless", "--seconds", "2") == 1
     first, line = capsys.readouterr().err.splitlines()
     assert first == told
     assert words in line

@@ -103,7 +103,7 @@ def test_only_a_server_has_a_home_of_its_own(simulator: Simulator, programs: Pat
 
 
 @EACH
-def test_its_line_does_in_a_shell_what_the_launch_says(simulator: Simulator, programs: Path, world: Path) -> None:
+def test_the_printed_line_launches_the_same_in_a_shell(simulator: Simulator, programs: Path, world: Path) -> None:
     for launch in launches(installed(simulator, programs), OpenRequest(world=world)):
         subprocess.run(["/bin/sh", "-c", launch.shell_line], check=True)
         did = start(Path(launch.command[0]))
@@ -112,7 +112,7 @@ def test_its_line_does_in_a_shell_what_the_launch_says(simulator: Simulator, pro
 
 
 @EACH
-def test_its_error_lines_are_told_from_others(simulator: Simulator) -> None:
+def test_error_lines_are_recognised(simulator: Simulator) -> None:
     log = "\n".join(
         [
             "\x1b[1;32m[Msg] all is well\x1b[0m",
@@ -129,7 +129,7 @@ def test_its_error_lines_are_told_from_others(simulator: Simulator) -> None:
 
 
 @EACH
-def test_a_world_that_is_not_there_is_known_by_the_log(simulator: Simulator) -> None:
+def test_a_world_that_failed_to_load_is_found_in_the_log(simulator: Simulator) -> None:
     assert simulator.load_failures
     assert all(simulator.load_failed(f"[Err] [a.cc:1] {words} that") for words in simulator.load_failures)
     assert not simulator.load_failed("")

@@ -119,7 +119,7 @@ def test_a_server_that_never_tells_its_models_poses_has_not_loaded(
         ("[Err] [UserCommands.cc:970] Error Code 13: Msg: Unable to find uri[model://a]", False),
     ],
 )
-def test_an_error_in_the_world_is_told_from_one_in_a_model_that_is_spawned(line: str, *, failed: bool) -> None:
+def test_an_error_in_the_world_differs_from_one_in_a_spawned_model(line: str, *, failed: bool) -> None:
     assert SIM.load_failed(f"[Msg] Loading SDF world file\n\x1b[1;31m{line}\x1b[0m\n") == failed
 
 

@@ -20,7 +20,7 @@ from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.server import running_server
 from rsegen.simulation.simulators.sim_transport import SERVICES, Discovery, Event, transport_client
 from tests.simulation.real.conftest import gazebo_classic, gazebo_sim
-from tests.simulation.transport import connected_to, transport_world
+from tests.simulation.transport import NEEDS_ENGINE, connected_to, transport_world
 from tests.support.complaints import the_line
 from tests.support.patience import PATIENCE
 
@@ -30,7 +30,7 @@ BURGER = robot("burger")
 THERE, ELSEWHERE = Pose(x=1, y=-2, z=0.5, yaw=1.0), Pose(x=-1.5, y=0.25, z=1.0, yaw=-0.5)
 
 
-@pytest.fixture(params=["sim", "classic", "transport"])
+@pytest.fixture(params=["sim", "classic", pytest.param("transport", marks=NEEDS_ENGINE)])
 def live(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[LiveWorld]:
     """A world with the ground alone, which stands still: in a server, or in the transport of Gazebo Sim alone."""
     if request.param == "transport":
@@ -130,7 +130,7 @@ def test_a_map_of_many_boxes_is_spawned(sim_address: Mapping[str, str]) -> None:
     assert Path("worlds/rse_0000/model.sdf").stat().st_size > 2**17
 
 
-def test_where_no_server_is_it_says_so() -> None:
+def test_a_missing_server_is_reported() -> None:
     with (
         pytest.raises(SimulatorFailed, match=r"no server answers in the partition no-lab$"),
         SIMULATORS["sim"].connect({"GZ_PARTITION": "no-lab"}, 0.5),
@@ -176,6 +176,7 @@ def test_a_server_that_cannot_be_connected_to_is_given_up_and_nothing_hangs() ->
     assert not using.is_alive()
 
 
+@NEEDS_ENGINE
 def test_a_server_that_ends_is_an_error() -> None:
     with ExitStack() as server:
         address = server.enter_context(transport_world("short"))
@@ -187,7 +188,7 @@ def test_a_server_that_ends_is_an_error() -> None:
 
 
 @pytest.mark.parametrize("words", [["spawn", "burger"], ["remove", "burger"]])
-def test_where_nothing_runs_it_is_said_in_one_line(
+def test_without_a_running_simulation_it_is_refused_in_one_line(
     words: list[str], programs: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("GAZEBO_MASTER_URI", "http://127.0.0.1:1")
@@ -197,7 +198,7 @@ def test_where_nothing_runs_it_is_said_in_one_line(
     assert "no simulation runs (Gazebo Sim: no server answers in the partition no-lab; Gazebo Classic: nobody" in line
 
 
-def test_an_address_that_is_none_is_said(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_invalid_address_is_refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setenv("GAZEBO_MASTER_URI", "localhost")
     assert main(["remove", "burger", "--simulator", "classic"]) == 2
     assert "GAZEBO_MASTER_URI: 'localhost' is not a host and a port" in the_line(capsys.readouterr().err)

@@ -51,7 +51,7 @@ def test_every_message_comes_back_from_its_bytes(types: MessageTypes, type_name:
     assert types.decode(type_name, types.encode(type_name, message)) == message
 
 
-def test_bytes_are_those_of_protocol_buffers() -> None:
+def test_messages_have_the_bytes_of_protocol_buffers() -> None:
     assert CLASSIC.encode("Time", {"sec": 300, "nsec": 1}) == bytes([0x08, 0xAC, 0x02, 0x10, 0x01])
     assert CLASSIC.encode("GzString", {"data": "rse"}) == b"\x0a\x03rse"
     assert CLASSIC.encode("Vector3d", {"x": 1.0}) == b"\x09" + b"\0" * 6 + b"\xf0\x3f"
@@ -63,14 +63,14 @@ def test_a_field_that_is_not_known_is_skipped() -> None:
 
 
 @given(v=st.floats(-0.2, 0.2), w=st.floats(-2, 2))
-def test_what_is_said_to_a_robot_is_a_message(v: float, w: float) -> None:
+def test_a_command_for_a_robot_is_a_message(v: float, w: float) -> None:
     command = robot("burger").command("burger", v, w)
     type_name = command.type.rpartition(".")[2]
     message = CLASSIC.decode(type_name, CLASSIC.encode(type_name, parse_text(command.text)))
     assert message["position"]["x"] == pytest.approx(v, abs=1e-6)
 
 
-def test_where_nobody_answers_it_is_said() -> None:
+def test_a_server_that_does_not_answer_is_reported() -> None:
     with (
         pytest.raises(SimulatorFailed, match=r"nobody answers at 127.0.0.1:1 \(Connection refused\)"),
         transport_client(("127.0.0.1", 1), 1),

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators import LaunchCommand
 from rsegen.simulation.simulators.process import output_of, running
 from tests.support.leftovers import MARK, left, left_in_the_end
+from tests.support.long import long_unless
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="sessions of processes are POSIX")
 
@@ -27,6 +29,7 @@ os.setpgid(0, 0)
 open("told", "w").close()
 time.sleep(60)' & wait"""
 A_CHILD_LEFT_BEHIND = "sleep 60 & echo begun >>told"
+SCRIPTS = (POLITE, STUBBORN, A_GROUP_OF_ITS_OWN, A_CHILD_LEFT_BEHIND)
 
 OUTER = """
 import sys, time
@@ -58,7 +61,9 @@ def until_begun(folder: Path, sign: str = "told") -> None:
         time.sleep(0.01)
 
 
-@pytest.mark.parametrize("script", [POLITE, STUBBORN, A_GROUP_OF_ITS_OWN, A_CHILD_LEFT_BEHIND])
+@pytest.mark.parametrize(
+    "script", long_unless({POLITE, STUBBORN}.__contains__, SCRIPTS, reason="seconds until what does not obey is killed")
+)
 def test_nothing_is_left_after_the_end(script: str, tmp_path: Path, mark: str) -> None:
     with running(shell(script, tmp_path), subprocess.DEVNULL) as program:
         until_begun(tmp_path)
@@ -74,7 +79,7 @@ def test_it_is_asked_before_it_is_killed(tmp_path: Path, mark: str) -> None:
     assert program.exit_code == 0
 
 
-def test_it_is_killed_where_somebody_has_killed_its_watch(tmp_path: Path, mark: str) -> None:
+def test_a_server_is_killed_if_its_watch_was_killed(tmp_path: Path, mark: str) -> None:
     with running(shell(STUBBORN, tmp_path), subprocess.DEVNULL) as program:
         until_begun(tmp_path)
         program.watch.kill()
@@ -93,8 +98,14 @@ def test_nothing_is_left_after_an_exception(tmp_path: Path, mark: str) -> None:
     assert left(mark) == []
 
 
-@pytest.mark.parametrize("word", ["SIGINT", "SIGTERM", "SIGKILL", "SIGHUP"])
-@pytest.mark.parametrize("script", [POLITE, STUBBORN, A_GROUP_OF_ITS_OWN])
+@pytest.mark.parametrize(
+    ("script", "word"),
+    long_unless(
+        {(POLITE, "SIGINT"), (A_GROUP_OF_ITS_OWN, "SIGKILL")}.__contains__,
+        product([POLITE, STUBBORN, A_GROUP_OF_ITS_OWN], ["SIGINT", "SIGTERM", "SIGKILL", "SIGHUP"]),
+        reason="seconds until what does not obey is killed",
+    ),
+)
 def test_nothing_is_left_when_rsegen_is_killed(script: str, word: str, tmp_path: Path, mark: str) -> None:
     outer = subprocess.Popen([sys.executable, "-c", OUTER, script, str(tmp_path)], stderr=subprocess.DEVNULL)
     until_begun(tmp_path)

@@ -39,7 +39,7 @@ def test_the_newest_that_is_installed_is_printed(gz: str, ign: str, words: str, 
 
 
 @pytest.mark.parametrize("there", [{}, {"gz": "Invalid arguments\\n"}])
-def test_where_there_is_none_it_says_how_to_install_one(there: dict[str, str], programs: Path) -> None:
+def test_without_gazebo_sim_the_script_says_how_to_install_it(there: dict[str, str], programs: Path) -> None:
     put(programs, there)
     said = found(programs)
     assert (said.returncode, said.stdout) == (1, "")

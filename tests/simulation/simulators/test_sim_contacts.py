@@ -40,7 +40,7 @@ def test_a_sample_has_the_contacts_of_its_time_with_the_mean_of_their_points() -
     assert sampled(2_000_000_000, at_its_time, later) == [((WHEEL, BLOCK), (2.0, 1.0, 1.5))]
 
 
-def test_what_both_robots_report_is_one_contact() -> None:
+def test_a_contact_reported_by_both_robots_counts_once() -> None:
     both = [message(1, contact(WHEEL, HULL, POINTS)), message(1, contact(HULL, WHEEL, POINTS))]
     assert sampled(1, *both) == sampled(None, *both) == [((WHEEL, HULL), (2.0, 1.0, 1.5))]
 

@@ -23,7 +23,7 @@ FIELD = rsegen.build(
 
 
 @given(half_x=st.floats(0.1, 3), half_y=st.floats(0.1, 3), taken=TAKEN)
-def test_a_free_place_is_clear_of_all_that_is_there(half_x: float, half_y: float, taken: list[Area]) -> None:
+def test_a_free_place_is_clear_of_all_models(half_x: float, half_y: float, taken: list[Area]) -> None:
     place = free_area(half_x, half_y, taken)
     assert (place.half_x, place.half_y) == (half_x, half_y)
     for other in taken:
@@ -52,7 +52,7 @@ def test_the_top_under_a_place_is_that_of_its_cell(
 
 
 @given(x=METRES, y=METRES, yaw=st.floats(-pi, pi), angle=st.floats(-pi, pi))
-def test_beside_a_map_there_is_its_ground(x: float, y: float, yaw: float, angle: float) -> None:
+def test_outside_a_map_the_ground_is_flat(x: float, y: float, yaw: float, angle: float) -> None:
     placed = SpawnedMap(name="rse_0000", field=FIELD, at=Pose(x=x, y=y, z=0.25, yaw=yaw))
     away = hypot(*FIELD.extent) / 2 + 0.2
     at = Pose(x=x + away * cos(angle), y=y + away * sin(angle), z=0)

@@ -66,7 +66,7 @@ def test_an_index_that_several_maps_have_is_refused(sim_address: Mapping[str, st
     assert rsegen.spawn("maps", map="other_0000", simulator="sim").name == "other_0000"
 
 
-def test_a_robot_beside_a_map_of_unknown_heights_has_a_note(sim_address: Mapping[str, str]) -> None:
+def test_a_robot_next_to_a_map_of_unknown_heights_has_a_note(sim_address: Mapping[str, str]) -> None:
     rsegen.spawn(COURSE, output="elsewhere", simulator="sim")
     (note,) = rsegen.spawn("burger", simulator="sim").notes
     assert note.startswith("the heights of the blocks of course_0000 are unknown")
