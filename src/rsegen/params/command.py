@@ -230,7 +230,8 @@ def rows(owner: Callable[..., Any]) -> Iterator[tuple[str, str, str, str, str]]:
     """Yield the row of each parameter in the manual: name in Python, flag, values, default, meaning."""
     for each in declared(owner).values():
         value = "" if each.is_switch else f" {each.metavar}"
-        default = each.shell.default or _shown_default(each.default) or ("" if each.default is None else "required")
+        is_required = each.default is Argument.empty or each.shell.required
+        default = each.shell.default or _shown_default(each.default) or ("required" if is_required else "")
         yield each.name, f"{each.flags[-1]}{value}", each.sort.describe(), default, each.sort.help
 
 
