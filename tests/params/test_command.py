@@ -119,6 +119,12 @@ def test_a_row_of_the_manual_has_name_flag_values_default_and_meaning() -> None:
     assert found["stir"] == ("--no-stir", "yes or no", "yes", "stir it")
 
 
+def test_the_manual_tells_what_is_required_and_which_default_a_shell_has_instead() -> None:
+    defaults = {row[0]: row[3] for row in rows(rsegen.generate)}
+    assert (defaults["folder"], defaults["formats"], defaults["scheduler"]) == ("required", "", "")
+    assert defaults["workers"] == "1; in a shell the number of cores"
+
+
 def test_nested_annotations_add_to_what_the_inner_ones_say() -> None:
     def write(letter: Annotated[Letter, Shell(default="none")] = "a") -> None: ...
 

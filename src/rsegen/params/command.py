@@ -231,8 +231,9 @@ def rows(owner: Callable[..., Any]) -> Iterator[tuple[str, str, str, str, str]]:
     for each in declared(owner).values():
         value = "" if each.is_switch else f" {each.metavar}"
         is_required = each.default is Argument.empty or each.shell.required
-        default = each.shell.default or _shown_default(each.default) or ("required" if is_required else "")
-        yield each.name, f"{each.flags[-1]}{value}", each.sort.describe(), default, each.sort.help
+        in_python, in_shell = _shown_default(each.default), each.shell.default
+        default = f"{in_python}; in a shell {in_shell}" if in_python and in_shell else in_python or in_shell
+        yield each.name, f"{each.flags[-1]}{value}", each.sort.describe(), default or ("required" if is_required else ""), each.sort.help
 
 
 def _shown_default(value: object) -> str:
