@@ -349,13 +349,16 @@ def _commands() -> Iterator[str]:
         yield f"    {_usage(name)}\n"
         yield "| in Python | flag | values | default | meaning |\n|---|---|---|---|---|"
         for parameter, flag, values, default, meaning in rows(owner):
-            cells = " | ".join(
-                cell.replace("|", "\\|") for cell in (f"`{parameter}`", f"`{flag}`", values, default, meaning)
-            )
-            yield f"| {cells} |"
+            texts = (cell.replace("|", "\\|") for cell in (values, default, meaning))
+            yield f"| `{parameter}` | {_code_in_table(flag)} | {' | '.join(texts)} |"
     yield "\n## Other commands\n\n| command | what it does |\n|---|---|"
     for name in (name for group in GROUPS.values() for name in group if name not in FUNCTIONS):
         yield f"| `{name}` | {COMMANDS[name]} |"
+
+
+def _code_in_table(text: str) -> str:
+    """Return a text as code: MkDocs shows the backslash of an escaped | in backticks, GitHub does not."""
+    return f"<code>{text.replace('|', '&#124;')}</code>" if "|" in text else f"`{text}`"
 
 
 def _usage(name: str) -> str:
