@@ -14,9 +14,11 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import rsegen
 from benchmarks import crossings, datasets, learning, scan, starts
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
@@ -38,10 +40,14 @@ from rsegen import (
     schema,
     series,
 )
+from rsegen.cli.commands import COMMANDS, GROUPS, module_of
+from rsegen.cli.parser import Parser
+from rsegen.cli.schema import FUNCTIONS
 from rsegen.exporters.pictures.preview import figure_bytes, preview
 from rsegen.exporters.pictures.robot_plots import path_plot
 from rsegen.exporters.sheet import pages
 from rsegen.field.obstacles.base import PLACING, own_parameters
+from rsegen.params.command import rows
 from rsegen.params.extras import MAT
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Parameter, parameters
@@ -135,6 +141,7 @@ def texts() -> dict[Path, str]:
         DOCS / "recipe.schema.json": json.dumps(schema(), indent=2) + "\n",
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
         DOCS / "algorithms.md": "\n".join(_algorithms()) + "\n",
+        DOCS / "commands.md": "\n".join(_commands()) + "\n",
         DOCS / "decisions" / "index.md": "\n".join(_decisions()) + "\n",
         DOCS / "gallery.md": "\n".join(gallery.page()) + "\n",
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
@@ -303,6 +310,62 @@ def _as_markdown(docstring: str) -> str:
         else:
             parts.append((is_drawn, paragraph if is_drawn else re.sub(r"docs/(\w+)\.md", r"[\1](\1.md)", paragraph)))
     return "\n\n".join(f"```text\n{text}\n```" if is_drawn else text for is_drawn, text in parts)
+
+
+_SHARED = """\
+# Commands
+
+Made by `make docs` from the signatures of the functions, which are the same in Python and in a shell:
+`rsegen drive mixed-course --robots 3` is `rsegen.drive(recipe, robots=3)`. `rsegen COMMAND -h` prints all flags.
+
+Every command has
+
+- `--json`: it prints its result as JSON, with lengths in metres;
+- `-q`, `--quiet`: it prints no report and no progress;
+- `--plugin FILE`: it loads [obstacles, formats, ... of your own](plugins.md);
+- exit codes: 0 done; 2 invalid input, and nothing was changed; 1 if something failed later, and of `compare` if maps
+  differ; 130 after Ctrl-C. An error is one line on stderr.
+
+`rsegen` alone prints a short overview, `rsegen --help` all commands, `rsegen -V` the version. `rsegen schema` prints
+the JSON Schema of recipe files, `rsegen schema COMMAND` that of the parameters of a command below, for forms.
+
+The Tab key completes commands, flags and their words if `~/.bashrc` has this line, or `~/.zshrc` this line with `zsh`
+for `bash`, after `compinit`:
+
+    eval "$(rsegen completion bash)"
+
+For fish: `rsegen completion fish > ~/.config/fish/completions/rsegen.fish`.
+
+Commands that take a recipe also have a flag for each [global parameter](parameters.md). A flag that begins with `--no-`
+switches off what its row says."""
+
+
+def _commands() -> Iterator[str]:
+    yield _SHARED
+    for name, function in FUNCTIONS.items():
+        owner = getattr(rsegen, function)
+        what = (owner.__doc__ or "").partition("\n")[0]
+        yield f"\n## {name}\n\n{what} In Python: [`rsegen.{function}`](api.md).\n"
+        yield f"    {_usage(name)}\n"
+        yield "| in Python | flag | values | default | meaning |\n|---|---|---|---|---|"
+        for parameter, flag, values, default, meaning in rows(owner):
+            texts = (cell.replace("|", "\\|") for cell in (values, default, meaning))
+            yield f"| `{parameter}` | {_code_in_table(flag)} | {' | '.join(texts)} |"
+    yield "\n## Other commands\n\n| command | what it does |\n|---|---|"
+    for name in (name for group in GROUPS.values() for name in group if name not in FUNCTIONS):
+        yield f"| `{name}` | {COMMANDS[name]} |"
+
+
+def _code_in_table(text: str) -> str:
+    """Return a text as code: MkDocs shows the backslash of an escaped | in backticks, GitHub does not."""
+    return f"<code>{text.replace('|', '&#124;')}</code>" if "|" in text else f"`{text}`"
+
+
+def _usage(name: str) -> str:
+    """Return the first line of a command's help: what must be given."""
+    commands = Parser(prog="rsegen").add_subparsers(prog="rsegen")
+    import_module(module_of(name)).add(commands)
+    return " ".join(commands.choices[name].format_help().partition("\n\n")[0].split()).removeprefix("usage: ")
 
 
 def _parameters() -> Iterator[str]:

@@ -119,6 +119,12 @@ def test_a_row_of_the_manual_has_name_flag_values_default_and_meaning() -> None:
     assert found["stir"] == ("--no-stir", "yes or no", "yes", "stir it")
 
 
+def test_the_manual_tells_what_is_required_and_which_default_a_shell_has_instead() -> None:
+    defaults = {row[0]: row[3] for row in rows(rsegen.generate)}
+    assert (defaults["folder"], defaults["formats"], defaults["scheduler"]) == ("required", "", "")
+    assert defaults["workers"] == "1; in a shell the number of cores"
+
+
 def test_nested_annotations_add_to_what_the_inner_ones_say() -> None:
     def write(letter: Annotated[Letter, Shell(default="none")] = "a") -> None: ...
 
@@ -143,7 +149,13 @@ def test_every_parameter_of_a_command_is_explained_and_its_default_is_valid(func
 @pytest.mark.parametrize("function", COMMANDS, ids=lambda function: function.__name__)
 def test_parameters_of_one_name_mean_the_same_in_every_command(function: Any) -> None:
     """In an experiment --simulator takes several; a series has a robot's limits; spawn gives a name, respawn one that is."""
-    others = {("name", "spawn"), ("simulator", "experiment"), ("robot", "series"), ("formats", "export_maps"), ("size", "spots")}
+    others = {
+        ("name", "spawn"),
+        ("simulator", "experiment"),
+        ("robot", "series"),
+        ("formats", "export_maps"),
+        ("size", "spots"),
+    }
     for name, parameter in declared(function).items():
         for other in COMMANDS:
             like = declared(other).get(name)

@@ -8,7 +8,7 @@ import json
 from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.errors import UnknownName
 
-_FUNCTIONS = {
+FUNCTIONS = {
     "generate": "generate",
     "series": "series",
     "dataset": "make_dataset",
@@ -28,7 +28,7 @@ def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     text = "Print the JSON Schema (2020-12) of recipe files, by which editors complete and check recipes; or of the "
     command = add_command(commands, "schema", text=f"{text}parameters of a command, of which a form can be made.")
-    command.add_argument("command", nargs="?", metavar="COMMAND", help=", ".join(_FUNCTIONS))
+    command.add_argument("command", nargs="?", metavar="COMMAND", help=", ".join(FUNCTIONS))
     command.set_defaults(run=run)
 
 
@@ -40,8 +40,8 @@ def run(arguments: argparse.Namespace) -> Report:
 
     if arguments.command is None:
         content = schema()
-    elif arguments.command in _FUNCTIONS:
-        content = command_schema(getattr(rsegen, _FUNCTIONS[arguments.command]))
+    elif arguments.command in FUNCTIONS:
+        content = command_schema(getattr(rsegen, FUNCTIONS[arguments.command]))
     else:
-        raise UnknownName.among("", "command", arguments.command, _FUNCTIONS)
+        raise UnknownName.among("", "command", arguments.command, FUNCTIONS)
     return Report(lines=[json.dumps(content, indent=2)], content=content)

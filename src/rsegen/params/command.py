@@ -230,8 +230,15 @@ def rows(owner: Callable[..., Any]) -> Iterator[tuple[str, str, str, str, str]]:
     """Yield the row of each parameter in the manual: name in Python, flag, values, default, meaning."""
     for each in declared(owner).values():
         value = "" if each.is_switch else f" {each.metavar}"
-        default = each.shell.default or _shown_default(each.default) or ("" if each.default is None else "required")
-        yield each.name, f"{each.flags[-1]}{value}", each.sort.describe(), default, each.sort.help
+        yield each.name, f"{each.flags[-1]}{value}", each.sort.describe(), _default_of_row(each), each.sort.help
+
+
+def _default_of_row(parameter: Declared) -> str:
+    """Return the default in Python, and that of a shell if it is another one."""
+    in_python, in_shell = _shown_default(parameter.default), parameter.shell.default
+    if parameter.default is Argument.empty or (parameter.shell.required and not in_python):
+        return "required"
+    return f"{in_python}; in a shell {in_shell}" if in_python and in_shell else in_python or in_shell
 
 
 def _shown_default(value: object) -> str:

@@ -271,6 +271,12 @@ KINDS: Registry[type[Obstacle]] = Registry(
 )
 """Every obstacle class by the name of its kind."""
 
+
+def kind(name: str, where: str = "kind") -> type[Obstacle]:
+    """Return the obstacle class of a kind; UnknownName, which lists the kinds, if there is none."""
+    return KINDS.named(name, where)
+
+
 _Kind = TypeVar("_Kind", bound=type[Obstacle])
 
 
