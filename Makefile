@@ -1,6 +1,6 @@
 # make worlds   sets up and generates every example into worlds/
 # make test     sets up, with a real Gazebo where this machine allows one, and tests every promise: within 6 minutes on two cores
-# make test-all    these and the long tests, with more of everything, as CI runs them: within 11 minutes on two cores
+# make test-all    the long tests, with more of everything, and then these, as CI runs them: within 11 minutes on two cores
 # make test-fast   the tests without a simulator, a window and all that is slow: within a minute on two cores
 # make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
 # make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
@@ -23,7 +23,7 @@ FUZZ ?=
 CRASH ?=
 LOCK = $(VENV)/lock/bin/uv pip compile --quiet --universal --python-version 3.10 pyproject.toml --custom-compile-command 'make lock'
 
-.PHONY: browser classic compiler learners worlds test test-all test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: browser classic compiler learners worlds test test-all test-long test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in src/rsegen/recipe/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
@@ -31,8 +31,13 @@ worlds: $(VENV)/installed
 test: $(VENV)/tester classic screen browser compiler
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not long" $(ARGS)
 
-test-all: $(VENV)/developer gazebo screen browser compiler learners
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest --hypothesis-profile=thorough $(ARGS)
+# What takes too long for make test.
+test-long: $(VENV)/developer gazebo screen browser compiler learners
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m long --hypothesis-profile=thorough $(ARGS)
+
+test-all:
+	$(MAKE) test-long
+	$(MAKE) test
 
 test-fast: $(VENV)/tester
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not slow and not long and not real and not window" $(FAST)

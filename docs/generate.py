@@ -118,7 +118,26 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "exporters/textures/pine",
         "exporters/pictures/preview",
         "exporters/gazebo/obj",
-        "exporters/levels",
+        "exporters/scene",
+    ),
+    "What is written": (
+        "run/execute",
+        "run/journal",
+        "run/store",
+        "run/swap",
+        "run/lease",
+        "run/series_rows",
+        "io/importers/measured",
+    ),
+    "Robots and simulators": (
+        "robots/sdf_shapes",
+        "robots/sdf_drives",
+        "simulation/driving/routes",
+        "simulation/driving/drive_metrics",
+        "simulation/spawning/spawning",
+        "simulation/simulators/wire",
+        "simulation/simulators/classic_transport",
+        "simulation/simulators/sim_transport",
     ),
 }
 """Modules of algorithms by the part of docs/algorithms.md that shows their docstrings."""

@@ -1,7 +1,7 @@
 """Settings of all tests: markers by folder, a limit of CPU time, hypothesis, signals.
 
 Hypothesis runs without deadlines, as machines are noisy, and in CI with the same examples every time: 25 per test, and
-100 with `--hypothesis-profile=thorough`, as in `make test-all`.
+100 with `--hypothesis-profile=thorough`, as the long ones have in `make test-all`.
 
 A shell that runs the tests in the background has them ignore Ctrl-C, nohup has them ignore that their terminal is gone,
 and all that they start would do so too; so both are set back.

@@ -148,7 +148,7 @@ def test_every_parameter_of_a_command_is_explained_and_its_default_is_valid(func
 
 @pytest.mark.parametrize("function", COMMANDS, ids=lambda function: function.__name__)
 def test_parameters_of_one_name_mean_the_same_in_every_command(function: Any) -> None:
-    """In an experiment --simulator takes several; a series has a robot's limits; spawn gives a name, respawn one that is."""
+    """Others by intention: spawn gives a name, respawn takes one; an experiment several simulators; a series limits."""
     others = {
         ("name", "spawn"),
         ("simulator", "experiment"),
