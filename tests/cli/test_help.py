@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -36,6 +39,71 @@ finally:
     assert found.stdout
     heavy = re.compile(r"numpy|yaml|dataclasses|rsegen\.(field|recipe|geometry|exporters|io|simulation|gui)")
     assert [name for name in found.stderr.split() if heavy.match(name)] == []
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_help_of_a_command_imports_neither_numpy_nor_yaml(command: str) -> None:
+    code = f"""
+import sys
+from rsegen.cli import main
+try:
+    main([{command!r}, "-h"])
+finally:
+    print(*sorted({{"numpy", "yaml", "matplotlib", "zmq"}} & set(sys.modules)), file=sys.stderr)
+"""
+    result = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert result.stdout.startswith("usage: rsegen")
+    assert result.stderr.split() == []
+
+
+def test_rsegen_alone_says_how_to_begin(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    text = capsys.readouterr().out
+    assert len(text.splitlines()) < 10
+    assert {"generate", "open", "examples", "gui", "--help"} <= set(text.split())
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_json_and_quiet(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert {"--json", "--quiet"} <= set(helped(capsys, command).replace(",", " ").split())
+
+
+def test_quiet_prints_nothing_and_json_is_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for words in (
+        ["generate", "peak", "-o", str(tmp_path / "worlds")],
+        ["preview", "peak", "-o", str(tmp_path / "a.png")],
+        ["sheet", "peak", "-o", str(tmp_path / "a.csv")],
+        ["info", "peak"],
+        ["metrics", "peak"],
+        ["examples"],
+        ["spots", "peak", "--seed", "1"],
+    ):
+        assert main([*words, "--quiet"]) == 0
+        assert capsys.readouterr() == ("", "")
+        assert main([*words, "--json", *(["--force"] if "-o" in words else [])]) == 0
+        assert json.loads(capsys.readouterr().out)
+
+
+def test_a_shell_completes_commands_flags_and_words(tmp_path: Path) -> None:
+    def completed(line: str) -> set[str]:
+        """What argcomplete answers to a shell, which reads it from file descriptor 8."""
+        out = tmp_path / "out"
+        command = f"exec {shlex.quote(sys.executable)} -m rsegen 8>{shlex.quote(str(out))} 9>/dev/null"
+        words = {"COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n"}
+        subprocess.run(["bash", "-c", command], env=os.environ | words, check=True)
+        return set(out.read_text("utf-8").replace(" ", "").split("\n"))
+
+    assert completed("rsegen gen") == {"generate"}
+    assert completed("rsegen generate --lo") == {"--look"}
+    assert completed("rsegen generate --look ") == {"plain", "levels", "wood", "friction"}
+    assert completed("rsegen info mixed") == {"mixed-course"}
+    assert completed("rsegen drive --route ") == {"straight", "random", "way"}
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_prints_what_the_shell_reads(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["completion", shell]) == 0
+    assert "rsegen" in capsys.readouterr().out
 
 
 UNUSED = [

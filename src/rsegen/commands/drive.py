@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.commands.parameters import Force, MapReference, Seed, SimulatorName
+from rsegen.commands.parameters import Force, MapReference, RobotModel, Seed, SimulatorName
 from rsegen.params.command import Shell, command
 from rsegen.params.sorts import Choice, FilePath, Flag, Float, Integer, ListOf, Reference
 
 if TYPE_CHECKING:
-    from rsegen.robots.base import DrivableRobot
     from rsegen.simulation.driving.drive import DriveResult
     from rsegen.simulation.worlds import Target
 
@@ -22,11 +20,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     target: Target,
     *,
     map: MapReference = None,  # noqa: A002  # the flag's name
-    robot: Annotated[
-        str | os.PathLike[str] | DrivableRobot,
-        Reference("a kind of robot, or an SDF file", help="kind of robot, or SDF file of a model"),
-        Shell(metavar="KIND|SDF"),
-    ] = "burger",
+    robot: RobotModel = "burger",
     wheels: Annotated[
         str | None,
         Reference(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ from rsegen.params.streams import SEEDS
 if TYPE_CHECKING:
     from rsegen.exporters.formats import Format
     from rsegen.field.robot_limits import RobotLimits
+    from rsegen.robots.base import DrivableRobot
 
 Force = Annotated[bool, Flag(help="replace what is there, if rsegen wrote it and nobody has changed it since")]
 
@@ -85,6 +87,12 @@ MapsFolder = Annotated[
 
 Seed = Annotated[
     int | None, Integer(0, SEEDS - 1, help="seed of start poses and routes"), Shell(default="drawn and printed")
+]
+
+RobotModel = Annotated[
+    "str | os.PathLike[str] | DrivableRobot",
+    Reference("a kind of robot, or an SDF file", help="kind of robot, or SDF file of a model"),
+    Shell(metavar="KIND|SDF"),
 ]
 
 ModelName = Annotated[

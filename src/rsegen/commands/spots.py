@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.commands.parameters import MapReference
+from rsegen.commands.parameters import MapReference, RobotModel
 from rsegen.params.command import Shell, command
-from rsegen.params.sorts import Float, Integer, ListOf, Reference
+from rsegen.params.sorts import Float, Integer, ListOf
 from rsegen.params.streams import SEEDS
 
 if TYPE_CHECKING:
     from rsegen.footprints import Spot
-    from rsegen.robots.base import DrivableRobot
     from rsegen.simulation.worlds import Target
 
 
@@ -21,11 +19,7 @@ def spots(  # noqa: PLR0913  # each is a flag
     target: Target,
     *,
     map: MapReference = None,  # noqa: A002  # the flag's name
-    robot: Annotated[
-        str | os.PathLike[str] | DrivableRobot,
-        Reference("a kind of robot, or an SDF file", help="kind of robot, or SDF file of a model"),
-        Shell(metavar="KIND|SDF"),
-    ] = "burger",
+    robot: RobotModel = "burger",
     count: Annotated[int, Integer(1, 1000, help="number of spots"), Shell(metavar="N")] = 1,
     size: Annotated[
         tuple[float, float] | None,

@@ -25,7 +25,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from rsegen.errors import ParameterError
-from rsegen.params.sorts import Choice, FilePath, Flag, Json, Parameter, Reference, hints, with_lengths
+from rsegen.params.sorts import Choice, Flag, Json, Parameter, Reference, hints, with_lengths
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -79,15 +79,13 @@ class Declared(NamedTuple):
         text = self.shell.help or self.sort.help or self.sort.describe()
         if self.is_switch:
             return text
-        is_listed = isinstance(self.sort, FilePath | Reference) or (
-            isinstance(self.sort, Choice | Flag) and not self.shell.metavar
-        )
+        is_listed = isinstance(self.sort, Choice | Flag) and not self.shell.metavar
+        is_plain = is_listed or isinstance(self.sort, Reference)  # whose help says what it may be
         default = self.shell.default or _shown_default(self.default)
-        notes = [
-            note for note in ("" if is_listed else self.sort.describe(), default and f"default: {default}") if note
-        ]
-        required = " (required)" if self.shell.required else ""
-        return f"{text} ({'; '.join(notes)})" if notes else f"{text}{required}"
+        values = "" if is_plain else self.sort.describe()
+        notes = ["required" if self.shell.required else "", values, f"default: {default}" if default else ""]
+        said = "; ".join(filter(None, notes))
+        return f"{text} ({said})" if said else text
 
 
 def declared(owner: Callable[..., Any]) -> Mapping[str, Declared]:
@@ -99,10 +97,10 @@ def declared(owner: Callable[..., Any]) -> Mapping[str, Declared]:
 def _declared(owner: Any) -> Mapping[str, Declared]:
     if is_dataclass(owner):
         annotations: dict[str, Any] = {}
-        for cls in reversed(owner.__mro__):  # type: ignore[union-attr]  # a class; a field that is declared again is that of the last class
-            annotations |= hints(cls)
-        defaults = {field.name: field.default for field in fields(owner)}
-        defaults = {name: Argument.empty if value is MISSING else value for name, value in defaults.items()}
+        cls: Any = owner
+        for base in reversed(cls.__mro__):  # a field that is declared again is that of the last class
+            annotations |= hints(base)
+        defaults = {field.name: Argument.empty if field.default is MISSING else field.default for field in fields(cls)}
     else:
         annotations = hints(owner)
         defaults = {name: argument.default for name, argument in signature(owner).parameters.items()}
@@ -159,12 +157,9 @@ def add_flags(
         if parameter.is_switch:
             options |= {"action": "store_const", "const": not parameter.default}
         else:
-            options |= {
-                "metavar": parameter.metavar,
-                "action": "append" if hasattr(parameter.sort, "repeats") else "store",
-            }
-        action = group.add_argument(*parameter.flags, **options)
-        action.completer = completer(parameter.sort)  # argcomplete's word
+            action = "append" if hasattr(parameter.sort, "repeats") else "store"
+            options |= {"metavar": parameter.metavar, "action": action}
+        group.add_argument(*parameter.flags, **options).completer = completer(parameter.sort)  # argcomplete's word
 
 
 def completer(sort: Parameter) -> Callable[..., Collection[str]] | None:

@@ -268,28 +268,15 @@ class Reference:
 
 
 @dataclass(frozen=True)
-class FilePath:
-    """The path of a file or folder."""
+class FilePath(Reference):
+    """The path of a file or folder, as text or a Path; a Path in canonical form."""
 
     meaning: str = "a folder"
-    help: str = ""
 
     def check(self, where: str, value: object) -> Path:
         if not isinstance(value, str | os.PathLike) or not str(value):
             raise ParameterError(where, f"{shown(value) if value else 'nothing'} is given; give {self.meaning}")
         return Path(value)
-
-    def parse(self, text: str) -> object:
-        return text
-
-    def format(self, value: Any) -> str:
-        return str(value)
-
-    def schema(self) -> dict[str, Json]:
-        return {"type": "string", "minLength": 1}
-
-    def describe(self) -> str:
-        return self.meaning
 
 
 def refuse_longer(where: str, values: Sequence[object], most: int) -> None:
