@@ -71,7 +71,7 @@ class Judge:
 
     def _prepare(self) -> None:
         """Have heavy modules imported, and remember the errors that commands end by."""
-        cli = importlib.import_module("rsegen.cli")
+        edge: Any = importlib.import_module("rsegen.cli.edge")
         for name in (
             "matplotlib.pyplot",
             "PIL.Image",
@@ -86,13 +86,13 @@ class Judge:
         ):
             importlib.import_module(name)
         importlib.import_module("PIL.Image").init()
-        usual = cli.failed
+        usual = edge.failed
 
         def failed(error: BaseException, signal: int) -> int:
             self._error = error
             return int(usual(error, signal))
 
-        cli.failed = failed  # type: ignore[attr-defined]
+        edge.failed = failed
         building: Any = importlib.import_module("rsegen.recipe.building")
         framed = building.framed
 

@@ -10,17 +10,17 @@ from typing import Any
 
 def called(argv: tuple[str, ...]) -> object:
     """The exit code of a command, or of a reader."""
-    cli: Any = sys.modules["rsegen.cli"]
+    edge: Any = sys.modules["rsegen.cli.edge"]
     try:
         if argv and argv[0] in READERS:
             READERS[argv[0]](*argv[1:])
             return 0
-        return cli.main(list(argv))
+        return edge.main(list(argv))
     except SystemExit as end:
         return end.code
     except Exception as error:  # as the edge of the command line does
         if argv and argv[0] in READERS:
-            return cli.failed(error, 2)
+            return edge.failed(error, 2)
         raise
 
 
