@@ -32,6 +32,13 @@ def test_boxes_rebuild_the_field_and_never_overlap(field: StepField) -> None:
         np.testing.assert_array_equal(stacked(found, field), field.heights[:, :, None] > heights[:-1])
 
 
+@pytest.mark.parametrize(("levels", "count"), [([[5]], 1), ([[3, 3], [3, 3]], 1), ([[2, 5, 2]], 2), ([[4, 0, 4]], 2)])
+def test_layers_of_one_shape_are_one_box(levels: list[list[int]], count: int) -> None:
+    heights = np.array(levels, dtype=np.int16)
+    field = StepField(levels=heights, frame=heights < 0, block_width=0.1, unit=0.1, frame_height=0.0)
+    assert len(boxes(field)) == count
+
+
 @given(fields())
 def test_merged_boxes_are_no_more_than_the_blocks(field: StepField) -> None:
     assert len(boxes(field)) <= len(box_per_block(field)) == (field.heights > 0).sum()
