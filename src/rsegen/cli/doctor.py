@@ -48,7 +48,7 @@ class FoundExtra:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Environment:
-    """What rsegen finds on this machine.
+    """Versions, simulators, extras and plug-ins that rsegen finds on this machine.
 
     libraries: versions of what rsegen always needs, None if missing; opengl: version on this display, or empty;
     opengl_problem: why the window cannot show its 3D view, or empty; plugins: of installed packages, with versions.
@@ -66,7 +66,7 @@ class Environment:
     plugins: tuple[str, ...]
 
     def missing(self) -> Iterator[tuple[str, str]]:
-        """What is missing for what, and how to get it."""
+        """Yield what is missing, what it is needed for, and how to get it."""
         for name in (name for name, found in self.libraries.items() if found is None):
             yield f"{name}, which rsegen always needs", f"{sys.executable} -m pip install '{name}'"
         for found in self.simulators:

@@ -45,7 +45,7 @@ class _Printable:
 
 @contextmanager
 def printable_output() -> Iterator[None]:
-    """What is printed inside is printable whatever it names: a folder may have any name."""
+    """Print escapes inside for what is not printable: a folder may have any name."""
     if not sys.stdout:
         yield
         return
@@ -57,7 +57,7 @@ def printable_output() -> Iterator[None]:
 
 @contextmanager
 def short_warnings() -> Iterator[None]:
-    """What is wrong with plug-ins that are not needed is one line each on stderr.
+    """Print one line on stderr for each plug-in that is wrong and not needed.
 
     Warnings and logs of libraries are for developers: they are shown where Python was told which ones to show.
     """
@@ -119,7 +119,7 @@ def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
 
 
 def _of_plugin(error: BaseException) -> str:
-    """What went wrong in the code of a plug-in, which others wrote; an empty text if it was elsewhere."""
+    """Return what went wrong in the code of a plug-in, which others wrote; an empty text if it was elsewhere."""
     from rsegen.params.plugins import failure, plugins
 
     files = {each.module.__file__: each.source for each in plugins() if each.module.__file__}

@@ -93,7 +93,7 @@ def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
 
 
 def _without_names(said: dict[str, Any], unit_cm: float) -> dict[str, Any]:
-    """What flags say, with a robot's figures in place of its name, and a file's blocks in place of the file."""
+    """Put a robot's figures in place of its name, and a file's blocks in place of the file."""
     match said:
         case {"crossable_by": [str(name)]} if name:
             from rsegen.robots import robot

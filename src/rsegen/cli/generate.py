@@ -99,7 +99,7 @@ def going_on(arguments: argparse.Namespace, *recipes: Recipe) -> AbstractContext
 
 
 def _content(made: Generated) -> dict[str, object]:
-    """What was made, for programs; `already` names the maps that --resume found, if any."""
+    """Return the maps that were made, for programs; `already` names the maps that --resume found, if any."""
     return {
         "folder": str(made.folder),
         "seed": made.recipe.seed,

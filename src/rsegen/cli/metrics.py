@@ -140,7 +140,7 @@ def _table(measured: Iterable[Measured]) -> Iterator[str]:
 
 
 def _width(name: str) -> int:
-    """Of a column; a metric of a plug-in may have a long name."""
+    """Return the width of a column; a metric of a plug-in may have a long name."""
     return max(_WIDTH, len(name) + 1)
 
 
@@ -150,7 +150,7 @@ _SIZES = 24
 
 
 def _cells(found: Metrics) -> dict[str, str]:
-    """What a table has of one map, by the heads of its columns."""
+    """Return the cells of one map in a table, by the heads of its columns."""
     cells = {
         "mean": _cm(found.spread.mean),
         "deviation": _cm(found.spread.deviation),

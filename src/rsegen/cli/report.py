@@ -1,4 +1,4 @@
-"""What a command prints: lines for people, the same as JSON for programs, and a progress bar on a terminal.
+"""The report of a command: lines for people, the same as JSON for programs, and a progress bar on a terminal.
 
 Nothing of it with --quiet.
 """

@@ -98,7 +98,7 @@ def _report(scanned: ScannedMap) -> Iterator[str]:
 
 
 def _cells(scanned: ScannedMap, chosen: Mask) -> str:
-    """How many cells, and the first of them as recipes count them."""
+    """Return the number of cells, and the first of them as recipes count them."""
     import numpy as np
 
     cells = [tuple(cell) for cell in np.argwhere(chosen & ~scanned.scan.frame).tolist()]

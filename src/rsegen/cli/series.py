@@ -71,7 +71,7 @@ def _lines(made: Series) -> Iterator[str]:
 
 
 def _some(rows: tuple[SeriesRow, ...]) -> list[SeriesRow]:
-    """All of them, or some that are evenly spaced, with the last."""
+    """Return all rows, or some that are evenly spaced, with the last."""
     apart = -(-len(rows) // _LINES)
     return [*rows[:-1:apart], rows[-1]]
 

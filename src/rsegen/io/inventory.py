@@ -17,7 +17,7 @@ _MOST_MIB = 1
 
 
 def inventory_in(path: Path, unit_cm: float) -> tuple[int, ...]:
-    """How many blocks of level 1, 2, ... there are by a CSV file of heights and counts; a height may stand twice.
+    """Return the number of blocks of level 1, 2, ... in a CSV file of heights and counts; a height may stand twice.
 
     Heights are in cm, or in inches if their column is height_in. Cells are separated by commas or semicolons; with
     semicolons a comma is a decimal point.

@@ -30,7 +30,7 @@ _DESIGN = parameters(MapDesign)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ScanOptions:
-    """How clouds are read, and what is known of the field in them; what is not given is found."""
+    """Options of reading clouds, and known values of the field in them; what is not given is found."""
 
     values: Annotated[
         str | None,
@@ -63,7 +63,7 @@ class ScanOptions:
 
     @property
     def settings(self) -> ScanSettings:
-        """What is known of the field, in metres."""
+        """The known values of the field, in metres."""
         from rsegen.scanning import ScanSettings
 
         return ScanSettings(

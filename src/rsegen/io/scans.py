@@ -86,7 +86,7 @@ def scan(clouds: Clouds, options: ScanOptions | None = None) -> ScannedMap:
 def compare(
     stands: Recipe | StepField | Clouds, wanted: Recipe | StepField, options: ScanOptions | None = None
 ) -> ComparedMap:
-    """What differs between what stands and a map: `rsegen.compare("pallet.ply", recipe).comparison.wrong`.
+    """Compare what stands with a map: `rsegen.compare("pallet.ply", recipe).comparison.wrong`.
 
     stands: a recipe (its first map), a field, or clouds as for `scan`; a scan is turned and moved to where the map fits
     best, and has the map's block width and unit; wanted: a recipe (its first map) or a field

@@ -33,7 +33,7 @@ R = TypeVar("R")
 
 @dataclass(frozen=True, slots=True)
 class Shell:
-    """How a parameter is given on the command line, if not as `--its-name VALUE` with the help of its sort.
+    """The way in which a parameter is given on the command line, if not as `--its-name VALUE` with the help of its sort.
 
     flags: in place of --its-name; metavar: the value in the help; default: in words, where the signature says None;
     required: whether a shell must give what Python may leave out
@@ -75,7 +75,7 @@ class Declared(NamedTuple):
 
     @property
     def help(self) -> str:
-        """Its meaning, then the values that it takes and its default, each where it is not plain already."""
+        """The meaning, then the values and the default, each where it is not plain already."""
         text = self.shell.help or self.sort.help or self.sort.describe()
         if self.is_switch:
             return text
@@ -114,7 +114,7 @@ def _declared(owner: Any) -> Mapping[str, Declared]:
 
 
 def _joined(shells: Sequence[Shell]) -> Shell:
-    """What nested annotations say, the outermost last: each says what the inner ones leave open or have otherwise."""
+    """Join nested annotations, the outermost last: each says what the inner ones leave open or have otherwise."""
     said: dict[str, Any] = {}
     for shell in shells:
         said |= {field.name: value for field in fields(shell) if (value := getattr(shell, field.name)) != field.default}
@@ -182,7 +182,7 @@ def given(owner: Callable[..., Any], arguments: Any, units: str | None = None) -
 
 
 def _parsed(parameter: Declared, text: Any, units: str | None) -> Any:
-    """What a text stands for, or the texts of a flag that may be repeated."""
+    """Return what a text stands for, or the texts of a flag that may be repeated."""
     sort: Any = parameter.sort
     return sort.parse(text if isinstance(text, list) else with_lengths(text, sort, parameter.name, units=units))
 

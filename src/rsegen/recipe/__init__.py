@@ -1,4 +1,4 @@
-"""What to generate, and how a recipe becomes a step field.
+"""Recipes, which say what to generate, and the way from a recipe to a step field.
 
 Recipe --build--> StepField
 """

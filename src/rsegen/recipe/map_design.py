@@ -164,7 +164,7 @@ class MapDesign:
 
     @property
     def is_constrained(self) -> bool:
-        """Whether the maps have to meet any constraint."""
+        """Return whether the maps have to meet any constraint."""
         return not (self.max_step is None and self.crossable_by is None and self.inventory is None)
 
     @property

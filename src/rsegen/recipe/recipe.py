@@ -129,12 +129,12 @@ class Representation:
 
     @property
     def is_textured(self) -> bool:
-        """Whether the blocks have textures."""
+        """Return whether the blocks have textures."""
         return self.look != "plain"
 
     @property
     def is_of_one_friction(self) -> bool:
-        """Whether blocks, frames and ground all have the same coefficient."""
+        """Return whether blocks, frames and ground all have the same coefficient."""
         given = (self.frame_friction, *(self.level_friction or ()))
         return all(friction in (None, self.friction) for friction in given)
 
@@ -157,7 +157,7 @@ _Part = TypeVar("_Part", Run, MapDesign, Representation)
 
 @dataclass(frozen=True, kw_only=True)
 class Recipe(Representation, MapDesign, Run):
-    """What to generate; every field is a global parameter of the method, in the words of the recipe file."""
+    """The maps to generate; every field is a global parameter of the method, in the words of the recipe file."""
 
     def __post_init__(self) -> None:
         validate(self)

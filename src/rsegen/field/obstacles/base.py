@@ -140,12 +140,12 @@ class Obstacle(ABC):
 
     @property
     def draws_nothing(self) -> bool:
-        """Whether the levels follow from the two ends alone, so that all maps with the same ends have the same."""
+        """Return whether the levels follow from the two ends alone, so that all maps with the same ends have the same."""
         return False
 
     @property
     def draws_by_cell(self) -> bool:
-        """Whether the levels are `drawn` from one random number for each cell of the rectangle between the ends."""
+        """Return whether the levels are `drawn` from one random number for each cell of the rectangle between the ends."""
         return False
 
     @abstractmethod
@@ -178,7 +178,7 @@ class Shaped(Obstacle):
 
     @property
     def draws_nothing(self) -> bool:
-        """Whether `patch` is still the one of this class: a profile has no random numbers."""
+        """Return whether `patch` is still the one of this class: a profile has no random numbers."""
         return type(self).patch is Shaped.patch
 
     @abstractmethod
@@ -215,7 +215,7 @@ class Region(Obstacle):
 
     @property
     def draws_by_cell(self) -> bool:
-        """Whether `patch` is still the one of this class."""
+        """Return whether `patch` is still the one of this class."""
         return type(self).patch is Region.patch
 
     @abstractmethod

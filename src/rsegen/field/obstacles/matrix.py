@@ -141,7 +141,7 @@ class Matrix(Obstacle):
 
     @property
     def draws_nothing(self) -> bool:
-        """Whether `patch` is still the one of this class."""
+        """Return whether `patch` is still the one of this class."""
         return type(self).patch is Matrix.patch
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:

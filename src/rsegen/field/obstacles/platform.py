@@ -70,7 +70,7 @@ class Platform(Shaped):
 
     @property
     def draws_nothing(self) -> bool:
-        """Whether `patch` is still the one of this class."""
+        """Return whether `patch` is still the one of this class."""
         return type(self).patch is Platform.patch
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:

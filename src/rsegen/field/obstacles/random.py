@@ -120,7 +120,7 @@ class Random(Region):
 
     @property
     def draws_by_cell(self) -> bool:
-        """Whether no blocks are counted or reordered, and `patch` is still the one of this class."""
+        """Return whether no blocks are counted or reordered, and `patch` is still the one of this class."""
         return type(self).patch is Random.patch and self.counts is None and self.max_step is None
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:

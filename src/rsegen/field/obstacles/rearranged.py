@@ -1,4 +1,4 @@
-"""The same blocks in another order, in which neighbours differ by at most a given number of levels.
+"""Blocks in another order, in which neighbours differ by at most a given number of levels.
 
 Two ways lead there. The first is random: blocks are swapped in pairs, as in simulated annealing with one temperature
 and then none. A swap is accepted if the excess over the limit, summed over all pairs of neighbours, does not rise, and
