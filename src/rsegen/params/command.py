@@ -33,7 +33,7 @@ R = TypeVar("R")
 
 @dataclass(frozen=True, slots=True)
 class Shell:
-    """The way in which a parameter is given on the command line, if not as `--its-name VALUE` with the help of its sort.
+    """The form of a parameter on the command line, if not `--its-name VALUE` with the help of its sort.
 
     flags: in place of --its-name; metavar: the value in the help; default: in words, where the signature says None;
     required: whether a shell must give what Python may leave out

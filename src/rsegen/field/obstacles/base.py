@@ -140,12 +140,12 @@ class Obstacle(ABC):
 
     @property
     def draws_nothing(self) -> bool:
-        """Return whether the levels follow from the two ends alone, so that all maps with the same ends have the same."""
+        """Return whether the levels follow from the two ends alone, so that maps with the same ends are alike."""
         return False
 
     @property
     def draws_by_cell(self) -> bool:
-        """Return whether the levels are `drawn` from one random number for each cell of the rectangle between the ends."""
+        """Return whether the levels are `drawn` from one random number per cell of the rectangle between the ends."""
         return False
 
     @abstractmethod
