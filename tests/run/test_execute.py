@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
@@ -20,6 +20,7 @@ from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.recipe.codec import decode
 from rsegen.run import execute as execute_module
+from rsegen.run.execute import Execution, execute
 from rsegen.run.exports import ExportedMap
 from tests.support.complaints import exit_code, the_line
 from tests.support.long import long_unless
@@ -206,6 +207,20 @@ def test_ctrl_c_stops_in_the_middle_of_a_large_map(tmp_path: Path) -> None:
     assert the_line(err).startswith("rsegen: stopped")
     assert not list(tmp_path.glob("out/.*"))
     assert not (tmp_path / "out").exists() or whole_maps_only(tmp_path / "out")
+
+
+def long_result(batch: Sequence[int]) -> bytes:
+    return bytes(100_000_000 * len(batch))
+
+
+@pytest.mark.slow
+def test_workers_end_in_the_middle_of_long_results() -> None:
+    results = execute(long_result, range(40), 10.0, Execution(workers=2))
+    assert len(next(results)) == 100_000_000
+    workers = [one for one in psutil.Process().children() if "spawn_main" in " ".join(one.cmdline())]
+    assert len(workers) >= 2
+    results.close()  # while the other worker sends its own: this waited for the rest of it for ever
+    assert not any(worker.is_running() for worker in workers)
 
 
 @pytest.mark.slow

@@ -155,6 +155,9 @@ def _processes(workers: int) -> Iterator[Executor]:
         yield pool
     except BaseException as error:
         sender.close()
+        # A worker may end in the middle of a long result. The pool's thread would wait for the rest of it for ever, as
+        # this process holds the sending end of that pipe too; once that is closed, it reads the end of the file.
+        pool._result_queue._writer.close()  # type: ignore[attr-defined]
         if isinstance(error, BrokenProcessPool):
             raise WorkerLost("a worker was lost: it was killed, or ran out of memory; give fewer --workers") from error
         raise
