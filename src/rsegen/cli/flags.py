@@ -28,7 +28,12 @@ RECIPE_HELP = "YAML or JSON file, the folder of a map, the name of an example, o
 
 def add_recipe_argument(command: Parser, *, text: str = RECIPE_HELP, name: str = "recipe", nargs: str = "?") -> None:
     """Add RECIPE: where a recipe is, or several."""
-    argument = command.add_argument_group("input").add_argument(name, nargs=nargs, metavar="RECIPE", help=text)
+    group = command.add_argument_group("input")
+    complete_examples(group.add_argument(name, nargs=nargs, metavar="RECIPE", help=text))
+
+
+def complete_examples(argument: argparse.Action) -> None:
+    """Let a shell complete the names of examples where an argument stands."""
     argument.completer = _examples  # type: ignore[attr-defined]  # argcomplete's word
 
 
@@ -171,7 +176,6 @@ def listed() -> Iterator[str]:
     from rsegen.exporters.formats import FORMATS
     from rsegen.params.extras import MAT
     from rsegen.params.registry import summary
-    from rsegen.params.sorts import parameters
 
     for name, cls in FORMATS.items():
         extra = f"rsegen[{cls.extra.name if cls.extra else MAT.name}]"

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 from rsegen.cli.edge import how_to_go_on
 from rsegen.cli.flags import add_format_rows, add_recipe_argument, add_recipe_flags, recipe_from
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, Subparsers, add_command, maps_bar
+from rsegen.cli.report import Report, Subparsers, add_command, call, maps_bar
 from rsegen.commands.generate import generate
-from rsegen.params.command import add_flags, declared, flags_in_errors, given
+from rsegen.params.command import add_flags, given
 
 if TYPE_CHECKING:
     from rsegen.recipe.recipe import Recipe
@@ -51,34 +51,12 @@ def produce(
 ) -> Report:
     """Write the maps of a recipe, and say what was made.
 
-    beside: what makes the content of files next to the maps, by their names; called once nothing refuses the run
+    beside: as in `generate`
     """
-    from rsegen.run.execute import Execution
-    from rsegen.run.plan import OnExisting
-    from rsegen.run.worlds import Sidecars, make_worlds, plan_worlds
-
-    beside, said = beside or {}, checked(generate, arguments)
-    sidecars = Sidecars(preview=said["preview"], sheet=said["sheet"], formats=said["formats"])
-    execution = Execution(workers=said["workers"], scheduler=said["scheduler"], sync=said["sync"])
-    on_existing = OnExisting.of(force=said["force"], resume=said["resume"])
-    plan = plan_worlds(recipe, said["folder"], sidecars, on_existing, execution, beside=beside)
-    files = {name: make() for name, make in beside.items()}
+    options = run_options(generate, arguments)
     with going_on(arguments, recipe), maps_bar(recipe) as progress:
-        made = make_worlds(recipe, plan, progress, files)
+        made = call(generate, arguments, recipe, **options, progress=progress, beside=beside)
     return Report(lines=_lines(made), content=lambda: _content(made))
-
-
-def checked(function: Callable[..., object], arguments: argparse.Namespace) -> dict[str, Any]:
-    """Return every parameter of a command in canonical form: what the flags say, else its default in a shell."""
-    from rsegen.run.execute import cores
-
-    said = run_options(function, arguments)
-    values = {name: parameter.default for name, parameter in declared(function).items()} | {"workers": cores()} | said
-    with flags_in_errors(function):
-        return {
-            name: values[name] if values[name] is None else parameter.sort.check(name, values[name])
-            for name, parameter in declared(function).items()
-        }
 
 
 def run_options(function: Callable[..., object], arguments: argparse.Namespace) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds
 from rsegen.cli.targets import add_target_flags, picture_path, target_of
 from rsegen.commands.parameters import Force
 from rsegen.commands.spots import spots
-from rsegen.params.command import Shell, add_flags, flags_in_errors, given
+from rsegen.params.command import Shell, add_flags, default, flags_in_errors, given
 from rsegen.params.sorts import FilePath
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> Report:
         scene = world_of(target, arguments.map).scene()
         places = spots(scene, **{name: value for name, value in said.items() if name != "map"})
         if path:
-            outline = spot_footprint(arguments.robot or "burger", said.get("size"), None).outline
+            outline = spot_footprint(said.get("robot", default(spots, "robot")), said.get("size"), None).outline
             write_file([spots_plot(scene, outline, places, image_format(path))], path, force=arguments.force)
     content = {"map": scene.name, "seed": said["seed"], "spots": [asdict(place) for place in places]}
     return Report(lines=[f"{scene.name}, seed {said['seed']}:", *_rows(places)], content=content)

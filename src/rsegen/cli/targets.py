@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rsegen.cli.flags import has_recipe_flags, with_flags
+from rsegen.cli.flags import complete_examples, has_recipe_flags, with_flags
 from rsegen.cli.parser import Parser
 from rsegen.errors import ParameterError
 from rsegen.recipe.recipe import Recipe
@@ -22,24 +22,15 @@ _WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a 
 
 def add_target(command: Parser, metavar: str, text: str) -> None:
     """Add what a command looks at; a command that makes a map of flags alone can do without."""
-    argument = command.add_argument("target", nargs="?", metavar=metavar, help=text)
-    argument.completer = _examples  # type: ignore[attr-defined]  # argcomplete's word
+    complete_examples(command.add_argument("target", nargs="?", metavar=metavar, help=text))
 
 
 def add_target_flags(command: Parser, default: str = "the first") -> None:
     """Add where to look, and which map; `add_target_recipe_flags` adds what makes a map of flags alone."""
     group = command.add_argument_group("input")
-    argument = group.add_argument(
-        "target", nargs="?", metavar="RECIPE-or-DIR", help=f"{_WHERE}; or none, but --obstacle"
-    )
-    argument.completer = _examples  # type: ignore[attr-defined]  # argcomplete's word
+    where = f"{_WHERE}; or none, but --obstacle"
+    complete_examples(group.add_argument("target", nargs="?", metavar="RECIPE-or-DIR", help=where))
     group.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {default})")
-
-
-def _examples(**_: object) -> Collection[str]:
-    from rsegen.recipe.examples import EXAMPLES
-
-    return EXAMPLES
 
 
 def is_of_flags(arguments: argparse.Namespace) -> bool:
