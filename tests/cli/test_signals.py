@@ -7,11 +7,13 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from itertools import product
 from pathlib import Path
 
 import pytest
 
+from rsegen.cli.edge import main
 from tests.support.long import long_unless
 from tests.support.patience import PATIENCE, run, until
 from tests.support.runs import started
@@ -138,3 +140,20 @@ def test_a_command_that_writes_nothing_says_stopped_and_no_more(
     monkeypatch.setattr(import_module(f"rsegen.cli.{command[0]}"), "run", stopped)
     assert main(command) == 130
     assert capsys.readouterr() == ("", "rsegen: stopped\n")
+
+
+@pytest.mark.parametrize(("signals", "code", "said"), [(1, 130, "rsegen: stopped\n"), (0, 1, "rsegen: internal error")])
+def test_an_import_that_a_signal_breaks_is_a_stop(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], signals: int, code: int, said: str
+) -> None:
+    """numpy's core raises an ImportError of its own in place of the KeyboardInterrupt."""
+
+    def importing(_: object) -> None:
+        with suppress(KeyboardInterrupt):
+            for _ in range(signals):
+                signal.raise_signal(signal.SIGINT)
+        raise ImportError("PyCapsule_Import could not import module")
+
+    monkeypatch.setattr("rsegen.cli.examples.run", importing)
+    assert main(["examples"]) == code
+    assert capsys.readouterr().err.startswith(said)

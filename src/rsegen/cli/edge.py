@@ -141,6 +141,11 @@ class Signals:
         self.number: int = signal.SIGINT
         self._first: float | None = None
 
+    @property
+    def came(self) -> bool:
+        """Return whether one came."""
+        return self._first is not None
+
     @contextmanager
     def stop_it(self) -> Iterator[None]:
         """Let a signal raise a KeyboardInterrupt inside; one that was ignored before stays so.
@@ -200,7 +205,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             ours = not isinstance(error, (RsegenError, KeyboardInterrupt, OSError))
             if ours and sys.flags.dev_mode:
                 raise
-            return failed(error, signals.number)
+            # A compiled module that a signal interrupts while it is imported raises an ImportError of its own.
+            return failed(KeyboardInterrupt() if ours and signals.came else error, signals.number)
 
 
 def _run(arguments: Sequence[str] | None, signals: Signals) -> int:
