@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import os.path
 import shlex
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rsegen.cli.parser import HelpRow, Parser
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.params.command import Shell, completer, declared, given
+from rsegen.params.command import Declared, Shell, completer, declared, given
 from rsegen.params.registry import offered_names
 from rsegen.params.sorts import key_values, parameters
 from rsegen.recipe.recipe import Recipe
@@ -45,24 +45,28 @@ def _examples(**_: object) -> Collection[str]:
 
 def add_recipe_flags(command: Parser, over: str = "RECIPE") -> None:
     """Add --obstacle and every parameter of a recipe, over what a file of that name says."""
-    group = command.add_argument_group("recipe", f"each overrides what {over} says")
-    group.add_argument("--obstacle", action="append", default=[], metavar=OBSTACLE, help=OBSTACLE_HELP)
+    helps = {}
     for name, parameter in declared(Recipe).items():
         told = parameter if over == "RECIPE" and name != "seed" else parameter._replace(default=None)
         told = told._replace(shell=Shell(metavar=_METAVARS.get(name, "")))
-        action = group.add_argument(*told.flags, dest=name, metavar=told.metavar, help=told.help.replace("%", "%%"))
-        action.completer = completer(parameter.sort)  # type: ignore[attr-defined]  # argcomplete's word
+        helps[told] = told.help
+    _add_recipe_group(command, f"each overrides what {over} says", helps)
 
 
 def add_target_recipe_flags(command: Parser, without: Collection[str] = ()) -> None:
     """Add the same for commands that look at maps; the help shows two, and says where the others are."""
     text = "each overrides what RECIPE-or-DIR says; rsegen generate --help lists all the others of a recipe"
+    known = [parameter for name, parameter in declared(Recipe).items() if name not in without]
+    helps = {each: each.sort.help if each.name == "seed" else argparse.SUPPRESS for each in known}
+    _add_recipe_group(command, text, helps)
+
+
+def _add_recipe_group(command: Parser, text: str, helps: Mapping[Declared, str]) -> None:
     group = command.add_argument_group("recipe", text)
     group.add_argument("--obstacle", action="append", default=[], metavar=OBSTACLE, help=OBSTACLE_HELP)
-    for name, parameter in declared(Recipe).items():
-        if name not in without:
-            text = parameter.sort.help if name == "seed" else argparse.SUPPRESS
-            group.add_argument(*parameter.flags, dest=name, metavar=parameter.metavar, help=text)
+    for each, said in helps.items():
+        action = group.add_argument(*each.flags, dest=each.name, metavar=each.metavar, help=said.replace("%", "%%"))
+        action.completer = completer(each.sort)  # type: ignore[attr-defined]  # argcomplete's word
 
 
 def recipe_from(arguments: argparse.Namespace) -> Recipe:
