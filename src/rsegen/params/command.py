@@ -95,14 +95,10 @@ def declared(owner: Callable[..., Any]) -> Mapping[str, Declared]:
 
 @cache
 def _declared(owner: Any) -> Mapping[str, Declared]:
+    annotations = hints(owner)
     if is_dataclass(owner):
-        annotations: dict[str, Any] = {}
-        cls: Any = owner
-        for base in reversed(cls.__mro__):  # a field that is declared again is that of the last class
-            annotations |= hints(base)
-        defaults = {field.name: Argument.empty if field.default is MISSING else field.default for field in fields(cls)}
+        defaults = {each.name: Argument.empty if each.default is MISSING else each.default for each in fields(owner)}
     else:
-        annotations = hints(owner)
         defaults = {name: argument.default for name, argument in signature(owner).parameters.items()}
     marks = {name: getattr(annotations.get(name), "__metadata__", ()) for name in defaults}
     known = {

@@ -292,20 +292,21 @@ def parameters(owner: type) -> Mapping[str, Parameter]:
 
 @cache
 def _parameters(owner: Any) -> Mapping[str, Parameter]:
-    known: dict[str, Any] = {}
-    for cls in reversed(owner.__mro__):
-        known |= hints(cls)
+    known = hints(owner)
     marks = {field.name: getattr(known.get(field.name), "__metadata__", ()) for field in fields(owner)}
     return MappingProxyType({name: mark[0] for name, mark in marks.items() if mark})
 
 
 def hints(owner: Any) -> dict[str, Any]:
-    """Return the annotations of a function or of a class alone, without those that it inherits.
+    """Return the annotations of a function, or of a class and its bases, of which the last that has a name counts.
 
     Names that only type checkers import stand for anything: they have no sort, and are not to be imported for it.
     """
-    module = sys.modules[owner.__module__]
-    return get_annotations(owner, locals=_Known({**vars(builtins), **vars(module)}), eval_str=True)
+    known: dict[str, Any] = {}
+    for part in reversed(owner.__mro__) if isinstance(owner, type) else [owner]:
+        names = _Known({**vars(builtins), **vars(sys.modules[part.__module__])})
+        known |= get_annotations(part, locals=names, eval_str=True)
+    return known
 
 
 class _Known(dict[str, Any]):
