@@ -13,6 +13,7 @@ import pytest
 
 import rsegen
 from rsegen.errors import UserError
+from rsegen.field.robot_limits import SIDE, SPEED, TURN
 from rsegen.io.importers import imported, importer_for
 from rsegen.io.inventory import inventory_in
 from rsegen.io.recipe_file import load
@@ -20,7 +21,6 @@ from rsegen.params.command import declared
 from rsegen.params.sorts import Float, Integer, parameters
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import from_file
-from rsegen.robots.base import SIDE, SPEED, TURN
 from rsegen.simulation.experiment.plan import load_plan
 
 MODEL = (

@@ -11,8 +11,9 @@ from rsegen.cli.flags import add_recipe_argument
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.report import Report, Subparsers, add_command, counting
 from rsegen.commands.parameters import By, ByRobot
+from rsegen.field.robot_limits import SIDE
 from rsegen.params.command import Shell, add_flags, declared, flags_in_errors, given
-from rsegen.params.sorts import Float, Integer, ListOf
+from rsegen.params.sorts import Integer, ListOf
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.terrain_design import TerrainDesign
 
@@ -27,9 +28,7 @@ class _Tiles:
     seed: Annotated[int | None, Integer(0, SEEDS - 1, help="seed of all recipes"), Shell(default="that of each")] = None
     spots: Annotated[
         tuple[float, float] | None,
-        ListOf(
-            Float(0.01, 100, unit="m"), 2, help="add an even place for a start to each tile: a robot's length and width"
-        ),
+        ListOf(SIDE, 2, help="add an even place for a start to each tile: a robot's length and width"),
         Shell(metavar="L,W"),
     ] = None
     by: By = "steps.rms"

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.commands.parameters import Force, MapReference, RobotModel, Seed, SimulatorName
+from rsegen.field.robot_limits import SIDE, SPEED, TURN
 from rsegen.params.command import Shell, command
 from rsegen.params.sorts import Choice, FilePath, Flag, Float, Integer, ListOf, Reference
 
@@ -31,17 +33,17 @@ def drive(  # noqa: PLR0913  # each is a flag
     ] = None,
     size: Annotated[
         tuple[float, float, float] | None,
-        ListOf(Float(0.01, 100, unit="m"), 3, help="length, width and height of the robot in the file"),
+        ListOf(SIDE, 3, help="length, width and height of the robot in the file"),
         Shell(metavar="L,W,H", default="of its collision shapes"),
     ] = None,
     speed: Annotated[
         float | None,
-        Float(0.001, 100, unit="m/s", help="maximum speed of the robot in the file"),
+        replace(SPEED, help="maximum speed of the robot in the file"),
         Shell(metavar="V", default="of its plug-in or joints, else 0.2"),
     ] = None,
     turn: Annotated[
         float | None,
-        Float(0.001, 100, unit="rad/s", help="maximum turn rate of the robot in the file"),
+        replace(TURN, help="maximum turn rate of the robot in the file"),
         Shell(metavar="W", default="of its plug-in, else 0.5"),
     ] = None,
     robots: Annotated[int, Integer(1, 100, help="number of robots"), Shell(metavar="N")] = 1,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.commands.parameters import MapReference, RobotModel
+from rsegen.field.robot_limits import SIDE
 from rsegen.params.command import Shell, command
 from rsegen.params.sorts import Float, Integer, ListOf
 from rsegen.params.streams import SEEDS
@@ -23,7 +24,7 @@ def spots(  # noqa: PLR0913  # each is a flag
     count: Annotated[int, Integer(1, 1000, help="number of spots"), Shell(metavar="N")] = 1,
     size: Annotated[
         tuple[float, float] | None,
-        ListOf(Float(0.01, 100, unit="m"), 2, help="length and width of a robot, in place of --robot"),
+        ListOf(SIDE, 2, help="length and width of a robot, in place of --robot"),
         Shell(metavar="L,W"),
     ] = None,
     max_difference_cm: Annotated[

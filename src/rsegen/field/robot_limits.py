@@ -1,4 +1,7 @@
-"""The limits of a robot that metrics depend on: the largest step up, the largest step down and its width."""
+"""The limits of a robot that metrics depend on: the largest step up, the largest step down and its width.
+
+And the bounds within which the size and the speeds of any robot are.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,11 @@ if TYPE_CHECKING:
 
 NANOMETRES = 10**9
 """Nanometres per metre: heights are compared with limits as whole nanometres."""
+
+# Centimetres to a hundred metres, and a millimetre per second to 360 km/h: all robots, and no model in millimetres.
+SIDE = Float(0.01, 100, unit="m")
+SPEED, TURN = Float(0.001, 100, unit="m/s"), Float(0.001, 100, unit="rad/s")
+"""Bounds of a robot's size, speed and turn rate, whether a flag gives them or an SDF file."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -17,10 +17,10 @@ import numpy as np
 from rsegen.errors import ParameterError, TooLarge, inside
 from rsegen.field.metrics.catalogue import RMS, By, metric_by
 from rsegen.field.obstacles.matrix import Matrix
-from rsegen.field.robot_limits import RobotLimits
+from rsegen.field.robot_limits import SIDE, RobotLimits
 from rsegen.field.stepfield import Array, Levels, StepField
 from rsegen.footprints import Footprint, even_spots
-from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Integer, ListOf, validate
+from rsegen.params.sorts import NANOMETRE_DIGITS, Integer, ListOf, validate
 from rsegen.params.streams import generator
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.terrain_design import TerrainDesign
@@ -48,7 +48,7 @@ _LARGEST_CHUNK = 1000
 _MOST_CELLS = 2**27
 """Largest number of cells of a terrain: a mesh takes hundreds of bytes for each."""
 
-SIZE, _COUNT = ListOf(Float(0.01, 100, unit="m"), 2), Integer(1, 1000)
+SIZE, _COUNT = ListOf(SIDE, 2), Integer(1, 1000)
 _ENVIRONMENTS = Integer(1, 10_000_000)
 
 

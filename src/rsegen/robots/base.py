@@ -1,7 +1,7 @@
 """The description of a robot: links, joints, a drive, sizes and limits.
 
 A robot is one file of this folder that makes one Robot and registers it; its SDF text, for either Gazebo, and its
-commands follow from that value. LIMITS bounds sizes and speeds, whether a flag gives them or an SDF file.
+commands follow from that value.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from typing import Protocol
 
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
 from rsegen.exporters.gazebo.sdf import FOOTER, HEADER, numbers
-from rsegen.field.robot_limits import RobotLimits
+from rsegen.field.robot_limits import SIDE, RobotLimits
 from rsegen.params.registry import Contract, Registry
-from rsegen.params.sorts import Float, ListOf, Parameter
+from rsegen.params.sorts import Float, Parameter
 from rsegen.robots.drives import BACKENDS, Command, Drive, Servo, element, pose_publisher, servo_plugins, system
 from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
 
@@ -172,13 +172,6 @@ def register(robot: Robot) -> Robot:
     ROBOTS.add(robot.kind, robot)
     return robot
 
-
-# Centimetres to a hundred metres, and a millimetre per second to 360 km/h: all robots, and no model in millimetres.
-SIDE = Float(0.01, 100, unit="m")
-SPEED, TURN = Float(0.001, 100, unit="m/s"), Float(0.001, 100, unit="rad/s")
-
-LIMITS: Mapping[str, Parameter] = {"size": ListOf(SIDE, 3), "speed": SPEED, "turn": TURN}
-"""By the names of the flags."""
 
 WHEEL = Float(0.001, SIDE.high, unit="m")
 """Radius and separation of wheels and tracks, which no flag gives."""

@@ -16,8 +16,9 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
+from rsegen.field.robot_limits import SPEED, TURN
 from rsegen.params.sorts import Float
-from rsegen.robots.base import SPEED, TURN, refuse_outside
+from rsegen.robots.base import refuse_outside
 from rsegen.robots.drives import Drive, Tracks, Wheels
 from rsegen.robots.sdf_shapes import Extents, ModelFrames, floats
 

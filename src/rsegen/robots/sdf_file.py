@@ -21,8 +21,9 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError
 from rsegen.exporters.gazebo.sdf import numbers, prefixes
+from rsegen.field.robot_limits import SIDE
 from rsegen.io.input_files import elements, text_of
-from rsegen.robots.base import SIDE, WHEEL, refuse_outside
+from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.drives import Command, Drive, Wheels, pose_publisher
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.sdf_drives import DEFAULT_SPEED, DEFAULT_TURN, KNOWN, ReadDrive, find_drive, named_wheels, plugin_key
