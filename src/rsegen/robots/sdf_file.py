@@ -28,6 +28,7 @@ from rsegen.robots.drives import Command, Drive, Wheels, pose_publisher
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.sdf_drives import DEFAULT_SPEED, DEFAULT_TURN, KNOWN, ReadDrive, find_drive, named_wheels, plugin_key
 from rsegen.robots.sdf_shapes import Extents, ModelFrames, extents
+from rsegen.robots.uris import resolve_uris
 
 MAX_MIB = 4
 """The largest file that is read, MiB: a second's work for the parser; robots' files have some tens of kilobytes."""
@@ -52,12 +53,6 @@ _ROS = re.compile(r"(?:^|_)ros\d?(?:_|$)|^hector_gazebo_")
 
 _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
 """Variables that list the folders of plug-ins."""
-
-_PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "SDF_PATH")
-"""Variables that list the folders of models."""
-
-_HIGHEST = 6
-"""Folders above a file that are searched: a package holds models/NAME/model.sdf, or less deep."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -370,54 +365,3 @@ def _without(model: Element, tag: str, is_out: Callable[[Element], bool], attrib
             if is_out(element):
                 parent.remove(element)
                 yield element.get(attribute, "")
-
-
-def resolve_uris(model: Element, file: Path) -> None:
-    """Make the URIs of a model absolute paths where their files are found.
-
-    model://NAME/... and package://NAME/... are looked for in the folders above the file, next to these, and in the
-    folders of models that the simulators know; FileError if the mesh of a collision shape is not found.
-    """
-    for uri in model.iter("uri"):
-        path = _resolved((uri.text or "").strip(), file)
-        if path:
-            uri.text = str(path)
-    for mesh in model.iterfind(".//collision/geometry/mesh/uri"):
-        text = (mesh.text or "").strip()
-        if not text.startswith("/"):
-            advice = "put its package next to that of the file, or its folder into GAZEBO_MODEL_PATH"
-            raise FileError(f"{file}: the mesh {text} of a collision shape is not found; {advice}")
-
-
-def _resolved(uri: str, file: Path) -> Path | None:
-    """Return the path of an existing file that a URI names, None if there is none."""
-    scheme, separator, rest = uri.partition("://")
-    if not uri or "\0" in uri:
-        return None
-    if not separator:
-        candidates: Iterator[Path] = iter([file.absolute().parent / uri])
-    elif scheme == "file":
-        candidates = iter([Path("/", rest) if rest.startswith("/") else file.absolute().parent / rest])
-    elif scheme in ("model", "package"):
-        candidates = _of_package(rest, file)
-    else:
-        return None
-    return next((path for path in candidates if _exists(path)), None)
-
-
-def _of_package(rest: str, file: Path) -> Iterator[Path]:
-    """Yield the paths at which NAME/... may be."""
-    name, _, inner = rest.partition("/")
-    for folder in list(file.absolute().parents)[:_HIGHEST]:
-        if folder.name == name:
-            yield folder / inner
-        yield folder / rest
-    for variable in _PATHS:
-        yield from (Path(folder, rest) for folder in os.environ.get(variable, "").split(os.pathsep) if folder)
-
-
-def _exists(path: Path) -> bool:
-    try:
-        return path.exists()
-    except OSError:  # a name that is too long
-        return False
