@@ -1,16 +1,16 @@
 """A robot from an SDF file of the user, which is parsed as untrusted input.
 
-The model is kept as text. Its drive, size and limits are read once; for a world it gets a drive plug-in of the
-simulator that runs it, in place of its own or ROS's, and loses what that simulator cannot load, and its sensors. URIs
-of meshes become absolute paths first, as the world is written elsewhere. What breaks it: a drive that no known plug-in
-gives, meshes in packages that are not found, and joints inside an <include> (docs/robots.md).
+The model is kept as text. Its drive, size and limits are read once; for a world it gets a drive plug-in of
+the simulator that runs it, in place of its own or ROS's, and loses what that simulator cannot load, and its sensors.
+URIs of meshes become absolute paths first, as the world is written elsewhere. What breaks it: a drive that no known
+plug-in gives, meshes in packages that are not found, and joints inside an <include> (docs/robots.md).
 """
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,7 +27,7 @@ from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.drives import Command, Drive, Wheels, pose_publisher
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.sdf_drives import DEFAULT_SPEED, DEFAULT_TURN, KNOWN, ReadDrive, find_drive, named_wheels, plugin_key
-from rsegen.robots.sdf_shapes import Extents, ModelFrames, extents
+from rsegen.robots.sdf_shapes import Extents, ModelFrames, extents, impossible_inertias, inertials
 from rsegen.robots.uris import resolve_uris
 
 MAX_MIB = 4
@@ -40,7 +40,7 @@ _LATEST_OF_CLASSIC = "1.7"
 """The latest version of SDF that Gazebo Classic reads."""
 
 _MOST_NAMES = 12
-"""Names of joints in a message at most: an arm has more, and the wheels come first in most files."""
+"""Names of joints or links in a message at most: an arm has more, and the wheels come first in most files."""
 
 _LARGEST_TURN = 3.0
 """Largest turn rate, rad/s, of a command to Classic's drive, which takes it as an angle below pi."""
@@ -63,7 +63,8 @@ class SdfRobot:
     if it
     has none that is known: then it cannot be driven; joints: those that could be wheels; size: of a box around its
     origin that holds its collision shapes; lift: how far its origin is above the lowest of them, metres; derived,
-    assumed: which of size, speed and turn are from the model, and which from nowhere.
+    assumed: which of size, speed and turn are from the model, and which from nowhere; remarks: sentences about
+    links that were left out, or whose inertia no body has.
     """
 
     kind: str
@@ -78,6 +79,7 @@ class SdfRobot:
     lift: float = 0
     derived: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def drive(self) -> Drive:
@@ -116,6 +118,7 @@ class SdfRobot:
     def notes(self, simulator: str) -> Iterator[str]:
         """Yield what was derived from its file, and what was left out of it for a drive, in a sentence each."""
         yield f"{self.kind}: {_derived(self)}"
+        yield from (f"{self.kind}: {remark}" for remark in self.remarks)
         left_out = self._make_drivable(ElementTree.fromstring(self.text), self.kind, simulator)  # noqa: S314  # as above
         if left_out.plugins:
             yield f"{self.kind}: left out for the drive, as they are not here: {', '.join(left_out.plugins)}"
@@ -173,6 +176,7 @@ def parsed(text: str, where: str, wheels: str | None = None) -> SdfRobot:
     # Places and shapes come first: what the drive's plug-in does not say is measured on them.
     frames = ModelFrames(model, where)
     shapes = extents(frames)
+    inertials(frames)  # an error for a mass that no simulator takes
     drive = named_wheels(wheels, frames, shapes) if wheels else find_drive(model, frames, shapes)
     if drive:
         refuse_outside(WHEEL, drive.drive.separation, f"{where}: the separation of its wheels or tracks")
@@ -192,7 +196,18 @@ def parsed(text: str, where: str, wheels: str | None = None) -> SdfRobot:
         lift=-float(shapes.low[2]) if shapes.known else 0.0,
         derived=tuple(name for name, value in values.items() if value is not None),
         assumed=tuple(name for name, value in values.items() if value is None),
+        remarks=tuple(_remarks(impossible_inertias(frames))),
     )
+
+
+def _remarks(impossible: Sequence[str]) -> Iterator[str]:
+    """Yield a sentence about links whose moments of inertia no body has."""
+    if impossible:
+        yield f"no body has the moments of inertia of {_some(impossible)}; Gazebo Sim may refuse them"
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
 
 
 def _model(root: ElementTree.Element, where: str) -> ElementTree.Element:
@@ -268,7 +283,7 @@ def _derived(robot: SdfRobot) -> str:
 
 
 def _no_drive(robot: SdfRobot) -> str:
-    joints = ", ".join(robot.joints[:_MOST_NAMES]) + (", ..." if len(robot.joints) > _MOST_NAMES else "")
+    joints = _some(robot.joints)
     wheels = f"name its wheels' joints with --wheels LEFT,RIGHT ({joints})" if joints else "it has no joint that turns"
     return f"no drive that rsegen knows ({', '.join(KNOWN)}); {wheels}"
 

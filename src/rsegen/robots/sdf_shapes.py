@@ -1,14 +1,15 @@
-"""Places of the links, joints and frames of a model in an SDF file, and the extents of its collision shapes.
+"""Places of the links, joints and frames of a model in an SDF file, its masses, and extents of its collision shapes.
 
 Everything is expressed in the frame of the model. A pose may be relative to any other frame (SDF 1.7), so poses are
 followed up to the model, at most _DEEPEST of them: a file from anybody may have a cycle. A shape's extent is an
-axis-aligned box: a box swept by an ellipsoid covers all of SDF's shapes, and rotates in closed form. Cost: the shapes
-times the depth of their frames; reading meshes costs most.
+axis-aligned box: a box swept by an ellipsoid covers all of SDF's shapes, and rotates in closed form. A mass has to be
+positive, and no moment of inertia negative; moments that no body has are only reported, as Gazebo Classic takes them.
+Cost: the shapes times the depth of their frames; reading meshes costs most.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import radians
 from pathlib import Path
 from typing import NamedTuple
@@ -26,6 +27,15 @@ _DEEPEST = 30
 
 _LARGEST = 1e6
 """Largest number of a file, metres or radians: a larger one is a mistake, such as a length in another unit."""
+
+_ROUNDED = 0.01
+"""Share of the largest moment of inertia up to which the triangle inequality may be violated.
+
+A thin plate's moments meet it exactly, ixx + iyy = izz, and files round them, some to two or three digits.
+"""
+
+_NOISE = 1e-9
+"""Share of the largest moment up to which a negative one is zero: that of a rod, after rounding in the eigenvalues."""
 
 
 class ModelFrames:
@@ -148,6 +158,70 @@ def _of_quaternion(x: float, y: float, z: float, w: float, where: str) -> Array:
     )
 
 
+class Inertial(NamedTuple):
+    """The mass of a link, kg, and its centre, (3,), in the model's frame, metres."""
+
+    mass: float
+    centre: Array
+
+
+def inertials(frames: ModelFrames) -> dict[str, Inertial]:
+    """Return the inertial of every link of a model: by SDF's default 1 kg at the origin of the link.
+
+    FileError for a mass that is not positive, and for a moment of inertia that is negative.
+    """
+    return {link: _inertial(link, element, frames) for link, element in _links(frames)}
+
+
+def impossible_inertias(frames: ModelFrames) -> list[str]:
+    """Return the links whose moments of inertia no body has: the largest exceeds the sum of the others."""
+    return [link for link, element in _links(frames) if is_impossible(_moments(link, element, frames))]
+
+
+def is_impossible(tensor: Array) -> bool:
+    """Return whether no body has this tensor of inertia, (3, 3), by more than the rounding of its numbers."""
+    a, b, largest = np.linalg.eigvalsh(tensor)
+    return bool(largest - (a + b) > _ROUNDED * largest)
+
+
+def refuse_inertia(mass: float, tensor: Array, where: str) -> None:
+    """Raise a FileError for a mass that is not positive, or a tensor of inertia, (3, 3), with a negative moment."""
+    if not mass > 0:
+        raise FileError(f"{where}: a mass of {mass:g} kg is not above 0")
+    moments = np.linalg.eigvalsh(tensor)
+    if moments[0] < -_NOISE * moments[2]:
+        raise FileError(f"{where}: a principal moment of inertia of {moments[0]:g} kg m^2 is negative")
+
+
+def tensor_of(values: Sequence[float]) -> Array:
+    """Return the tensor of inertia, (3, 3), of ixx, ixy, ixz, iyy, iyz and izz."""
+    xx, xy, xz, yy, yz, zz = values
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _links(frames: ModelFrames) -> Iterator[tuple[str, Element]]:
+    return ((name, element) for name, element in frames.elements.items() if element.tag == "link")
+
+
+def _inertial(link: str, element: Element, frames: ModelFrames) -> Inertial:
+    inertial = element.find("inertial")
+    place = frames.transform(link)
+    if inertial is None:
+        return Inertial(1.0, place[:3, 3])
+    where = f"{frames.where}: link {shown(link)}"
+    (mass,) = floats(inertial.findtext("mass", "1"), 1, where)
+    refuse_inertia(mass, _moments(link, element, frames), where)
+    return Inertial(mass, (place @ frames.local(inertial))[:3, 3])
+
+
+def _moments(link: str, element: Element, frames: ModelFrames) -> Array:
+    """Return the tensor of inertia of a link; SDF's default is that of 1 kg m^2 about each axis."""
+    where = f"{frames.where}: link {shown(link)}"
+    defaults = {"ixx": "1", "ixy": "0", "ixz": "0", "iyy": "1", "iyz": "0", "izz": "1"}
+    texts = (element.findtext(f"inertial/inertia/{name}", default) for name, default in defaults.items())
+    return tensor_of([floats(text, 1, where)[0] for text in texts])
+
+
 class Extent(NamedTuple):
     """The axis-aligned box of a collision shape of a link, in the model's frame: low and high, (3,), metres."""
 
@@ -192,8 +266,9 @@ class _SweptBox(NamedTuple):
 def extents(frames: ModelFrames) -> Extents:
     """Return the extents of the collision shapes of every link of a model."""
     known, unknown = [], []
-    links = ((name, element) for name, element in frames.elements.items() if element.tag == "link")
-    for link, collision in ((name, collision) for name, element in links for collision in element.findall("collision")):
+    for link, collision in (
+        (link, shape) for link, element in _links(frames) for shape in element.findall("collision")
+    ):
         geometry = collision.find("geometry")
         if geometry is None or len(geometry) == 0 or geometry.find("empty") is not None:
             continue
