@@ -37,6 +37,7 @@ SCAN = Extra(
     "scan", "trimesh", "rsegen scan, compare: clouds and meshes in PLY, OBJ, STL, GLB and PCD files", ("pypcd4",)
 )
 USD = Extra("usd", "pxr", "the format usd")
+XACRO = Extra("xacro", "xacro", "robots in Xacro files, as ROS has them")
 
-EXTRAS: tuple[Extra, ...] = (CLUSTER, DATASET, GUI, MAT, MESH, SCAN, USD)
+EXTRAS: tuple[Extra, ...] = (CLUSTER, DATASET, GUI, MAT, MESH, SCAN, USD, XACRO)
 """Every extra of rsegen, as in pyproject.toml, but for `all`."""

@@ -1,6 +1,6 @@
-"""A robot from an SDF file of the user, which is parsed as untrusted input.
+"""A robot from an SDF or URDF file of the user, which is parsed as untrusted input.
 
-The model is kept as text. Its drive, size and limits are read once; for a world it gets a drive plug-in of
+The model is kept as text, URDF as SDF. Its drive, size and limits are read once; for a world it gets a drive plug-in of
 the simulator that runs it, in place of its own or ROS's, and loses what that simulator cannot load, and its sensors.
 URIs of meshes become absolute paths first, as the world is written elsewhere. What breaks it: a drive that no known
 plug-in gives, meshes in packages that are not found, and joints inside an <include> (docs/robots.md).
@@ -28,13 +28,15 @@ from rsegen.robots.drives import Command, Drive, Wheels, pose_publisher
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.sdf_drives import DEFAULT_SPEED, DEFAULT_TURN, KNOWN, ReadDrive, find_drive, named_wheels, plugin_key
 from rsegen.robots.sdf_shapes import Extents, ModelFrames, extents, impossible_inertias, inertials
+from rsegen.robots.urdf import converted
 from rsegen.robots.uris import resolve_uris
+from rsegen.robots.xacro_files import expanded, is_xacro
 
 MAX_MIB = 4
 """The largest file that is read, MiB: a second's work for the parser; robots' files have some tens of kilobytes."""
 
 _SUFFIXES = (".sdf", ".urdf", ".xacro")
-"""Endings of files that are taken for a robot; URDF is refused with a word on how to convert it."""
+"""Endings of files that are taken for a robot."""
 
 _LATEST_OF_CLASSIC = "1.7"
 """The latest version of SDF that Gazebo Classic reads."""
@@ -158,7 +160,7 @@ def is_robot_file(what: object) -> bool:
 
 
 def from_file(path: str | os.PathLike[str], wheels: str | None = None) -> SdfRobot:
-    """Return the robot of the one model in an SDF file; FileError if the file has anything else.
+    """Return the robot of the one model in an SDF, URDF or Xacro file; FileError if the file has anything else.
 
     wheels: the joints of its wheels as LEFT,RIGHT, several of a side joined by +, for a model without a drive that is
     known.
@@ -167,8 +169,11 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None) -> SdfRob
 
 
 def parsed(text: str, where: str, wheels: str | None = None) -> SdfRobot:
-    """Return the one model in a text of SDF; a document type and entities are refused, as bombs are made of them."""
+    """Return the one model in a text; a document type and entities are refused, as bombs are made of them."""
     root = elements(text, where)
+    if is_xacro(root, where):
+        root = elements(expanded(text, where), where)
+    root, left_out = converted(root, where) if root.tag == "robot" else (root, ())
     model = _model(root, where)
     resolve_uris(model, Path(where))
     version = _version(root)
@@ -196,12 +201,14 @@ def parsed(text: str, where: str, wheels: str | None = None) -> SdfRobot:
         lift=-float(shapes.low[2]) if shapes.known else 0.0,
         derived=tuple(name for name, value in values.items() if value is not None),
         assumed=tuple(name for name, value in values.items() if value is None),
-        remarks=tuple(_remarks(impossible_inertias(frames))),
+        remarks=tuple(_remarks(left_out, impossible_inertias(frames))),
     )
 
 
-def _remarks(impossible: Sequence[str]) -> Iterator[str]:
-    """Yield a sentence about links whose moments of inertia no body has."""
+def _remarks(left_out: Sequence[str], impossible: Sequence[str]) -> Iterator[str]:
+    """Yield a sentence about links that have no mass, and about those whose moments of inertia no body has."""
+    if left_out:
+        yield f"left out, as they have no mass, or hang on such a link: {_some(left_out)}"
     if impossible:
         yield f"no body has the moments of inertia of {_some(impossible)}; Gazebo Sim may refuse them"
 
@@ -212,10 +219,8 @@ def _some(names: Sequence[str]) -> str:
 
 def _model(root: ElementTree.Element, where: str) -> ElementTree.Element:
     models = root.findall("model")
-    if root.tag == "robot":
-        raise FileError(f"{where}: URDF, not SDF; convert it: xacro FILE.xacro > r.urdf, gz sdf -p r.urdf > r.sdf")
     if root.tag != "sdf" or len(models) != 1 or root.find("world") is not None:
-        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>")
+        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF")
     if not models[0].get("name", "").strip():
         raise FileError(f"{where}: the model has no name")
     if models[0].find("link") is None and models[0].find("include") is None and models[0].find("model") is None:

@@ -1,4 +1,4 @@
-"""Robots of users' own SDF files in real servers: driven by whatever drive they name, and spawned on a map."""
+"""Robots of users' own SDF and URDF files in real servers: driven by whatever drive they name, and spawned on a map."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.simulators.server import running_server
 from tests.robots.two_wheels import PLUGINS, two_wheels
+from tests.robots.urdf_robots import two_wheels_urdf
 
 V, W = 0.15, 0.5
 """m/s and rad/s; the record of Gazebo Classic has three digits of each place, so all robots are near the origin."""
@@ -43,13 +44,15 @@ class Circle(Route):
 
 @pytest.fixture
 def robots(tmp_path: Path) -> Mapping[str, SdfRobot]:
-    """The same robot with every drive, and with its wheels named, whose axes point to the right."""
+    """The same robot with every drive, with its wheels named, whose axes point to the right, and in URDF."""
     found = {}
     for name, plugin in PLUGINS.items():
         file = tmp_path / f"{name}.sdf"
         file.write_text(two_wheels(plugin, axis=1 if plugin else -1))
         found[name] = from_file(file, None if plugin else "left_hub,right_hub")
-    return found
+    file = tmp_path / "mine.urdf"
+    file.write_text(two_wheels_urdf())
+    return {**found, "urdf": from_file(file)}
 
 
 def test_any_drive_goes_ahead_and_left_as_commanded_without_errors(

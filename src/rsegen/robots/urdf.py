@@ -1,0 +1,492 @@
+"""Turn URDF into SDF, so that a robot of ROS is read, placed and driven as one of Gazebo is.
+
+It becomes what Gazebo makes of it (sdformat's parser_urdf): links that hang on fixed joints become one link with the
+first of them, which keeps its name, with their masses, shapes and sensors; so a base_footprint without <inertial>, of
+which physics engines make 1 kg, or an error, disappears in the body. preserveFixedJoint keeps a joint if both of its
+links have a mass. The root link is at the origin of the model. What hangs on a joint that moves, and has no mass, is
+left out, with all that hangs on it. <gazebo> elements go into their link, its shapes or their joint, or into the model.
+Cost: linear. What breaks it: <mimic>, <transmission> and <ros2_control> are not read, so such joints move freely;
+planar joints are refused; names of links that are no more stay in plug-ins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from math import atan2, hypot, isnan, nan
+from typing import NamedTuple
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from rsegen.errors import FileError, shown
+from rsegen.field.stepfield import Array
+from rsegen.robots.links import rotation
+from rsegen.robots.sdf_shapes import floats, refuse_inertia, tensor_of
+
+_VERSION = "1.7"
+"""The version of SDF that is written: the latest that Gazebo Classic reads."""
+
+_WORLD = "world"
+"""The root link of a robot that stands fixed in the world."""
+
+_JOINTS = {"continuous": "revolute", "revolute": "revolute", "prismatic": "prismatic", "fixed": "fixed", "floating": ""}
+"""Types of joints in URDF, and in SDF, where two links that float have no joint."""
+
+_GEOMETRIES = {
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "sphere": {"radius": 1},
+    "capsule": {"radius": 1, "length": 1},
+    "mesh": {"scale": 3},
+}
+"""Shapes, and how many numbers each of their attributes has."""
+
+_SURFACE = {
+    "mu1": "surface/friction/ode/mu",
+    "mu2": "surface/friction/ode/mu2",
+    "fdir1": "surface/friction/ode/fdir1",
+    "kp": "surface/contact/ode/kp",
+    "kd": "surface/contact/ode/kd",
+    "maxVel": "surface/contact/ode/max_vel",
+    "minDepth": "surface/contact/ode/min_depth",
+    "maxContacts": "max_contacts",
+    "laserRetro": "laser_retro",
+}
+"""Elements of <gazebo> for the collision shapes of a link."""
+
+_OF_LINK = {
+    "selfCollide": ("self_collide",),
+    "dampingFactor": ("velocity_decay/linear", "velocity_decay/angular"),
+}
+_OF_JOINT = {
+    "springStiffness": ("axis/dynamics/spring_stiffness",),
+    "springReference": ("axis/dynamics/spring_reference",),
+    "stopCfm": ("physics/ode/limit/cfm",),
+    "stopErp": ("physics/ode/limit/erp",),
+    "provideFeedback": ("physics/ode/provide_feedback",),
+    "implicitSpringDamper": ("physics/ode/implicit_spring_damper",),
+    "fudgeFactor": ("physics/ode/fudge_factor",),
+}
+_KEEPS = ("preserveFixedJoint", "disableFixedJointLumping")
+_ELSEWHERE = {*_SURFACE, *_KEEPS, "material", "visual", "collision", "turnGravityOff"}
+"""Elements of <gazebo> that go neither into a link nor into a joint as they are."""
+
+_PLACED = ("sensor", "light", "projector")
+"""Elements of a link that have a <pose> in it."""
+
+_SCRIPTS = "file://media/materials/scripts/gazebo.material"
+"""The file of Gazebo Classic's colours, such as Gazebo/Blue."""
+
+_UNLIMITED = 1e16
+"""The number that means no limit in SDF."""
+
+_TURNED_UP = 1e-9
+"""Cosine of the pitch below which roll and yaw turn about one axis: the yaw is then 0."""
+
+
+class Converted(NamedTuple):
+    """The <sdf> element of a robot, and the names of its links that were left out, as they have no mass."""
+
+    sdf: Element
+    left_out: tuple[str, ...]
+
+
+class _Joint(NamedTuple):
+    """A joint of the tree, and its place in its parent link, (4, 4)."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    element: Element
+    place: Array
+
+
+class _Body(NamedTuple):
+    """A mass, kg, its centre, (3,), metres, and its tensor of inertia about it, (3, 3), kg m^2."""
+
+    mass: float
+    centre: Array
+    tensor: Array
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Source:
+    """The robot that is read: its links, the link that each becomes a part of, its extensions and its colours.
+
+    extensions: the elements in <gazebo> by what they are for, then by their tags; empty for the model
+    """
+
+    where: str
+    links: Mapping[str, Element]
+    heads: Mapping[str, str]
+    extensions: Mapping[str, Mapping[str, Sequence[Element]]]
+    colours: Mapping[str, str]
+
+    def last(self, name: str, tag: str) -> Element | None:
+        """Return the last element of a tag for a link or joint."""
+        elements = self.extensions.get(name, {}).get(tag)
+        return elements[-1] if elements else None
+
+
+_NOTHING = _Body(0.0, np.zeros(3), np.zeros((3, 3)))
+
+
+def converted(robot: Element, where: str) -> Converted:
+    """Return a <robot> as SDF; FileError, which begins with `where`, if its links are no tree, or a value is none."""
+    links = dict(_named(robot.findall("link"), "link", where))
+    joints = [_joint(name, joint, links, where) for name, joint in _named(robot.findall("joint"), "joint", where)]
+    above = _above(joints, links, where)
+    order = _from_the_root_on(above, links, where)
+    bodies = {name: _body(link, f"{where}: link {shown(name)}") for name, link in links.items()}
+    extensions = _extensions(robot)
+    heads = _heads(order, above, bodies, extensions)
+    source = _Source(where=where, links=links, heads=heads, extensions=extensions, colours=_colours(robot))
+
+    # Places of links in the model, and in the link of SDF that they become a part of.
+    places: dict[str, Array] = {}
+    merged: dict[str, dict[str, Array]] = {}
+    for name in order:
+        places[name] = places[above[name].parent] @ above[name].place if name in above else np.eye(4)
+        inside = np.eye(4) if heads[name] == name else np.linalg.inv(places[heads[name]]) @ places[name]
+        merged.setdefault(heads[name], {})[name] = inside
+    masses = {head: _sum((bodies[name], place) for name, place in parts.items()) for head, parts in merged.items()}
+    left_out = _left_out(source, above, masses)
+
+    sdf = Element("sdf", version=_VERSION)
+    model = SubElement(sdf, "model", name=robot.get("name", ""))
+    for head, parts in merged.items():
+        if head in left_out or (head == _WORLD and head not in above):
+            continue
+        link = SubElement(model, "link", name=head)
+        _put(link, "pose", _pose(places[head]))
+        _append_inertial(link, masses[head])
+        for name, place in parts.items():
+            _append_parts(link, name, place, source)
+        if head in above and _JOINTS[above[head].kind]:
+            _append_joint(model, above[head], source)
+    for elements in extensions.get("", {}).values():
+        model.extend(map(deepcopy, elements))
+    return Converted(sdf, tuple(left_out))
+
+
+def _named(elements: Iterable[Element], what: str, where: str) -> Iterator[tuple[str, Element]]:
+    """Yield elements with their names, which SDF wants to be there, different, and without the :: of nested models."""
+    names = set()
+    for element in elements:
+        name = element.get("name", "").strip()
+        if not name or "::" in name:
+            raise FileError(f"{where}: a <{what}> has the name {shown(name)}; it needs letters, and no ::")
+        if name in names:
+            raise FileError(f"{where}: two elements <{what}> have the name {shown(name)}")
+        names.add(name)
+        yield name, element
+
+
+def _joint(name: str, joint: Element, links: Mapping[str, Element], where: str) -> _Joint:
+    here = f"{where}: joint {shown(name)}"
+    kind = joint.get("type", "")
+    if kind not in _JOINTS:
+        raise FileError(f"{here}: its type {shown(kind)} is none of {', '.join(_JOINTS)}")
+    parent, child = (_attribute(joint.find(tag), "link") for tag in ("parent", "child"))
+    for link in (parent, child):
+        if link not in links:
+            raise FileError(f"{here}: there is no link {shown(link)}")
+    return _Joint(name, kind, parent, child, joint, _origin(joint, here))
+
+
+def _above(joints: Iterable[_Joint], links: Mapping[str, Element], where: str) -> dict[str, _Joint]:
+    """Return the joint above each link but the root."""
+    above: dict[str, _Joint] = {}
+    for joint in joints:
+        other = above.setdefault(joint.child, joint)
+        if other is not joint:
+            names = f"{shown(other.name)} and {shown(joint.name)}"
+            raise FileError(f"{where}: link {shown(joint.child)} is the child of two joints, {names}")
+    if not links:
+        raise FileError(f"{where}: the robot has no <link>")
+    roots = [name for name in links if name not in above]
+    if len(roots) != 1:
+        names = f": {', '.join(map(shown, roots[:3]))}" if roots else ""
+        raise FileError(f"{where}: {len(roots)} links are the child of no joint{names}; a robot has one, its root")
+    return above
+
+
+def _from_the_root_on(above: Mapping[str, _Joint], links: Mapping[str, Element], where: str) -> list[str]:
+    """Return the names of the links, each after its parent, by joints' names, as sdformat counts shapes."""
+    below: dict[str, list[str]] = {name: [] for name in links}
+    for child, joint in above.items():
+        below[joint.parent].append(child)
+    order: list[str] = []
+    waiting = [name for name in links if name not in above]
+    while waiting:
+        order.append(waiting.pop())
+        waiting += sorted(below[order[-1]], key=lambda name: above[name].name, reverse=True)
+    lost = links.keys() - set(order)
+    if lost:
+        raise FileError(f"{where}: the joints above link {shown(min(lost))} go round in a circle")
+    return order
+
+
+def _heads(
+    order: Sequence[str],
+    above: Mapping[str, _Joint],
+    bodies: Mapping[str, _Body],
+    extensions: Mapping[str, Mapping[str, Sequence[Element]]],
+) -> dict[str, str]:
+    """Return the link that each link becomes a part of: the first on this side of a joint that moves, or is kept."""
+    heads: dict[str, str] = {}
+    for name in order:
+        joint = above.get(name)
+        kept = joint is None or joint.kind != "fixed" or joint.parent == order[0] == _WORLD
+        if joint and not kept and bodies[name].mass and bodies[joint.parent].mass:
+            of_joint = extensions.get(joint.name, {})
+            kept = any(_is_true(element.text) for tag in _KEEPS for element in of_joint.get(tag, ()))
+        heads[name] = name if joint is None or kept else heads[joint.parent]
+    return heads
+
+
+def _left_out(source: _Source, above: Mapping[str, _Joint], masses: Mapping[str, _Body]) -> dict[str, None]:
+    """Return the links that have no mass, and those below them; FileError if this is the root."""
+    left_out: dict[str, None] = {}
+    for head, body in masses.items():
+        if head not in above:
+            if not body.mass and head != _WORLD:
+                raise FileError(f"{source.where}: link {shown(head)} has no mass; a simulator needs its <inertial>")
+        elif not body.mass or source.heads[above[head].parent] in left_out:
+            left_out[head] = None
+    return left_out
+
+
+def _extensions(robot: Element) -> dict[str, dict[str, list[Element]]]:
+    """Return the elements in <gazebo> by the link or joint that they are for, then by their tags."""
+    extensions: dict[str, dict[str, list[Element]]] = {}
+    for gazebo in robot.findall("gazebo"):
+        for element in gazebo:
+            extensions.setdefault(gazebo.get("reference", ""), {}).setdefault(element.tag, []).append(element)
+    return extensions
+
+
+def _body(link: Element, where: str) -> _Body:
+    """Return the inertial of a link in its frame; nothing if it has none, or no mass, as in sdformat."""
+    inertial = link.find("inertial")
+    if inertial is None:
+        return _NOTHING
+    (mass,) = floats(_attribute(inertial.find("mass"), "value"), 1, where)
+    if mass == 0:
+        return _NOTHING
+    inertia = inertial.find("inertia")
+    names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    tensor = tensor_of([floats(_attribute(inertia, name), 1, f"{where}: {name}")[0] for name in names])
+    refuse_inertia(mass, tensor, where)
+    return _moved(_Body(mass, np.zeros(3), tensor), _origin(inertial, where))
+
+
+def _moved(body: _Body, place: Array) -> _Body:
+    turn = place[:3, :3]
+    return _Body(body.mass, turn @ body.centre + place[:3, 3], turn @ body.tensor @ turn.T)
+
+
+def _sum(parts: Iterable[tuple[_Body, Array]]) -> _Body:
+    """Return bodies at their places as one; Steiner's theorem moves their tensors to the common centre."""
+    bodies = [_moved(body, place) for body, place in parts if body.mass]
+    if not bodies:
+        return _NOTHING
+    mass = sum(body.mass for body in bodies)
+    centre = np.sum([body.mass * body.centre for body in bodies], axis=0) / mass
+    tensor = np.zeros((3, 3))
+    for body in bodies:
+        way = body.centre - centre
+        tensor += body.tensor + body.mass * (way @ way * np.eye(3) - np.outer(way, way))
+    return _Body(mass, centre, tensor)
+
+
+def _append_inertial(link: Element, body: _Body) -> None:
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.tensor
+    _put(link, "inertial/pose", f"{_text(body.centre)} 0 0 0")
+    _put(link, "inertial/mass", _text([body.mass]))
+    for name, value in zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), (xx, xy, xz, yy, yz, zz), strict=True):
+        _put(link, f"inertial/inertia/{name}", _text([value]))
+
+
+def _append_parts(link: Element, name: str, place: Array, source: _Source) -> None:
+    """Append what a link of URDF has to the link of SDF in which it is at a place, (4, 4)."""
+    for tag in ("collision", "visual"):
+        count = len(link.findall(tag))
+        for number, shape in enumerate(source.links[name].findall(tag), count):
+            _append_shape(link, shape, name, number, place, source)
+    for tag, elements in source.extensions.get(name, {}).items():
+        text = elements[-1].text
+        if tag == "turnGravityOff":
+            _put(link, "gravity", "false" if _is_true(text) else "true")
+        elif tag in _OF_LINK:
+            _put_all(link, _OF_LINK[tag], text)
+        elif tag not in _ELSEWHERE:
+            link.extend(_placed(element, place, source.where) for element in elements)
+
+
+def _append_shape(link: Element, shape: Element, name: str, number: int, place: Array, source: _Source) -> None:
+    """Append a <collision> or <visual> of a link of URDF."""
+    here, head = f"{source.where}: link {shown(name)}: a <{shape.tag}>", link.get("name", "")
+    # The names of sdformat, which contact sensors of models for Gazebo give.
+    lump = f"{head}_fixed_joint_lump__" if name != head or shape.get("name") else ""
+    stem = f"{lump}{shape.get('name') or name}_{shape.tag}"
+    made = SubElement(link, shape.tag, name=f"{stem}_{number}" if number else stem)
+    _put(made, "pose", _pose(place @ _origin(shape, here)))
+    made.append(_geometry(shape.find("geometry"), here))
+    more = source.last(name, shape.tag)
+    if more is not None:
+        made.extend(deepcopy(child) for child in more if child.tag not in ("pose", "geometry"))
+    if shape.tag == "visual":
+        _append_material(made, shape.find("material"), name, source)
+        return
+    for tag, path in _SURFACE.items():
+        element = source.last(name, tag)
+        if element is not None:
+            _put(made, path, element.text)
+
+
+def _append_material(visual: Element, material: Element | None, name: str, source: _Source) -> None:
+    """Append a colour, and the name of one of Gazebo Classic's, if the shape has none from <gazebo>."""
+    if visual.find("material") is not None:
+        return
+    colour = _attribute(material, "rgba", "color") or source.colours.get(_attribute(material, "name"))
+    if colour:
+        rgba = _text(floats(colour, 4, f"{source.where}: the colour of a material"))
+        _put_all(visual, ("material/ambient", "material/diffuse"), rgba)
+    script = source.last(name, "material")
+    if script is not None and script.text:
+        _put(visual, "material/script/uri", _SCRIPTS)
+        _put(visual, "material/script/name", script.text)
+
+
+def _append_joint(model: Element, joint: _Joint, source: _Source) -> None:
+    """Append a joint, whose frame is that of its child, as in SDF."""
+    made = SubElement(model, "joint", name=joint.name, type=_JOINTS[joint.kind])
+    _put(made, "parent", source.heads[joint.parent])
+    _put(made, "child", joint.child)
+    if joint.kind != "fixed":
+        _append_axis(made, joint, f"{source.where}: joint {shown(joint.name)}")
+    for tag, elements in source.extensions.get(joint.name, {}).items():
+        if tag in _OF_JOINT:
+            _put_all(made, _OF_JOINT[tag], elements[-1].text)
+        elif tag not in _ELSEWHERE:
+            made.extend(map(deepcopy, elements))
+
+
+def _append_axis(made: Element, joint: _Joint, where: str) -> None:
+    axis = floats(_attribute(joint.element.find("axis"), "xyz") or "1 0 0", 3, where)
+    if not any(axis):
+        raise FileError(f"{where}: its axis 0 0 0 has no direction")
+    _put(made, "axis/xyz", _text(np.array(axis) / np.linalg.norm(axis)))
+    limit, dynamics = joint.element.find("limit"), joint.element.find("dynamics")
+    if limit is not None and joint.kind != "continuous":
+        for name in ("lower", "upper"):  # which are 0 by default
+            _put_number(made, f"axis/limit/{name}", _attribute(limit, name) or "0", where)
+    for name in ("effort", "velocity"):
+        _put_number(made, f"axis/limit/{name}", _attribute(limit, name), where)
+    for name in ("damping", "friction"):
+        _put_number(made, f"axis/dynamics/{name}", _attribute(dynamics, name), where)
+
+
+def _geometry(geometry: Element | None, where: str) -> Element:
+    """Return the <geometry> of SDF for that of URDF."""
+    shape = next((child for child in geometry if child.tag in _GEOMETRIES), None) if geometry is not None else None
+    if shape is None:
+        raise FileError(f"{where} has none of the shapes {', '.join(_GEOMETRIES)}")
+    made = Element("geometry")
+    solid = SubElement(made, shape.tag)
+    if shape.tag == "mesh":
+        _put(solid, "uri", _attribute(shape, "filename"))
+    for name, count in _GEOMETRIES[shape.tag].items():
+        text = shape.get(name)
+        if text is not None or shape.tag != "mesh":
+            _put(solid, name, _text(floats(text, count, where)))
+    return made
+
+
+def _colours(robot: Element) -> dict[str, str]:
+    """Return the colours of materials by their names, wherever they are defined, as red, green, blue and opacity."""
+    colours: dict[str, str] = {}
+    for material in robot.iter("material"):
+        colour = _attribute(material, "rgba", "color")
+        if colour:
+            colours.setdefault(material.get("name", ""), colour)
+    return colours
+
+
+def _placed(extension: Element, place: Array, where: str) -> Element:
+    """Return a copy of an element of a link, with its <pose> in the link that this is a part of."""
+    made = deepcopy(extension)
+    if made.tag in _PLACED and not np.array_equal(place, np.eye(4)):
+        text = (made.findtext("pose") or "").strip() or "0 0 0 0 0 0"
+        x, y, z, *turn = floats(text, 6, f"{where}: the pose of a <{made.tag}>")
+        _put(made, "pose", _pose(place @ _transform((x, y, z), turn)))
+    return made
+
+
+def _origin(element: Element, where: str) -> Array:
+    """Return the <origin> of an element, (4, 4); URDF's roll, pitch and yaw are those of SDF."""
+    origin = element.find("origin")
+    xyz, rpy = (floats(_attribute(origin, name) or "0 0 0", 3, where) for name in ("xyz", "rpy"))
+    return _transform(xyz, rpy)
+
+
+def _transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
+    roll, pitch, yaw = rpy
+    transform = np.eye(4)
+    transform[:3, :3], transform[:3, 3] = rotation(roll, pitch, yaw), xyz
+    return transform
+
+
+def _pose(transform: Array) -> str:
+    """Return a transform, (4, 4), as x, y, z, metres, and roll, pitch, yaw, radians."""
+    turn = transform[:3, :3]
+    level = hypot(turn[0, 0], turn[1, 0])
+    if level > _TURNED_UP:
+        roll, yaw = atan2(turn[2, 1], turn[2, 2]), atan2(turn[1, 0], turn[0, 0])
+    else:
+        roll, yaw = atan2(-turn[1, 2], turn[1, 1]), 0.0
+    return _text([*transform[:3, 3], roll, atan2(-turn[2, 0], level), yaw])
+
+
+def _text(values: Iterable[float]) -> str:
+    """Return numbers with twelve digits, more than files have: a small wheel has moments of 1e-7 kg m^2."""
+    return " ".join(f"{value + 0.0:.12g}" for value in values)
+
+
+def _attribute(element: Element | None, name: str, child: str = "") -> str:
+    """Return an attribute of an element, or of its child; an empty text for none."""
+    found = element.find(child) if element is not None and child else element
+    return "" if found is None else found.get(name, "").strip()
+
+
+def _put_number(element: Element, path: str, text: str, where: str) -> None:
+    """Put a number into an element at a path; nothing for none, or for one so large that it is no limit."""
+    try:
+        value = float(text or "inf")
+    except ValueError:
+        value = nan
+    if isnan(value):
+        raise FileError(f"{where}: {shown(text)} is not a number")
+    if abs(value) < _UNLIMITED:
+        _put(element, path, _text([value]))
+
+
+def _put_all(element: Element, paths: Iterable[str], text: str | None) -> None:
+    for path in paths:
+        _put(element, path, text)
+
+
+def _put(element: Element, path: str, text: str | None) -> None:
+    """Set the text of the element at a path in another, which is made if there is none."""
+    for tag in path.split("/"):
+        inner = element.find(tag)
+        element = SubElement(element, tag) if inner is None else inner
+    element.text = (text or "").strip()
+
+
+def _is_true(text: str | None) -> bool:
+    return (text or "").strip() in ("1", "true")

@@ -1,0 +1,159 @@
+"""Expand Xacro, the macro language of ROS's robots, by ROS's package xacro, in another process.
+
+Xacro evaluates Python, and what it forbids is not enough to keep a file from running code. Here an expression may be
+arithmetic, comparisons, subscripts, and calls of the functions in _CALLED and _METHODS, and a package in $(find ...) is
+found as that of a mesh is, without ROS. The process has little time and memory, as macros may call themselves. What
+breaks it: arguments without a default, lambdas, comprehensions and $(eval ...); `xacro FILE > r.urdf` expands them.
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element
+
+from rsegen.errors import FileError, UserError, line_of, pip_install, said_by
+from rsegen.params.extras import XACRO
+from rsegen.robots.uris import found_package
+
+_SECONDS = 20
+"""Time of the other process; the macros of a robot with an arm and a gripper take about one second."""
+
+_MEMORY = 2 * 2**30
+"""Bytes of address space of the other process, of which Python with numpy takes about a half."""
+
+_LARGEST = 4 * 2**20
+"""Characters of an expanded file, as many as of one that is none."""
+
+_NAMESPACES = ("math", "python", "xacro")
+"""Names before the dot of a function."""
+
+_CALLED = {
+    *("abs", "bool", "dict", "float", "int", "len", "list", "max", "min", "range", "round", "sorted", "str", "sum"),
+    *("acos", "asin", "atan", "atan2", "cos", "degrees", "hypot", "radians", "sin", "tan", "tuple"),
+    *("ceil", "exp", "fabs", "floor", "log", "pow", "sqrt"),
+    *("abs_filename", "arg", "dotify", "fatal", "load_yaml", "message", "warning"),
+}
+"""Functions that an expression may call: none of them gives a way to Python's own."""
+
+_METHODS = {"endswith", "get", "items", "keys", "lower", "replace", "split", "startswith", "strip", "upper", "values"}
+"""Methods that an expression may call: those of texts and of tables that are read from YAML."""
+
+_ALLOWED = (
+    *(ast.Expression, ast.Constant, ast.Name, ast.Load, ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp),
+    *(ast.operator, ast.unaryop, ast.boolop, ast.cmpop, ast.Subscript, ast.Slice, ast.List, ast.Tuple, ast.Dict),
+    *(ast.Call, ast.Attribute),
+)
+
+
+def is_xacro(root: Element, where: str) -> bool:
+    """Return whether a file has to be expanded: by its name, or as it has macros, or is URDF with expressions."""
+    if where.endswith(".xacro"):
+        return True
+    if any(element.tag.startswith("{") and "xacro" in element.tag.partition("}")[0] for element in root.iter()):
+        return True
+    texts = (text for element in root.iter() for text in (element.text or "", *element.attrib.values()))
+    return root.tag == "robot" and any("${" in text or "$(" in text for text in texts)
+
+
+def expanded(text: str, where: str) -> str:
+    """Return the XML of a text of Xacro, in which every argument has its default."""
+    if XACRO.is_missing:
+        raise UserError(f"{where}: needs xacro, which is not installed; {pip_install([XACRO.name])}")
+    command = [sys.executable, "-m", "rsegen.robots.xacro_files", where]
+    environment = {**os.environ, "PYTHONSAFEPATH": "1", "PYTHONIOENCODING": "utf-8"}  # imports nothing from this folder
+    try:
+        ended = subprocess.run(  # noqa: S603  # no shell, and only our own words
+            command, input=text, encoding="utf-8", capture_output=True, env=environment, timeout=_SECONDS, check=False
+        )
+    except subprocess.TimeoutExpired:
+        raise FileError(f"{where}: its macros are not expanded after {_SECONDS} s") from None
+    except (OSError, ValueError) as error:  # a name with a null character, or an output that is no text
+        raise FileError(f"{where}: {said_by(error)}") from None
+    if ended.returncode:
+        raise FileError(f"{where}: xacro cannot expand it: {line_of(ended.stdout) or 'it needs too much memory'}")
+    return ended.stdout
+
+
+def main(where: str) -> int:
+    """Print the expanded text that comes by stdin, or why there is none; the exit code says which."""
+    result, sys.stdout = sys.stdout, sys.stderr  # messages of the macros go there
+    try:
+        text = _expanded(sys.stdin.read(), where)
+    except Exception as error:  # macros fail in as many ways as programs
+        result.write(said_by(error))
+        return 1
+    result.write(text)
+    return 0
+
+
+def _expanded(text: str, where: str) -> str:
+    import xacro
+    from xacro import substitution_args
+
+    with suppress(ImportError):  # there is none in Windows
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
+    xacro.safe_eval = _evaluated
+    substitution_args._eval = _refused
+    substitution_args._eval_find = partial(_package, where)
+    xacro.init_stacks(where)
+    document = xacro.parse(text)
+    xacro.process_doc(document, mappings={})
+    result: str = document.documentElement.toxml()
+    if len(result) > _LARGEST:
+        raise ValueError(f"its macros make {len(result) / 2**20:.0f} MiB of it")
+    return result
+
+
+def _evaluated(expression: str, names: dict[str, Any], inner: dict[str, Any] | None = None) -> Any:
+    """Return the value of an expression; ValueError if it has anything that may do more than calculate."""
+    tree = ast.parse(expression.strip(), mode="eval")
+    roots = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+    for node in ast.walk(tree):
+        if not _is_harmless(node, is_before_dot=id(node) in roots):
+            raise ValueError(f"{ast.unparse(node)} is more than arithmetic, and is not evaluated")
+    names.update(__builtins__={})
+    return eval(compile(tree, "<expression>", "eval"), names, inner)  # noqa: S307  # only what was looked at
+
+
+def _is_harmless(node: ast.AST, *, is_before_dot: bool) -> bool:
+    if isinstance(node, ast.Call):
+        function = node.func
+        if isinstance(function, ast.Name):
+            return function.id in _CALLED and not node.keywords
+        return isinstance(function, ast.Attribute) and not node.keywords and _is_method(function)
+    if isinstance(node, ast.Attribute):
+        of_namespace = isinstance(node.value, ast.Name) and node.value.id in _NAMESPACES
+        # Other attributes are entries of tables; those of a namespace are numbers, and what is called.
+        return node.attr in {*_CALLED, "pi", "e", "tau", "inf"} if of_namespace else not node.attr.startswith("_")
+    if isinstance(node, ast.Name):  # a namespace alone could get another name
+        return not node.id.startswith("_") and (is_before_dot or node.id not in _NAMESPACES)
+    return isinstance(node, _ALLOWED)
+
+
+def _is_method(function: ast.Attribute) -> bool:
+    of_namespace = isinstance(function.value, ast.Name) and function.value.id in _NAMESPACES
+    return function.attr in (_CALLED if of_namespace else _METHODS)
+
+
+def _refused(*_: object) -> str:
+    raise ValueError("$(eval ...) is not evaluated; use ${...}")
+
+
+def _package(where: str, name: str) -> str:
+    folder = found_package(name, Path(where))
+    if folder is None:
+        raise ValueError(f"the package {name} is not found")
+    return str(folder)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

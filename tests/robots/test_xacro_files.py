@@ -1,0 +1,156 @@
+"""Macros are expanded as ROS does it, and a file of macros does nothing but calculate, for a short time."""
+
+from __future__ import annotations
+
+import math
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rsegen.errors import FileError, UserError
+from rsegen.params import extras
+from rsegen.robots import SdfRobot, from_file, xacro_files
+from tests.robots.two_wheels import ROS_1, two_wheels
+from tests.robots.urdf_robots import two_wheels_urdf
+
+with_xacro = pytest.mark.skipif(find_spec("xacro") is None, reason="the package xacro is not installed")
+
+SPACE = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+NAMES: dict[str, Any] = {"r": 0.1, "table": {"a": [1, 2]}, "math": math, "len": len, "name": "a_b", "true": True}
+
+
+def expanding(folder: Path, inner: str, name: str = "mine.xacro") -> SdfRobot:
+    text = two_wheels_urdf(ROS_1).replace('<robot name="my-robot">', f'<robot name="my-robot" {SPACE}>{inner}')
+    (folder / name).write_text(text, "utf-8")
+    return from_file(folder / name)
+
+
+@with_xacro
+@pytest.mark.slow
+def test_macros_includes_and_arguments_are_expanded_without_ros(tmp_path: Path) -> None:
+    part = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="post" params="name height">
+        <link name="${name}"><inertial><mass value="${height / 2}"/>
+          <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+          <collision><geometry><box size="0.1 0.1 ${height}"/></geometry></collision></link>
+        <joint name="${name}_joint" type="fixed"><parent link="base"/><child link="${name}"/></joint>
+        </xacro:macro></robot>"""
+    (tmp_path / "parts_description").mkdir()
+    (tmp_path / "parts_description/part.xacro").write_text(part)
+    inner = """<xacro:include filename="$(find parts_description)/part.xacro"/>
+        <xacro:arg name="tall" default="true"/><xacro:property name="height" value="${1 + 1}"/>
+        <xacro:if value="$(arg tall)"><xacro:post name="mast" height="${height * radians(180) / pi}"/></xacro:if>"""
+    robot = expanding(tmp_path, inner)
+    plain = from_file(written(tmp_path / "mine.sdf", two_wheels(ROS_1)))
+    assert robot.drive == plain.drive
+    assert robot.size[2] == pytest.approx(2)  # the mast is the highest and the lowest
+
+
+@with_xacro
+@pytest.mark.slow
+def test_expressions_make_a_file_xacro_whatever_its_name(tmp_path: Path) -> None:
+    inner = '<xacro:arg name="namespace" default=""/><xacro:property name="n" value="$(arg namespace)"/>'
+    robot = expanding(tmp_path, inner + '<gazebo reference="${n}base"><kp>${10**6}</kp></gazebo>', "mine.urdf")
+    assert "<kp>1000000</kp>" in robot.text
+
+
+@with_xacro
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("inner", "says"),
+    [
+        ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "maximum recursion depth"),
+        ('<xacro:include filename="mine.xacro"/>', "maximum recursion depth"),
+        ('<xacro:include filename="none.xacro"/>', "No such file"),
+        ('<xacro:include filename="$(find none_description)/x.xacro"/>', "the package none_description is not found"),
+        ('<gazebo><a b="$(arg none)"/></gazebo>', "Undefined substitution argument none"),
+        ('<gazebo><a b="$(eval 1 + 1)"/></gazebo>', "$(eval ...) is not evaluated; use ${...}"),
+        ('<gazebo><a b="${[0] * 10**10}"/></gazebo>', "xacro cannot expand it"),
+        ("<gazebo><a b=\"${'x' * 10**7}\"/></gazebo>", "its macros make 10 MiB of it"),
+        ('<gazebo><a b="${(lambda: ().__class__)()}"/></gazebo>', "is more than arithmetic"),
+    ],
+)
+def test_macros_that_cannot_be_expanded_are_refused_in_one_line(tmp_path: Path, inner: str, says: str) -> None:
+    with pytest.raises(FileError, match=r"mine\.xacro: xacro cannot expand it: ") as caught:
+        expanding(tmp_path, inner)
+    assert says in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@with_xacro
+@pytest.mark.slow
+def test_macros_that_never_end_are_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(xacro_files, "_SECONDS", 2)
+    with pytest.raises(FileError, match=r"mine\.xacro: its macros are not expanded after 2 s"):
+        expanding(tmp_path, '<gazebo><a b="${len(str(10**10**9))}"/></gazebo>')
+
+
+def test_without_xacro_the_way_to_get_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(extras, "find_spec", lambda module: None)
+    with pytest.raises(UserError, match=r"mine\.xacro: needs xacro, .* -m pip install 'rsegen\[xacro\]'$"):
+        expanding(tmp_path, "")
+
+
+def test_urdf_that_xacro_has_expanded_needs_it_no_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(extras, "find_spec", lambda module: None)
+    assert expanding(tmp_path, "", "mine.urdf").drive
+
+
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [
+        ("2 * r + 1", 1.2),
+        (" -r ** 2 if true and not r > 1 else 0", -0.01),
+        ("table['a'][1]", 2),
+        ("len(table['a'][:1])", 1),
+        ("math.cos(math.pi)", -1),
+        ("name.split('_')[0] + 'c'", "ac"),
+        ("[r, (1, 'x'), {'a': 1}]", [0.1, (1, "x"), {"a": 1}]),
+    ],
+)
+def test_expressions_calculate(expression: str, value: object) -> None:
+    found = xacro_files._evaluated(expression, dict(NAMES))
+    assert found == (pytest.approx(value) if isinstance(value, float) else value)
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        "().__class__.__base__.__subclasses__()",
+        "(lambda: ().__class__)()",
+        "[x.__class__ for x in [1]]",
+        "(x for x in [1]).gi_frame",
+        "math",
+        "math.__dict__",
+        "python.vars(r)",
+        "python.type(r)",
+        "xacro.vars",
+        "vars(r)",
+        "type(r)",
+        "open('/etc/passwd')",
+        "eval('1')",
+        "__import__('os')",
+        "name.format(r)",
+        "name.split('_')[0].format(r)",
+        "table['a'].append(1)",
+        "sorted([1], key=len)",
+        "(len)(*[1])",
+        "(len or len)([1])",
+        "f'{r!r}'",
+        "(y := 1)",
+        "len",
+    ],
+)
+def test_expressions_that_may_do_more_are_refused(expression: str) -> None:
+    """But for a function that is only named, and numbers in place of arguments, which do nothing."""
+    if expression == "len":
+        assert xacro_files._evaluated(expression, dict(NAMES)) is len
+        return
+    with pytest.raises(ValueError, match="is more than arithmetic, and is not evaluated"):
+        xacro_files._evaluated(expression, dict(NAMES))
+
+
+def written(path: Path, text: str) -> Path:
+    path.write_text(text, "utf-8")
+    return path
