@@ -173,7 +173,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.lanes", description=__doc__)
-    parser.add_argument("robot", metavar="MODEL.sdf", help="SDF file of a model, or a kind of robot")
+    parser.add_argument("robot", metavar="MODEL.sdf", help="SDF or URDF file of a model, or a kind of robot")
     parser.add_argument("--wheels", metavar="LEFT,RIGHT", help="joints of its wheels, as for rsegen drive")
     parser.add_argument("--simulator", choices=list(SIMULATORS), default="classic")
     parser.add_argument("--grounds", nargs="+", choices=GROUNDS, default=GROUNDS)

@@ -132,6 +132,8 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
     "Robots and simulators": (
         "robots/sdf_shapes",
         "robots/sdf_drives",
+        "robots/urdf",
+        "robots/xacro_files",
         "simulation/driving/routes",
         "simulation/driving/drive_metrics",
         "simulation/spawning/spawning",

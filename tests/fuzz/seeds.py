@@ -199,13 +199,15 @@ def clouds() -> Mapping[str, bytes]:
 
 @cache
 def robots() -> tuple[bytes, ...]:
-    """Robots as SDF: a small one, one with a mesh, and those that come along, for every simulator."""
+    """Robots: a small one, one with a mesh, and those that come along, for every simulator, as SDF; one as URDF."""
     from rsegen.robots import BACKENDS, ROBOTS
 
     box = b"<box><size>0.4 0.3 0.1</size></box>"
     meshed = ROBOT.replace(box, b"<mesh><uri>part.stl</uri><scale>0.2 0.2 0.2</scale></mesh>")
     return (
         ROBOT,
+        URDF,
+        URDF,
         meshed,
         meshed,
         *(robot.file("cart", each).encode() for robot in ROBOTS.values() for each in BACKENDS),
@@ -237,6 +239,20 @@ ROBOT = b"""<?xml version="1.0"?>
 <plugin name="drive" filename="libDiffDrivePlugin.so"><robot_namespace>cart</robot_namespace></plugin>
 <plugin name="other" filename="libgz-sim-diff-drive-system.so"><topic>/model/{name}/cmd_vel</topic></plugin>
 </model></sdf>
+"""
+URDF = b"""<?xml version="1.0"?>
+<robot name="cart"><material name="grey"><color rgba="0.5 0.5 0.5 1"/></material><link name="foot"/>
+<joint name="j" type="fixed"><origin xyz="0 0 0.1"/><parent link="foot"/><child link="base"/></joint>
+<link name="base"><inertial><origin xyz="0.1 0 0" rpy="0 0 0.3"/><mass value="2"/>
+<inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/></inertial>
+<visual><geometry><sphere radius="0.1"/></geometry><material name="grey"/></visual>
+<collision><origin xyz="0 0 0.1"/><geometry><box size="0.4 0.3 0.1"/></geometry></collision></link>
+<joint name="k" type="continuous"><origin xyz="0 0.1 0" rpy="-1.5708 0 0"/><parent link="base"/><child link="wheel"/>
+<axis xyz="0 0 1"/><limit effort="2" velocity="9"/><dynamics damping="0.1"/></joint>
+<link name="wheel"><inertial><mass value="0.2"/><inertia ixx="5e-4" ixy="0" ixz="0" iyy="5e-4" iyz="0" izz="8e-4"/>
+</inertial><collision><geometry><cylinder radius="0.05" length="0.02"/></geometry></collision></link>
+<gazebo reference="base"><mu1>0.5</mu1><sensor name="s" type="imu"><pose>0 0 1 0 0 0</pose></sensor></gazebo>
+<gazebo><plugin name="drive" filename="libDiffDrivePlugin.so"><left_joint>k</left_joint></plugin></gazebo></robot>
 """
 PLAN: dict[str, Any] = {
     "name": "small",

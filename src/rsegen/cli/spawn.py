@@ -28,8 +28,8 @@ def add(commands: Subparsers) -> None:
     command = add_command(
         commands, "spawn", spawn, epilog=f"{epilog}rsegen open --shared starts a simulation. {robot_kinds()}"
     )
-    where = "the folder of a map or of maps, a recipe, a kind of robot, or the SDF file of a robot"
-    add_target(command, "DIR-or-RECIPE-or-ROBOT-or-SDF", where)
+    where = "the folder of a map or of maps, a recipe, a kind of robot, or the SDF, URDF or Xacro file of a robot"
+    add_target(command, "DIR-or-RECIPE-or-ROBOT", where)
     add_flags(command.add_argument_group("spawn"), spawn)
     add_target_recipe_flags(command, _OWN)
     command.set_defaults(run=run)

@@ -91,8 +91,8 @@ Seed = Annotated[
 
 RobotModel = Annotated[
     "str | os.PathLike[str] | DrivableRobot",
-    Reference("a kind of robot, or an SDF file", help="kind of robot, or SDF file of a model"),
-    Shell(metavar="KIND|SDF"),
+    Reference("a kind of robot, or a file of one", help="kind of robot, or SDF, URDF or Xacro file of a model"),
+    Shell(metavar="KIND|FILE"),
 ]
 
 ModelName = Annotated[

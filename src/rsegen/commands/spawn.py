@@ -73,7 +73,7 @@ def spawn(
 ) -> SpawnResult:
     """Spawn a map or a robot in the running simulation, and give its name and pose there.
 
-    target: the folder of a map or of maps, a recipe, a scene, a kind of robot, the SDF file of one, or a robot. Gazebo
+    target: the folder of a map or of maps, a recipe, a scene, a kind of robot, the file of one, or a robot. Gazebo
     Classic is looked for at GAZEBO_MASTER_URI, Gazebo Sim in GZ_PARTITION, or at their default addresses. UserError if
     a value is wrong; NothingRuns if no simulation runs.
     """

@@ -1,4 +1,4 @@
-"""Find a robot by the name of its kind or by the path of its SDF file."""
+"""Find a robot by the name of its kind or by the path of its file."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def robot(kind: str, where: str = "robot") -> Robot:
 
 
 def robot_of(what: str | os.PathLike[str] | DrivableRobot) -> DrivableRobot:
-    """Return the robot of a kind or of an SDF file; a robot itself as it is."""
+    """Return the robot of a kind or of a file; a robot itself as it is."""
     if isinstance(what, str | os.PathLike):
         return from_file(what) if is_robot_file(what) else robot(os.fspath(what))
     return what

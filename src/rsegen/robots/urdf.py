@@ -1,16 +1,17 @@
 """Turn URDF into SDF, so that a robot of ROS is read, placed and driven as one of Gazebo is.
 
 It becomes what Gazebo makes of it (sdformat's parser_urdf): links that hang on fixed joints become one link with the
-first of them, which keeps its name, with their masses, shapes and sensors; so a base_footprint without <inertial>, of
-which physics engines make 1 kg, or an error, disappears in the body. preserveFixedJoint keeps a joint if both of its
-links have a mass. The root link is at the origin of the model. What hangs on a joint that moves, and has no mass, is
-left out, with all that hangs on it. <gazebo> elements go into their link, its shapes or their joint, or into the model.
-Cost: linear. What breaks it: <mimic>, <transmission> and <ros2_control> are not read, so such joints move freely;
+first of them, which keeps its name, with their masses, shapes and sensors. So a base_footprint without a mass, of which
+physics engines make 1 kg, or an error, is one body with what hangs on it. preserveFixedJoint keeps a joint if both of
+its links have a mass. The root link is at the origin of the model. What hangs on a joint that moves, and has no mass,
+is left out, with all that hangs on it. Gazebo's elements go into their link, its shapes or their joint, or into the
+model. Cost: linear. What breaks it: mimic, transmission and ros2_control are not read, so such joints move freely;
 planar joints are refused; names of links that are no more stay in plug-ins.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
@@ -81,6 +82,9 @@ _SCRIPTS = "file://media/materials/scripts/gazebo.material"
 
 _UNLIMITED = 1e16
 """The number that means no limit in SDF."""
+
+_SHORTEST = 1e-9
+"""Length of an axis, which should be 1, below which it is taken for none."""
 
 _TURNED_UP = 1e-9
 """Cosine of the pitch below which roll and yaw turn about one axis: the yaw is then 0."""
@@ -163,8 +167,9 @@ def converted(robot: Element, where: str) -> Converted:
         link = SubElement(model, "link", name=head)
         _put(link, "pose", _pose(places[head]))
         _append_inertial(link, masses[head])
+        counts: Counter[str] = Counter()
         for name, place in parts.items():
-            _append_parts(link, name, place, source)
+            _append_parts(link, name, place, counts, source)
         if head in above and _JOINTS[above[head].kind]:
             _append_joint(model, above[head], source)
     for elements in extensions.get("", {}).values():
@@ -274,7 +279,7 @@ def _body(link: Element, where: str) -> _Body:
     inertial = link.find("inertial")
     if inertial is None:
         return _NOTHING
-    (mass,) = floats(_attribute(inertial.find("mass"), "value"), 1, where)
+    (mass,) = floats(_attribute(inertial.find("mass"), "value"), 1, f"{where}: mass")
     if mass == 0:
         return _NOTHING
     inertia = inertial.find("inertia")
@@ -311,12 +316,16 @@ def _append_inertial(link: Element, body: _Body) -> None:
         _put(link, f"inertial/inertia/{name}", _text([value]))
 
 
-def _append_parts(link: Element, name: str, place: Array, source: _Source) -> None:
-    """Append what a link of URDF has to the link of SDF in which it is at a place, (4, 4)."""
+def _append_parts(link: Element, name: str, place: Array, counts: Counter[str], source: _Source) -> None:
+    """Append what a link of URDF has to the link of SDF in which it is at a place, (4, 4); counts: the shapes in it."""
     for tag in ("collision", "visual"):
-        count = len(link.findall(tag))
-        for number, shape in enumerate(source.links[name].findall(tag), count):
-            _append_shape(link, shape, name, number, place, source)
+        for shape in source.links[name].findall(tag):
+            made = _shape(shape, link.get("name", ""), name, place, source)
+            # sdformat numbers the shapes of a link so, and contact sensors of models for Gazebo give these names.
+            if counts[tag]:
+                made.set("name", f"{made.get('name')}_{counts[tag]}")
+            counts[tag] += 1
+            link.append(made)
     for tag, elements in source.extensions.get(name, {}).items():
         text = elements[-1].text
         if tag == "turnGravityOff":
@@ -324,16 +333,14 @@ def _append_parts(link: Element, name: str, place: Array, source: _Source) -> No
         elif tag in _OF_LINK:
             _put_all(link, _OF_LINK[tag], text)
         elif tag not in _ELSEWHERE:
-            link.extend(_placed(element, place, source.where) for element in elements)
+            link.extend([_placed(element, place, source.where) for element in elements])
 
 
-def _append_shape(link: Element, shape: Element, name: str, number: int, place: Array, source: _Source) -> None:
-    """Append a <collision> or <visual> of a link of URDF."""
-    here, head = f"{source.where}: link {shown(name)}: a <{shape.tag}>", link.get("name", "")
-    # The names of sdformat, which contact sensors of models for Gazebo give.
+def _shape(shape: Element, head: str, name: str, place: Array, source: _Source) -> Element:
+    """Return a <collision> or <visual> of a link of URDF, which is at a place, (4, 4), in the link `head` of SDF."""
+    here = f"{source.where}: link {shown(name)}: a <{shape.tag}>"
     lump = f"{head}_fixed_joint_lump__" if name != head or shape.get("name") else ""
-    stem = f"{lump}{shape.get('name') or name}_{shape.tag}"
-    made = SubElement(link, shape.tag, name=f"{stem}_{number}" if number else stem)
+    made = Element(shape.tag, name=f"{lump}{shape.get('name') or name}_{shape.tag}")
     _put(made, "pose", _pose(place @ _origin(shape, here)))
     made.append(_geometry(shape.find("geometry"), here))
     more = source.last(name, shape.tag)
@@ -341,11 +348,12 @@ def _append_shape(link: Element, shape: Element, name: str, number: int, place: 
         made.extend(deepcopy(child) for child in more if child.tag not in ("pose", "geometry"))
     if shape.tag == "visual":
         _append_material(made, shape.find("material"), name, source)
-        return
+        return made
     for tag, path in _SURFACE.items():
         element = source.last(name, tag)
         if element is not None:
             _put(made, path, element.text)
+    return made
 
 
 def _append_material(visual: Element, material: Element | None, name: str, source: _Source) -> None:
@@ -377,10 +385,11 @@ def _append_joint(model: Element, joint: _Joint, source: _Source) -> None:
 
 
 def _append_axis(made: Element, joint: _Joint, where: str) -> None:
-    axis = floats(_attribute(joint.element.find("axis"), "xyz") or "1 0 0", 3, where)
-    if not any(axis):
-        raise FileError(f"{where}: its axis 0 0 0 has no direction")
-    _put(made, "axis/xyz", _text(np.array(axis) / np.linalg.norm(axis)))
+    axis = np.array(floats(_attribute(joint.element.find("axis"), "xyz") or "1 0 0", 3, where))
+    length = np.linalg.norm(axis)
+    if length < _SHORTEST:
+        raise FileError(f"{where}: its axis {_text(axis)} has no direction")
+    _put(made, "axis/xyz", _text(axis / length))
     limit, dynamics = joint.element.find("limit"), joint.element.find("dynamics")
     if limit is not None and joint.kind != "continuous":
         for name in ("lower", "upper"):  # which are 0 by default
