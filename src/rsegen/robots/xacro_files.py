@@ -87,7 +87,9 @@ def main(where: str) -> int:
     try:
         text = _expanded(sys.stdin.read(), where)
     except Exception as error:  # macros fail in as many ways as programs
-        result.write(said_by(error))
+        inner = getattr(error, "exc", None)
+        # Xacro says the class and the message of what $(...) raises, and the message once more.
+        result.write(said_by(inner if inner and str(error).startswith("<class") else error))
         return 1
     result.write(text)
     return 0
