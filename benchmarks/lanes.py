@@ -168,6 +168,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for ground in options.grounds:
         lanes = [lane for seed in options.seeds for lane in drives(robot, seed, ground, here)]
         print(f"{robot.kind} on {ground} in {here}: {summary(lanes)}", flush=True)
+        for heading in HEADINGS:
+            print(f"  {heading} degrees: {summary([lane for lane in lanes if lane.heading == heading])}", flush=True)
     return 0
 
 

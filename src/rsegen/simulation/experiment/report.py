@@ -12,6 +12,7 @@ import io
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from math import pi, sqrt
+from pathlib import Path
 from statistics import fmean, median, stdev
 from typing import NamedTuple
 
@@ -179,8 +180,8 @@ def trials_csv(plan: ExperimentPlan, results: Results) -> str:
 
 def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], command: str) -> Iterator[str]:
     yield f"# Experiment: {plan.name}\n"
-    if still := list(_still(plan, results)):
-        yield f"**Robots stood still**, stuck for more than half of the time: {'; '.join(still)}.\n"
+    if still := dict.fromkeys(_still(plan, results)):
+        yield f"**Robots stood still**, stuck for more than half of the time, where {MARK} is: {'; '.join(still)}.\n"
     yield f"Made by `{command}`: {plan.repeats} {'trial' if plan.repeats == 1 else 'trials'} per cell, in mixed"
     paces = " and ".join(_TITLES[pace] for pace in plan.paces)
     yield f"order; robots drive randomly for {plan.seconds:g} seconds of wall time, {paces}."
@@ -199,25 +200,30 @@ def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], co
 
 
 def _still(plan: ExperimentPlan, results: Results) -> Iterator[str]:
-    """Yield for each row of the plan on which maps its robots rested, and why, if that is known."""
+    """Yield the robots and maps of rows in which robots rested, with the reason, if that is known."""
     for index, row in enumerate(plan.rows):
-        sizes = [
-            size for size in row.sizes if any(rested(outcomes_of(results, index, size, pace)) for pace in plan.paces)
-        ]
+        sizes = [size for size in row.sizes if _rested_at(plan, results, index, size)]
         if sizes:
-            maps = ", ".join(_blocks(size) if size else "the empty world" for size in sizes)
-            yield f"{row_label(plan, row)}, on {maps}{_why_still(plan, row, sizes)}"
+            yield _why_still(plan, results, row, [size for size in sizes if size])
 
 
-def _why_still(plan: ExperimentPlan, row: TableRow, sizes: Sequence[int]) -> str:
-    """Return why robots rested on maps of these sizes; empty if it is not known."""
-    if 0 in sizes:
-        return " (as without a map, so the map is not the reason)"
+def _rested_at(plan: ExperimentPlan, results: Results, index: int, size: int) -> bool:
+    """Return whether the robots of a row rested at a size, at any pace."""
+    return any(rested(outcomes_of(results, index, size, pace)) for pace in plan.paces)
+
+
+def _why_still(plan: ExperimentPlan, results: Results, row: TableRow, maps: Sequence[int]) -> str:
+    """Return why the robots of a row rested on maps of these sizes, or in the empty world if there is none."""
+    name = f"{row.robots} {Path(row.robot).name}"
+    if any(_rested_at(plan, results, alike, 0) for alike in _alike(plan, row)):
+        where = f" in {_title(row)}" if _title(row) else ""
+        return f"{name}{where}, without a map too, so maps are not the reason"
+    what = f"{name}, unit {row.unit_cm:g} cm, {row.levels} levels"
     robot = ROBOTS.get(row.robot)
-    above = steps(build(row.map_of(min(sizes), plan.seed))).share_above(robot.climbs) if robot else None
+    above = steps(build(row.map_of(min(maps), plan.seed))).share_above(robot.climbs) if robot else None
     if not robot or not above:
-        return ""
-    return f" ({above:.0%} of the steps are higher than the {100 * robot.climbs:g} cm that it climbs in Gazebo Classic)"
+        return f"{what}, for a reason that is not known"
+    return f"{what}, as {above:.0%} of the steps are higher than the {100 * robot.climbs:g} cm that it climbs"
 
 
 def _has_incidents(results: Results) -> bool:
@@ -363,12 +369,15 @@ def _quotient(speed: float | None, usual: float | None) -> str:
 
 def _empty(plan: ExperimentPlan, results: Results, row: TableRow) -> Sequence[Outcome]:
     """Return the outcomes of these robots in an empty world at full speed, of this row or else of a similar one."""
-    alike = (
-        index
-        for index, other in sorted(enumerate(plan.rows), key=lambda numbered: numbered[1] is not row)
-        if (other.robot, other.robots, other.simulator) == (row.robot, row.robots, row.simulator)
-    )
+    alike = _alike(plan, row)
     return next((outcomes for index in alike if (outcomes := outcomes_of(results, index, 0, "free"))), ())
+
+
+def _alike(plan: ExperimentPlan, row: TableRow) -> Iterator[int]:
+    """Yield the numbers of the rows with the same robots and simulator, the row itself first."""
+    for index, other in sorted(enumerate(plan.rows), key=lambda numbered: numbered[1] is not row):
+        if (other.robot, other.robots, other.simulator) == (row.robot, row.robots, row.simulator):
+            yield index
 
 
 def _line(cells: Sequence[str]) -> str:
