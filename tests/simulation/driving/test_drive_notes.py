@@ -47,8 +47,8 @@ def notes(run: RobotRun, track: Trajectory, route: str, attempts: int = 1) -> Se
 @pytest.mark.parametrize("route", ["straight", "way"])
 def test_a_robot_that_hardly_moves_before_it_reaches_the_map_is_noted(route: str) -> None:
     run = run_of(route)
-    said = "burger_0 moved 0.07 m in 10 s, 3.0% of what was commanded, on the level ground before the map: perhaps "
-    (note,) = notes(run, driven(run, lambda t: 0.03 * 0.22 * t), route)
+    said = "burger_0 moved 0.04 m in 10 s, 2.0% of what was commanded, on the level ground before the map: perhaps "
+    (note,) = notes(run, driven(run, lambda t: 0.02 * 0.22 * t), route)
     assert note.startswith(said)
     assert "left_axle, right_axle" in note
     (spinning,) = notes(run, driven(run, lambda t: 0.001 * (np.arange(len(t)) % 2)), route)
@@ -58,7 +58,8 @@ def test_a_robot_that_hardly_moves_before_it_reaches_the_map_is_noted(route: str
 @pytest.mark.parametrize("route", ["straight", "way"])
 def test_a_robot_that_is_stuck_on_blocks_is_not_accused(route: str) -> None:
     run = run_of(route)
-    assert notes(run, driven(run, lambda t: np.minimum(0.22 * t, 0.15)), route) == []
+    for metres in (0.15, 0.1, 0.09, 0.06):  # it has reached the blocks, or stands with its front at them
+        assert notes(run, driven(run, lambda t, far=metres: np.minimum(0.22 * t, far)), route) == []  # type: ignore[misc]
     assert notes(run, driven(run, lambda t: 0.22 * t), route) == []
     assert notes(run, driven(run, np.zeros_like, roll=pi / 2), route) == []
 
