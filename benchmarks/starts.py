@@ -1,9 +1,11 @@
-"""Whether robots start level: every example, robot, seed and route in a real Gazebo, a second after the start.
+"""Whether robots start level and stay upright: every example, robot, route and distinct start in a real Gazebo.
 
-python -m benchmarks.starts    prints the table and keeps benchmarks/results/starts.json; a quarter of an hour
+python -m benchmarks.starts    prints the table and keeps benchmarks/results/starts.json; half an hour
 
-A trial is good if the robot rests within 5 degrees of level and within 1.5 cm of the height at which it started; where
-a map has no even place for a robot, that is said, and nothing is driven.
+Every start is tried alone: the robot rests for a second, and then drives on its route for some more. It starts level if
+it rests within 5 degrees of level and within 1.5 cm of the height at which it started; the start is good if the robot
+also stays upright while it is driven. Starts of several seeds that are the same pose are one start. Where a map has no
+even place for a robot, that is said, and nothing is driven.
 """
 
 from __future__ import annotations
@@ -11,13 +13,13 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, astuple, dataclass, replace
-from functools import partial
-from math import acos, cos, degrees, hypot
-from pathlib import Path
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import product
+from math import degrees
 from typing import Any
+
+import numpy as np
 
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
@@ -25,29 +27,21 @@ from rsegen.errors import ParameterError
 from rsegen.exporters.scene import Scene
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS
-from rsegen.robots.footprint import footprint_of
-from rsegen.simulation.driving.recording import RobotRun
-from rsegen.simulation.driving.robot_runs import ROUTES, robot_runs
-from rsegen.simulation.driving.routes import Straight
-from rsegen.simulation.driving.world_file import time_step, world_with_robots
+from rsegen.simulation.driving.drive_metrics import Course, Incident, drive_metrics
+from rsegen.simulation.driving.recording import RobotRun, record_drive
+from rsegen.simulation.driving.robot_runs import ROUTES, driving_speed, robot_runs
+from rsegen.simulation.driving.routes import STOP, Motion, Route
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.simulators.server import retried, running_server
 from rsegen.simulation.worlds import world_of
 
 FILE = RESULTS / "starts.json"
 SEEDS = (1, 2, 3, 4, 5)
-SECONDS = 1.0
-"""Simulated, after which a robot has come to rest."""
+REST, DRIVE = 1.0, 5.0
+"""Seconds after which a robot has come to rest, and in which it then drives: some robot lengths away from its start."""
 
 MOST_TILT, MOST_FALL = 5.0, 0.015
 """Degrees, and metres."""
-
-TIMEOUT = 300.0
-"""Seconds within which a world must load, on a busy machine too."""
-
-_GAP = 0.05
-"""Metres between robots that are tried in one world."""
 
 _WITHOUT = {"sim": ("crawler",)}
 """Robots that a simulator is not asked for: tracks."""
@@ -55,7 +49,11 @@ _WITHOUT = {"sim": ("crawler",)}
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Start:
-    """One robot a second after its start: its tilt in degrees and its fall in metres; None if there was no place."""
+    """One robot at a start: its tilt in degrees and its fall in metres after the rest; None if there was no place.
+
+    seed: the first of those that give this start; upright: whether it did not tip over while it was driven, nor did
+    what no robot can; None if it was not driven
+    """
 
     simulator: str
     example: str
@@ -64,11 +62,37 @@ class Start:
     seed: int
     tilt: float | None
     fall: float | None
+    upright: bool | None = None
 
     @property
     def is_level(self) -> bool:
         """Whether it stands where it started."""
         return self.tilt is not None and self.tilt <= MOST_TILT and abs(self.fall or 0) <= MOST_FALL
+
+    @property
+    def is_good(self) -> bool:
+        """Whether it stands where it started, and stays upright when it is driven."""
+        return self.is_level and self.upright is True
+
+
+@dataclass(kw_only=True, slots=True)
+class _Rested(Route):
+    """A route that begins after a rest."""
+
+    route: Route
+    left: float = REST
+
+    @property
+    def period(self) -> float:  # type: ignore[override]  # that of the route
+        """The period of the route."""
+        return self.route.period
+
+    def motion(self, at: Pose) -> Motion:
+        """Stop as long as the rest lasts."""
+        if self.left <= 0:
+            return self.route.motion(at)
+        self.left -= self.period
+        return STOP
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -96,26 +120,24 @@ def starts(
 
 
 def _of_example(here: Installation, example: str, seeds: Sequence[int]) -> Iterator[Start]:
-    """Every robot on every route for every seed; a straight route starts alike for every seed.
-
-    Robots share a world where they stand apart.
-    """
-    scene = world_of(example).scene()
-    kinds = [kind for kind in ROBOTS if kind not in _WITHOUT.get(here.simulator.name, ())]
-    trials = [(kind, route, seed) for kind in kinds for route in ROUTES for seed in seeds[: _starts_of(route)]]
-    runs = {trial: run for trial in trials if (run := _run(scene, *trial))}
-    rested: dict[str, Pose] = {}
-    for group in _groups(runs.values()):
-        rested |= retried(partial(_rested, here, scene, group))
-    for trial in trials:
-        kind, route, seed = trial
-        tilt, fall = _moved(runs[trial], rested) if trial in runs else (None, None)
-        simulator = here.simulator.name
-        yield Start(simulator=simulator, example=example, robot=kind, route=route, seed=seed, tilt=tilt, fall=fall)
-
-
-def _starts_of(route: str) -> int | None:
-    return 1 if route == Straight.name else None
+    """Every robot on every route, at each start that any seed gives; where there is no place, one trial without it."""
+    scene, simulator = world_of(example).scene(), here.simulator.name
+    for kind, route in product([kind for kind in ROBOTS if kind not in _WITHOUT.get(simulator, ())], ROUTES):
+        runs = {seed: _run(scene, kind, route, seed) for seed in seeds}
+        distinct = {run.start if run else None: seed for seed, run in reversed(runs.items())}
+        for seed in sorted(distinct.values()):
+            run = runs[seed]
+            tilt, fall, upright = _driven(here, scene, run) if run else (None, None, None)
+            yield Start(
+                simulator=simulator,
+                example=example,
+                robot=kind,
+                route=route,
+                seed=seed,
+                tilt=tilt,
+                fall=fall,
+                upright=upright,
+            )
 
 
 def _run(scene: Scene, kind: str, route: str, seed: int) -> RobotRun | None:
@@ -127,71 +149,42 @@ def _run(scene: Scene, kind: str, route: str, seed: int) -> RobotRun | None:
     return replace(run, name=f"{kind}_{route}_{seed}")
 
 
-def _groups(runs: Iterable[RobotRun]) -> list[list[RobotRun]]:
-    """The runs in groups of robots that stand apart."""
-    groups: list[list[RobotRun]] = []
-    for run in runs:
-        free = [group for group in groups if all(_apart(run, other) for other in group)]
-        if not free:
-            free = [[]]
-            groups += free
-        free[0].append(run)
-    return groups
-
-
-def _apart(one: RobotRun, other: RobotRun) -> bool:
-    distance = hypot(one.start.x - other.start.x, one.start.y - other.start.y)
-    return distance > _radius(one) + _radius(other) + _GAP
-
-
-def _radius(run: RobotRun) -> float:
-    """That of the circle around a robot's origin in which it fits."""
-    low_x, low_y, high_x, high_y = footprint_of(run.robot).outline
-    return hypot(max(-low_x, high_x), max(-low_y, high_y))
-
-
-def _rested(here: Installation, scene: Scene, runs: Sequence[RobotRun]) -> dict[str, Pose]:
-    """The pose of each robot a second after all were let go, by its name."""
-    with tempfile.TemporaryDirectory(prefix="rsegen-") as folder, world_of(scene).on_disk() as world:
-        models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
-        text = world_with_robots(world, models, unthrottled=True, backend=here.backend)
-        file = Path(folder, world.name)
-        file.write_text(text, "utf-8")
-        with (
-            running_server(here, file, timeout=TIMEOUT, models=world.absolute().parent.parent) as server,
-            server.connect() as live,
-        ):
-            live.step(round(SECONDS / time_step(text)))
-            return {name: pose for name, pose in live.poses().items() if name in {run.name for run in runs}}
-
-
-def _moved(run: RobotRun, rested: Mapping[str, Pose]) -> tuple[float, float]:
-    """Tilt in degrees and fall in metres of a robot that has come to rest."""
-    at = rested[run.name]
-    return round(degrees(acos(cos(at.roll) * cos(at.pitch))), 2), round(run.start.z - at.z, 4)
+def _driven(here: Installation, scene: Scene, run: RobotRun) -> tuple[float, float, bool]:
+    """Tilt in degrees and fall in metres of a robot after its rest, and whether it stayed upright on its route."""
+    rested = replace(run, route=lambda: _Rested(route=run.route()))
+    with world_of(scene).on_disk() as world:
+        track = record_drive(here, world, [rested], REST + DRIVE, contacts=False).trajectories[run.name]
+    at_rest = int(np.searchsorted(track.rows[:, 0], REST, side="right")) - 1
+    tilt, fall = degrees(float(track.tilt[at_rest])), run.start.z - float(track.rows[at_rest, 3])
+    metrics = drive_metrics(track, driving_speed(run.robot), run.robot.size, Course.over(scene.field))
+    return round(tilt, 2), round(fall, 4), not metrics.tipped and not metrics.has(Incident.IMPOSSIBLE)
 
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:
     """The figures as lines of Markdown: a row for each simulator, robot and route."""
     found = [Start(**each) for each in record["starts"]]
-    yield "| | robot | route | level, of those driven | largest tilt | largest fall | maps without an even place |"
-    yield "|---|---|---|---|---|---|---|"
+    yield "| | robot | route | starts | level | and stays upright | largest tilt | largest fall | no place |"
+    yield "|---|---|---|---|---|---|---|---|---|"
     for simulator, robot, route in dict.fromkeys((each.simulator, each.robot, each.route) for each in found):
         here = [each for each in found if (each.simulator, each.robot, each.route) == (simulator, robot, route)]
         yield f"| {SIMULATORS[simulator].title} | {robot} | {route} | {' | '.join(_cells(here))} |"
     yield (
-        f"\nThe ten examples and seeds {SEEDS[0]} to {SEEDS[-1]} (a straight route starts alike for each). Level: a "
-        f"robot rests within {MOST_TILT:g} degrees and {100 * MOST_FALL:g} cm of its start {SECONDS:g} s after it. "
-        f"Robots are let go 0.5 cm above the ground. By `python -m benchmarks.starts` in "
+        f"\nThe examples and seeds {SEEDS[0]} to {SEEDS[-1]}. Seeds may give the same start, which counts once: "
+        f"on a straight route and along the way all do. Level: a robot rests within {MOST_TILT:g} degrees and "
+        f"{100 * MOST_FALL:g} cm of its start {REST:g} s after it. Upright: it then drives {DRIVE:g} s on its route "
+        "and does not tip over. Robots are let go 0.5 cm above the ground. By `python -m benchmarks.starts` in "
         f"{' and '.join(record['simulators'])}."
     )
 
 
 def _cells(found: Sequence[Start]) -> Iterator[str]:
-    driven = [each for each in found if each.tilt is not None]
-    yield f"{sum(each.is_level for each in driven)} of {len(driven)}"
-    yield f"{max((each.tilt or 0 for each in driven), default=0):.1f} degrees"
-    yield f"{100 * max((abs(each.fall or 0) for each in driven), default=0):.1f} cm"
+    tried = [each for each in found if each.tilt is not None]
+    driven = [each for each in tried if each.upright is not None]
+    yield str(len(tried))
+    yield str(sum(each.is_level for each in tried))
+    yield str(sum(each.is_good for each in driven)) if len(driven) == len(tried) else "not driven"
+    yield f"{max((each.tilt or 0 for each in tried), default=0):.1f} degrees"
+    yield f"{100 * max((abs(each.fall or 0) for each in tried), default=0):.1f} cm"
     yield ", ".join(dict.fromkeys(each.example for each in found if each.tilt is None)) or "none"
 
 

@@ -29,3 +29,4 @@ def test_every_block_within_reach_of_a_drive_is_of_the_lane_s_level(ground: str)
 def test_the_summary_counts_robots_that_did_not_come_on() -> None:
     lanes = [Lane(heading=0, aside=-3, ahead=2.2, shake=0.5), Lane(heading=45, aside=1, ahead=1, shake=0.1)]
     assert summary(lanes) == "2.00 (3.00) mm aside, 0.30 (0.50) mm up and down, 1 of 2 stuck"
+    assert "stuck" not in summary([Lane(heading=0, aside=1, ahead=1.4, shake=0.1, commanded=1.43)])

@@ -20,7 +20,7 @@ def add(commands: Subparsers) -> None:
         experiment,
         epilog=f"{epilog}The same command continues a stopped experiment.",
     )
-    names = "paper, quick, burgers, driven, frames, representations"
+    names = "quick, driven, paper, burgers, frames, representations"
     command.add_argument("plan", metavar="PLAN", help=f"{names}, or a YAML file like these")
     add_flags(command.add_argument_group("output"), experiment)
     command.set_defaults(run=run)

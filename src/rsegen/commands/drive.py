@@ -101,7 +101,7 @@ def drive(  # noqa: PLR0913  # each is a flag
         seed=seed,
         robots=tuple(driven_robot(run, scene, recording, route) for run in runs),
         errors=tuple(recording.errors),
-        notes=tuple(drive_notes(here, runs, recording, contacts=contacts, picture=picture)),
+        notes=tuple(drive_notes(here, runs, recording, route, contacts=contacts, picture=picture)),
         contact_samples=recording.samples,
         way=runs[0].way,
         image=recording.image,

@@ -74,13 +74,34 @@ def test_figures_are_means_over_the_robots(field: StepField) -> None:
     tracks = {"moves": track(0.04 * T), "rests": track(np.zeros_like(T), roll=pi / 2)}
     found = driving_figures(tracks, [run("moves"), run("rests")], field)
     assert found[:3] == (0.2, 0.5, 0.5)
+    assert (found.off, found.impossible) == (0, 0)
     shares = [covered(each, BURGER, field) for each in tracks.values()]
     assert found.covered == pytest.approx(sum(shares) / 2)
-    assert driving_figures(tracks, [run("moves")], None) == DrivingFigures(0.4, 0.0, 0.0, None)
+    assert driving_figures(tracks, [run("moves")], None) == DrivingFigures(0.4, 0.0, 0.0, None, 0.0, 0.0)
 
 
 def test_robots_that_nothing_is_known_of_have_no_figures(field: StepField) -> None:
-    assert driving_figures({}, [run("moves")], field) == DrivingFigures(None, None, None, None)
+    assert driving_figures({}, [run("moves")], field) == DrivingFigures()
+
+
+def test_a_robot_that_flies_or_leaves_the_map_is_counted_and_flies_no_distance(field: StepField) -> None:
+    tracks = {
+        "flies": track(20 * np.maximum(T - 1, 0)),
+        "leaves": track(0.2 * T),
+        "stays": track(0.04 * T),
+        "is no number": track(np.where(T > 4, np.nan, 0.04 * T)),
+    }
+    found = driving_figures(tracks, [run(name) for name in tracks], field)
+    assert (found.off, found.impossible) == (0.25, 0.5)
+    assert found.driven == pytest.approx((0 + 2 + 0.4 + 0.16) / 4)
+    assert found.covered is not None
+    assert driving_figures(tracks, [run("leaves")], None).off == 0
+
+
+@pytest.mark.parametrize("seconds", [0.3, 0.9, 1.4])
+def test_robots_of_a_trial_shorter_than_a_second_are_stuck_in_all_of_it(seconds: float, field: StepField) -> None:
+    still = Trajectory(rows=track(np.zeros_like(T)).rows[: round(seconds / 0.1) + 1])
+    assert driving_figures({"rests": still}, [run("rests")], field).stuck == 1
 
 
 def test_a_record_becomes_the_trajectories_of_its_robots() -> None:

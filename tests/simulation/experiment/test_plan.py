@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from rsegen import build
 from rsegen.errors import ParameterError, UserError
+from rsegen.exporters.scene import compose
 from rsegen.field.metrics.roughness import steps
 from rsegen.robots import robot
 from rsegen.simulation.experiment.plan import PLANS, ExperimentPlan, TableRow, load_plan, read_plan
-from rsegen.simulation.experiment.trial import refuse_crowded
+from rsegen.simulation.experiment.report import FIGURES, PublishedRow
+from rsegen.simulation.experiment.run import _robot_files
+from rsegen.simulation.experiment.trial import _runs, refuse_undrivable
 
 ROWS = "rows:\n  - {robot: burger, sizes: [0, 10]}\n"
 
@@ -29,9 +35,10 @@ def test_every_plan_that_comes_along_is_whole(name: str) -> None:
 
 def test_the_paper_s_plan_has_the_paper_s_rows() -> None:
     plan = load_plan("paper")
-    sizes = {row.robot: row.sizes for row in plan.rows if 0 in row.sizes}
-    assert {0, 10, 20, 40, 60, 80} <= set(sizes["burger"])
-    assert {0, 10, 20, 40, 60, 80} <= set(sizes["crawler"])
+    rows = {PublishedRow(row.robot, row.robots, row.unit_cm, row.levels): row for row in plan.rows}
+    assert rows.keys() == FIGURES.keys()
+    for published, row in rows.items():
+        assert {0, *row.sizes} == {0, *FIGURES[published]}
     assert {(row.robots, row.unit_cm) for row in plan.rows if row.robot == "burger"} == {(3, 1)}
     assert {(row.robots, row.unit_cm) for row in plan.rows if row.robot == "crawler"} == {(1, 10)}
 
@@ -39,14 +46,18 @@ def test_the_paper_s_plan_has_the_paper_s_rows() -> None:
 def test_a_plan_with_more_robots_than_its_smallest_map_holds_is_refused_before_any_trial() -> None:
     rows = [{"sizes": [0, 10]}, {"robot": "crawler", "robots": 9, "sizes": [0, 80, 20]}]
     with pytest.raises(ParameterError, match=r"^rows\[1\].robots: found room for \d of 9"):
-        refuse_crowded(read_plan("crowd", {"rows": rows}))
-    refuse_crowded(read_plan("alone", {"rows": [{"robot": "crawler", "robots": 1, "sizes": [0, 10]}]}))
+        refuse_undrivable(read_plan("crowd", {"rows": rows}))
+    refuse_undrivable(read_plan("alone", {"rows": [{"robot": "crawler", "robots": 1, "sizes": [0, 10]}]}))
 
 
-def test_no_step_of_the_driven_plan_is_too_high_for_its_robots() -> None:
-    for row in load_plan("driven").rows:
+@pytest.mark.parametrize("rows", [load_plan("driven").rows, load_plan("quick").rows, (TableRow(),)])
+def test_no_step_of_the_default_plans_and_rows_is_too_high_for_their_robots(rows: tuple[TableRow, ...]) -> None:
+    for row in rows:
         found = steps(build(row.map_of(80, seed=1)))
         assert found.share_above(robot(row.robot).limits.climb_cm / 100) == 0
+
+
+def test_half_of_the_steps_of_the_paper_s_plan_are_too_high() -> None:
     paper = steps(build(load_plan("paper").rows[0].map_of(80, seed=1)))
     assert paper.share_above(0.01) == pytest.approx(12 / 25, abs=0.02)
 
@@ -68,11 +79,57 @@ def test_a_map_is_random_in_the_levels_that_the_row_says() -> None:
     assert not build(TableRow().map_of(0, seed=3)).levels.any()
 
 
+@pytest.fixture
+def jackal_file(tmp_path: Path) -> str:
+    file = tmp_path / "my, own.sdf"
+    file.write_text(robot("jackal").file("mine", "classic"))
+    return str(file)
+
+
+def test_a_row_may_name_the_file_of_any_robot(jackal_file: str) -> None:
+    rows = [{"robot": jackal_file, "robots": 1, "sizes": [0, 10], "speed": 0.3, "size": [0.5, 0.45, 0.3]}]
+    plan = read_plan("mine", {"rows": rows})
+    assert plan.rows[0].label == "1 my, own.sdf, unit 0.3 cm, 3 levels"
+    assert plan.rows[0].model.kind == "mine"
+    assert (plan.rows[0].model.speed, plan.rows[0].model.size) == (0.3, (0.5, 0.45, 0.3))
+    refuse_undrivable(plan)
+    (driven,) = _runs(plan.rows[0], compose(plan.rows[0].map_of(10, 1)), 1)
+    assert driven.name == "mine_0"
+    again = read_plan("mine", json.loads(json.dumps(asdict(plan))))
+    assert again == plan
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ({"robot": "gone.sdf"}, "gone.sdf: "),
+        ({"robot": "burger", "speed": 0.2}, "rows[0].speed: is for the robot of a file; 'burger' has its own"),
+        ({"robot": "FILE", "wheels": "left,right"}, "left"),
+    ],
+)
+def test_a_robot_that_cannot_be_driven_is_refused_before_any_trial(
+    row: dict[str, Any], said: str, jackal_file: str
+) -> None:
+    row = {**row, "robot": jackal_file if row["robot"] == "FILE" else row["robot"]}
+    with pytest.raises(UserError) as refused:
+        refuse_undrivable(read_plan("mine", {"rows": [row]}))
+    assert said in str(refused.value)
+
+
+def test_a_changed_file_of_a_robot_is_another_plan(jackal_file: str) -> None:
+    plan = read_plan("mine", {"rows": [{"robot": jackal_file}, {}]})
+    before = _robot_files(plan)
+    Path(jackal_file).write_text(robot("jackal").file("other", "classic"))
+    assert before.keys() == {"robot_files"}
+    assert before != _robot_files(plan)
+    assert _robot_files(load_plan("paper")) == {}
+
+
 def test_a_row_names_its_obstacles_by_their_kinds() -> None:
     row = TableRow(
         recipe={"obstacles": [{"kind": "peak", "levels": 3}, {"kind": "random", "levels": 3}], "mesh": "blocks"}
     )
-    assert row.label == "3 burger, unit 1 cm, 5 levels, obstacles peak and random, mesh blocks"
+    assert row.label == "3 burger, unit 0.3 cm, 3 levels, obstacles peak and random, mesh blocks"
 
 
 def test_a_plan_in_two_simulators_has_each_row_in_both_and_a_table_of_both() -> None:
@@ -104,7 +161,9 @@ def test_a_plan_of_a_file_is_named_after_it(tmp_path: Path) -> None:
         (ROWS + "secnds: 3", "unknown key 'secnds'; did you mean 'seconds'?"),
         (ROWS + "paces: [fast]", "paces[0]: 'fast' is not one of real, free"),
         (ROWS + "repeats: 0", "repeats: 0 is outside 1..1000"),
-        ("rows: [{robot: burgr}]", "rows[0].robot: 'burgr' is not one of burger, crawler, jackal"),
+        ("rows: [{robot: burgr}]", "rows[0].robot: 'burgr' is not one of burger, crawler, jackal, or an SDF file"),
+        ("rows: [{robot: 7}]", "rows[0].robot: 7 is not one of burger, crawler, jackal, or an SDF file"),
+        ("rows: [{robot: a.sdf, speed: -1}]", "rows[0].speed: -1 is outside 0.001..100 m/s"),
         ("rows: [{sizes: [15]}]", "rows[0].sizes: 15 is no multiple of 10 blocks"),
         ("rows: [{sizes: []}]", "rows[0].sizes: [] is not 0..4000 blocks, or a list of such"),
         ("rows: [{colour: red}]", "rows[0]: unknown key of a row 'colour'"),

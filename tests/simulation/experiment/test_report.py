@@ -6,6 +6,7 @@ import csv as reading
 import io
 from dataclasses import replace
 from math import pi, sqrt
+from typing import Any
 
 import pytest
 from PIL import Image
@@ -15,6 +16,7 @@ from rsegen.simulation.experiment.plot import plot
 from rsegen.simulation.experiment.report import (
     FIGURES,
     MARK,
+    STARVED_MARK,
     PublishedRow,
     median_of,
     published_figures,
@@ -25,8 +27,13 @@ from rsegen.simulation.experiment.report import (
 from rsegen.simulation.experiment.results import Results
 from rsegen.simulation.experiment.trial import Outcome
 
+PAPER: dict[str, Any] = {"unit_cm": 1, "levels": 5}
 PLAN = ExperimentPlan(
-    name="known", rows=(TableRow(sizes=(0, 10, 80)), TableRow(robot="jackal", sizes=(0, 20), recipe={"mesh": "blocks"}))
+    name="known",
+    rows=(
+        TableRow(sizes=(0, 10, 80), **PAPER),
+        TableRow(robot="jackal", sizes=(0, 20), recipe={"mesh": "blocks"}, **PAPER),
+    ),
 )
 COMMAND = "rsegen experiment my/known.yaml --simulator classic -o costs"
 MACHINE = {"processor": "a quick one", "cores": "2"}
@@ -86,6 +93,52 @@ def test_a_row_whose_robots_rested_is_marked_and_explained(results: Results) -> 
     assert MARK not in report_page(PLAN, {**results, Cell(row=0, size=10, pace="free"): moving}, MACHINE, COMMAND)
 
 
+def test_the_first_sentence_says_where_robots_stood_still_and_why(results: Results) -> None:
+    def first(*cells: tuple[int, int]) -> str:
+        still = {Cell(row=row, size=size, pace="free"): [outcome(9, stuck=0.9)] for row, size in cells}
+        return report_page(PLAN, {**results, **still}, MACHINE, COMMAND).splitlines()[2]
+
+    assert first().startswith("Made by")
+    still = "**Robots stood still**, stuck for more than half of the time, where † is: "
+    high = "3 burger, unit 1 cm, 5 levels, as 48% of the steps are higher than the 1 cm that it climbs"
+    jackal = "3 jackal, unit 1 cm, 5 levels, for a reason that is not known"
+    assert first((0, 10), (0, 80)) == f"{still}{high}."
+    assert first((0, 0), (0, 10)) == f"{still}3 burger, without a map too, so maps are not the reason."
+    assert first((0, 10), (1, 20)) == f"{still}{high}; {jackal}."
+
+
+def starved(cpu: float) -> Outcome:
+    return replace(outcome(9), simulated=1.0, cpu=cpu, machine=1.0, starved=True, attempts=1)
+
+
+def test_a_row_with_starved_trials_is_marked_and_explained(results: Results) -> None:
+    cell = Cell(row=0, size=10, pace="free")
+    text = report_page(PLAN, {**results, cell: [outcome(9), starved(0.07), starved(0.3)]}, MACHINE, COMMAND)
+    assert f"10 x 10 {STARVED_MARK}" in rows(text)
+    (line,) = [line for line in text.splitlines() if line.startswith(STARVED_MARK)]
+    said = "2 trials, with 7.0 % of a core or more, 1 s of simulation time or more, the machine's load up to 100 %."
+    assert line.endswith(said)
+    both = report_page(PLAN, {**results, cell: [replace(starved(0.07), stuck=0.9)]}, MACHINE, COMMAND)
+    assert f"10 x 10 {MARK} {STARVED_MARK}" in rows(both)
+    assert both.count(f"\n{MARK} The robots were stuck") == 1
+    (csv_line,) = reading.DictReader(io.StringIO(trials_csv(PLAN, {cell: [starved(0.07)]})))
+    assert (csv_line["starved"], csv_line["cpu"], csv_line["attempts"]) == ("yes", "0.07", "1")
+    assert STARVED_MARK not in report_page(PLAN, results, MACHINE, COMMAND)
+
+
+def test_attempts_and_what_happened_to_robots_are_counted_per_cell(results: Results) -> None:
+    def recorded(attempts: int, off: float = 0.0, impossible: float = 0.0) -> Outcome:
+        return replace(outcome(4.0), attempts=attempts, off=off, impossible=impossible)
+
+    cell = Cell(row=0, size=80, pace="free")
+    outcomes = {cell: [recorded(1), recorded(4, off=1.0), recorded(1, impossible=1 / 3)]}
+    text = report_page(PLAN, {**results, **outcomes}, MACHINE, COMMAND)
+    head = next(line for line in text.splitlines() if line.startswith("| blocks |"))
+    assert "| covered | off the map | impossible | attempts | paper: RTF |" in head
+    assert rows(text)["80 x 80"][11:14] == ["33 %", "11 %", "6"]
+    assert "attempts" not in report_page(PLAN, results, MACHINE, COMMAND)
+
+
 def test_speeds_are_not_compared_with_the_empty_world_if_drives_are_unknown(results: Results) -> None:
     def unknown(one: Outcome) -> Outcome:
         return replace(one, simulated=None, driven=None, stuck=None, tipped=None, covered=None)
@@ -104,16 +157,17 @@ def test_the_command_that_made_the_page_is_in_it(results: Results) -> None:
 @pytest.mark.parametrize(
     ("row", "sizes"),
     [
-        (TableRow(), [0, 10, 20, 40, 60, 80]),
-        (TableRow(robots=2), []),
-        (TableRow(unit_cm=0.5), []),
-        (TableRow(levels=3), []),
-        (TableRow(recipe={"max_step": 1}), []),
-        (TableRow(simulator="sim"), []),
-        (TableRow(simulator="classic"), [0, 10, 20, 40, 60, 80]),
-        (TableRow(robot="crawler", robots=1, unit_cm=10), [0, 10, 20]),
+        (TableRow(**PAPER), [0, 10, 20, 40, 60, 80]),
+        (TableRow(), []),
+        (TableRow(robots=2, **PAPER), []),
+        (TableRow(unit_cm=0.5, levels=5), []),
+        (TableRow(levels=3, unit_cm=1), []),
+        (TableRow(recipe={"max_step": 1}, **PAPER), []),
+        (TableRow(simulator="sim", **PAPER), []),
+        (TableRow(simulator="classic", **PAPER), [0, 10, 20, 40, 60, 80]),
+        (TableRow(robot="crawler", robots=1, unit_cm=10, levels=5), [0, 10, 20]),
         (TableRow(robot="crawler", robots=1, unit_cm=10, levels=10), [0, 40, 60, 80]),
-        (TableRow(robot="jackal"), []),
+        (TableRow(robot="jackal", **PAPER), []),
     ],
 )
 def test_the_paper_s_figures_are_for_the_paper_s_robots_and_maps_only(row: TableRow, sizes: list[int]) -> None:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 import pytest
 from PIL import Image
 
@@ -200,12 +204,96 @@ def test_an_experiment_goes_on_where_it_was_stopped(
     assert "experiment " + str(plan) in table
 
 
+def processes(name: str) -> list[psutil.Process]:
+    """Those of a name that this one has started."""
+    found = []
+    for each in psutil.Process().children(recursive=True):
+        with suppress(psutil.NoSuchProcess):
+            found += [each] if each.name().startswith(name) else []
+    return found
+
+
+@pytest.mark.long(reason="three servers")
+def test_a_server_that_is_killed_in_a_trial_is_counted(gazebo_classic: Installation) -> None:
+    killed: list[int] = []
+
+    def watch() -> None:
+        for server in processes("gzserver"):
+            if len(killed) < 2 and server.pid not in killed and server.create_time() < time.time() - 4:
+                killed.append(server.pid)
+                server.kill()
+
+    plan = ExperimentPlan(name="killed", rows=(TableRow(robots=1, sizes=(10,)),), paces=("free",), seconds=6)
+    outcome = run_trial(plan, plan.cells[0], 0, gazebo_classic, watch).outcome
+    assert len(killed) == 2
+    assert outcome.attempts == 3
+    assert outcome.starved is not None
+
+
+@pytest.mark.long(reason="a server that stands most of the time")
+def test_a_server_without_the_processor_is_starved(gazebo_classic: Installation) -> None:
+    """It is stopped for most of the time, as by a scheduler that has others to serve."""
+
+    def watch() -> None:
+        for server in processes("gzserver"):
+            if server.create_time() < time.time() - 2:
+                server.suspend()
+                time.sleep(0.5)
+                server.resume()
+
+    plan = ExperimentPlan(name="starved", rows=(TableRow(robots=1, sizes=(10,)),), paces=("free", "real"), seconds=5)
+    free, real = (run_trial(plan, cell, 0, gazebo_classic, watch).outcome for cell in plan.cells)
+    assert free.starved
+    assert free.cpu is not None
+    assert free.cpu < 0.5
+    assert real.starved
+
+
+@pytest.mark.long(reason="a trial of each Gazebo")
+def test_a_robot_of_a_file_is_in_a_plan(gazebo: Installation, tmp_path: Path) -> None:
+    file = tmp_path / "mine.sdf"
+    file.write_text(ROBOTS["jackal"].file("mine", gazebo.backend))
+    row = TableRow(robot=str(file), robots=1, sizes=(20,), speed=0.3)
+    plan = ExperimentPlan(name="mine", rows=(row,), paces=("free",), seconds=3)
+    trial = run_trial(plan, plan.cells[0], 0, gazebo)
+    assert list(trial.trajectories) == ["mine_0"]
+    assert trial.outcome.driven is not None
+    assert trial.outcome.driven > 0.2
+    assert trial.outcome.impossible == 0
+
+
+def test_links_of_a_gram_that_fly_away_are_told(gazebo_classic: Installation, tmp_path: Path) -> None:
+    text = re.sub(r"<mass>[^<]*<", "<mass>0.001<", ROBOTS["burger"].file("light", "classic"))
+    text = re.sub(r"<(i[xyz])([xyz])>[^<]*<", lambda at: f"<{at[1]}{at[2]}>{1e-9 * (at[1][1] == at[2])}<", text)
+    (tmp_path / "light.sdf").write_text(text)
+    result = rsegen.drive(
+        course(tmp_path, 1), robot=tmp_path / "light.sdf", duration=3, seed=1, simulator="classic", contacts=False
+    )
+    (robot,) = result.robots
+    (incident,) = robot.metrics.incidents
+    assert incident.kind == "impossible"
+    assert robot.metrics.distance < 1
+    assert robot.metrics.crossed is None
+    assert str(incident) in "".join(result.report())
+
+
+def test_wheels_that_turn_nothing_are_noted(gazebo_classic: Installation, tmp_path: Path) -> None:
+    """Its wheels hang in the air, as it stands on feet."""
+    text = ROBOTS["jackal"].file("mine", "classic")
+    foot = '<collision name="foot"><pose>0 0 {z} 0 0 0</pose><geometry><box><size>0.4 0.3 0.1</size></box></geometry>'
+    link = text.index("<collision")
+    text = text[:link] + foot.format(z=-0.1) + "</collision>" + text[link:]
+    (tmp_path / "mine.sdf").write_text(text)
+    result = rsegen.drive(course(tmp_path, 1), robot=tmp_path / "mine.sdf", duration=4, simulator="classic")
+    assert "on the level ground before the map: perhaps front_left_axle" in result.notes[-1]
+
+
 @pytest.mark.long(reason="two servers in turns")
 def test_an_empty_world_in_turns_with_another_has_the_same_speed(gazebo: Installation) -> None:
     plan = ExperimentPlan(name="null", rows=(TableRow(robots=1, sizes=(0,)),), paces=("beside",), seconds=4)
     outcome = run_trial(plan, plan.cells[0], 0, gazebo).outcome
     assert outcome.share == pytest.approx(1, abs=0.3)
-    assert outcome.cpu is outcome.rtf is None
+    assert outcome.rtf is None
     assert outcome.speed > 0
 
 

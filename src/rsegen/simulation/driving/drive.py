@@ -12,16 +12,27 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path, PurePosixPath
 
+import numpy as np
+
 from rsegen.errors import ParameterError, shown
 from rsegen.exporters.pictures.plan import draw_plan
 from rsegen.exporters.scene import Scene
 from rsegen.recipe.codec import map_json
 from rsegen.robots import from_file, is_robot_file, robot_of
 from rsegen.robots.base import DrivableRobot, Robot
-from rsegen.robots.drives import Tracks
+from rsegen.robots.drives import Tracks, Wheels
 from rsegen.robots.sdf_file import SdfRobot
 from rsegen.run.store import refuse_busy, refuse_not_a_folder, refuse_taken, write_folder
-from rsegen.simulation.driving.drive_metrics import DriveMetrics, Trajectory, drive_metrics
+from rsegen.simulation.driving.drive_metrics import (
+    SLOW,
+    TIPPED,
+    Course,
+    DriveMetrics,
+    Trajectory,
+    drive_metrics,
+    moves_by_window,
+    possible_part,
+)
 from rsegen.simulation.driving.recording import (
     ContactSamples,
     DriveRecording,
@@ -29,7 +40,7 @@ from rsegen.simulation.driving.recording import (
     contact_shares,
     contacts_csv,
 )
-from rsegen.simulation.driving.robot_runs import driving_speed, finish_x
+from rsegen.simulation.driving.robot_runs import GAP, driving_speed, finish_x
 from rsegen.simulation.driving.routes import PlannedWay, Wandering
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import Pose
@@ -42,7 +53,7 @@ _RIM, _MARGIN = 0.1, 1.5
 def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way: PlannedWay | None = None) -> bytes:
     """Draw a PNG: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over.
 
-    A planned way is a dashed line.
+    A planned way is a dashed line. Rows that are no numbers are left out.
     """
     from matplotlib.figure import Figure
 
@@ -72,9 +83,10 @@ def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way:
 
 def _limits(extent: float, trajectories: Mapping[str, Trajectory], column: int) -> tuple[float, float]:
     """Return the limits of an axis: the map, and the trajectories near it."""
-    along = [trajectory.rows[:, column] for trajectory in trajectories.values()]
+    along = [trajectory.rows[np.isfinite(trajectory.rows[:, column]), column] for trajectory in trajectories.values()]
     half, far = extent / 2 + _RIM, extent / 2 + _MARGIN
-    low, high = min(values.min() for values in along) - _RIM, max(values.max() for values in along) + _RIM
+    low = min(values.min(initial=0.0) for values in along) - _RIM
+    high = max(values.max(initial=0.0) for values in along) + _RIM
     return max(min(low, -half), -far), min(max(high, half), far)
 
 
@@ -116,7 +128,13 @@ class DriveResult:
     def as_json(self) -> dict[str, object]:
         """Return the content of drive.json, which `rsegen drive --json` prints."""
         robots = [
-            {"name": robot.name, "kind": robot.kind, "start": asdict(robot.start), **asdict(robot.metrics)}
+            {
+                "name": robot.name,
+                "kind": robot.kind,
+                "start": asdict(robot.start),
+                **asdict(robot.metrics),
+                "incidents": [asdict(incident) for incident in robot.metrics.incidents],
+            }
             for robot in self.robots
         ]
         return {
@@ -140,7 +158,8 @@ class DriveResult:
             crossed = "" if self.route == Wandering.name else _crossed(metrics)
             tipped = f", tipped over {metrics.tipped}x" if metrics.tipped else ""
             driven = f"{metrics.distance:.2f} m in {metrics.seconds:g} s"
-            yield f"  {robot.name}: {driven}{crossed}, stuck {metrics.stuck:g} s{tipped}"
+            incidents = "".join(f"; {incident}" for incident in metrics.incidents)
+            yield f"  {robot.name}: {driven}{crossed}, stuck {metrics.stuck:g} s{tipped}{incidents}"
             if metrics.touched:
                 most = list(metrics.touched.items())[:_PARTS]
                 yield "    contacts of " + ", ".join(f"{part} {share:.0%}" for part, share in most)
@@ -207,11 +226,19 @@ def refuse_output(output: Path | None, *, picture: bool, force: bool) -> None:
 
 
 def drive_notes(
-    here: Installation, runs: Sequence[RobotRun], recording: DriveRecording, *, contacts: bool, picture: bool
+    here: Installation,
+    runs: Sequence[RobotRun],
+    recording: DriveRecording,
+    route: str,
+    *,
+    contacts: bool,
+    picture: bool,
 ) -> Iterator[str]:
-    """Yield what was derived from a robot's file, and what the simulator does not give, in a sentence each."""
+    """Yield what was derived from a robot's file, what went wrong, and what the simulator does not give."""
     if isinstance(runs[0].robot, SdfRobot):
         yield from runs[0].robot.notes(here.backend)
+    if recording.attempts > 1:
+        yield f"{here} failed and was started again; this is attempt {recording.attempts}"
     if contacts and not recording.samples:
         yield f"{here} gives no contacts of a drive"
     if picture and "pictures" in here.simulator.drives_without:
@@ -220,12 +247,42 @@ def drive_notes(
     still = [name for name in tracked if recording.trajectories[name].is_still]
     if still and here.backend != "classic":
         yield f"{', '.join(still)} did not move: tracks need the physics engine DART 6.13 or later in {here}"
+        return
+    for run in runs:
+        yield from _hardly_moved(run, recording.trajectories[run.name], route)
+
+
+_NOTICED = 1.0
+"""Seconds after which a robot that hardly moves is noticed: one that starts has its speed after some tenths."""
+
+
+def _hardly_moved(run: RobotRun, trajectory: Trajectory, route: str) -> Iterator[str]:
+    """Yield a note if a robot moved by less than SLOW of its commanded distance where no block can be the reason."""
+    # A robot is on level ground in the gap before the map. Only half of it counts, as one that stands at the first
+    # block may not have come all of it. On a random route a block may hold a robot anywhere.
+    drive, _ = possible_part(trajectory, driving_speed(run.robot), run.robot.size)
+    t, x, y = drive.rows[:, :3].T
+    level = x < run.start.x + GAP / 2
+    end = len(x) if route == Wandering.name or level.all() else int(level.argmin()) + 1
+    lengths, moves = moves_by_window(t[:end], x[:end], y[:end])
+    seconds, moved = float(lengths.sum()), float(moves.sum())
+    commanded = driving_speed(run.robot) * seconds
+    if seconds < _NOTICED or moved >= SLOW * commanded or drive.tilt.max() > TIPPED:
+        return
+    share = f"{run.name} moved {moved:.2f} m in {seconds:.3g} s, {moved / commanded:.1%} of what was commanded"
+    drive_of = run.robot.drive if isinstance(run.robot, Robot | SdfRobot) else None
+    parts = ", ".join((*drive_of.left, *drive_of.right)) if isinstance(drive_of, Wheels | Tracks) else "its wheels"
+    doubt = f"perhaps {parts} do not turn, do not touch the ground, or are not what it drives on"
+    if route == Wandering.name:
+        yield f"{share}: it is stuck where it started, or {doubt}"
+    else:
+        yield f"{share}, on the level ground before the map: {doubt}"
 
 
 def driven_robot(run: RobotRun, scene: Scene, recording: DriveRecording, route: str) -> DrivenRobot:
     """Return the result of a robot."""
-    trajectory = recording.trajectories[run.name]
-    goal = None if route == Wandering.name else finish_x(scene.field, run.robot)
+    trajectory, robot = recording.trajectories[run.name], run.robot
+    course = Course.over(scene.field, None if route == Wandering.name else finish_x(scene.field, robot))
     shares = contact_shares(recording.samples, run.name)
-    metrics = drive_metrics(trajectory, driving_speed(run.robot), goal, shares)
-    return DrivenRobot(name=run.name, kind=run.robot.kind, start=run.start, metrics=metrics, trajectory=trajectory)
+    metrics = drive_metrics(trajectory, driving_speed(robot), robot.size, course, shares)
+    return DrivenRobot(name=run.name, kind=robot.kind, start=run.start, metrics=metrics, trajectory=trajectory)

@@ -1,19 +1,23 @@
-"""The trajectory of a robot, and what it amounts to: distance, crossing, time stuck, tilt, tips and climb.
+"""The trajectory of a robot, and what it amounts to: distance, crossing, time stuck, tilt, tips, climb and incidents.
 
-All follow from rows of time, position and angles alone, so those of a log, of another simulator or of a real robot are
-measured alike; the definitions are in docs/driving.md. Cost: linear in the rows. What breaks it: rows too far apart, as
-distance is then too short and a tip may be missed.
+All follow from rows of time, position and angles, the robot's size and speed, and the sides of the map, so those of a
+log, of another simulator or of a real robot are measured alike; the definitions are in docs/driving.md. An incident is
+what a distance alone would hide: the robot was off the map, or at a place or speed that no robot has. What cannot be is
+no drive, so every figure ends there. Cost: linear in the rows. What breaks it: rows too far apart, as distance is then
+too short and a tip may be missed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from math import radians
+from math import hypot, isfinite, radians
+from typing import ClassVar
 
 import numpy as np
 
-from rsegen.field.stepfield import Array
+from rsegen.field.stepfield import Array, Mask, StepField
+from rsegen.robots.links import Vector
 
 TIPPED = radians(75)
 """Angle, radians, between a robot's upright and the vertical, beyond which it has tipped over.
@@ -30,6 +34,23 @@ A robot that slips on an edge comes on by less; one that climbs, turns or waits 
 STILL = 0.01
 """Distance from its first place, metres, up to which a robot counts as still: ten times the
 resolution of Gazebo Classic's record."""
+
+DEEP = 0.1
+"""Metres below the ground at which no robot's origin can be.
+
+Wheels sink by some mm. The origin of a model may be outside its shapes, and below the ground when it lies on its back;
+with less, such a robot would be reported, with more, one that sinks into the ground would not.
+"""
+
+FAST = 3.0
+"""Times the commanded speed that a robot cannot go on for a second, beyond its own diagonal.
+
+Wheels give the commanded speed; a robot that slides or rolls down a block is faster for a moment, and one that tips
+over moves its origin by its diagonal. Links of a gram that contacts throw about come to forty times.
+"""
+
+WINDOW = 1.0
+"""Seconds over which a robot is too fast, or stuck."""
 
 FALL = 0.3
 """Seconds at the start in which a robot falls to the ground; it would fall 0.4 m in them, and starts 5 mm above."""
@@ -62,16 +83,57 @@ class Trajectory:
         """Yield the lines of a CSV file."""
         yield ",".join(COLUMNS) + "\n"
         for row in self.rows.tolist():
-            yield ",".join(f"{value:.4f}".rstrip("0").rstrip(".") for value in row) + "\n"
+            yield ",".join(f"{round(value, 4) + 0:.4f}".rstrip("0").rstrip(".") for value in row) + "\n"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Course:
+    """The map that a robot is driven over.
+
+    extent: its sides along x and y, metres; top: the height of its highest block, metres; finish_x: the x of a robot's
+    origin beyond which the whole robot is east of the map, None if it is not to cross the map
+    """
+
+    extent: tuple[float, float] = (0.0, 0.0)
+    top: float = 0.0
+    finish_x: float | None = None
+
+    @classmethod
+    def over(cls, field: StepField, finish_x: float | None = None) -> Course:
+        """Return the course over a field."""
+        return cls(extent=field.extent, top=float(field.heights.max()), finish_x=finish_x)
+
+
+PLANE = Course()
+"""The ground without a map."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Incident:
+    """What happened to a robot that its distance does not tell, seconds after its start.
+
+    kind: OFF, when its origin was off the map for the first time, or IMPOSSIBLE, when its figures end
+    """
+
+    OFF: ClassVar[str] = "off the map"
+    IMPOSSIBLE: ClassVar[str] = "impossible"
+
+    kind: str
+    seconds: float
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.kind} after {self.seconds:g} s: {self.reason}"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DriveMetrics:
-    """Metrics of the drive of a robot.
+    """Metrics of the drive of a robot, up to what cannot be.
 
     distance: length of the trajectory seen from above, metres; crossed: seconds until the whole robot was beyond the
-    map, None if never; stuck: seconds; tipped: how often it tipped over; tilt: largest angle between its upright and
-    the vertical, radians; climbed: its highest place above the one on which it stood after the fall at the start, m
+    map, None if it never was, or not by way of the map and upright; stuck: seconds; tipped: how often it tipped over;
+    tilt: largest angle between its upright and the vertical, radians; climbed: its highest place above the one on which
+    it stood after the fall at the start, m; incidents: in the order of time
     touched: for each part, LINK::COLLISION, the share of samples with contacts; empty if the simulator reports none
     """
 
@@ -82,36 +144,132 @@ class DriveMetrics:
     tipped: int
     tilt: float
     climbed: float
+    incidents: tuple[Incident, ...]
     touched: Mapping[str, float]
+
+    def has(self, kind: str) -> bool:
+        """Return whether there is an incident of a kind."""
+        return any(incident.kind == kind for incident in self.incidents)
 
 
 def drive_metrics(
-    trajectory: Trajectory, speed: float, finish_x: float | None = None, touched: Mapping[str, float] | None = None
+    trajectory: Trajectory,
+    speed: float,
+    size: Vector,
+    course: Course = PLANE,
+    touched: Mapping[str, float] | None = None,
 ) -> DriveMetrics:
-    """Return the metrics of a trajectory at a commanded speed, m/s; beyond x = `finish_x` the map is crossed."""
-    t, x, y, z = trajectory.rows[:, :4].T
-    over = np.flatnonzero(x > finish_x) if finish_x is not None else np.array([], dtype=int)
-    fallen = trajectory.tilt > TIPPED
+    """Return the metrics of a trajectory of a robot of a size, metres, at a commanded speed, m/s, over a course."""
+    drive, ending = possible_part(trajectory, speed, size, course)
+    t, x, y, z = drive.rows[:, :4].T
+    off = _off_the_map(drive, course)
+    fallen = drive.tilt > TIPPED
     return DriveMetrics(
         seconds=round(float(t[-1] - t[0]), 3),
         distance=round(float(np.hypot(np.diff(x), np.diff(y)).sum()), 3),
-        crossed=round(float(t[over[0]] - t[0]), 3) if len(over) else None,
+        crossed=_crossed(drive, course, off),
         stuck=round(_stuck(t, x, y, speed), 3),
         tipped=int(fallen[0]) + int((np.diff(fallen.astype(int)) == 1).sum()),
-        tilt=round(float(trajectory.tilt.max()), 3),
+        tilt=round(float(drive.tilt.max()), 3),
         climbed=round(_climbed(t, z), 3),
+        incidents=tuple(incident for incident in (off, ending) if incident),
         touched=touched or {},
     )
+
+
+def possible_part(
+    trajectory: Trajectory, speed: float, size: Vector, course: Course = PLANE
+) -> tuple[Trajectory, Incident | None]:
+    """Return the rows before the first thing that no robot of a size, metres, and a speed, m/s, can do, and that thing.
+
+    One row at the origin if there are none before it.
+    """
+    # Rows after one without a number are not looked at, so that sums have numbers.
+    strange = _first(np.asarray(~np.isfinite(trajectory.rows).all(axis=1)))
+    found = [(strange, "its pose is no number")] if strange is not None else []
+    rows = trajectory.rows[:strange]
+    if len(rows):
+        t, x, y, z = rows[:, :4].T
+        diagonal = hypot(*size)
+        # A model may have its origin above its shapes or below them, and so at its start above the blocks or below.
+        low, high = min(0.0, float(z[0])) - DEEP, course.top + max(0.0, float(z[0])) + diagonal
+        places = ((z < low, "below the ground"), (z > high, "above all blocks by more than its diagonal"))
+        found += [(row, reason) for claims, reason in places if (row := _first(claims)) is not None]
+        found += _too_fast(t, x, y, speed, diagonal)
+    if not found:
+        return trajectory, None
+    row, reason = min(found)
+    incident = Incident(kind=Incident.IMPOSSIBLE, seconds=_seconds(trajectory, row), reason=reason)
+    return Trajectory(rows=trajectory.rows[:row] if row else np.zeros((1, len(COLUMNS)))), incident
+
+
+def _too_fast(t: Array, x: Array, y: Array, speed: float, diagonal: float) -> list[tuple[int, str]]:
+    """Return the row at which a robot began to be faster than it can be, with the reason; empty if it never was."""
+    path = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+    within = path - np.interp(np.maximum(t - WINDOW, t[0]), t, path)
+    late = _first(within > FAST * speed * WINDOW + diagonal)
+    if late is None:
+        return []
+    # In the window that is too long, it began with the first rows that are too far apart.
+    steps = np.diff(path[: late + 1]) > FAST * speed * np.diff(t[: late + 1])
+    row = int(np.flatnonzero(steps & (t[1 : late + 1] > t[late] - WINDOW))[0]) + 1
+    return [(row, f"up to {within.max():.2f} m in {WINDOW:g} s, at a commanded {speed:g} m/s")]
+
+
+def _off_the_map(trajectory: Trajectory, course: Course) -> Incident | None:
+    """Return when a robot was beside the map on its way across, or left it on a drive that is to stay on it."""
+    _, x, y = trajectory.rows[:, :3].T
+    half_x, half_y = (side / 2 for side in course.extent)
+    between, beside = np.abs(x) < half_x, np.abs(y) > half_y
+    if course.finish_x is not None:
+        row = _first(between & beside)
+    else:
+        on_it = between & ~beside
+        row = _first(~on_it & np.logical_or.accumulate(on_it))
+    if row is None:
+        return None
+    side = ("north" if y[row] > 0 else "south") if beside[row] else ("east" if x[row] > 0 else "west")
+    return Incident(kind=Incident.OFF, seconds=_seconds(trajectory, row), reason=f"{side} of it")
+
+
+def _crossed(trajectory: Trajectory, course: Course, off: Incident | None) -> float | None:
+    """Return the seconds until a robot was beyond the map; None if it was beside the map or tipped over before."""
+    if course.finish_x is None or (row := _first(trajectory.rows[:, 1] > course.finish_x)) is None:
+        return None
+    seconds = _seconds(trajectory, row)
+    has_tipped = bool((trajectory.tilt[: row + 1] > TIPPED).any())
+    return None if has_tipped or (off and off.seconds <= seconds) else seconds
+
+
+def _seconds(trajectory: Trajectory, row: int) -> float:
+    """Return the time of a row after the first one, 0 if it is no number."""
+    seconds = float(trajectory.rows[row, 0]) - float(trajectory.rows[0, 0])
+    return round(seconds, 3) if isfinite(seconds) else 0.0
+
+
+def _first(claims: Mask) -> int | None:
+    """Return the first row of which a claim is true, None if there is none."""
+    rows = np.flatnonzero(claims)
+    return int(rows[0]) if len(rows) else None
 
 
 def _climbed(t: Array, z: Array) -> float:
     """Return the rise from the lowest height during the fall at the start to the highest one after it, metres."""
     ground = int(z[t <= t[0] + FALL].argmin())
-    return float(z[ground:].max() - z[ground])
+    return float(z[ground:].max() - z[ground]) + 0.0  # no -0.0, as 0.0 is subtracted from -0.0
 
 
 def _stuck(t: Array, x: Array, y: Array, speed: float) -> float:
-    """Return the number of seconds in which it moved by less than SLOW of the commanded distance."""
-    marks = np.arange(t[0], t[-1] + 1e-6, 1.0)
+    """Return the seconds of those windows in which it moved by less than SLOW of its speed."""
+    lengths, moves = moves_by_window(t, x, y)
+    return float(lengths[moves < SLOW * speed * lengths].sum())
+
+
+def moves_by_window(t: Array, x: Array, y: Array) -> tuple[Array, Array]:
+    """Return the seconds of each WINDOW, of which the last may be shorter, and the metres from its begin to its end.
+
+    A robot that shakes at its place moves by nothing in them.
+    """
+    marks = np.append(np.arange(t[0], t[-1] - 1e-6, WINDOW), t[-1])
     on_x, on_y = (np.diff(np.interp(marks, t, along)) for along in (x, y))
-    return float((np.hypot(on_x, on_y) < SLOW * speed).sum())
+    return np.diff(marks), np.hypot(on_x, on_y)

@@ -13,7 +13,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
-from math import ceil
+from math import ceil, isfinite
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,11 +22,11 @@ import numpy as np
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.base import DrivableRobot
 from rsegen.simulation.driving.drive_metrics import Trajectory
-from rsegen.simulation.driving.routes import PlannedWay, Route
+from rsegen.simulation.driving.routes import STOP, PlannedWay, Route
 from rsegen.simulation.driving.world_file import camera, last_frame, time_step, world_with_robots
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import Contact, LiveWorld, Pose, Record
-from rsegen.simulation.simulators.server import retried, running_server
+from rsegen.simulation.simulators.server import attempted, running_server
 
 ContactSamples = Sequence[tuple[float, Sequence[Contact]]]
 """Simulated seconds, and all contacts at that time, sample by sample."""
@@ -101,13 +101,15 @@ class RobotRun:
 class DriveRecording:
     """The recording of a drive: trajectories by robot, contact samples, the simulator's error lines, a JPEG if asked.
 
-    There are no samples if contacts were not wanted, or if the simulator does not report any.
+    There are no samples if contacts were not wanted, or if the simulator does not report any. attempts: the number of
+    servers that it took, as those before the last one failed
     """
 
     trajectories: Mapping[str, Trajectory]
     samples: ContactSamples
     errors: Sequence[str]
     image: bytes = b""
+    attempts: int = 1
 
 
 def record_drive(  # noqa: PLR0913  # each is a parameter of rsegen.drive
@@ -137,8 +139,9 @@ def record_drive(  # noqa: PLR0913  # each is a parameter of rsegen.drive
         file.write_text(text, "utf-8")
         folder_of_models = world.absolute().parent.parent
         attempt = _Attempt(file=file, models=folder_of_models, runs=runs, step=time_step(text), contacts=contacts)
-        recording = retried(lambda: attempt.recording(here, seconds, progress, screen=camera_extent is not None))
-        return replace(recording, image=last_frame(frames)) if camera_extent else recording
+        screen = camera_extent is not None
+        recording, attempts = attempted(lambda: attempt.recording(here, seconds, progress, screen=screen))
+        return replace(recording, attempts=attempts, image=last_frame(frames) if screen else b"")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -209,9 +212,10 @@ def drive_in_steps(  # noqa: PLR0913  # what a drive is made of
 def send_commands(
     live: LiveWorld, runs: Sequence[RobotRun], routes: Mapping[str, Route], poses: Mapping[str, Pose]
 ) -> None:
-    """Send every robot the command for the motion that its route wants at its pose."""
+    """Send every robot the command for the motion that its route wants at its pose, or to stop if that is no number."""
     for run in runs:
-        v, w = routes[run.name].motion(poses[run.name])
+        at = poses[run.name]
+        v, w = routes[run.name].motion(at) if all(map(isfinite, astuple(at))) else STOP
         live.send_command(run.robot.command(run.name, v, w, live.backend))
 
 

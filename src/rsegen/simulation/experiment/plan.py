@@ -16,11 +16,14 @@ from pathlib import Path
 from typing import Annotated
 
 from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown, shown
+from rsegen.field.robot_limits import SIDE, SPEED, TURN
 from rsegen.io.recipe_file import content
-from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Text, parameters, validate
+from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Reference, Text, parameters, validate
 from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe import Recipe
-from rsegen.robots import ROBOTS
+from rsegen.robots import ROBOTS, is_robot_file
+from rsegen.robots.base import DrivableRobot
+from rsegen.simulation.driving.drive import drivable
 from rsegen.simulation.simulators import SIMULATORS
 
 PACES = ("real", "free", "beside", "camera", "window")
@@ -40,18 +43,36 @@ _BLOCKS = 10
 """Blocks per side of a chunk, as in the paper's maps; sizes are multiples of it."""
 
 
+@dataclass(frozen=True)
+class _KindOrFile(Choice):
+    """A kind of robot, or the SDF file of one, which is read when its trials are prepared."""
+
+    def check(self, where: str, value: object) -> str:
+        return str(value) if is_robot_file(value) else super().check(where, value)
+
+    def describe(self) -> str:
+        return f"{super().describe()}, or an SDF file"
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TableRow:
-    """Robots of a kind on random maps of several sizes; `recipe` holds more parameters of these maps."""
+    """Robots of a kind, or of a file, on random maps of several sizes; `recipe` holds more parameters of these maps.
 
-    robot: Annotated[str, Choice(tuple(ROBOTS), help="kind of robot")] = "burger"
+    wheels, size, speed, turn: as in `rsegen.drive`, for the robot of a file
+    """
+
+    robot: Annotated[str, _KindOrFile(tuple(ROBOTS), help="kind of robot, or SDF file of a model")] = "burger"
+    wheels: Annotated[str | None, Reference("LEFT,RIGHT", help="joints of the wheels of a model in a file")] = None
+    size: Annotated[tuple[float, float, float] | None, ListOf(SIDE, 3, help="length, width and height")] = None
+    speed: Annotated[float | None, SPEED] = None
+    turn: Annotated[float | None, TURN] = None
     robots: Annotated[int, Integer(1, 100, help="number of robots")] = 3
     sizes: Annotated[
         tuple[int, ...],
         ListOf(Integer(0, 4000, unit="blocks"), help="sides of the maps in blocks, 0 for an empty world"),
     ] = (0, 10, 20, 40, 60, 80)
-    levels: Annotated[int, Integer(2, 1000, unit="units", help="number of levels")] = 5
-    unit_cm: Annotated[float, Float(0.001, 1000, unit="cm", help="height discretization step")] = 1.0
+    levels: Annotated[int, Integer(2, 1000, unit="units", help="number of levels")] = 3
+    unit_cm: Annotated[float, Float(0.001, 1000, unit="cm", help="height discretization step")] = 0.3
     recipe: Mapping[str, Json] | None = None
     simulator: Annotated[str | None, Choice(tuple(SIMULATORS), help="default: the newest that is installed")] = None
 
@@ -81,10 +102,15 @@ class TableRow:
             raise error.inside("recipe") from None
 
     @property
+    def model(self) -> DrivableRobot:
+        """The robot; a UserError if its file cannot be read or driven, or a kind is given what is a file's."""
+        return drivable(self.robot, self.wheels, size=self.size, speed=self.speed, turn=self.turn)
+
+    @property
     def label(self) -> str:
         """The row in a few words."""
         shape = ", ".join(f"{key} {_in_words(value)}" for key, value in (self.recipe or {}).items())
-        what = f"{self.robots} {self.robot}, unit {self.unit_cm:g} cm, {self.levels} levels"
+        what = f"{self.robots} {Path(self.robot).name}, unit {self.unit_cm:g} cm, {self.levels} levels"
         return what + (f", {shape}" if shape else "")
 
     def differs_by_simulator(self, other: TableRow) -> bool:

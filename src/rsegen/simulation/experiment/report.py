@@ -7,15 +7,21 @@ error of the median of normally distributed values, sqrt(pi / 2 / n) times their
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from math import pi, sqrt
+from pathlib import Path
 from statistics import fmean, median, stdev
 from typing import NamedTuple
 
+from rsegen.field.metrics.roughness import steps
+from rsegen.recipe.building import build
+from rsegen.robots import ROBOTS
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, PACES, Cell, ExperimentPlan, TableRow
 from rsegen.simulation.experiment.results import Results
-from rsegen.simulation.experiment.trial import Outcome
+from rsegen.simulation.experiment.trial import STARVED, Outcome
 from rsegen.simulation.experiment.trial_server import SOURCES
 from rsegen.simulation.simulators import SIMULATORS
 
@@ -121,8 +127,8 @@ def rested(outcomes: Sequence[Outcome]) -> bool:
     return (mean_of(outcomes, "stuck") or 0.0) > RESTING
 
 
-MARK = "†"
-"""Mark of rows whose robots rested."""
+MARK, STARVED_MARK = "†", "‡"
+"""Marks of rows whose robots rested, and of rows with trials whose server was starved."""
 
 _TITLES = {
     "real": "in real time",
@@ -138,9 +144,14 @@ _COLUMNS = ("blocks", "RTF min-max (mean)", "CPU: server", "CPU: machine", "memo
 _RENDERING = ("frames per s", "GPU")
 _AT_FULL_SPEED = ("simulated s per CPU s", "of the empty world's")
 _ROBOTS = ("driven", "stuck", "tipped", "covered")
+_INCIDENTS = ("off the map", "impossible", "attempts")
 _PAPER = ("paper: RTF", "CPU", "memory")
 
 _RESTED = f"{MARK} The robots were stuck for more than half of the time, so these are the costs of robots at rest."
+_STARVED = (
+    f"{STARVED_MARK} In some of these trials other programs left the server less than {STARVED:g} of a processor, so "
+    "these are the costs of a busy machine: "
+)
 _UNKNOWN = "It was not recorded what the robots did in these trials, so speeds are not compared with the empty world."
 
 
@@ -157,16 +168,20 @@ def report_page(plan: ExperimentPlan, results: Results, machine: Mapping[str, st
 def trials_csv(plan: ExperimentPlan, results: Results) -> str:
     """Return the text of trials.csv, a line per trial."""
     names = [field.name for field in fields(Outcome)]
-    lines = [",".join(["simulator", "robot", "robots", "size", "pace", *names])]
+    text = io.StringIO()
+    lines = csv.writer(text, lineterminator="\n")  # the name of a robot's file may have a comma
+    lines.writerow(["simulator", "robot", "robots", "size", "pace", *names])
     for cell, outcomes in results.items():
         row = plan.rows[cell.row]
-        start = [row.simulator or "", row.robot, str(row.robots), str(cell.size), cell.pace]
-        lines += [",".join([*start, *(_plain(getattr(outcome, name)) for name in names)]) for outcome in outcomes]
-    return "\n".join(lines) + "\n"
+        start = [row.simulator or "", row.robot, row.robots, cell.size, cell.pace]
+        lines.writerows([*start, *(_plain(getattr(outcome, name)) for name in names)] for outcome in outcomes)
+    return text.getvalue()
 
 
 def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], command: str) -> Iterator[str]:
     yield f"# Experiment: {plan.name}\n"
+    if still := dict.fromkeys(_still(plan, results)):
+        yield f"**Robots stood still**, stuck for more than half of the time, where {MARK} is: {'; '.join(still)}.\n"
     yield f"Made by `{command}`: {plan.repeats} {'trial' if plan.repeats == 1 else 'trials'} per cell, in mixed"
     paces = " and ".join(_TITLES[pace] for pace in plan.paces)
     yield f"order; robots drive randomly for {plan.seconds:g} seconds of wall time, {paces}."
@@ -174,11 +189,46 @@ def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], co
     yield "the simulation time of one trial. Everything else: medians of the trials."
     if len(mixed := [pace for pace in plan.paces if pace in _LINES[""]]) > 1:
         yield f"If a cell has several figures, they are {' / '.join(_TITLES[pace] for pace in mixed)}."
+    if _has_incidents(results):
+        yield "Off the map, impossible: shares of the robots that left the map, and that did what no robot can, with"
+        yield "which their other figures end. Attempts: servers that the trials took, as those that fail are replaced."
     if not set(plan.paces) & set(SOURCES):
         yield "No window and no camera, so no frames per second."
     yield "\n| machine | |\n|---|---|"
     yield from (f"| {name} | {value} |" for name, value in machine.items())
     yield f"\nThe paper's computer: {COMPUTER}; with a window. Its RTF: smallest and largest value of three runs.\n"
+
+
+def _still(plan: ExperimentPlan, results: Results) -> Iterator[str]:
+    """Yield the robots and maps of rows in which robots rested, with the reason, if that is known."""
+    for index, row in enumerate(plan.rows):
+        sizes = [size for size in row.sizes if _rested_at(plan, results, index, size)]
+        if sizes:
+            yield _why_still(plan, results, row, [size for size in sizes if size])
+
+
+def _rested_at(plan: ExperimentPlan, results: Results, index: int, size: int) -> bool:
+    """Return whether the robots of a row rested at a size, at any pace."""
+    return any(rested(outcomes_of(results, index, size, pace)) for pace in plan.paces)
+
+
+def _why_still(plan: ExperimentPlan, results: Results, row: TableRow, maps: Sequence[int]) -> str:
+    """Return why the robots of a row rested on maps of these sizes, or in the empty world if there is none."""
+    name = f"{row.robots} {Path(row.robot).name}"
+    if any(_rested_at(plan, results, alike, 0) for alike in _alike(plan, row)):
+        where = f" in {_title(row)}" if _title(row) else ""
+        return f"{name}{where}, without a map too, so maps are not the reason"
+    what = f"{name}, unit {row.unit_cm:g} cm, {row.levels} levels"
+    robot = ROBOTS.get(row.robot)
+    above = steps(build(row.map_of(min(maps), plan.seed))).share_above(robot.climbs) if robot else None
+    if not robot or not above:
+        return f"{what}, for a reason that is not known"
+    return f"{what}, as {above:.0%} of the steps are higher than the {100 * robot.climbs:g} cm that it climbs"
+
+
+def _has_incidents(results: Results) -> bool:
+    """Return whether it was recorded what happened to robots and servers, which earlier trials have not."""
+    return any(known(outcomes, "attempts") for outcomes in results.values())
 
 
 def row_label(plan: ExperimentPlan, row: TableRow) -> str:
@@ -198,14 +248,19 @@ def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> It
     yield f"## {first.label}{'' if several or not _title(first) else f', in {_title(first)}'}\n"
     rendering = bool(set(SOURCES) & set(plan.paces)) or any(known(outcomes, "gpu") for outcomes in results.values())
     printed = any(published_figures(row) for row in rows)
-    columns = [*_COLUMNS, *(_RENDERING if rendering else ()), *_AT_FULL_SPEED, *_ROBOTS, *(_PAPER if printed else ())]
+    incidents = _INCIDENTS if _has_incidents(results) else ()
+    columns = [*_COLUMNS, *(_RENDERING if rendering else ()), *_AT_FULL_SPEED, *_ROBOTS, *incidents]
+    columns += _PAPER if printed else ()
     yield _line([*(["simulator"] if several else []), *columns])
     yield "|---" * (len(columns) + several) + "|"
     lines = list(_lines(plan, numbers, results, rendering=rendering, printed=printed))
     yield from (_line([*([title] if several else []), *cells]) for title, cells in lines)
-    if any(cells[0].endswith(MARK) for _, cells in lines):
+    if any(MARK in cells[0] for _, cells in lines):
         yield f"\n{_RESTED}"
     tried = [outcomes for cell, outcomes in results.items() if cell.row in numbers]
+    starved = [outcome for outcomes in tried for outcome in outcomes if outcome.starved]
+    if starved:
+        yield f"\n{_STARVED}{_of_the_starved(starved)}."
     if not all(known(outcomes, "driven") for outcomes in tried):
         yield f"\n{_UNKNOWN}"
     yield ""
@@ -223,9 +278,12 @@ def _lines(
                 if any(by_pace.values()):
                     cells = [*_costs(by_pace), *(_rendered(by_pace) if rendering else ())]
                     cells += [*_full_speed(by_pace, _empty(plan, results, row)), *_robots(by_pace)]
+                    cells += _incidents(by_pace) if _has_incidents(results) else []
                     paper = published_figures(row).get(size, ("", "", "")) if not what else ("", "", "")
-                    label = ", ".join(filter(None, (f"{size} x {size}" if size else "empty", what)))
+                    label = ", ".join(filter(None, (_blocks(size), what)))
                     mark = f" {MARK}" if any(map(rested, by_pace.values())) else ""
+                    every = [outcome for outcomes in by_pace.values() for outcome in outcomes]
+                    mark += f" {STARVED_MARK}" if any(outcome.starved for outcome in every) else ""
                     yield _title(row), [label + mark, *cells, *(paper if printed else ())]
 
 
@@ -269,6 +327,34 @@ def _robots(by_pace: Mapping[str, Sequence[Outcome]]) -> list[str]:
     return [" / ".join(filter(None, texts)) for texts in (ways, stuck, tipped, covered)]
 
 
+def _incidents(by_pace: Mapping[str, Sequence[Outcome]]) -> list[str]:
+    """Return the cells of what happened to robots and servers, at one pace after the other; attempts are a sum."""
+    tried = [outcomes for outcomes in by_pace.values() if outcomes]
+    off, impossible = ([_percent(mean_of(outcomes, name)) for outcomes in tried] for name in ("off", "impossible"))
+    attempts = [_plain(sum(counts)) if (counts := known(outcomes, "attempts")) else "" for outcomes in tried]
+    return [" / ".join(filter(None, texts)) for texts in (off, impossible, attempts)]
+
+
+def _of_the_starved(starved: Sequence[Outcome]) -> str:
+    """Return how many trials were starved, and how little of the machine they had at worst."""
+    trials = f"{len(starved)} {'trial' if len(starved) == 1 else 'trials'}"
+    cpu, machine = min(known(starved, "cpu"), default=None), max(known(starved, "machine"), default=None)
+    simulated = min(known(starved, "simulated"), default=None)
+    return ", ".join(
+        [
+            trials,
+            *([f"with {_percent(cpu)} of a core or more"] if cpu is not None else []),
+            *([f"{simulated:.3g} s of simulation time or more"] if simulated is not None else []),
+            *([f"the machine's load up to {_percent(machine)}"] if machine is not None else []),
+        ]
+    )
+
+
+def _blocks(size: int) -> str:
+    """Return the size of a map in words."""
+    return f"{size} x {size}" if size else "empty"
+
+
 def _share(beside: Sequence[Outcome]) -> str:
     """Return the share of the empty world's speed, simulated in turns with it, and its standard error."""
     shares = known(beside, "share")
@@ -283,12 +369,15 @@ def _quotient(speed: float | None, usual: float | None) -> str:
 
 def _empty(plan: ExperimentPlan, results: Results, row: TableRow) -> Sequence[Outcome]:
     """Return the outcomes of these robots in an empty world at full speed, of this row or else of a similar one."""
-    alike = (
-        index
-        for index, other in sorted(enumerate(plan.rows), key=lambda numbered: numbered[1] is not row)
-        if (other.robot, other.robots, other.simulator) == (row.robot, row.robots, row.simulator)
-    )
+    alike = _alike(plan, row)
     return next((outcomes for index in alike if (outcomes := outcomes_of(results, index, 0, "free"))), ())
+
+
+def _alike(plan: ExperimentPlan, row: TableRow) -> Iterator[int]:
+    """Yield the numbers of the rows with the same robots and simulator, the row itself first."""
+    for index, other in sorted(enumerate(plan.rows), key=lambda numbered: numbered[1] is not row):
+        if (other.robot, other.robots, other.simulator) == (row.robot, row.robots, row.simulator):
+            yield index
 
 
 def _line(cells: Sequence[str]) -> str:
@@ -303,4 +392,6 @@ def _percent(share: float | None) -> str:
 def _plain(value: float | None, digits: int = 4) -> str:
     if value is None:
         return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     return f"{value:.{digits}f}".rstrip("0").rstrip(".") if digits > 2 else f"{value:.{digits}f}"

@@ -16,7 +16,7 @@ from typing import Any
 
 from rsegen.errors import FileError, ParameterError, refuse_unknown, shown
 from rsegen.io.input_files import JOURNAL
-from rsegen.params.sorts import Choice, Float, Integer, Json, Parameter
+from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter
 from rsegen.run.journal import Journal
 from rsegen.simulation.driving.drive import draw_trajectories
 from rsegen.simulation.driving.drive_metrics import COLUMNS, Trajectory
@@ -24,7 +24,11 @@ from rsegen.simulation.experiment.plan import PACES, Cell, ExperimentPlan
 from rsegen.simulation.experiment.trial import Outcome, Trial
 
 _CELL: Mapping[str, Parameter] = {"row": Integer(0), "size": Integer(0), "pace": Choice(PACES)}
-_OUTCOME: Mapping[str, Parameter] = {field.name: Float() for field in fields(Outcome)}
+_OUTCOME: Mapping[str, Parameter] = {
+    **{field.name: Float() for field in fields(Outcome)},
+    "starved": Flag(),
+    "attempts": Integer(1),
+}
 _OPTIONAL = frozenset(_OUTCOME) - {"load", "memory", "speed"}
 """Figures that not every trial has: some paces, and robots that are not in the record, lack some of them."""
 

@@ -12,7 +12,9 @@ from pathlib import Path
 
 from rsegen.errors import FileError, OutputError, ParameterError, Stopped
 from rsegen.io import recipe_file
+from rsegen.io.input_files import checksum_of
 from rsegen.params.sorts import Json, Text
+from rsegen.robots import is_robot_file
 from rsegen.run.journal import is_intact, read_errors, read_journal
 from rsegen.run.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
 from rsegen.simulation.experiment.machine import description
@@ -29,7 +31,7 @@ from rsegen.simulation.experiment.results import (
     track_files,
     track_names,
 )
-from rsegen.simulation.experiment.trial import Outcome, refuse_crowded, run_trial
+from rsegen.simulation.experiment.trial import Outcome, refuse_undrivable, run_trial
 from rsegen.simulation.experiment.trial_server import refuse_without_frames
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.server import choose_installation
@@ -76,7 +78,7 @@ def run_experiment(
     names = dict.fromkeys(str(row.simulator) for row in plan.rows)
     installed = {name: choose_installation("both", name) for name in names}
     refuse_without_frames(plan, installed)
-    refuse_crowded(plan)
+    refuse_undrivable(plan)
     machine = {"simulator": ", ".join(map(str, installed.values())), **description()}
     with _opened(plan, folder, force=force) as store:
         entries = read_entries(store.journal.content, folder, len(plan.rows))
@@ -116,7 +118,7 @@ def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Stor
     """Open the folder of the results, or that of those which replace them; an OutputError if that may not be."""
     # Three cases: replace another experiment, refuse other files, or go on with what this plan has begun.
     refuse_busy(folder)
-    of: Json = json.loads(json.dumps(asdict(plan)))
+    of: Json = json.loads(json.dumps({**asdict(plan), **_robot_files(plan)}))
     journal = read_journal(folder)
     if force and journal:
         refuse_irreplaceable(folder, HOLDS)
@@ -134,6 +136,13 @@ def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Stor
     with open_store(folder) as store:
         store.journal.begin(HOLDS, of)
         yield store
+
+
+def _robot_files(plan: ExperimentPlan) -> dict[str, Json]:
+    """Return the checksums of the robots' files: outcomes of a robot that was changed are not those of the plan."""
+    files = [row.robot for row in plan.rows if is_robot_file(row.robot)]
+    checksums = {file: checksum.sha256 for file in files if (checksum := checksum_of(Path(file)))}
+    return {"robot_files": checksums} if checksums else {}
 
 
 def in_simulators(plan: ExperimentPlan, simulators: Sequence[str] | None) -> ExperimentPlan:

@@ -14,7 +14,7 @@ from dataclasses import astuple, dataclass, replace
 from math import ceil
 from pathlib import Path
 from statistics import fmean
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,9 +22,15 @@ from rsegen.errors import inside
 from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import Array, StepField
-from rsegen.robots import robot
 from rsegen.robots.base import DrivableRobot
-from rsegen.simulation.driving.drive_metrics import Trajectory, drive_metrics
+from rsegen.simulation.driving.drive_metrics import (
+    PLANE,
+    Course,
+    Incident,
+    Trajectory,
+    drive_metrics,
+    possible_part,
+)
 from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.robot_runs import driving_speed, robot_runs
 from rsegen.simulation.driving.routes import Wandering
@@ -33,7 +39,7 @@ from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan
 from rsegen.simulation.experiment.trial_server import CAMERA_PIXELS, SOURCES, Measurement, Setup, total, trial_server
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import Record
-from rsegen.simulation.simulators.server import retried
+from rsegen.simulation.simulators.server import attempted
 from rsegen.simulation.worlds import write_world
 
 
@@ -41,13 +47,16 @@ class DrivingFigures(NamedTuple):
     """The means over the robots of a trial; None if nothing of them is known.
 
     driven: metres; stuck: share of the time, 0..1; tipped: how often each tipped over; covered: share of the cells of
-    the map over which some part of a robot has been, 0..1, None in an empty world
+    the map over which some part of a robot has been, 0..1, None in an empty world; off, impossible: share of the robots
+    that left the map, and that did what no robot can, with which their other figures end
     """
 
-    driven: float | None
-    stuck: float | None
-    tipped: float | None
-    covered: float | None
+    driven: float | None = None
+    stuck: float | None = None
+    tipped: float | None = None
+    covered: float | None = None
+    off: float | None = None
+    impossible: float | None = None
 
 
 def trajectories(record: Record, runs: Sequence[RobotRun]) -> dict[str, Trajectory]:
@@ -62,13 +71,18 @@ def driving_figures(
     """Return the figures of robots with these trajectories on a field, None for an empty world."""
     driven = [(tracks[run.name], run.robot) for run in runs if run.name in tracks]
     if not driven:
-        return DrivingFigures(None, None, None, None)
-    every = [drive_metrics(track, driving_speed(robot)) for track, robot in driven]
+        return DrivingFigures()
+    course = Course.over(field) if field else PLANE
+    every = [drive_metrics(track, driving_speed(robot), robot.size, course) for track, robot in driven]
+    parts = [possible_part(track, driving_speed(robot), robot.size, course)[0] for track, robot in driven]
+    shares = [covered(part, robot, field) for part, (_, robot) in zip(parts, driven, strict=True)] if field else []
     return DrivingFigures(
         driven=round(fmean(metrics.distance for metrics in every), 3),
-        stuck=round(fmean(metrics.stuck / max(metrics.seconds, 1.0) for metrics in every), 4),
+        stuck=round(fmean(metrics.stuck / metrics.seconds if metrics.seconds else 0.0 for metrics in every), 4),
         tipped=round(fmean(metrics.tipped for metrics in every), 3),
-        covered=round(fmean(covered(track, robot, field) for track, robot in driven), 5) if field else None,
+        covered=round(fmean(shares), 5) if shares else None,
+        off=round(fmean(metrics.has(Incident.OFF) for metrics in every), 4),
+        impossible=round(fmean(metrics.has(Incident.IMPOSSIBLE) for metrics in every), 4),
     )
 
 
@@ -105,17 +119,33 @@ TURN = 1.0
 """Seconds that one of two worlds is simulated before it is the other's turn: shorter than other load comes and goes."""
 
 
+STARVED = 0.5
+"""Processors below which a server that would use more was starved by other programs.
+
+At full speed it computes all the time, on one processor or a little more. With less than half of one, the robots have
+moved for less than half of the seconds that they had, and its caches are cold, so that its figures are the machine's.
+"""
+
+BEHIND = 0.9
+"""Real-time factor of a trial in real time below which a server would use more CPU time, if it had it.
+
+One that keeps up has 0.97 or more in every second; one that does not, on a free machine, uses a whole processor.
+"""
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Outcome:
     """The measured cost of a trial, and what the robots did meanwhile.
 
     load: seconds until the world was loaded; memory: MB at the end; speed: simulated seconds per second of CPU
     cpu: processors that the server used while robots drove; machine: load of all processors of the machine, 0..1;
-    gpu: load of the GPU, 0..1, None where there is none; rtf_min, rtf, rtf_max: real-time factors; all of these in
-    real time, else None
+    starved: whether other programs left the server too little of them (STARVED); attempts: servers that it took, as
+    those before the last one failed
+    gpu: load of the GPU, 0..1, None where there is none; rtf_min, rtf, rtf_max: real-time factors; these in real time,
+    else None
     fps: frames per second that the camera or the window drew, at the paces `camera` and `window`, else None
     share: speed divided by that of the empty world at the pace `beside`, else None
-    simulated: seconds; driven, stuck, tipped, covered: as in DrivingFigures
+    simulated: seconds; driven, stuck, tipped, covered, off, impossible: as in DrivingFigures
     """
 
     load: float
@@ -134,6 +164,10 @@ class Outcome:
     stuck: float | None = None
     tipped: float | None = None
     covered: float | None = None
+    off: float | None = None
+    impossible: float | None = None
+    starved: bool | None = None
+    attempts: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -155,21 +189,23 @@ def run_trial(
     cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
     with ExitStack() as stack:
         setups = [stack.enter_context(_setup(plan, part, plan.seed + repeat, here)) for part in cells]
-        return retried(lambda: _trial(setups, plan.seconds, here, watch, is_empty=not cell.size))
+        trial, attempts = attempted(lambda: _trial(setups, plan.seconds, here, watch, is_empty=not cell.size))
+        return replace(trial, outcome=replace(trial.outcome, attempts=attempts))
 
 
-def refuse_crowded(plan: ExperimentPlan) -> None:
-    """Raise a ParameterError, before any trial, if the smallest map of a row has no room for its robots."""
+def refuse_undrivable(plan: ExperimentPlan) -> None:
+    """Raise a UserError, before any trial, if a robot cannot be driven, or the smallest map of a row has no room."""
     for index, row in enumerate(plan.rows):
         smallest = min((size for size in row.sizes if size), default=0)
         with inside(f"rows[{index}]"):
+            _ = row.model
             for seed in range(plan.seed, plan.seed + plan.repeats) if smallest else ():
                 _runs(row, compose(row.map_of(smallest, seed)), seed)
 
 
 def _runs(row: TableRow, scene: Scene, seed: int) -> Sequence[RobotRun]:
     """Return the runs of the robots of a row on one of its maps."""
-    return robot_runs(scene.field, robot(row.robot), Wandering.name, count=row.robots, seed=seed, evenest=True)
+    return robot_runs(scene.field, row.model, Wandering.name, count=row.robots, seed=seed, evenest=True)
 
 
 @contextmanager
@@ -215,19 +251,26 @@ def _trial(
             speed=round(ours.speed, 3),
             share=round(ours.speed / others[0].speed, 4) if others else None,
             simulated=round(ours.simulated, 3),
+            cpu=round(ours.cores, 4),
+            machine=round(min(ours.busy / ours.real, 1.0), 4),
+            starved=any(is_starved(span, real=first.setup.real) for span in (ours, *others)),
             **_in_real_time(ours, first.setup),
             **figures._asdict(),
         )
     return Trial(outcome=outcome, scene=first.setup.scene, trajectories=tracks)
 
 
-def _in_real_time(span: Measurement, setup: Setup) -> dict[str, float | None]:
+def is_starved(span: Measurement, *, real: bool) -> bool:
+    """Return whether a server had too little of the processors; in real time it wants more only if it is behind."""
+    wants_more = not real or span.simulated < BEHIND * span.real
+    return wants_more and span.cores < STARVED
+
+
+def _in_real_time(span: Measurement, setup: Setup) -> dict[str, Any]:
     """Return the figures that only a trial in real time has."""
     if not setup.real:
-        return dict.fromkeys(("cpu", "machine", "gpu", "fps", "rtf_min", "rtf", "rtf_max"))
+        return dict.fromkeys(("gpu", "fps", "rtf_min", "rtf", "rtf_max"))
     return {
-        "cpu": round(span.cpu / span.real, 4),
-        "machine": round(min(span.busy / span.real, 1.0), 4),
         "gpu": round(fmean(span.gpu), 3) if span.gpu else None,
         "fps": round(span.frames / span.real, 2) if setup.frames else None,
         "rtf_min": round(min(span.factors), 3),

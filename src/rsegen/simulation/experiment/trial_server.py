@@ -123,6 +123,11 @@ class Measurement:
         """Simulated seconds per second of CPU, which the system counts in hundredths."""
         return self.simulated / max(self.cpu, 0.01)
 
+    @property
+    def cores(self) -> float:
+        """Processors that the server used."""
+        return self.cpu / max(self.real, 1e-9)
+
 
 def total(spans: Sequence[Measurement]) -> Measurement:
     """Return the sum of spans."""

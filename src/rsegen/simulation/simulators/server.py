@@ -12,10 +12,10 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 from rsegen.errors import NoSimulator, SimulatorFailed
 from rsegen.simulation.simulators.base import (
@@ -145,14 +145,27 @@ def running_server(  # noqa: PLR0913  # options of a server
             yield server
 
 
-def retried(once: Callable[[], Result], attempts: int = ATTEMPTS) -> Result:
+class Attempted(NamedTuple, Generic[Result]):
+    """A result, and the number of attempts that it took."""
+
+    result: Result
+    attempts: int
+
+
+def attempted(once: Callable[[], Result], most: int = ATTEMPTS) -> Attempted[Result]:
     """Return the result of `once`, which is called again if its server fails; the last failure is raised."""
+    for attempt in range(1, most):
+        with suppress(SimulatorFailed):
+            return Attempted(once(), attempt)
     try:
-        return once()
-    except SimulatorFailed:
-        if attempts == 1:
-            raise
-    return retried(once, attempts - 1)
+        return Attempted(once(), most)
+    except SimulatorFailed as error:
+        raise SimulatorFailed(f"{error}\nthis was attempt {most} of {most}") from None
+
+
+def retried(once: Callable[[], Result]) -> Result:
+    """Return the result of `once` where the number of attempts is of no interest, as by `attempted`."""
+    return attempted(once).result
 
 
 def choose_installation(made_for: str, name: str | None) -> Installation:
