@@ -1,0 +1,151 @@
+"""Whether a robot at rest can push itself forward: forces at its contacts that balance its weight and leave some.
+
+At a driven contact the force is within the friction pyramid, mu along the belt or tyre and mu2 across; at any other one
+friction is against the motion. The largest surplus s of forward force, in shares of the weight, is a linear programme:
+
+    maximize s, such that   sum of f_k (d_k, x_k x d_k) = (s, 0, 1, 0, 0, 0),   f_k >= 0
+
+with the edges d_k of the pyramids at the contacts x_k, seen from the centre of mass (forces and moments, Newton and
+Euler). All robots are solved at once, by the simplex algorithm on their tables (Dantzig 1947; ties are broken by a
+small perturbation of the right side). Where three driven contacts that each stand within their friction cone bear the
+robot, it is not solved: upright forces balance it, and some are left. Cost: 30 microseconds a programme.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rsegen.field.stepfield import Array, Ints, Mask
+from rsegen.poses.body import Body
+from rsegen.poses.settling import Ground, Settled
+
+TOUCHING = 0.0015
+"""Metres between a sample and the ground up to which it counts as in contact: what contacts of simulators give way."""
+
+_EVEN = 1e-4
+"""Metres within which the samples of a flat part are all in contact: rounding of single precision, and a turn left."""
+
+_DIRECTIONS = 8
+"""Directions in which the outermost contacts are taken, besides the three that bear the robot."""
+
+_ITERATIONS, _ZERO, _PIVOT, _ARTIFICIAL = 60, 1e-9, 1e-7, 1e3
+"""Exchanges of the simplex algorithm at most; the cost and the pivot that count as zero; the cost of missing force."""
+
+SLIDING = -9.0
+"""Surplus where no forces balance the weight: the robot slides, turns or tips by itself."""
+
+
+def below_samples(ground: Ground, body: Body, settled: Settled, rows: Ints) -> tuple[Array, Array]:
+    """Return the positions of all samples from the centres of mass, (n, m, 3), and their heights above ground."""
+    relative = (body.points - body.centre) @ np.swapaxes(settled.axes[rows], 1, 2)
+    x, y = relative[..., 0] + settled.x[rows, None], relative[..., 1] + settled.y[rows, None]
+    return relative, relative[..., 2] + settled.z[rows, None] - ground.below(x, y)
+
+
+def outermost(body: Body, relative: Array, above: Array, contacts: Ints) -> Ints:
+    """Return the samples in contact that bear the robot or are outermost in a direction, (n, 3 + 8); -1 for none.
+
+    Of each part only its lowest samples count: beside them a round one is near the ground, but not in contact.
+    """
+    touching = above < TOUCHING
+    for part in np.unique(body.part):
+        own = body.part == part
+        touching[:, own] &= above[:, own] < above[:, own].min(axis=1, keepdims=True) + _EVEN
+    chosen, any_touches = [contacts], touching.any(axis=1)
+    for turn in np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS:
+        far = np.where(touching, relative[..., 0] * np.cos(turn) + relative[..., 1] * np.sin(turn), -np.inf)
+        chosen.append(np.where(any_touches, far.argmax(axis=1), -1)[:, None])
+    return np.concatenate(chosen, axis=1)
+
+
+def stands_easily(body: Body, settled: Settled) -> Mask:
+    """Return which robots stand on three contacts of which each is driven and within its friction cone."""
+    up = -np.einsum("nj,ncj->nc", settled.axes[:, 2], body.normals[settled.contacts])
+    mu = np.array([part.mu for part in body.parts])[body.part[settled.contacts]]
+    drives = body.drives[settled.contacts]
+    grips = drives & (up > 1 / np.hypot(1, 0.97 * mu))
+    glides = ~drives & (mu == 0) & (up > 0.9995)
+    return np.asarray((settled.contacts >= 0).all(axis=1) & (grips | glides).all(axis=1) & grips.any(axis=1))
+
+
+def surplus(ground: Ground, body: Body, settled: Settled, *, is_moving: bool = True) -> Array:
+    """Return the forward force that each robot has left, in shares of its weight, (n,); SLIDING if nothing balances.
+
+    Where it stands easily, it is only known not to be negative, and told as 0. Of a robot that does not move, friction
+    holds the parts that are not driven too.
+    """
+    result = np.zeros(len(settled.x))
+    hard = np.flatnonzero(~stands_easily(body, settled))
+    for begin in range(0, len(hard), 512):
+        rows = hard[begin : begin + 512]
+        result[rows] = _surplus(ground, body, settled, rows, is_moving=is_moving)
+    return result
+
+
+def _surplus(ground: Ground, body: Body, settled: Settled, rows: Ints, *, is_moving: bool) -> Array:
+    relative, above = below_samples(ground, body, settled, rows)
+    chosen = outermost(body, relative, above, settled.contacts[rows])
+    turned = settled.axes[rows]
+    at = np.take_along_axis(relative, chosen[..., None], axis=1)
+    force = -np.einsum("nij,ncj->nci", turned, body.normals[chosen])
+    # In the frame of the heading, so that forward is the first axis.
+    c, s = np.cos(settled.yaw[rows]), np.sin(settled.yaw[rows])
+    heading = np.stack([np.stack([c, s, 0 * c], 1), np.stack([-s, c, 0 * c], 1), np.tile([0.0, 0, 1], (len(c), 1))], 1)
+    at, force = at @ np.swapaxes(heading, 1, 2), force @ np.swapaxes(heading, 1, 2)
+    along = np.array([1.0, 0, 0]) - force * force[..., :1]
+    length = np.linalg.norm(along, axis=2, keepdims=True)
+    along = np.where(length > 1e-6, along / np.maximum(length, 1e-6), np.array([0, 0, 1.0]))
+    across = np.cross(force, along)
+    parts = body.part[chosen]
+    mu, mu2 = (np.array([getattr(part, name) for part in body.parts])[parts][..., None] for name in ("mu", "mu2"))
+    drives = body.drives[chosen][..., None] | (not is_moving)
+    edges = [
+        np.where(drives, force + i * mu * along + j * mu2 * across, force - mu * along)
+        for i in (-1, 1)
+        for j in (-1, 1)
+    ]
+    directions = np.concatenate(edges, axis=1)
+    moments = np.cross(np.tile(at, (1, 4, 1)), directions) / max(body.length / 2, 1e-3)
+    columns = np.swapaxes(np.concatenate([directions, moments], axis=2), 1, 2)
+    columns[np.tile(chosen < 0, (1, 4))[:, None, :].repeat(6, axis=1)] = 0.0
+    return _largest_surplus(columns)
+
+
+def _largest_surplus(columns: Array) -> Array:
+    """Return the largest s for wrenches (n, 6, k); SLIDING where there is none."""
+    count, rows, wrenches = columns.shape
+    # A table: wrenches, s forward and s backward, artificial forces, right side; the last row is the cost.
+    right = np.array([0, 0, 1.0, 0, 0, 0]) + 1e-7 * np.arange(1, rows + 1)
+    table = np.zeros((count, rows + 1, wrenches + 2 + rows + 1))
+    table[:, :rows, :wrenches] = columns
+    table[:, 0, wrenches], table[:, 0, wrenches + 1] = -1, 1
+    table[:, :rows, wrenches + 2 : -1] = np.eye(rows)
+    table[:, :rows, -1] = right
+    table[:, rows, wrenches], table[:, rows, wrenches + 1] = -1, 1
+    table[:, rows] -= _ARTIFICIAL * np.where(np.arange(table.shape[2]) < wrenches + 2, table[:, :rows].sum(axis=1), 0)
+    table[:, rows, -1] = -_ARTIFICIAL * right.sum()
+    live = np.arange(count)
+    result = np.full(count, SLIDING)
+    for _ in range(_ITERATIONS):
+        entering = table[:, rows, : wrenches + 2].argmin(axis=1)
+        each = np.arange(len(live))
+        optimal = table[each, rows, entering] > -_ZERO * _ARTIFICIAL
+        if optimal.any():
+            result[live[optimal]] = np.maximum(table[optimal, rows, -1], SLIDING)  # missing forces cost a thousand
+            table, live = table[~optimal], live[~optimal]
+            if not len(live):
+                break
+            entering, each = entering[~optimal], np.arange(len(live))
+        column = table[each, :, entering]
+        is_open = column[:, :rows] > _PIVOT
+        ratios = np.where(is_open, table[:, :rows, -1] / np.where(is_open, column[:, :rows], 1), np.inf)
+        leaving = ratios.argmin(axis=1)
+        unbounded = ~is_open.any(axis=1)  # rounding alone: forces in a cone with gravity cannot push without end
+        column[unbounded, leaving[unbounded]] = 1.0
+        pivot = table[each, leaving] / column[each, leaving][:, None]
+        column[each, leaving] = 0
+        table[each, leaving] = pivot
+        mask = np.ones((len(live), rows + 1), bool)
+        mask[each, leaving] = False
+        table -= np.where(mask, column, 0)[:, :, None] * pivot[:, None, :]
+    return result

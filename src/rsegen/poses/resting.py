@@ -1,0 +1,162 @@
+"""`rsegen.poses`: how a robot stands at places of a field: pose, contacts, clearance, stability, and what it can do.
+
+A robot tips over an edge of its support polygon when its centre of mass is above that edge. With the centre of mass h
+above the edge and r beside it, that is after a turn by atan(r / h), for which it is lifted by sqrt(h^2 + r^2) - h: the
+angle and the energy to tip (Messuri and Klein, IEEE Journal of Robotics and Automation 1985). The polygon is that of
+its outermost contacts. Cost: 100 microseconds a pose. What breaks it: nothing moves, so it says nothing of momentum.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rsegen.errors import ParameterError
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.poses.body import Body
+from rsegen.poses.pushing import SLIDING, below_samples, outermost, surplus
+from rsegen.poses.settling import Ground, Settled, reach_of, settle
+
+GRAVITY = 9.81
+
+TIPPED = 1.0
+"""Slope at which a robot has tipped: 45 degrees, from which no friction holds it."""
+
+_EDGES = 64
+"""Directions in which the distance to the edges of the support polygon is measured: within 0.1 % of the least."""
+
+_ROWS = 512
+"""Poses whose samples are all looked at together: some ten megabytes."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Poses:
+    """Poses of a robot at rest on a field, n of them; lengths in metres, angles in radians.
+
+    x, y, z, roll, pitch, yaw: (n,), of the robot's origin, as in Gazebo; it was put down level at x, y, so its centre
+    of mass stays there and its origin moves a little
+    contacts: (n, 3, 3), the three points that bear it, NaN if it tips over; loads: (n, 3), the share of its weight on
+    each; support: (n, 11, 3), the corners of its support polygon, in no order, some of them twice
+    clearance: (n,), from the ground to the lowest part that neither drives nor bears it; infinite if it has none
+    tip_angle, tip_energy: (n,), the least turn, and energy in joules, that tips it over
+    stands: (n,) whether it stands there at all; holds: whether friction holds it; pushes: whether it can drive forward
+    """
+
+    x: Array
+    y: Array
+    z: Array
+    roll: Array
+    pitch: Array
+    yaw: Array
+    contacts: Array
+    loads: Array
+    support: Array
+    clearance: Array
+    tip_angle: Array
+    tip_energy: Array
+    stands: Mask
+    holds: Mask
+    pushes: Mask
+
+    @property
+    def tilt(self) -> Array:
+        """Angle between the robot's upright and the vertical, radians, (n,)."""
+        return np.asarray(np.arccos(np.clip(np.cos(self.roll) * np.cos(self.pitch), -1, 1)))
+
+
+def poses(field: StepField, body: Body, x: Array, y: Array, heading: Array) -> Poses:
+    """Return the robot at rest at each x, y [m] and heading [rad]; scalars and arrays go together as in numpy.
+
+    ParameterError for a number that is none, and for a place outside the field.
+    """
+    at_x, at_y, yaw = (np.ravel(each) for each in np.broadcast_arrays(*map(_numbers, (x, y, heading))))
+    for name, values, extent in (("x", at_x, field.extent[0]), ("y", at_y, field.extent[1])):
+        outside = values[np.abs(values) > extent / 2]
+        if len(outside):
+            raise ParameterError(name, f"{outside[0]:g} m is outside the field, {-extent / 2:g}..{extent / 2:g} m")
+    ground = Ground.of(field, reach_of(body))
+    return of_settled(ground, body, settle(ground, body, at_x, at_y, yaw))
+
+
+def _numbers(values: object) -> Array:
+    array = np.asarray(values, np.float64)
+    if not np.isfinite(array).all():
+        raise ParameterError("heading", "a place or heading is no finite number")
+    return array
+
+
+def of_settled(ground: Ground, body: Body, rest: Settled) -> Poses:
+    """Return the poses of robots at rest, with all that follows from them."""
+    parts = [
+        _measured(ground, body, rest, np.arange(i, min(i + _ROWS, len(rest.x)))) for i in range(0, len(rest.x), _ROWS)
+    ]
+    joined = [np.concatenate(arrays) for arrays in zip(*parts, strict=True)] if parts else _nothing()
+    contacts, loads, support, clearance, angle, energy = joined
+    origin = -np.einsum("nij,j->ni", rest.axes, body.centre)
+    forward, left, up = (rest.axes[:, :, axis] for axis in range(3))
+    stands = has_stood(rest)
+    return Poses(
+        x=rest.x + origin[:, 0],
+        y=rest.y + origin[:, 1],
+        z=rest.z + origin[:, 2],
+        roll=np.arctan2(left[:, 2], up[:, 2]),
+        pitch=-np.arcsin(np.clip(forward[:, 2], -1, 1)),
+        yaw=np.arctan2(forward[:, 1], forward[:, 0]),
+        contacts=contacts,
+        loads=loads,
+        support=support,
+        clearance=clearance,
+        tip_angle=np.where(stands, angle, 0.0),
+        tip_energy=np.where(stands, energy, 0.0),
+        stands=stands,
+        holds=stands & (surplus(ground, body, rest, is_moving=False) > SLIDING),
+        pushes=stands & (surplus(ground, body, rest) >= 0),
+    )
+
+
+def has_stood(rest: Settled) -> Mask:
+    """Return which robots stand: on three contacts around the centre of mass, and not tipped over, (n,)."""
+    return np.asarray((rest.contacts >= 0).all(axis=1) & (np.hypot(*rest.slope.T) < TIPPED))
+
+
+def _nothing() -> list[Array]:
+    shapes = ((0, 3, 3), (0, 3), (0, 11, 3), (0,), (0,), (0,))
+    return [np.empty(shape) for shape in shapes]
+
+
+def _measured(ground: Ground, body: Body, rest: Settled, rows: Ints) -> tuple[Array, ...]:
+    """Return contacts, loads, support, clearance, angle and energy to tip of some of the robots."""
+    relative, above = below_samples(ground, body, rest, rows)
+    centres = np.stack([rest.x[rows], rest.y[rows], rest.z[rows]], axis=1)[:, None, :]
+    bearing = rest.contacts[rows]
+    at = np.take_along_axis(relative, bearing[..., None], axis=1)
+    at[bearing < 0] = np.nan
+    chosen = outermost(body, relative, above, bearing)
+    corners = np.take_along_axis(relative, chosen[..., None], axis=1)
+    corners[chosen < 0] = np.nan
+    turns = np.arange(_EDGES) * 2 * np.pi / _EDGES
+    reach = corners[..., 0, None] * np.cos(turns) + corners[..., 1, None] * np.sin(turns)
+    aside = np.maximum(np.nanmax(np.where(np.isnan(reach), -np.inf, reach), axis=1).min(axis=1), 0.0)
+    high = np.where(np.isnan(corners[..., 2]), 0.0, -corners[..., 2]).sum(axis=1)
+    high = np.maximum(high / np.maximum((chosen >= 0).sum(axis=1), 1), 1e-6)
+    hanging = ~body.drives
+    bears = np.zeros(len(body.parts), bool)
+    bears[np.unique(body.part[bearing[bearing >= 0]])] = True
+    free = np.flatnonzero(hanging)
+    clearance = above[:, free].min(axis=1) if len(free) else np.full(len(rows), np.inf)
+    return (
+        at + centres,
+        _loads(at),
+        corners + centres,
+        np.maximum(clearance, 0.0),
+        np.arctan2(aside, high),
+        body.mass * GRAVITY * (np.hypot(aside, high) - high),
+    )
+
+
+def _loads(at: Array) -> Array:
+    """Return the share of the weight on each of three contacts around the origin, (n, 3): its barycentric coordinates."""
+    x, y = at[..., 0], at[..., 1]
+    areas = np.stack([x[:, j] * y[:, k] - x[:, k] * y[:, j] for j, k in ((1, 2), (2, 0), (0, 1))], axis=1)
+    return np.asarray(areas / areas.sum(axis=1, keepdims=True))
