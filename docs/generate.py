@@ -31,12 +31,11 @@ from rsegen import (
     Peak,
     Random,
     Recipe,
-    RobotLimits,
     Scene,
+    StepLimits,
     Terrain,
     compose,
     load,
-    metrics,
     schema,
     series,
 )
@@ -228,8 +227,8 @@ def main(arguments: list[str]) -> int:
 
 
 def _ways(scene: Scene) -> bytes:
-    reach = metrics(scene.field, RobotLimits(climb_cm=10)).reach
-    return path_plot(scene, reach) if reach else b""
+    limits = StepLimits(climb_cm=10)
+    return path_plot(scene, limits.reach(scene.field), describe_limits(limits))
 
 
 def _rise(*, same_field: bool) -> bytes:

@@ -19,7 +19,7 @@ import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import Random, Recipe, RobotLimits, build, load, metrics, series
+from rsegen import Random, Recipe, StepLimits, build, load, metrics, series
 from rsegen.cli import main
 from rsegen.errors import OutputError, ParameterError
 from rsegen.field.metrics.catalogue import metric_by
@@ -208,7 +208,7 @@ FINE = replace(RANDOM, boundary="none", unit_cm=2, maps=6, obstacles=(Random(lev
 @pytest.mark.parametrize("same_field", [False, True])
 @pytest.mark.parametrize("by", ["opening.west_east", "reach.west_east.cost"])
 def test_a_series_rises_by_another_metric(tmp_path: Path, by: str, same_field: bool) -> None:
-    robot = RobotLimits(climb_cm=7)
+    robot = StepLimits(climb_cm=7)
     found = series(FINE, tmp_path, by=by, robot=robot, same_field=same_field)
     line = [row.asked or 0 for row in found.rows]
     np.testing.assert_allclose(np.diff(line), np.diff(line)[0], rtol=1e-5)
@@ -261,7 +261,7 @@ def test_the_command_takes_a_metric_and_a_robot(tmp_path: Path, capsys: pytest.C
         for said, name in (("crawler", "kind"), ("7,7,53", "limits"))
     ]
     limits = robot("crawler").limits
-    assert limits == RobotLimits(climb_cm=7, width_cm=53)
+    assert limits == StepLimits(climb_cm=7, width_cm=53)
     assert contents(tmp_path / "kind") == contents(tmp_path / "limits")
     series(FINE, tmp_path / "python", by=by[-1], robot=limits)
     assert (tmp_path / "python" / "series.csv").read_bytes() == (tmp_path / "kind" / "series.csv").read_bytes()

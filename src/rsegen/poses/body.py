@@ -154,7 +154,6 @@ class Body:
     points, normals: samples of its surface (n, 3), metres, and the outward normals there
     part: (n,) index into `parts`; rim: (n,) whether a sample is on the edge of a flat face, with a wall above it
     mass, centre: kg, and the centre of mass (3,); speed: at which it drives over rough ground, m/s
-    climbs: the highest single step that it drives up in a simulator, if that was measured, metres
     """
 
     points: Array
@@ -179,6 +178,11 @@ class Body:
     def high(self) -> Array:
         """The largest x, y and z of its samples, metres."""
         return np.asarray(self.points.max(axis=0))
+
+    @property
+    def width(self) -> float:
+        """Its width, metres."""
+        return float(self.high[1] - self.low[1])
 
     @property
     def length(self) -> float:

@@ -21,6 +21,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 from heapq import heappop, heappush
+from typing import Any
 
 import numpy as np
 
@@ -189,7 +190,7 @@ class Lattice:
 
     def __init__(self, field: StepField, body: Body) -> None:
         self.field, self.body, self.ground = field, body, Ground.of(field, reach_of(body))
-        self.x, self.y = ((edges[1:] + edges[:-1]) / 2 for edges in field.edges())
+        self.x, self.y = _middles(field, 0), _middles(field, 1)
         shape = (*field.shape, HEADINGS)
         i, j, k = (index.ravel() for index in np.indices(shape))
         on_i, on_j = i + _MOVES[k, 0], j + _MOVES[k, 1]
@@ -221,7 +222,8 @@ class Lattice:
     def region(self) -> Mask:
         """Return the largest set of blocks on which the robot gets from every place and heading to every other."""
         places = np.arange(self.moves.size).reshape(self.moves.shape)
-        low, high, onward, back = [], [], [], []
+        low: list[Any] = []
+        high, onward, back = list[Any](), list[Any](), list[Any]()
         for k, (along_x, along_y) in enumerate(_MOVES):
             # Each move once, as a pair of places: what is `next` in heading k is not `before` in any other.
             from_here, to_there = (
@@ -316,7 +318,7 @@ class Lattice:
         )
 
 
-def _shifted(values: Array, along_x: int, along_y: int) -> Array:
+def _shifted(values: Any, along_x: int, along_y: int) -> Any:
     """Return the values whose neighbour by (along_x, along_y) is in the array too."""
     n_x, n_y = values.shape
     return values[
@@ -341,19 +343,11 @@ def reach(field: StepField, body: Body) -> Reach:
 def crossing(field: StepField, body: Body, axis: int) -> Way:
     """Return a way across a field along an axis: a straight one if there is one, else the shortest on the lattice."""
     lanes = straight(field, body, axis)
-    if lanes.passed.any():
-        return _straight_way(lanes, field, body, axis)
-    return Lattice(field, body).way(axis)
-
-
-def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way:
-    """Return the straight way with the least tilt."""
+    if not lanes.passed.any():
+        return Lattice(field, body).way(axis)
     best = int(np.where(lanes.passed, lanes.tilt, np.inf).argmin())
-    count = len(lanes.poses.x) // len(lanes.end)
-    middles = (lambda edges: (edges[1:] + edges[:-1]) / 2)(field.edges()[1 - axis])
     low, high = -entry(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
-    points = np.array([(low, middles[best]), (high, middles[best])])
-    del count
+    points = np.array([(low, (middle := _middles(field, 1 - axis)[best])), (high, middle)])
     return Way(
         crosses=True,
         length=high - low,
@@ -361,6 +355,29 @@ def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way:
         tilt=float(lanes.tilt[best]),
         points=points if axis == 0 else points[:, ::-1].copy(),
     )
+
+
+_BESIDE = 0.003
+"""Metres to either side of a lane that have to be driven too: by so much a robot leaves its line in Gazebo."""
+
+
+def straight_lane(field: StepField, body: Body, axis: int, middles: Array | None = None) -> float | None:
+    """Return the place across, metres, of the first straight lane that is driven to its end; None if there is none.
+
+    The lanes a little to either side of it are driven too. middles: of the lanes, by default of all lines of cells.
+    """
+    middles = _middles(field, 1 - axis) if middles is None else middles
+    passed = straight(field, body, axis, middles).passed
+    for beside in (-_BESIDE, _BESIDE):
+        if passed.any():
+            passed[passed] = straight(field, body, axis, middles[passed] + beside).passed
+    return float(middles[passed.argmax()]) if passed.any() else None
+
+
+def _middles(field: StepField, axis: int) -> Array:
+    """Return the middles of the cells along an axis, metres."""
+    edges = field.edges()[axis]
+    return np.asarray((edges[1:] + edges[:-1]) / 2)
 
 
 def no_way(lanes: Lanes, body: Body) -> Way:
@@ -394,8 +411,7 @@ def straight(field: StepField, body: Body, axis: int, across: Array | None = Non
     They are where the robot is wholly outside at first and at last; by default through the middle of every line of
     cells.
     """
-    edges = field.edges()[1 - axis]
-    middles = (edges[1:] + edges[:-1]) / 2 if across is None else across
+    middles = _middles(field, 1 - axis) if across is None else across
     before = entry(field, body, axis)
     length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
     along = np.full(len(middles), -before)

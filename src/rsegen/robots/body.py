@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import lru_cache, singledispatch
 from pathlib import Path
+from typing import Any
 from xml.etree.ElementTree import Element, fromstring
 
 import numpy as np
@@ -200,7 +201,7 @@ def _mesh(element: Element, distance: float, where: str) -> Solid:
 
         with open_regular(path) as file:
             form, resolver = path.suffix[1:].lower(), trimesh.resolvers.FilePathResolver(str(path))
-            loaded = trimesh.load(file, file_type=form, resolver=resolver, force="mesh")
+            loaded: Any = trimesh.load(file, file_type=form, resolver=resolver, force="mesh")
         return mesh(np.asarray(loaded.vertices) * scale, np.asarray(loaded.faces), distance)
 
     try:

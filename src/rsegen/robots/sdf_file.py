@@ -21,8 +21,10 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError
 from rsegen.exporters.gazebo.sdf import numbers, prefixes
-from rsegen.field.robot_limits import SIDE
+from rsegen.field.limits import SIDE
 from rsegen.io.input_files import elements, text_of
+from rsegen.poses.body import Body
+from rsegen.poses.standing import Standing
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.drives import Command, Drive, Wheels, pose_publisher
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
@@ -58,7 +60,7 @@ _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYS
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class SdfRobot:
+class SdfRobot(Standing):
     """A robot from a file: its name, its <model> as text, its drive, and what of it was derived from the model.
 
     backend: the simulator that its own plug-in is of, None if ROS's or none that is known; read_drive: its drive, None
@@ -82,6 +84,13 @@ class SdfRobot:
     derived: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+
+    @property
+    def body(self) -> Body:
+        """The robot from below, with its joints at 0; FileError for a shape that cannot be measured."""
+        from rsegen.robots.body import body_of
+
+        return body_of(self)
 
     @property
     def drive(self) -> Drive:

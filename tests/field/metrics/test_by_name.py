@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 
 import rsegen
-from rsegen import Metric, RobotLimits, StepField
+from rsegen import Metric, StepField, StepLimits
 from rsegen.errors import UserError
 from rsegen.field.metrics.catalogue import OF_A_ROBOT, UNITS, flattened, metric_by, nested
 from tests.support.strategies import fields
 
-ROBOT = RobotLimits(climb_cm=15, width_cm=20)
+ROBOT = StepLimits(climb_cm=15, width_cm=20)
 NOT_MEASURED = ("steps.unit", "scale.hurst_is_weak", "ruggedness.cells", "reach.climber.", ".crosses")
 """What the table has beside figures by which maps may be ordered."""
 
@@ -34,8 +34,8 @@ def test_every_name_is_that_of_the_table(field: StepField) -> None:
 def test_an_opening_has_the_width_of_the_robot() -> None:
     recipe = rsegen.Recipe(seed=3, boundary="none", obstacles=[rsegen.Random(levels=9)])
     field = rsegen.build(recipe)
-    wide = metric_by("opening.west_east", RobotLimits(climb_cm=1, width_cm=30))(field)
-    assert wide == rsegen.metrics(field, RobotLimits(climb_cm=1, width_cm=30)).opening.west_east
+    wide = metric_by("opening.west_east", StepLimits(climb_cm=1, width_cm=30))(field)
+    assert wide == rsegen.metrics(field, StepLimits(climb_cm=1, width_cm=30)).opening.west_east
     assert wide != metric_by("opening.west_east")(field)
 
 
@@ -58,7 +58,7 @@ def test_a_function_is_a_metric_and_a_metric_is_itself() -> None:
         (min(OF_A_ROBOT), None, f"by: {min(OF_A_ROBOT)} needs a robot; give robot too"),
         ("steps.rms", ROBOT, "robot: steps.rms does not depend on a robot; give by=reach.west_east.cost, or leave rob"),
         (len, ROBOT, "robot: a function does not depend on a robot"),
-        ("steps.rms", "burger", r"robot: 'burger' is not a robot's limits; give RobotLimits\(climb_cm=10\)"),
+        ("steps.rms", "burger", r"robot: 'burger' is not a robot's limits; give StepLimits\(climb_cm=10\)"),
     ],
 )
 def test_an_unknown_metric_is_refused(by: Any, robot: Any, message: str) -> None:

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import RobotLimits
+from rsegen import StepLimits
 from rsegen.cli import main
 from rsegen.exporters.pictures.robot_plots import path_plot
 from rsegen.field.metrics.traversability import traversability
@@ -84,7 +84,7 @@ def test_a_recipe_and_its_maps_have_the_same_metrics(capsys: pytest.CaptureFixtu
 
 def test_json_and_csv_equal_the_values_of_python(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
     expected = rsegen.metrics(
-        rsegen.compose(rsegen.load(maps / "rse_0002" / "recipe.json"), 2).field, RobotLimits(climb_cm=10)
+        rsegen.compose(rsegen.load(maps / "rse_0002" / "recipe.json"), 2).field, StepLimits(climb_cm=10)
     )
     told = json.loads(printed(capsys, maps, "--json", *TEN))
     rows = list(csv.DictReader(io.StringIO(printed(capsys, maps, "--csv", *TEN))))
@@ -125,7 +125,7 @@ def test_a_picture_is_written(capsys: pytest.CaptureFixture[str], tmp_path: Path
 def test_a_picture_shows_existing_paths(climb_cm: float) -> None:
     """A robot that gets nowhere has a picture too."""
     scene = rsegen.compose(rsegen.load(PALLET))
-    found = traversability(scene.field, RobotLimits(climb_cm=climb_cm))
+    found = traversability(scene.field, StepLimits(climb_cm=climb_cm))
     pixels = Image.open(io.BytesIO(path_plot(scene, found))).convert("RGB")
     assert pixels.size == (1400, 700)
     heat = pixels.crop((700, 100, 1300, 600)).getcolors(2**24)

@@ -35,7 +35,7 @@ def recipe(**values: object) -> rsegen.Recipe:
 
 
 def crosses(field: rsegen.StepField, climb: float, drop: float, width: float) -> bool:
-    climber = rsegen.RobotLimits(climb_cm=climb, drop_cm=drop, width_cm=width)
+    climber = rsegen.StepLimits(climb_cm=climb, drop_cm=drop, width_cm=width)
     return all(crossing(field, climber, axis).crosses for axis in (0, 1))
 
 
