@@ -43,7 +43,7 @@ from rsegen.cli.commands import COMMANDS, GROUPS, module_of
 from rsegen.cli.parser import Parser
 from rsegen.cli.schema import FUNCTIONS
 from rsegen.exporters.pictures.preview import figure_bytes, preview
-from rsegen.exporters.pictures.robot_plots import path_plot
+from rsegen.exporters.pictures.robot_plots import describe_limits, path_plot
 from rsegen.exporters.sheet import pages
 from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.params.command import rows

@@ -22,7 +22,7 @@ _SHARE, _LEAST, _MOST = 60, 0.0025, 0.012
 """Samples along a robot, and the least and largest distance between two of them, metres."""
 
 _DOWN = 0.2
-"""Largest upward part of a normal that is kept: a round end that is tilted by 11 degrees still finds its lowest point."""
+"""Largest upward part of a normal that is kept: a round end that is tilted by 11 degrees still has its lowest point."""
 
 _FLAT, _ROUND = 3, 4
 """A flat face has samples every three distances, as its edge counts; a ball at least every quarter of its radius."""

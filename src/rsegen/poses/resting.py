@@ -164,7 +164,7 @@ def _measured(ground: Ground, body: Body, rest: Settled, rows: Ints) -> tuple[Ar
 
 
 def _loads(at: Array) -> Array:
-    """Return the share of the weight on each of three contacts around the origin, (n, 3): its barycentric coordinates."""
+    """Return the share of the weight on each of three contacts around the origin: barycentric coordinates, (n, 3)."""
     x, y = at[..., 0], at[..., 1]
     areas = np.stack([x[:, j] * y[:, k] - x[:, k] * y[:, j] for j, k in ((1, 2), (2, 0), (0, 1))], axis=1)
     return np.asarray(areas / areas.sum(axis=1, keepdims=True))

@@ -197,7 +197,7 @@ def _demands(
 
 
 def _plane(u: Singles, v: Singles, g: Singles, three: Ints) -> tuple[Ints, Array, Array, Array]:
-    """Return three samples around the origin and a, b, c of the plane through them, which no sample is above; (n, ...)."""
+    """Return three samples around the origin and a, b, c of the plane through them, which no sample is above."""
     count = len(u)
     three, a, b, c = three.copy(), np.zeros(count), np.zeros(count), np.zeros(count)
     live = np.arange(count)

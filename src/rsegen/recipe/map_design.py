@@ -211,7 +211,7 @@ class MapDesign:
         return max([self.top_level, *owned])
 
     def _check_frames(self) -> None:
-        """Raise a ParameterError if a path that is to lead across is too high at the frames; poses show it of a robot."""
+        """Raise a ParameterError if frames are too high for a path that is to lead across; poses show it of a robot."""
         if self.crossable_by is None or isinstance(self.crossable_by, str):
             return
         least = min(self.crossable_by[:2])

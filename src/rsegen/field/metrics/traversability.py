@@ -1,8 +1,8 @@
 """Traversability within limits of steps: like NIST's coverability and crossability, by formulas of our own.
 
-1. Ground: a path of some width, centred on a cell, is as high as the highest of the cells below it. So the ground is the
-   maximum over (2 aside + 1)^2 cells, by doubling runs along each axis. Frames count. A robot crosses frames but does
-   not drive along them, which would lead around every obstacle: there are no moves along x in a row of only frame
+1. Ground: a path of some width, centred on a cell, is as high as the highest of the cells below it. So the ground is
+   the maximum over (2 aside + 1)^2 cells, by doubling runs along each axis. Frames count. A path crosses frames but
+   does not go along them, which would lead around every obstacle: there are no moves along x in a row of only frame
    cells, and none along y in such a column.
 2. Coverage: moves within climb and drop are a directed graph; the largest strongly connected component (graphs.py) is
    the area in which the robot can drive from every block to every other.
@@ -13,8 +13,8 @@
 4. Percolation step: the smallest step at which a path from side to side exists, by bisection over the steps of the
    field, with union of the components below the middle one; half of the edges are left after each round.
 
-Heights are whole nanometres, so comparisons are exact. Nothing stands, tips or hangs on its belly here: how a robot gets
-across is in poses.
+Heights are whole nanometres, so comparisons are exact. Nothing stands, tips or hangs on its belly here: how a robot
+gets across is in poses.
 """
 
 from __future__ import annotations
@@ -187,7 +187,7 @@ class Crossing:
 class Traversability:
     """The traversability of a field within limits of steps: passable steps, coverage and crossings.
 
-    climbable, droppable: share of the steps between blocks that are within the limit up, or down; None if there are none
+    climbable, droppable: share of the steps between blocks within the limit up, or down; None if there are none
     cover: coverage, the share of the blocks in the largest traversable area, in which paths lead from every block to
     every other, measured by the blocks that carry it; region: (n_x, n_y), the mask of that area
     """

@@ -110,7 +110,7 @@ def _lane_caps(field: StepField, robot: Standing, axis: int) -> Ints | None:
             return caps
     raise ParameterError(
         "crossable_by",
-        f"{robot.kind} does not get over frames of {100 * field.frame_height:g} cm; give boundary none, or lower frames",
+        f"{robot.kind} does not get over frames of {100 * field.frame_height:g} cm; give boundary none or lower frames",
     )
 
 
