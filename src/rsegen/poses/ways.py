@@ -249,8 +249,8 @@ class Lattice:
             region[cells[cells[:, 0] == np.bincount(cells[:, 0]).argmax(), 1]] = True
         return region.reshape(self.field.shape)
 
-    def way(self, axis: int) -> Way:
-        """Return the shortest way across along an axis, 0 for x and 1 for y, with straight lanes at both ends."""
+    def way(self, axis: int) -> Way | None:
+        """Return the shortest way across along an axis, with straight lanes at both ends; None if there is none."""
         lanes, across = self._lanes_in(axis), self.field.shape[1 - axis]
         heading, last = 2 * axis, self.field.shape[axis] - 1
         half = float(np.hypot(self.body.high[1] - self.body.low[1], 0)) / 2
@@ -272,7 +272,7 @@ class Lattice:
                 if cost + length < costs[place] - 1e-9:
                     costs[place], before[place] = cost + length, (i, j, k)
                     heappush(front, (cost + length, place))
-        return no_way(straight(self.field, self.body, axis), self.body)
+        return None
 
     def _onward(self, i: int, j: int, k: int, half: float) -> Iterator[tuple[tuple[int, int, int], float]]:
         """Yield the places to which the robot can go on, and the length of each move; a turn moves its sides."""
@@ -330,21 +330,27 @@ def _shifted(values: Any, along_x: int, along_y: int) -> Any:
 def reach(field: StepField, body: Body) -> Reach:
     """Return where a robot gets on a field, and its shortest ways across."""
     lattice = Lattice(field, body)
-    region = lattice.region()
-    blocks = int((~field.frame).sum())
-    return Reach(
-        cover=float(region.sum() / blocks) if blocks else 0.0,
-        west_east=lattice.way(0),
-        south_north=lattice.way(1),
-        region=region,
-    )
+    region, blocks, ways = lattice.region(), int((~field.frame).sum()), []
+    for axis in (0, 1):
+        lanes = straight(field, body, axis)
+        ways.append(_straight_way(lanes, field, body, axis) or lattice.way(axis) or no_way(lanes, body))
+    cover = float(region.sum() / blocks) if blocks else 0.0
+    return Reach(cover=cover, west_east=ways[0], south_north=ways[1], region=region)
 
 
 def crossing(field: StepField, body: Body, axis: int) -> Way:
-    """Return a way across a field along an axis: a straight one if there is one, else the shortest on the lattice."""
+    """Return the shortest way across a field along an axis, 0 for x and 1 for y.
+
+    That is a straight one if there is one, of these the one with the least tilt; else the shortest on the lattice.
+    """
     lanes = straight(field, body, axis)
+    return _straight_way(lanes, field, body, axis) or Lattice(field, body).way(axis) or no_way(lanes, body)
+
+
+def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way | None:
+    """Return the straight way with the least tilt; None if no lane is driven to its end."""
     if not lanes.passed.any():
-        return Lattice(field, body).way(axis)
+        return None
     best = int(np.where(lanes.passed, lanes.tilt, np.inf).argmin())
     low, high = -entry(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
     points = np.array([(low, (middle := _middles(field, 1 - axis)[best])), (high, middle)])
