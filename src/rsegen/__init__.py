@@ -73,7 +73,6 @@ if TYPE_CHECKING:
     from rsegen.io.scans import compare as compare
     from rsegen.io.scans import scan as scan
     from rsegen.params.plugins import load_plugin as load_plugin
-    from rsegen.poses.resting import Poses as Poses
     from rsegen.recipe.batch import build_many as build_many
     from rsegen.recipe.building import build as build
     from rsegen.recipe.codec import schema as schema
@@ -97,6 +96,7 @@ if TYPE_CHECKING:
     from rsegen.simulation.spawning.respawn import RemoveResult as RemoveResult
     from rsegen.simulation.spawning.respawn import RespawnResult as RespawnResult
     from rsegen.simulation.spawning.spawn import SpawnResult as SpawnResult
+    from rsegen.standing.resting import Poses as Poses
 
 __version__ = "1.0.0"
 
@@ -142,7 +142,7 @@ _HOMES = {
     "rsegen.recipe.codec": ("schema",),
     "rsegen.recipe.recipe": ("Recipe",),
     "rsegen.recipe.terrain": ("Terrain",),
-    "rsegen.poses.resting": ("Poses",),
+    "rsegen.standing.resting": ("Poses",),
     "rsegen.robots.lookup": ("poses", "robot_of"),
     "rsegen.run.exports": ("Exported", "ExportedMap"),
     "rsegen.run.journal": ("Verified", "verify"),

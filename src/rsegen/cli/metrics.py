@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rsegen.exporters.scene import Scene
     from rsegen.field.metrics import Crossing, Metrics, Scale, Spread, Steps, Traversability
     from rsegen.field.metrics.catalogue import Crosser
-    from rsegen.poses.ways import Reach, Way
+    from rsegen.standing.ways import Reach, Way
 
     Measured = tuple[Scene, Metrics]
 

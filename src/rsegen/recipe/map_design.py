@@ -21,7 +21,7 @@ from rsegen.params.streams import SEEDS, fresh_seed, generator
 
 if TYPE_CHECKING:
     from rsegen.field.obstacles import Grid, Obstacle
-    from rsegen.poses.standing import Standing
+    from rsegen.standing.kinds import Standing
 
 Difficulty = float | tuple[float, float] | tuple[float, float, int]
 """One number for all maps; or (least, most), drawn for each map; or (least, most, steps), rising from map to map."""
@@ -84,7 +84,7 @@ class CrossableBySort:
 
     def check(self, where: str, value: object) -> str | tuple[float, ...]:
         if isinstance(value, str):
-            from rsegen.poses.standing import ROBOTS
+            from rsegen.standing.kinds import ROBOTS
 
             return ROBOTS.named(value, where).kind
         return _FIGURES.check(where, value)
@@ -184,7 +184,7 @@ class MapDesign:
         if self.crossable_by is None:
             return None
         if isinstance(self.crossable_by, str):
-            from rsegen.poses.standing import ROBOTS
+            from rsegen.standing.kinds import ROBOTS
 
             return ROBOTS[self.crossable_by]
         climb, drop, width = self.crossable_by

@@ -17,12 +17,12 @@ from rsegen.field.limits import SIDE
 from rsegen.field.stepfield import StepField
 from rsegen.params.registry import Registry
 from rsegen.params.sorts import Float, Parameter
-from rsegen.poses.body import Body
-from rsegen.poses.standing import ROBOTS as STANDING
-from rsegen.poses.standing import Standing
-from rsegen.poses.ways import Reach, Way
 from rsegen.robots.drives import BACKENDS, Command, Drive, Servo, element, pose_publisher, servo_plugins, system
 from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
+from rsegen.standing.body import Body
+from rsegen.standing.kinds import ROBOTS as STANDING
+from rsegen.standing.kinds import Standing
+from rsegen.standing.ways import Reach, Way
 
 
 class DrivableRobot(Protocol):

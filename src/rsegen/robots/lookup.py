@@ -7,10 +7,10 @@ import os
 from numpy.typing import ArrayLike
 
 from rsegen.field.stepfield import StepField
-from rsegen.poses import resting
-from rsegen.poses.resting import Poses
 from rsegen.robots.base import ROBOTS, DrivableRobot, Robot
 from rsegen.robots.sdf_file import from_file, is_robot_file
+from rsegen.standing import resting
+from rsegen.standing.resting import Poses
 
 
 def robot(kind: str, where: str = "robot") -> Robot:

@@ -23,8 +23,6 @@ from rsegen.errors import FileError, ParameterError
 from rsegen.exporters.gazebo.sdf import numbers, prefixes
 from rsegen.field.limits import SIDE
 from rsegen.io.input_files import elements, text_of
-from rsegen.poses.body import Body
-from rsegen.poses.standing import Standing
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.drives import Command, Drive, Wheels, pose_publisher
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
@@ -33,6 +31,8 @@ from rsegen.robots.sdf_shapes import Extents, ModelFrames, extents, impossible_i
 from rsegen.robots.urdf import converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro
+from rsegen.standing.body import Body
+from rsegen.standing.kinds import Standing
 
 MAX_MIB = 4
 """The largest file that is read, MiB: a second's work for the parser; robots' files have some tens of kilobytes."""

@@ -21,11 +21,11 @@ from rsegen.field.metrics.roughness import differences
 from rsegen.field.metrics.traversability import crossing
 from rsegen.io.inventory import inventory_in
 from rsegen.params.streams import generator
-from rsegen.poses.ways import straight, straight_lane
 from rsegen.recipe.constraints import meeting
 from rsegen.recipe.constraints.inventory import fitted_to_inventory
 from rsegen.recipe.constraints.meeting import crossing_caps
 from rsegen.robots import ROBOTS
+from rsegen.standing.ways import straight, straight_lane
 from tests.support.complaints import the_line
 from tests.support.strategies import fields, recipes
 

@@ -15,7 +15,7 @@ from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Crossing, StepLimits, Traversability
 from rsegen.field.stepfield import Array
 from rsegen.footprints import Rectangle, Spot
-from rsegen.poses.ways import Reach, Way
+from rsegen.standing.ways import Reach, Way
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,7 +14,7 @@
    field, with union of the components below the middle one; half of the edges are left after each round.
 
 Heights are whole nanometres, so comparisons are exact. Nothing stands, tips or hangs on its belly here: how a robot
-gets across is in poses.
+gets across is in standing.
 """
 
 from __future__ import annotations

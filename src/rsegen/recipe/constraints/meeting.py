@@ -33,8 +33,6 @@ from rsegen.field.metrics.traversability import crossing, lane, percolation_step
 from rsegen.field.obstacles.random import Random
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.params.streams import generator
-from rsegen.poses.standing import Standing
-from rsegen.poses.ways import straight_lane
 from rsegen.recipe.constraints.inventory import (
     Blocks,
     Stock,
@@ -46,6 +44,8 @@ from rsegen.recipe.constraints.inventory import (
     used,
 )
 from rsegen.recipe.map_design import MapDesign
+from rsegen.standing.kinds import Standing
+from rsegen.standing.ways import straight_lane
 
 _ANYTHING = 2**30
 """A level above all levels, for cells without a limit; twice it still fits into 32 bits."""

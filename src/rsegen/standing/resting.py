@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 
 from rsegen.errors import ParameterError, shown
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.poses.body import Body
-from rsegen.poses.pushing import SLIDING, below_samples, outermost, surplus
-from rsegen.poses.settling import Ground, Settled, reach_of, settle
+from rsegen.standing.body import Body
+from rsegen.standing.pushing import SLIDING, below_samples, outermost, surplus
+from rsegen.standing.settling import Ground, Settled, reach_of, settle
 
 GRAVITY = 9.81
 

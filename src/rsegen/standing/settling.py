@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.poses.body import Body
+from rsegen.standing.body import Body
 
 _ROUNDS, _FULL, _STILL, _DAMPED = 10, 2, 1e-4, 0.7
 """Rounds at most, rounds with all samples, the turn at which it ends, and the share of a turn that is made."""

@@ -27,10 +27,10 @@ import numpy as np
 
 from rsegen.field.metrics.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.poses.body import Body
-from rsegen.poses.pushing import SLIDING, surplus
-from rsegen.poses.resting import GRAVITY, has_stood
-from rsegen.poses.settling import Ground, Settled, reach_of, settle
+from rsegen.standing.body import Body
+from rsegen.standing.pushing import SLIDING, surplus
+from rsegen.standing.resting import GRAVITY, has_stood
+from rsegen.standing.settling import Ground, Settled, reach_of, settle
 
 _STEPS = 100
 """Steps per length of a robot."""

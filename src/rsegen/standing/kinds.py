@@ -9,8 +9,8 @@ from abc import ABC, abstractmethod
 
 from rsegen.field.stepfield import StepField
 from rsegen.params.registry import Contract, Registry
-from rsegen.poses.body import Body
-from rsegen.poses.ways import Reach, Way, crossing, reach
+from rsegen.standing.body import Body
+from rsegen.standing.ways import Reach, Way, crossing, reach
 
 
 class Standing(ABC):
