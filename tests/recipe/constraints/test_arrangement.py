@@ -16,7 +16,6 @@ import rsegen
 from rsegen.cli import main
 from rsegen.exporters.constraint_report import block_warnings
 from rsegen.field.metrics.roughness import differences
-from rsegen.field.metrics.traversability import crossing
 from tests.support.complaints import the_line
 
 COUNTS = (9, 27, 33, 21, 10)
@@ -65,7 +64,7 @@ def test_every_constraint_is_met(
     used = field.level_counts()
     assert all(count <= owned[level - 1] for level, count in used.items() if level)
     if made.crosser:
-        assert all(crossing(field, made.crosser, axis).crosses for axis in (0, 1))
+        assert all(made.crosser.crossing(field, axis).crosses for axis in (0, 1))
 
 
 @pytest.mark.parametrize(
@@ -76,7 +75,7 @@ def test_the_way_of_a_robot_costs_few_blocks(inventory: tuple[int, ...], least: 
         made = recipe(seed, inventory=inventory, max_step=1, crossable_by=(10.0, 10.0, 53.0))
         field = rsegen.build(made)
         assert blocks_used(field) >= least
-        assert all(crossing(field, made.crosser, axis).crosses for axis in (0, 1) if made.crosser)
+        assert all(made.crosser.crossing(field, axis).crosses for axis in (0, 1) if made.crosser)
 
 
 def test_a_map_that_loses_no_block_to_its_largest_step_stays_as_it_is() -> None:

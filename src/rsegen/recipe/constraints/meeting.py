@@ -21,7 +21,7 @@ nearest to the design; demands that leave little room flatten the map.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import ceil
 
@@ -192,7 +192,7 @@ def constrained(field: StepField, design: MapDesign, index: int) -> StepField:
     if design.max_step is not None:
         met = max(met, _arranged(fitted, like, design, index, design.inventory), key=used)
     owned = blocks(design.inventory, len(design.inventory) + 1)
-    met = refilled(met, used(fitted), like, left_of(met, owned), lambda tried: _caps(tried, design) is None)
+    met = refilled(met, used(fitted), like, left_of(met, owned), _is_still_met(met, design))
     if design.max_step is not None and not met.levels.any():
         raise ParameterError(
             "inventory",
@@ -200,6 +200,24 @@ def constrained(field: StepField, design: MapDesign, index: int) -> StepField:
             f"with a max_step of {design.max_step}; give lower ones too, or one for each cell",
         )
     return met
+
+
+def _is_still_met(met: StepField, design: MapDesign) -> Callable[[StepField], bool]:
+    """Return what says of a field with more blocks than `met` whether it meets the constraints as that does.
+
+    Poses of each would take too long, so the lanes that a robot drives stay as they are.
+    """
+    robot = design.crosser
+    if robot is None or isinstance(robot, StepLimits):
+        return lambda tried: _caps(tried, design) is None
+    lanes, aside = np.zeros(met.shape, bool), cells_to_each_side(met, robot.width) + 1
+    for axis in (0, 1):
+        middle = straight_lane(met, robot.body, axis)
+        line = 0 if middle is None else int(middle / met.block_width + met.shape[1 - axis] / 2)
+        across = slice(max(line - aside, 0), line + aside + 1)
+        lanes[(slice(None), across) if axis == 0 else (across, slice(None))] = True
+    steps = replace(design, crossable_by=None)
+    return lambda tried: bool((tried.levels[lanes] == met.levels[lanes]).all()) and _caps(tried, steps) is None
 
 
 def _with_all_counted(met: StepField, designed: StepField, like: Array, design: MapDesign, index: int) -> StepField:
