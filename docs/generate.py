@@ -109,7 +109,14 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "scanning/extent",
         "scanning/comparison",
     ),
-    "Even places for robots": ("footprints/search",),
+    "Robots on fields": (
+        "standing/body",
+        "standing/settling",
+        "standing/pushing",
+        "standing/resting",
+        "standing/ways",
+        "standing/spots",
+    ),
     "Files and pictures": (
         "exporters/sheet/timber",
         "exporters/formats/posture",
