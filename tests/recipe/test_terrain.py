@@ -99,7 +99,7 @@ def test_spots_are_even_places_of_their_tiles() -> None:
 
 def test_a_tile_without_an_even_place_is_named() -> None:
     terrain = Terrain(recipes=ROUGH, rows=2, columns=2)
-    with pytest.raises(ParameterError, match=r"^tile 1, 0.robot: no place is even enough"):
+    with pytest.raises(ParameterError, match=r"^tile 1, 0.robot: no spot on this map"):
         terrain.spots((0.6, 0.6))
     assert terrain.spots((0.6, 0.6), evenest=True).shape == (2, 2, 1, 4)
 

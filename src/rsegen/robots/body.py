@@ -30,6 +30,7 @@ from rsegen.poses.body import (
     mesh,
     sample_distance,
 )
+from rsegen.poses.spots import body_of_size
 from rsegen.robots.base import DrivableRobot, Robot
 from rsegen.robots.drives import Drive, Wheels
 from rsegen.robots.links import Box, Cylinder, Link, SdfPose, Vector, rotation
@@ -49,6 +50,13 @@ _GROUND = 1.0
 def driving_speed(robot: DrivableRobot) -> float:
     """Return the commanded speed of a robot, m/s."""
     return min(robot.speed, DRIVING_SPEED)
+
+
+def body_or_box(robot: DrivableRobot) -> Body:
+    """Return the body of a robot; a box of its size for a file whose shapes are unknown, or whose size is given."""
+    if isinstance(robot, SdfRobot) and "size" not in robot.derived:
+        return body_of_size(*robot.size[:2])
+    return body_of(robot)
 
 
 @singledispatch
