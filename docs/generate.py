@@ -110,7 +110,14 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "scanning/extent",
         "scanning/comparison",
     ),
-    "Even places for robots": ("footprints/search",),
+    "How robots stand and get across": (
+        "poses/body",
+        "poses/settling",
+        "poses/pushing",
+        "poses/resting",
+        "poses/ways",
+        "poses/spots",
+    ),
     "Files and pictures": (
         "exporters/sheet/timber",
         "exporters/formats/posture",

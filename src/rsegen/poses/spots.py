@@ -1,11 +1,11 @@
 """Spots: places at which a robot stands level and firmly, and from which it can drive away, drawn at random.
 
 1. Places are drawn: half of them at centres, edges and corners of cells with one of 16 headings, as platforms have
-   them, the others anywhere. Those come first where the ground below the robot's feet, its contacts on level ground, is
-   level within the largest tilt, also if they are moved ahead, the more the better: some look-ups each.
+   them, the others anywhere. Those come first where the ground is level below the robot's feet, its contacts on level
+   ground, and nowhere too high; of these, those where it is so ahead too, the more the better: some look-ups each.
 2. There the robot is put down (settling.py). It must stand within the largest tilt, on its feet and driven parts alone,
    not on a frame, far from tipping over, and be able to push itself on (resting.py, pushing.py).
-3. It must drive away: ahead, over a lane of its length (ways.py), without tilting or falling so far that it might tip
+3. It must drive away: ahead, over a lane a little longer than itself (ways.py), without tilting or falling so far that it might tip
    over. The top of a tower is level, and no spot.
 
 Cost: some tenths of a second, on a map of any size, since a bounded number of places is drawn. What breaks it: a map
@@ -66,6 +66,9 @@ _BINS = 8
 
 _LOOKED_AT = 2000
 """Places with level ground of which the room ahead is looked at, and the roomiest are taken first."""
+
+_LANE = 1.25
+"""Lengths of a robot that it drives away: its own, and some more, as it must not stop on a brink."""
 
 _LOOKS = 4
 """Poses on a lane that are looked at before it is driven in small steps: steep ones need no more."""
@@ -211,7 +214,7 @@ class _Fault(IntEnum):
             "touches a block with more than it stands on",
             f"tips over as soon as it is turned by {tip_angle:.2g} degrees",
             "cannot push itself on",
-            "cannot drive away: in its own length ahead it would fall, tip over or be stopped",
+            "cannot drive away: a little more than its length ahead it would fall, tip over or be stopped",
             "",
         )[self]
 
@@ -236,7 +239,7 @@ class _Judge:
 
     def __init__(self, field: StepField, body: Body, most_tilt: float) -> None:
         self.field, self.body, self.most_tilt = field, body, most_tilt
-        self.lane = body.length
+        self.lane = _LANE * body.length
         self.ground = Ground.of(field, reach_of(body) + self.lane)
         frame = np.pad(field.frame, self.ground.border).ravel()
         self.blocks = replace(self.ground, heights=np.where(frame, np.nan, self.ground.heights))
@@ -298,7 +301,7 @@ class _Judge:
         (left,) = np.nonzero(faults == _Fault.NONE)
         faults[left[~self._is_open(_some(at, left))]] = _Fault.CAUGHT
         columns = (poses.x, poses.y, poses.z, poses.yaw, poses.roll, poses.pitch, poses.tilt, poses.tip_angle)
-        for fault, row in zip(faults.tolist(), np.round(np.stack(columns, axis=1), 9) + 0.0, strict=True):
+        for fault, row in zip(faults.tolist(), np.round(np.stack(columns, axis=1), 6) + 0.0, strict=True):
             yield _place(_Fault(fault), row.tolist())
 
     def _on_frame(self, poses: Poses) -> Mask:

@@ -32,7 +32,7 @@ def stairs() -> StepField:
 @ROBOT
 def test_the_body_is_as_large_as_the_robot_and_stands_on_the_ground(robot: Robot) -> None:
     outline = Outline.of(body_of(robot))
-    assert (outline.length, outline.width) == pytest.approx(robot.size[:2], abs=0.02)
+    assert (outline.length, outline.width) == pytest.approx(robot.size[:2], abs=0.04)  # without hubs
     assert float(body_of(robot).low[2]) == pytest.approx(0, abs=0.0005)
 
 
