@@ -1,10 +1,9 @@
-"""How often the metrics are right about a crossing: robots follow the way that the metrics find, in a real Gazebo.
+"""How often the metrics are right about a crossing: robots follow their planned way, in a real Gazebo.
 
 python -m benchmarks.crossings    prints the tables and keeps benchmarks/results/crossings.json; half an hour
 
 Every robot is sent over maps of several kinds, whose steps are shares of the highest one that it climbs, by
-`--route way`. Of all ways, the metrics take the one whose highest step is least (the percolation step): this step is
-what a drive is told apart by.
+`--route way`. Drives are told apart by the least highest step of all ways (the percolation step).
 """
 
 from __future__ import annotations
@@ -23,9 +22,10 @@ import rsegen
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen.exporters.scene import Scene, compose
+from rsegen.field.metrics.traversability import percolation_step
 from rsegen.recipe.codec import decode
 from rsegen.robots import ROBOTS, Robot
-from rsegen.simulation.driving.robot_runs import driving_speed
+from rsegen.robots.body import body_of, driving_speed
 from rsegen.simulation.driving.routes import planned_way
 from rsegen.simulation.simulators import SIMULATORS
 
@@ -111,7 +111,7 @@ def trials(simulator: str, robots: Sequence[str], say: Callable[[str], None] = l
 
 def _trial(simulator: str, robot: Robot, kind: str, share: float, seed: int) -> Trial:
     scene = _scene(kind, 100 * share * robot.climbs, seed)
-    way = planned_way(scene.field, robot.size[1], robot.limits)
+    way = planned_way(scene.field, body_of(robot))
     length = float(np.hypot(*np.diff(way.points, axis=0).T).sum())
     seconds = _PATIENCE * length / driving_speed(robot) + _START
     (driven,) = rsegen.drive(
@@ -123,7 +123,7 @@ def _trial(simulator: str, robot: Robot, kind: str, share: float, seed: int) -> 
         kind=kind,
         unit_cm=scene.recipe.unit_cm,
         seed=seed,
-        step=round(way.least_step, 6),
+        step=round(percolation_step(scene.field, robot.size[1], 0), 6),
         foreseen=bool(way.crosses),
         crossed=driven.metrics.crossed,
         distance=round(driven.metrics.distance, 3),

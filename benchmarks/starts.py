@@ -5,7 +5,7 @@ python -m benchmarks.starts    prints the table and keeps benchmarks/results/sta
 Every start is tried alone: the robot rests for a second, and then drives on its route for some more. It starts level if
 it rests within 5 degrees of level and within 1.5 cm of the height at which it started; the start is good if the robot
 also stays upright while it is driven. Starts of several seeds that are the same pose are one start. Where a map has no
-even place for a robot, that is said, and nothing is driven.
+spot for a robot, that is said, and nothing is driven.
 """
 
 from __future__ import annotations
@@ -27,9 +27,10 @@ from rsegen.errors import ParameterError
 from rsegen.exporters.scene import Scene
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS
+from rsegen.robots.body import driving_speed
 from rsegen.simulation.driving.drive_metrics import Course, Incident, drive_metrics
 from rsegen.simulation.driving.recording import RobotRun, record_drive
-from rsegen.simulation.driving.robot_runs import ROUTES, driving_speed, robot_runs
+from rsegen.simulation.driving.robot_runs import ROUTES, robot_runs
 from rsegen.simulation.driving.routes import STOP, Motion, Route
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.live_world import Pose
@@ -141,7 +142,7 @@ def _of_example(here: Installation, example: str, seeds: Sequence[int]) -> Itera
 
 
 def _run(scene: Scene, kind: str, route: str, seed: int) -> RobotRun | None:
-    """The run of one robot, None if there is no even place for it."""
+    """The run of one robot, None if there is no spot for it."""
     try:
         (run,) = robot_runs(scene.field, ROBOTS[kind], route, count=1, seed=seed)
     except ParameterError:

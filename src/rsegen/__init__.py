@@ -58,7 +58,6 @@ if TYPE_CHECKING:
     from rsegen.field.obstacles.random import NormalRandom as NormalRandom
     from rsegen.field.obstacles.random import Random as Random
     from rsegen.field.stepfield import StepField as StepField
-    from rsegen.footprints.sampling import Spot as Spot
     from rsegen.geometry.boxes import Boxes as Boxes
     from rsegen.geometry.boxes import boxes as boxes
     from rsegen.geometry.mesh import Mesh as Mesh
@@ -73,6 +72,7 @@ if TYPE_CHECKING:
     from rsegen.io.scans import compare as compare
     from rsegen.io.scans import scan as scan
     from rsegen.params.plugins import load_plugin as load_plugin
+    from rsegen.standing.spots import Spot as Spot
     from rsegen.recipe.batch import build_many as build_many
     from rsegen.recipe.building import build as build
     from rsegen.recipe.codec import schema as schema
@@ -126,7 +126,7 @@ _HOMES = {
     "rsegen.field.obstacles.platform": ("Platform",),
     "rsegen.field.obstacles.random": ("NormalRandom", "Random"),
     "rsegen.field.stepfield": ("StepField",),
-    "rsegen.footprints.sampling": ("Spot",),
+    "rsegen.standing.spots": ("Spot",),
     "rsegen.geometry.boxes": ("Boxes", "boxes"),
     "rsegen.geometry.mesh": ("Mesh",),
     "rsegen.geometry.meshes": ("mesh",),

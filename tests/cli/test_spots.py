@@ -16,7 +16,7 @@ def test_the_table_has_a_row_for_each_spot(capsys: pytest.CaptureFixture[str]) -
     assert main(["spots", "turtlebot", "--robot", "burger", "--count", "3", "--seed", "7"]) == 0
     first, head, *rows = capsys.readouterr().out.splitlines()
     assert first == "turtlebot_0000, seed 7:"
-    assert head.split() == ["spot", "x", "[m]", "y", "[m]", "z", "[m]", "yaw", "[deg]", "difference", "[cm]"]
+    assert head.split() == ["spot", "x", "[m]", "y", "[m]", "z", "[m]", "yaw", "[deg]", "tilt", "[deg]"]
     found = rsegen.spots("turtlebot", count=3, seed=7)
     assert [list(map(float, row.split()))[1:4] for row in rows] == [
         pytest.approx([spot.x, spot.y, spot.z], abs=1e-3) for spot in found
@@ -25,12 +25,13 @@ def test_the_table_has_a_row_for_each_spot(capsys: pytest.CaptureFixture[str]) -
 
 def test_programs_get_a_list_and_people_a_picture(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     picture = tmp_path / "spots.png"
-    words = ["spots", "turtlebot", "--size", "0.3,0.2", "--max-difference-cm", "0", "--seed", "7"]
+    words = ["spots", "turtlebot", "--size", "0.3,0.2", "--max-tilt", "1", "--seed", "7"]
     assert main([*words, "--json", "-o", str(picture)]) == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["map"], found["seed"]) == ("turtlebot_0000", 7)
     (spot,) = found["spots"]
-    assert (spot["difference"], spot["unevenness"]) == (0, 0)
+    assert spot["tilt"] <= 0.018
+    assert spot["reason"] == ""
     with Image.open(picture) as image:
         assert image.size[0] == 900
 
@@ -40,13 +41,13 @@ def test_programs_get_a_list_and_people_a_picture(tmp_path: Path, capsys: pytest
     [
         (
             ["peak", "--robot", "crawler"],
-            "--robot: no place is even enough: at the best one the blocks under its wheels",
+            "--robot: no spot on this map: at the best place it ",
         ),
         (["turtlebot", "--count", "0"], "--count: 0 is outside 1..1000"),
-        (["turtlebot", "--count", "999"], "--count: found even places for"),
+        (["turtlebot", "--count", "999"], "--count: found spots for"),
         (["turtlebot", "--size", "1"], "--size: [1.0] is not a list of 2"),
         (["turtlebot", "--size", "9,9"], "--robot: too large for 22 x 22 cells; give a smaller robot or a larger map"),
-        (["turtlebot", "--max-difference-cm", "-1"], "--max-difference-cm: -1.0 is outside"),
+        (["turtlebot", "--max-tilt", "-1"], "--max-tilt: -1.0 is outside"),
         (["turtlebot", "--robot", "burgr"], "--robot: unknown robot 'burgr'"),
         (["turtlebot", "-o", "spots.txt"], "spots.txt: not a picture's name"),
         ([], "RECIPE: nothing is given"),

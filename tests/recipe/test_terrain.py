@@ -97,11 +97,11 @@ def test_spots_are_even_places_of_their_tiles() -> None:
             assert field.heights[i, j] == pytest.approx(z)
 
 
-def test_a_tile_without_an_even_place_is_named() -> None:
+def test_a_tile_without_a_spot_is_named() -> None:
     terrain = Terrain(recipes=ROUGH, rows=2, columns=2)
-    with pytest.raises(ParameterError, match=r"^tile 1, 0.robot: no place is even enough"):
-        terrain.spots((0.6, 0.6))
-    assert terrain.spots((0.6, 0.6), evenest=True).shape == (2, 2, 1, 4)
+    with pytest.raises(ParameterError, match=r"^tile 1, 0.robot: no spot on this map"):
+        terrain.spots((0.9, 0.9))
+    assert terrain.spots((0.9, 0.9), evenest=True).shape == (2, 2, 1, 4)
 
 
 @pytest.mark.parametrize("by", ["opening.west_east", "reach.west_east.cost", lambda field: field.levels.mean()])

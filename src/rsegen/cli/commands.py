@@ -26,7 +26,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "info": "print the size of a map, its obstacles and its cost",
             "metrics": "measure how rough maps are, and what a robot can do on them",
             "compare": "show which blocks of a scan, or of a map, differ from those of a map",
-            "spots": "find even places for a start or a goal of a robot",
+            "spots": "find spots for a start or a goal of a robot",
             "preview": "draw a map: plan with heights, and a view in 3D",
             "view": "write maps as an HTML page with a 3D view and heights",
         },

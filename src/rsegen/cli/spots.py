@@ -1,4 +1,4 @@
-"""rsegen spots: even places on a map, for a start or a goal of a robot."""
+"""rsegen spots: places on a map for a start or a goal of a robot."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rsegen.params.command import Shell, add_flags, default, flags_in_errors, gi
 from rsegen.params.sorts import FilePath
 
 if TYPE_CHECKING:
-    from rsegen.footprints import Spot
+    from rsegen.standing.spots import Spot
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -26,7 +26,9 @@ class _Drawing:
 
     output: Annotated[
         str | None,
-        FilePath("a picture", help="draw the footprints on the plan: png, svg, pdf, jpg or webp, by its ending"),
+        FilePath(
+            "a picture", help="draw the outlines of the robot on the plan: png, svg, pdf, jpg or webp, by its ending"
+        ),
         Shell(("-o", "--output"), "PICTURE"),
     ] = None
     force: Force = False
@@ -48,7 +50,9 @@ def run(arguments: argparse.Namespace) -> Report:
     from rsegen.exporters.pictures.preview import image_format
     from rsegen.exporters.pictures.robot_plots import spots_plot
     from rsegen.params.streams import fresh_seed
-    from rsegen.robots.footprint import spot_footprint
+    from rsegen.standing.spots import Outline, body_of_size
+    from rsegen.robots import robot_of
+    from rsegen.robots.body import body_or_box
     from rsegen.run.store import write_file
     from rsegen.simulation.worlds import world_of
 
@@ -59,14 +63,15 @@ def run(arguments: argparse.Namespace) -> Report:
         scene = world_of(target, arguments.map).scene()
         places = spots(scene, **{name: value for name, value in said.items() if name != "map"})
         if path:
-            outline = spot_footprint(said.get("robot", default(spots, "robot")), said.get("size"), None).outline
+            size, robot = said.get("size"), said.get("robot", default(spots, "robot"))
+            outline = Outline.of(body_of_size(*size) if size else body_or_box(robot_of(robot)))
             write_file([spots_plot(scene, outline, places, image_format(path))], path, force=arguments.force)
     content = {"map": scene.name, "seed": said["seed"], "spots": [asdict(place) for place in places]}
     return Report(lines=[f"{scene.name}, seed {said['seed']}:", *_rows(places)], content=content)
 
 
 def _rows(places: Sequence[Spot]) -> Iterator[str]:
-    yield "spot    x [m]    y [m]    z [m]  yaw [deg]  difference [cm]"
+    yield "spot    x [m]    y [m]    z [m]  yaw [deg]  tilt [deg]"
     for index, spot in enumerate(places):
         place = "".join(f"{value:9.3f}" for value in (spot.x, spot.y, spot.z))
-        yield f"{index:>4}{place}{degrees(spot.yaw):11.1f}{100 * spot.difference:17.2f}"
+        yield f"{index:>4}{place}{degrees(spot.yaw):11.1f}{degrees(spot.tilt):12.2f}"

@@ -65,7 +65,7 @@ def spawn(
         Place(),
         Shell(
             metavar="X,Y[,Z[,YAW]]",
-            default="the free place nearest to the origin, or for a robot's file an even place on the map",
+            default="the free place nearest to the origin, or for a robot's file a spot on the map",
         ),
     ] = None,
     output: MapsFolder = Path("worlds"),

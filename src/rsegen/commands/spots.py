@@ -1,4 +1,4 @@
-"""`rsegen spots`: even places on a map, for a start or a goal of a robot."""
+"""`rsegen spots`: places on a map for a start or a goal of a robot."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rsegen.params.sorts import Float, Integer, ListOf
 from rsegen.params.streams import SEEDS
 
 if TYPE_CHECKING:
-    from rsegen.footprints import Spot
+    from rsegen.standing.spots import Spot
     from rsegen.simulation.worlds import Target
 
 
@@ -27,25 +27,27 @@ def spots(  # noqa: PLR0913  # each is a flag
         ListOf(SIDE, 2, help="length and width of a robot, in place of --robot"),
         Shell(metavar="L,W"),
     ] = None,
-    max_difference_cm: Annotated[
-        float | None,
-        Float(0, 100_000, unit="cm", help="largest height difference under the whole robot"),
-        Shell(metavar="CM", default="any; lower blocks under the body are allowed"),
-    ] = None,
+    max_tilt: Annotated[
+        float, Float(0.1, 45, unit="degrees", help="largest tilt at which the robot rests"), Shell(metavar="DEG")
+    ] = 3.0,
     seed: Annotated[
         int | None, Integer(0, SEEDS - 1, help="seed of the choice"), Shell(default="drawn and printed")
     ] = None,
 ) -> tuple[Spot, ...]:
-    """Find even places on a map: a robot stands level there, and nothing but its wheels or tracks touches a block.
+    """Find spots on a map: a robot stands there level and firmly, on its wheels or tracks, and can drive away.
 
-    target: as for `rsegen.drive`. Level is within 3 degrees. At the spots of a seed `rsegen.drive` starts as many
-    robots on a random route. UserError if there are too few.
+    target: as for `rsegen.drive`. At the spots of a seed `rsegen.drive` starts as many robots on a random route.
+    UserError if there are too few.
     """
+    from math import radians
+
     from rsegen.params.streams import fresh_seed
-    from rsegen.robots.footprint import spot_footprint
+    from rsegen.standing.spots import body_of_size
+    from rsegen.robots import robot_of
+    from rsegen.robots.body import body_or_box
     from rsegen.simulation.driving.robot_runs import spot_generator, spots_on_map
     from rsegen.simulation.worlds import world_of
 
-    footprint = spot_footprint(robot, size, max_difference_cm)
+    body = body_or_box(robot_of(robot)) if size is None else body_of_size(*size)
     rng = spot_generator(fresh_seed() if seed is None else seed)
-    return spots_on_map(world_of(target, map).scene().field, footprint, count, rng)
+    return spots_on_map(world_of(target, map).scene().field, body, count, rng, most_tilt=radians(max_tilt))

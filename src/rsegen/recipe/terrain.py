@@ -19,9 +19,11 @@ from rsegen.field.limits import SIDE
 from rsegen.field.metrics.catalogue import RMS, By, Crosser, metric_by
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.stepfield import Array, Levels, StepField
-from rsegen.footprints import Footprint, even_spots
 from rsegen.params.sorts import NANOMETRE_DIGITS, Integer, ListOf, validate
 from rsegen.params.streams import generator
+from rsegen.standing.body import Body
+from rsegen.standing.spots import body_of_size
+from rsegen.standing.spots import spots as spots_of
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.terrain_design import TerrainDesign
 from rsegen.recipe.tiles import (
@@ -166,20 +168,18 @@ class Terrain(TerrainDesign):
 
     def spots(
         self,
-        footprint: Footprint | Sequence[float],
+        robot: Body | Sequence[float],
         count: int = 1,
         *,
         seed: int = 0,
         evenest: bool = False,
     ) -> Array:
-        """Return even places on each tile for a start or a goal, (rows, columns, count, 4): x, y, z [m] and yaw [rad].
+        """Return spots on each tile for a start or a goal, (rows, columns, count, 4): x, y, z [m] and yaw [rad].
 
-        footprint: of a robot, or the length and width in metres of one that stands on all of its rectangle, level
-        within 3 degrees; evenest: where no place of a tile is even, take the least uneven one. ParameterError names the
-        first tile that has too few.
+        robot: its body, or the length and width in metres of one that stands on all of its rectangle; evenest: where a
+        tile has no spot, take the best place. ParameterError names the first tile that has too few.
         """
-        if not isinstance(footprint, Footprint):
-            footprint = Footprint.of_size(*SIZE.check("footprint", footprint))
+        body = robot if isinstance(robot, Body) else body_of_size(*SIZE.check("robot", robot))
         count = _COUNT.check("count", count)
         poses = np.empty((self.rows, self.columns, count, 4))
         for row in range(self.rows):
@@ -187,7 +187,7 @@ class Terrain(TerrainDesign):
                 tile = self._tile(row, column)
                 rng = generator(seed, self._index(row, column), "spots of a terrain")
                 with inside(f"tile {row}, {column}"):
-                    spots = even_spots(tile, footprint, count, rng, evenest=evenest)
+                    spots = spots_of(tile, body, count, rng, evenest=evenest)
                 poses[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in spots]
                 self._tell_progress()
         poses[..., :2] += self._middles[:, :, None]

@@ -52,6 +52,13 @@ def driving_speed(robot: DrivableRobot) -> float:
     return min(robot.speed, DRIVING_SPEED)
 
 
+def body_or_box(robot: DrivableRobot) -> Body:
+    """Return the body of a robot; a box of its size for a file whose shapes are unknown, or whose size is given."""
+    if isinstance(robot, SdfRobot) and "size" not in robot.derived:
+        return body_of_size(*robot.size[:2])
+    return body_of(robot)
+
+
 @singledispatch
 def body_of(robot: DrivableRobot) -> Body:
     """Return the body of a robot; ParameterError if it has no collision shapes that are known."""

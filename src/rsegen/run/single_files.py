@@ -160,7 +160,7 @@ def copy_examples(folder: Path, *, force: bool = False) -> Sequence[Path]:
 def tiles_json(terrain: Terrain, robot_size: tuple[float, float] | None = None) -> bytes:
     """Return the content of NAME_0000.json: difficulty, kind and origin of each tile; metres, radians.
 
-    robot_size: length and width of a robot, for which each tile gets an even place to start
+    robot_size: length and width of a robot, for which each tile gets a spot to start at
     """
     spots = {} if robot_size is None else {"spots": terrain.spots(robot_size, evenest=True)[:, :, 0].tolist()}
     tiles = {

@@ -391,10 +391,9 @@ def no_way(lanes: Lanes, body: Body) -> Way:
     best = int(lanes.last.argmax())
     count = len(lanes.poses.x) // len(lanes.end)
     place = best * count + int(lanes.last[best])
-    at = (
-        lanes.poses.x[place] - body.centre[0] * np.cos(lanes.poses.yaw[place]),
-        lanes.poses.y[place] - body.centre[0] * np.sin(lanes.poses.yaw[place]),
-    )
+    # Where the robot's origin was put down there; the centre of mass is beside it.
+    c, s, (along, across, _) = np.cos(lanes.poses.yaw[place]), np.sin(lanes.poses.yaw[place]), body.centre
+    at = lanes.poses.x[place] - c * along + s * across, lanes.poses.y[place] - s * along - c * across
     return Way(
         crosses=False,
         length=None,

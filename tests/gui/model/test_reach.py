@@ -9,36 +9,32 @@ import pytest
 
 import rsegen
 from rsegen import Random, Recipe, compose
-from rsegen.field.limits import cells_to_each_side
-from rsegen.field.metrics.traversability import traversability
-from rsegen.footprints import Rectangle, Spot
 from rsegen.gui.model.preview import costs
 from rsegen.gui.model.reach import corners
 from rsegen.gui.model.simulation import reach
+from rsegen.standing.spots import Outline, Spot
+from rsegen.standing.ways import reach as reached
 from rsegen.robots import ROBOTS
-from rsegen.simulation.driving.routes import planned_way
+from rsegen.robots.body import body_of
+from rsegen.simulation.driving.routes import followed
 
-ROUGH = Recipe(seed=5, chunks=(3, 2), boundary="none", obstacles=[Random(levels=3)])
+ROUGH = Recipe(seed=5, chunk_size=4, chunks=(3, 2), boundary="none", obstacles=[Random(levels=3)])
 
 
-@pytest.mark.parametrize("unit_cm", [0.5, 3, 10])
+@pytest.mark.parametrize("unit_cm", [0.5, 10])
 @pytest.mark.parametrize("name", ["burger", "jackal", "crawler"])
 def test_reach_is_that_of_metrics_drive_and_spots(name: str, unit_cm: float) -> None:
     recipe = replace(ROUGH, unit_cm=unit_cm)
     field, robot = compose(recipe).field, ROBOTS[name]
-    found, wanted = reach(field, name, 5), traversability(field, robot.limits)
-    aside = cells_to_each_side(field, robot.limits.width)
-    expected = np.zeros(field.shape, dtype=bool)
-    for x, y in np.argwhere(wanted.region):
-        expected[max(x - aside, 0) : x + aside + 1, max(y - aside, 0) : y + aside + 1] = True
-    assert np.array_equal(found.region, expected)
+    found, wanted = reach(field, name, 5), reached(field, body_of(robot))
+    assert np.array_equal(found.region, wanted.region)
     crosses = [wanted.west_east.crosses, wanted.south_north.crosses]
     assert [way.is_eastward for way in found.ways if not way.is_too_steep] == [
         is_eastward for is_eastward, each in zip((True, False), crosses, strict=True) if each
     ]
     assert ("crosses west to east" in found.text) == crosses[0]
     if crosses[0] or not any(crosses):
-        way = planned_way(field, robot.size[1], robot.limits)
+        way = followed(field, body_of(robot), wanted.west_east)
         assert np.allclose(found.ways[0].points, way.points)
         assert found.ways[0].is_too_steep == (not way.crosses)
     try:
@@ -56,6 +52,6 @@ def test_without_a_robot_and_on_huge_maps_no_reach_is_shown() -> None:
 
 
 def test_the_corners_of_a_robot_that_heads_north() -> None:
-    spot = Spot(x=1.0, y=2.0, z=0.0, yaw=np.pi / 2, difference=0.0, support_difference=0.0)
-    found = corners(Rectangle(-0.1, -0.2, 0.4, 0.2), spot)
+    spot = Spot(x=1.0, y=2.0, z=0.0, yaw=np.pi / 2)
+    found = corners(Outline(-0.1, -0.2, 0.4, 0.2), spot)
     assert np.allclose(found, [(0.8, 1.9), (1.2, 1.9), (1.2, 2.4), (0.8, 2.4)])

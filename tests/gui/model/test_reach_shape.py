@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from rsegen import Random, Recipe, compose
-from rsegen.footprints import Rectangle
 from rsegen.gui.model.reach import Reach, Way, dashes, draped, reach_shape
 from rsegen.gui.model.simulation import reach
 from rsegen.gui.model.solid import solid
+from rsegen.standing.spots import Outline
 
 RECIPE = Recipe(seed=5, chunk_size=6, chunks=(3, 2), obstacles=[Random(levels=4)])
 FIELD = compose(RECIPE).field
-OUTLINE = Rectangle(-0.1, -0.1, 0.1, 0.1)
+OUTLINE = Outline(-0.1, -0.1, 0.1, 0.1)
 
 
 def under(x: float, y: float) -> float:

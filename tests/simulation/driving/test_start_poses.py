@@ -1,16 +1,19 @@
-"""Footprints of robots, and their start poses next to a map and on it."""
+"""Bodies of robots, and their start poses next to a map and on it."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from rsegen import Random, Recipe, StepField, build, spots
 from rsegen.errors import ParameterError
-from rsegen.footprints.footprint import TOUCHING
+from rsegen.standing.spots import Outline
 from rsegen.robots import ROBOTS, Robot, SdfRobot
-from rsegen.robots.footprint import footprint_of
+from rsegen.robots.body import body_of, body_or_box
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, GAP, adjacent_pose, finish_x, robot_runs
+from rsegen.simulation.simulators.live_world import Pose
 
 ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
 RECIPE = Recipe(chunk_size=20, boundary="none", unit_cm=1, seed=1, obstacles=(Random(levels=2),))
@@ -27,54 +30,44 @@ def stairs() -> StepField:
 
 
 @ROBOT
-def test_the_footprint_is_as_large_as_the_robot_and_stands_on_the_ground(robot: Robot) -> None:
-    found = footprint_of(robot)
-    assert (found.outline.length, found.outline.width) == pytest.approx(robot.size[:2], abs=0.003)
-    assert min(bottom for _, bottom in found.undersides) == pytest.approx(0, abs=TOUCHING)
-    assert max(bottom for _, bottom in found.undersides) >= robot.clearance
-    assert 0.003 < found.limit < 0.02
+def test_the_body_is_as_large_as_the_robot_and_stands_on_the_ground(robot: Robot) -> None:
+    outline = Outline.of(body_of(robot))
+    assert (outline.length, outline.width) == pytest.approx(robot.size[:2], abs=0.04)  # without hubs
+    assert float(body_of(robot).low[2]) == pytest.approx(0, abs=0.0005)
 
 
-@pytest.mark.parametrize(("kind", "supports"), [("burger", 3), ("jackal", 4), ("crawler", 4)])
-def test_a_robot_stands_on_its_wheels_and_caster(kind: str, supports: int) -> None:
-    found = footprint_of(ROBOTS[kind])
-    assert sum(bottom <= TOUCHING for _, bottom in found.undersides) == supports
-
-
-def test_of_a_robot_from_a_file_only_the_size_is_known() -> None:
+def test_a_robot_of_a_file_without_known_shapes_is_a_box_of_its_size() -> None:
     robot = SdfRobot(kind="mine", text="<model/>", size=(0.4, 0.2, 0.1))
-    (part,) = footprint_of(robot).undersides
-    assert tuple(part.rectangle) == pytest.approx((-0.2, -0.1, 0.2, 0.1))
-    assert part.bottom == 0
+    assert tuple(Outline.of(body_or_box(robot))) == pytest.approx((-0.2, -0.1, 0.2, 0.1))
 
 
 @ROBOT
 def test_outside_the_map_the_whole_robot_is_on_the_ground(robot: Robot) -> None:
-    field, footprint = flat(20), footprint_of(robot)
-    place = adjacent_pose(field, footprint, 0.5)
-    assert place.x + footprint.outline.high_x == pytest.approx(-1 - GAP)
+    field, body = flat(20), body_of(robot)
+    place = adjacent_pose(field, body, 0.5)
+    assert place.x + body.high[0] == pytest.approx(-1 - GAP)
     assert (place.y, place.z, place.yaw) == (0.5, DROP_HEIGHT, 0)
-    assert finish_x(field, robot) + footprint.outline.low_x == pytest.approx(1)
+    assert finish_x(field, robot) + body.low[0] == pytest.approx(1)
 
 
 def test_a_drive_starts_at_the_spots_of_its_seed() -> None:
     runs = robot_runs(build(RECIPE), ROBOTS["burger"], "random", count=3, seed=7)
     found = spots(RECIPE, robot="burger", count=3, seed=7)
-    assert [(run.start.x, run.start.y, run.start.yaw) for run in runs] == [(spot.x, spot.y, spot.yaw) for spot in found]
-    assert [run.start.z for run in runs] == pytest.approx([spot.z + DROP_HEIGHT for spot in found])
-    assert {run.unevenness for run in runs} == {0}
+    assert tuple(run.spot for run in runs) == found
+    for run, spot in zip(runs, found, strict=True):
+        assert replace(run.start, z=0) == Pose(x=spot.x, y=spot.y, z=0, roll=spot.roll, pitch=spot.pitch, yaw=spot.yaw)
+        assert run.start.z == pytest.approx(spot.z + DROP_HEIGHT)
 
 
-def test_without_an_even_place_a_drive_is_refused_and_a_trial_gets_the_evenest() -> None:
-    with pytest.raises(ParameterError, match="robot: no place is even enough"):
+def test_without_a_spot_a_drive_is_refused_and_a_trial_gets_the_best_place() -> None:
+    with pytest.raises(ParameterError, match="robot: no spot on this map"):
         robot_runs(stairs(), ROBOTS["burger"], "random", count=1, seed=1)
     runs = robot_runs(stairs(), ROBOTS["burger"], "random", count=2, seed=1, evenest=True)
-    assert len(runs) == 2
-    assert all(run.unevenness > 0.1 for run in runs)
+    assert all(run.spot and run.spot.reason for run in runs)
 
 
 def test_too_many_robots_are_refused_by_the_name_of_their_number() -> None:
-    with pytest.raises(ParameterError, match="robots: found even places for 1 of 9 on this map; give fewer"):
+    with pytest.raises(ParameterError, match=r"robots: found spots for . of 9 on this map; give fewer"):
         robot_runs(flat(3), ROBOTS["burger"], "random", count=9, seed=1)
 
 

@@ -1,4 +1,4 @@
-"""The way that the metrics find is followed by a point robot, but for its corners, and as far as the goal."""
+"""The planned way is followed by a point robot, but for its corners, and as far as the goal."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import rsegen
 from rsegen.field.stepfield import StepField
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS, robot
+from rsegen.robots.body import body_of
 from rsegen.simulation.driving.robot_runs import finish_x, robot_runs
 from rsegen.simulation.driving.routes import Route, planned_way
 from rsegen.simulation.simulators.live_world import Pose
@@ -58,29 +59,33 @@ def test_a_robot_stays_on_its_way(example: str, kind: str) -> None:
     assert places[-1][0] >= finish_x(field, robot(kind))
 
 
-def test_a_path_avoids_steps_that_the_robot_cannot_climb() -> None:
-    field = walled(gap=True)
-    way = planned_way(field, 0.1, rsegen.StepLimits(climb_cm=5, width_cm=10))
-    assert (way.crosses, way.least_step) == (True, 0.0)
+def test_a_way_avoids_steps_that_the_robot_cannot_climb() -> None:
+    field, body = walled(gap=True), body_of(ROBOTS["burger"])
+    way = planned_way(field, body)
+    assert way.crosses
+    assert way.length == pytest.approx(2.0, abs=0.3)
     through = way.points[np.abs(way.points[:, 0]) < field.block_width]
-    assert through[:, 1] == pytest.approx(0.85)
+    assert (through[:, 1] > 0.6).all()
 
 
-def test_without_a_path_the_least_highest_step_is_taken() -> None:
+def test_without_a_way_the_lane_that_gets_farthest_is_taken_and_the_reason_is_told() -> None:
     field = walled(gap=False)
-    way = planned_way(field, 0.1, rsegen.StepLimits(climb_cm=5, width_cm=10))
-    assert way.crosses is False
-    assert way.least_step == pytest.approx(0.1)
-    assert planned_way(field, 0.1, None).crosses is None
+    way = planned_way(field, body_of(ROBOTS["burger"]))
+    assert not way.crosses
+    assert way.at is not None
+    assert way.at[0] == pytest.approx(-0.1, abs=0.1)
+    assert (way.points[:, 1] == way.points[0, 1]).all()
+    assert way.points[0, 1] == pytest.approx(way.at[1], abs=0.01)
+    assert way.as_json() == {"crosses": False, "reason": way.reason, "at": way.at}
     assert "".join(way.csv()).startswith("x,y\n")
 
 
 def walled(*, gap: bool) -> StepField:
-    """A plain of 1.8 m with a wall of 10 cm across its middle, and perhaps a gap at its north end."""
+    """A plain of 1.8 m with a wall of 10 cm across its middle, and perhaps a gap of 40 cm at its north end."""
     levels = np.zeros((18, 18), dtype=np.int16)
     levels[8:10] = 1
     if gap:
-        levels[:, 17] = 0
+        levels[:, 14:] = 0
     return StepField(
         levels=levels, frame=np.zeros(levels.shape, dtype=bool), block_width=0.1, unit=0.1, frame_height=0.1
     )

@@ -2,10 +2,30 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from benchmarks.starts import starts
+from rsegen.robots import ROBOTS
+from rsegen.simulation.driving.recording import record_drive
+from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.simulators import Installation
+from rsegen.simulation.worlds import world_of
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("example", "kind"), [("framed-2x2", "jackal"), ("mixed-course", "burger")])
+def test_robots_that_start_at_spots_stay_upright_in_a_random_drive(
+    example: str, kind: str, gazebo: Installation
+) -> None:
+    if gazebo.backend != "classic":
+        pytest.skip("what the limits of spots were tried in is Gazebo Classic")
+    scene = world_of(example).scene()
+    for seed in (1, 2, 3):
+        (run,) = robot_runs(scene.field, ROBOTS[kind], "random", count=1, seed=seed)
+        with world_of(scene).on_disk() as world:
+            track = record_drive(gazebo, world, [run], 2.0, contacts=False).trajectories[run.name]
+        assert np.degrees(track.tilt).max() < 45
 
 
 @pytest.mark.long(reason="a drive per robot, map, route and seed")

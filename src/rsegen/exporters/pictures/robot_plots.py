@@ -14,7 +14,7 @@ from rsegen.exporters.pictures.preview import figure_bytes
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Crossing, StepLimits, Traversability
 from rsegen.field.stepfield import Array
-from rsegen.footprints import Rectangle, Spot
+from rsegen.standing.spots import Outline, Spot
 from rsegen.standing.ways import Reach, Way
 
 if TYPE_CHECKING:
@@ -99,10 +99,10 @@ def _outline(axes: Axes, reach: Traversability | Reach, edges_x: Array, edges_y:
 
 
 _COLOUR = "#ff2d95"
-"""Colour of footprints, which no level has."""
+"""Colour of robots, which no level has."""
 
 
-def spots_plot(scene: Scene, outline: Rectangle, spots: Sequence[Spot], format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+def spots_plot(scene: Scene, outline: Outline, spots: Sequence[Spot], format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
     """Return the spots on the plan as the bytes of an image file with the map's recipe; outline: around the robot."""
     from matplotlib.figure import Figure
 
@@ -117,11 +117,11 @@ def spots_plot(scene: Scene, outline: Rectangle, spots: Sequence[Spot], format: 
     return figure_bytes(figure, scene, format)
 
 
-def _draw_spot(axes: Axes, outline: Rectangle, spot: Spot, text: str) -> None:
+def _draw_spot(axes: Axes, outline: Outline, spot: Spot, text: str) -> None:
     """Draw the outline, a text at its rear half, and an arrow from its middle to its front."""
-    low_x, low_y, high_x, high_y = outline
+    low_x, high_x = outline.low_x, outline.high_x
     middle_x, middle_y = outline.middle
-    corners = _placed(spot, [(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y)])
+    corners = outline.at(spot)
     axes.fill(*corners.T, facecolor=_COLOUR, alpha=0.35)
     axes.plot(*np.concatenate([corners, corners[:1]]).T, color=_COLOUR, linewidth=1.5)
     tail, head, name = _placed(spot, [(middle_x, middle_y), (high_x, middle_y), (low_x + outline.length / 4, middle_y)])

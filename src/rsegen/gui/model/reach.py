@@ -10,8 +10,8 @@ import numpy as np
 
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Mask, StepField
-from rsegen.footprints import Rectangle, Spot
 from rsegen.gui.model.solid import Bounds, Floats, Lines, Solid, solid
+from rsegen.standing.spots import Outline, Spot
 
 EASTWARD, NORTHWARD = (255, 45, 149), (255, 140, 0)
 """The colours of ways from west to east, and from south to north."""
@@ -19,7 +19,7 @@ EASTWARD, NORTHWARD = (255, 45, 149), (255, 140, 0)
 
 class Way(NamedTuple):
     """A way across: points (n, 2) [m], from one side to the other; whether it is from west to east; whether it is one
-    that the robot cannot drive, whose highest step is the least.
+    that the robot cannot drive to its end.
     """
 
     points: Array
@@ -32,22 +32,19 @@ class Reach(NamedTuple):
 
     text: whether it crosses; region: (n_x, n_y), the blocks below it in the largest area, in which it can drive from
     every place to every other
-    spots: even places, the first for a start and the second for a goal, of a robot that covers `outline`; maybe none
+    spots: the first for a start and the second for a goal, of a robot that covers `outline`; maybe none
     """
 
     text: str
     region: Mask
     ways: tuple[Way, ...]
     spots: tuple[Spot, ...]
-    outline: Rectangle
+    outline: Outline
 
 
-def corners(outline: Rectangle, spot: Spot) -> Array:
+def corners(outline: Outline, spot: Spot) -> Array:
     """The corners (4, 2) of a robot at a spot, the two in front last [m]."""
-    low_x, low_y, high_x, high_y = outline
-    own = np.array([(low_x, high_y), (low_x, low_y), (high_x, low_y), (high_x, high_y)])
-    c, s = np.cos(spot.yaw), np.sin(spot.yaw)
-    return np.asarray(own @ np.array([[c, s], [-s, c]]) + (spot.x, spot.y))
+    return np.roll(outline.at(spot), 1, axis=0)
 
 
 _PALE, _WHITE = (245, 245, 245), (255, 255, 255)
@@ -64,7 +61,7 @@ _QUARTERS = 8
 
 
 class SpotShape(NamedTuple):
-    """An even place: outline (4, 3), front (2, 3) and middle (3,) of a robot on it [m], and its letter."""
+    """A spot: outline (4, 3), front (2, 3) and middle (3,) of a robot on it [m], and its letter."""
 
     outline: Array
     front: Array

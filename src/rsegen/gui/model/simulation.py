@@ -13,17 +13,18 @@ from rsegen.commands.drive import drive
 from rsegen.commands.experiment import experiment
 from rsegen.commands.generate import generate
 from rsegen.errors import ParameterError
-from rsegen.field.metrics.traversability import Traversability, below, traversability
 from rsegen.field.stepfield import Array, StepField
-from rsegen.footprints import Footprint, Spot
 from rsegen.gui.model.reach import Reach, RobotPart, RobotShape, Way
+from rsegen.standing.body import Body
+from rsegen.standing.spots import Outline, Spot
+from rsegen.standing.ways import Reach as Places
+from rsegen.standing.ways import reach as reached
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import ROBOTS
-from rsegen.robots.base import Robot
-from rsegen.robots.footprint import footprint_of
+from rsegen.robots.body import body_of
 from rsegen.robots.links import Box, Cylinder, SdfPose, Solid, rotation
 from rsegen.simulation.driving.robot_runs import ROUTES, spot_generator, spots_on_map
-from rsegen.simulation.driving.routes import planned_way
+from rsegen.simulation.driving.routes import followed
 from rsegen.simulation.experiment.plan import PLANS, load_plan
 from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest
 from rsegen.simulation.simulators.base import connected
@@ -87,36 +88,35 @@ def _transform(pose: SdfPose) -> Array:
 
 
 def reach(field: StepField, name: str, seed: int) -> Reach:
-    """What a robot can do on a field, by the step that it mostly crosses and its width; its spots are a seed's."""
-    robot = ROBOTS[name]
-    found, footprint = traversability(field, robot.limits), footprint_of(robot)
-    covered = below(field, robot.limits.width, found.region)
-    share = covered.sum() / (~field.frame).sum()
+    """What a robot can do on a field; its spots are a seed's."""
+    body = body_of(ROBOTS[name])
+    found = reached(field, body)
     crossings = {"west to east": found.west_east, "south to north": found.south_north}
     across = [way for way, crossing in crossings.items() if crossing.crosses]
     return Reach(
-        text=f"crosses {' and '.join(across)}" if across else f"does not cross; largest area {share:.0%} of the map",
-        region=covered,
-        ways=_ways(field, robot, found),
-        spots=_spots(field, footprint, seed),
-        outline=footprint.outline,
+        text=f"crosses {' and '.join(across)}"
+        if across
+        else f"does not cross; largest area {found.cover:.0%} of the map",
+        region=found.region,
+        ways=_ways(field, body, found),
+        spots=_spots(field, body, seed),
+        outline=Outline.of(body),
     )
 
 
-def _ways(field: StepField, robot: Robot, found: Traversability) -> tuple[Way, ...]:
+def _ways(field: StepField, body: Body, found: Places) -> tuple[Way, ...]:
     """The ways across; if there is none, the one that `drive --route way` tries."""
-    half = np.array(field.extent) / 2
     ways = tuple(
-        Way((crossing.path + 0.5) * field.block_width - half, is_eastward)
+        Way(crossing.points, is_eastward)
         for crossing, is_eastward in ((found.west_east, True), (found.south_north, False))
         if crossing.crosses
     )
-    return ways or (Way(planned_way(field, robot.size[1], robot.limits).points, is_eastward=True, is_too_steep=True),)
+    return ways or (Way(followed(field, body, found.west_east).points, is_eastward=True, is_too_steep=True),)
 
 
-def _spots(field: StepField, footprint: Footprint, seed: int) -> tuple[Spot, ...]:
+def _spots(field: StepField, body: Body, seed: int) -> tuple[Spot, ...]:
     try:
-        return spots_on_map(field, footprint, 2, spot_generator(seed))
+        return spots_on_map(field, body, 2, spot_generator(seed))
     except ParameterError:  # there are none
         return ()
 

@@ -203,7 +203,7 @@ class MapStatusBar(QStatusBar):
             "robot",
             tip="whether this robot can cross the map, by the steps that it mostly crosses and its width; on the plan "
             "the largest area is in colour, in which it can drive from every place to every other, lines are its ways "
-            "across (dashed: too steep), S and G are even places for a start and a goal",
+            "across (dashed: it does not get across), S and G are spots for a start and a goal",
         )
         self.robot.addItems(["no robot", *robot_names()])
         self.crossing = named(QLabel(), "crossing")

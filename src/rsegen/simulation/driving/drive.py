@@ -20,6 +20,7 @@ from rsegen.exporters.scene import Scene
 from rsegen.recipe.codec import map_json
 from rsegen.robots import from_file, is_robot_file, robot_of
 from rsegen.robots.base import DrivableRobot, Robot
+from rsegen.robots.body import driving_speed
 from rsegen.robots.drives import Tracks, Wheels
 from rsegen.robots.sdf_file import SdfRobot
 from rsegen.run.store import refuse_busy, refuse_not_a_folder, refuse_taken, write_folder
@@ -40,7 +41,7 @@ from rsegen.simulation.driving.recording import (
     contact_shares,
     contacts_csv,
 )
-from rsegen.simulation.driving.robot_runs import GAP, driving_speed, finish_x
+from rsegen.simulation.driving.robot_runs import GAP, finish_x
 from rsegen.simulation.driving.routes import PlannedWay, Wandering
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import Pose
@@ -185,9 +186,11 @@ class DriveResult:
 
 
 def _foreseen(way: PlannedWay) -> str:
-    """Return the metrics' forecast for the way that the robots follow."""
-    forecasts = {True: "; the robot can climb it", False: "; the robot cannot climb it", None: ""}
-    return f"the way across needs a step of {way.least_step * 100:g} cm{forecasts[way.crosses]}"
+    """Return the forecast for the way that the robots follow."""
+    if way.length is not None:
+        return f"the way across is {way.length:.2f} m long"
+    x, y = way.at or (0.0, 0.0)
+    return f"no way across for this robot: on the best straight lane it {way.reason} at {x:.2f}, {y:.2f} m"
 
 
 def _crossed(metrics: DriveMetrics) -> str:

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.errors import SimulatorFailed
+from rsegen.standing.spots import Spot
 from rsegen.robots.base import DrivableRobot
 from rsegen.simulation.driving.drive_metrics import Trajectory
 from rsegen.simulation.driving.routes import STOP, PlannedWay, Route
@@ -85,15 +86,14 @@ _SAME = 1e-4
 class RobotRun:
     """A robot with its name in the world, its start pose, and a function that makes its route anew for each attempt.
 
-    unevenness: by how much the ground at its start is too uneven for it, metres; 0 where it starts level; way: the one
-    that its route follows
+    spot: the place on the map at which it starts, if it does; way: the one that its route follows
     """
 
     name: str
     robot: DrivableRobot
     start: Pose
     route: Callable[[], Route]
-    unevenness: float = 0.0
+    spot: Spot | None = None
     way: PlannedWay | None = None
 
 

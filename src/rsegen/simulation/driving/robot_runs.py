@@ -1,7 +1,7 @@
 """The runs of robots of one kind: safe start poses on or next to a map, and a route for each.
 
-A start pose is level and never inside a block: on the ground west of the map, or on one of its even spots, from which
-the robot falls by 5 mm. The same seed gives the same spots and routes; `rsegen spots` shows them (docs/driving.md).
+A start pose is that of a robot at rest, 5 mm higher, so no part is inside a block: on the ground west of the map, or at
+one of its spots. The same seed gives the same spots and routes; `rsegen spots` shows them (docs/driving.md).
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ import numpy as np
 
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.field.stepfield import StepField
-from rsegen.footprints import Footprint, Spot, even_spots, fits
 from rsegen.params.streams import generator
-from rsegen.robots.base import DrivableRobot, Robot
-from rsegen.robots.footprint import footprint_of
+from rsegen.standing.body import Body
+from rsegen.standing.spots import MOST_TILT, Outline, Spot, fits, spots
+from rsegen.robots.base import DrivableRobot
+from rsegen.robots.body import body_of, body_or_box, driving_speed
 from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.routes import AlongWay, PlannedWay, Route, Straight, Wandering, planned_way
 from rsegen.simulation.simulators.live_world import Pose
@@ -32,31 +33,31 @@ It is beyond contacts' penetration, some 1 mm for soft wheels; a longer fall wou
 """
 
 
-def adjacent_pose(field: StepField, footprint: Footprint, aside: float = 0.0) -> Pose:
+def adjacent_pose(field: StepField, body: Body, aside: float = 0.0) -> Pose:
     """Return the pose on the ground west of the map, heading east, `aside` metres north of its centre line."""
-    return Pose(x=-field.extent[0] / 2 - GAP - footprint.outline.high_x, y=aside, z=DROP_HEIGHT)
+    return Pose(x=-field.extent[0] / 2 - GAP - float(body.high[0]), y=aside, z=DROP_HEIGHT)
 
 
 def spots_on_map(
-    field: StepField, footprint: Footprint, count: int, rng: np.random.Generator, *, evenest: bool = False
+    field: StepField,
+    body: Body,
+    count: int,
+    rng: np.random.Generator,
+    *,
+    most_tilt: float = MOST_TILT,
+    evenest: bool = False,
 ) -> tuple[Spot, ...]:
-    """Places for robots on a map, on which they stand level and do not overlap; ParameterError if there are too few.
+    """Return spots for robots on a map, which do not overlap; ParameterError if there are too few.
 
-    evenest: where no place is level, take the one with the least unevenness.
+    most_tilt: radians; evenest: where there is no spot, take the best place at which it stands.
     """
-    return even_spots(field, footprint, count, rng, gap=GAP, evenest=evenest)
+    return spots(field, body, count, rng, gap=GAP, most_tilt=most_tilt, evenest=evenest)
 
 
 def start_pose(spot: Spot) -> Pose:
-    """Return the pose from which a robot falls onto a spot: no part of it is inside a block."""
-    return Pose(x=spot.x, y=spot.y, z=spot.z + DROP_HEIGHT, yaw=spot.yaw)
+    """Return the pose of a robot at rest at a spot, so much higher that no part of it is inside a block."""
+    return Pose(x=spot.x, y=spot.y, z=spot.z + DROP_HEIGHT, roll=spot.roll, pitch=spot.pitch, yaw=spot.yaw)
 
-
-MAX_DRIVING_SPEED = 0.4
-"""Speed, m/s, at which faster robots drive on rough ground: tracked ones climb stairs of 10 and 20 cm with it.
-
-Faster, a robot leaves the ground at edges, and what it meets depends on its springs, which these models do not have.
-"""
 
 ROUTES = (Straight.name, Wandering.name, AlongWay.name)
 
@@ -66,9 +67,9 @@ def robot_runs(  # the last three by name
 ) -> Sequence[RobotRun]:
     """Return the runs of `count` robots on a route.
 
-    For a straight crossing they start side by side west of the map, along the way that the metrics find one behind the
-    other, else on the map where they stand level, or west of it if they are larger than it. ParameterError if there are
-    too few level places; with `evenest` they start at the least uneven ones, and the runs have their unevenness.
+    For a straight crossing they start side by side west of the map, along a planned way one behind the other, else at
+    spots on the map, or west of it if they are larger than it. ParameterError if there are too few spots; with
+    `evenest` they start at the best places there are.
     """
     if route not in ROUTES:
         raise UnknownName.among("route", "route", route, ROUTES)
@@ -81,19 +82,19 @@ def robot_runs(  # the last three by name
 
 def finish_x(field: StepField, robot: DrivableRobot) -> float:
     """Return the x of a robot's centre beyond which the whole robot is east of the map, metres."""
-    return field.extent[0] / 2 - footprint_of(robot).outline.low_x
+    return field.extent[0] / 2 - float(body_or_box(robot).low[0])
 
 
 def _side_by_side(field: StepField, robot: DrivableRobot, count: int) -> list[RobotRun]:
-    footprint = footprint_of(robot)
-    lane = footprint.outline.width + GAP
+    body = body_or_box(robot)
+    lane = Outline.of(body).width + GAP
     lines = [(index - (count - 1) / 2) * lane for index in range(count)]
     goal = finish_x(field, robot) + GAP
     return [
         RobotRun(
             name=_name(robot, index),
             robot=robot,
-            start=adjacent_pose(field, footprint, line),
+            start=adjacent_pose(field, body, line),
             route=partial(_straight, robot, line, goal),
         )
         for index, line in enumerate(lines)
@@ -105,14 +106,14 @@ def _straight(robot: DrivableRobot, line: float, goal: float) -> Route:
 
 
 def _one_behind_the_other(field: StepField, robot: DrivableRobot, count: int) -> list[RobotRun]:
-    limits = robot.limits if isinstance(robot, Robot) else None
-    way, footprint = planned_way(field, robot.size[1], limits), footprint_of(robot)
-    first = adjacent_pose(field, footprint, float(way.points[0, 1]))
+    body = body_of(robot)
+    way = planned_way(field, body)
+    first = adjacent_pose(field, body, float(way.points[0, 1]))
     return [
         RobotRun(
             name=_name(robot, index),
             robot=robot,
-            start=replace(first, x=first.x - index * (footprint.outline.length + GAP)),
+            start=replace(first, x=first.x - index * (body.length + GAP)),
             route=partial(_along, field, robot, way),
             way=way,
         )
@@ -128,31 +129,24 @@ def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
     return AlongWay(speed=driving_speed(robot), turn=robot.turn, points=points, ahead=ahead, goal=goal)
 
 
-def driving_speed(robot: DrivableRobot) -> float:
-    """Return the commanded speed of a robot, m/s."""
-    return min(robot.speed, MAX_DRIVING_SPEED)
-
-
 def _randomly_placed(field: StepField, robot: DrivableRobot, count: int, seed: int, *, evenest: bool) -> list[RobotRun]:
     """Return runs on the map if a robot fits there, else in a row west of it."""
-    footprint = footprint_of(robot)
-    if fits(field, footprint):  # a command knows `robots`, not `count`
+    body = body_or_box(robot)
+    places: Sequence[Spot | None] = [None] * count
+    if fits(field, body):  # a command knows `robots`, not `count`
         try:
-            spots = spots_on_map(field, footprint, count, spot_generator(seed), evenest=evenest)
+            places = spots_on_map(field, body, count, spot_generator(seed), evenest=evenest)
         except ParameterError as error:
             raise ParameterError("robots" if error.where == "count" else error.where, error.problem) from None
-        starts = [(start_pose(spot), spot.unevenness) for spot in spots]
-    else:
-        starts = [(run.start, 0.0) for run in _side_by_side(field, robot, count)]
     return [
         RobotRun(
             name=_name(robot, index),
             robot=robot,
-            start=start,
+            start=start_pose(spot) if spot else beside.start,
             route=partial(_random, field, robot, seed, index),
-            unevenness=unevenness,
+            spot=spot,
         )
-        for index, (start, unevenness) in enumerate(starts)
+        for index, (spot, beside) in enumerate(zip(places, _side_by_side(field, robot, count), strict=True))
     ]
 
 

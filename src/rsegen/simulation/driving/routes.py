@@ -4,10 +4,10 @@ Straight and AlongWay are pure pursuit: the robot drives the arc that leads to a
 
     w = 2 v sin(a) / d,    a the angle between its heading and that point
 
-(Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992). The way is the cheapest
-one that the metrics find, or, if the robot cannot cross, the one whose highest step is least. Wandering draws motions
-at random. Cost: none beside the simulation. What breaks it: a robot that skids, as no error is summed up, and a way
-whose bends are closer together than the robot is long, which it cuts.
+(Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992). The way is one on which
+the robot's poses are known to be good (poses/ways.py), or, if there is none, the straight lane on which it gets
+farthest. Wandering draws motions at random. Cost: none beside the simulation. What breaks it: a robot that skids, as
+no error is summed up, and a way whose bends are closer together than the robot is long, which it cuts.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from rsegen.field.limits import StepLimits
-from rsegen.field.metrics.traversability import crossing, percolation_step
 from rsegen.field.stepfield import Array, StepField
+from rsegen.standing.body import Body
+from rsegen.standing.ways import Way, crossing, entry
 from rsegen.simulation.simulators.live_world import Pose
 
 
@@ -174,22 +174,32 @@ def _clipped(value: float, most: float) -> float:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class PlannedWay:
-    """The cheapest way from west to east; if there is none for the robot, the one whose highest step is least.
+    """A way from west to east on which a robot can drive; if there is none, the straight lane that gets farthest.
 
-    points: (n, 2), x and y in metres, from the ground west of the map to that east of it; crosses: whether the robot's
-    limits allow it, None if they are unknown; least_step: of all ways, the least highest step, metres
+    points: (n, 2), x and y of its origin in metres, from the ground west of the map to that east of it
+    length: metres, with turns as the path of its sides, None if there is no way; tilt: the largest on it, radians
+    reason: without a way, what ends the lane, in words that follow "it", and `at` which place, metres
     """
 
     points: Array
-    crosses: bool | None
-    least_step: float
+    length: float | None
+    tilt: float | None = None
+    reason: str | None = None
+    at: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         self.points.setflags(write=False)
 
+    @property
+    def crosses(self) -> bool:
+        """Whether the robot gets across on it."""
+        return self.length is not None
+
     def as_json(self) -> dict[str, object]:
         """Return the entry of drive.json."""
-        return {"crosses": self.crosses, "least_step": round(self.least_step, 9)}
+        if self.length is None or self.tilt is None:
+            return {"crosses": False, "reason": self.reason, "at": self.at}
+        return {"crosses": True, "length": round(self.length, 9), "tilt": round(self.tilt, 9)}
 
     def csv(self) -> Iterator[str]:
         """Yield the lines of a CSV file."""
@@ -198,12 +208,15 @@ class PlannedWay:
             yield f"{x:.4f},{y:.4f}\n"
 
 
-def planned_way(field: StepField, width: float, limits: StepLimits | None) -> PlannedWay:
-    """Return the way across a field for a robot of a width in metres, with these limits if they are known."""
-    least = percolation_step(field, width, 0)
-    cheapest = crossing(field, limits, 0) if limits else None
-    path = cheapest.path if cheapest and cheapest.crosses else crossing(field, StepLimits.of(least, width), 0).path
-    half = np.array(field.extent) / 2
-    return PlannedWay(
-        points=(path + 0.5) * field.block_width - half, crosses=cheapest.crosses if cheapest else None, least_step=least
-    )
+def planned_way(field: StepField, body: Body) -> PlannedWay:
+    """Return the way of a robot across a field from west to east."""
+    return followed(field, body, crossing(field, body, 0))
+
+
+def followed(field: StepField, body: Body, way: Way) -> PlannedWay:
+    """Return a way from west to east with points also where there is none: those of the lane that gets farthest."""
+    if way.crosses:
+        return PlannedWay(points=way.points, length=way.length, tilt=way.tilt)
+    line = (way.at or (0.0, 0.0))[1]
+    ends = -entry(field, body, 0), field.extent[0] / 2 - float(body.low[0])
+    return PlannedWay(points=np.array([(x, line) for x in ends]), length=None, reason=way.reason, at=way.at)

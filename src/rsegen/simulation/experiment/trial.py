@@ -23,6 +23,7 @@ from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import Array, StepField
 from rsegen.robots.base import DrivableRobot
+from rsegen.robots.body import driving_speed
 from rsegen.simulation.driving.drive_metrics import (
     PLANE,
     Course,
@@ -32,7 +33,7 @@ from rsegen.simulation.driving.drive_metrics import (
     possible_part,
 )
 from rsegen.simulation.driving.recording import RobotRun
-from rsegen.simulation.driving.robot_runs import driving_speed, robot_runs
+from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.driving.routes import Wandering
 from rsegen.simulation.driving.world_file import camera_model, world_with_robots
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan, TableRow

@@ -10,7 +10,7 @@ import os
 import os.path
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot
 from pathlib import Path
 from typing import TypeAlias
@@ -19,10 +19,10 @@ from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS, Robot, SdfRobot, from_file, is_robot_file
-from rsegen.robots.footprint import footprint_of
-from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, spots_on_map
+from rsegen.robots.body import body_or_box
+from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, spots_on_map, start_pose
 from rsegen.simulation.simulators.base import connected
-from rsegen.simulation.simulators.live_world import LiveWorld, Pose
+from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.spawning import (
     GROUND,
     RADIUS,
@@ -40,7 +40,7 @@ from rsegen.simulation.spawning.spawning import (
 from rsegen.simulation.worlds import Target
 
 _TRIES = 10
-"""Even places that are tried until one is free; if ten are taken, the robot is put next to the map."""
+"""Spots that are tried until one is free; if ten are taken, the robot is put next to the map."""
 
 _Spawnable: TypeAlias = Robot | SdfRobot | MapModel
 
@@ -79,9 +79,10 @@ def spawn_model(
         homes = [output, *([what.folder.parent] if isinstance(what, MapModel) else [])]
         maps = known_maps(live, poses, homes)
         if isinstance(what, Robot | SdfRobot):
-            place = place or _on_map(what, name, maps, poses)
-            pose = _spawn_robot(live, what, name, occupied(poses, maps), maps, place)
-            notes = tuple(_notes(poses, maps)) if len(place) <= 2 else ()
+            spot = None if place else _on_map(what, name, maps, poses)
+            pose = spot or _on_top(what, occupied(poses, maps), maps, place)
+            live.spawn(what.file(name, live.backend), pose)
+            notes = tuple(_notes(poses, maps)) if not spot and len(place) <= 2 else ()
             return SpawnResult(name=name, simulator=running.name, at=pose, notes=notes)
         what.check_spawnable()
         new = SpawnedMap(name=name, field=what.field, at=_pose(place or [0, 0]))
@@ -97,35 +98,33 @@ def _notes(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> Iterator[st
         yield f"the heights of the blocks of {name} are unknown, as its recipe.json was not found; {advice}"
 
 
-def _spawn_robot(
-    live: LiveWorld, robot: Robot | SdfRobot, name: str, taken: list[Area], maps: list[SpawnedMap], at: list[float]
-) -> Pose:
-    """Spawn a robot on top of the maps under it, unless z is given; gives its pose."""
+def _on_top(robot: Robot | SdfRobot, taken: list[Area], maps: list[SpawnedMap], at: list[float]) -> Pose:
+    """Return the pose of a robot on top of the maps under it, unless z is given."""
     radius = hypot(*robot.size[:2]) / 2
     x, y = at[:2] if at else free_area(radius, radius, taken)[:2]
     ground = max((spawned.top(Pose(x=x, y=y, z=0), radius) for spawned in maps), default=0.0)
     lift = robot.lift if isinstance(robot, SdfRobot) else 0.0
-    pose = _pose([x, y, ground + lift + DROP_HEIGHT] if len(at) <= 2 else at)
-    live.spawn(robot.file(name, live.backend), pose)
-    return pose
+    return _pose([x, y, ground + lift + DROP_HEIGHT] if len(at) <= 2 else at)
 
 
-def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: Mapping[str, Pose]) -> list[float]:
-    """Return the pose on an even, free place of the first map that has one, for a robot of a file."""
+def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: Mapping[str, Pose]) -> Pose | None:
+    """Return the pose at a free spot of the first map that has one, for a robot of a file."""
     if not isinstance(robot, SdfRobot):
-        return []
-    radius, footprint = hypot(*robot.size[:2]) / 2, footprint_of(robot)
+        return None
+    radius, body = hypot(*robot.size[:2]) / 2, body_or_box(robot)
     for spawned in maps:
         others = [
             at for other, at in poses.items() if other not in (spawned.name, GROUND) and spawned.covers(at, radius)
         ]
-        with suppress(ParameterError):  # no even place is left
+        with suppress(ParameterError):  # no spot is left
             for seed in range(_TRIES):
-                (spot,) = spots_on_map(spawned.field, footprint, 1, generator(seed, 0, name))
+                (spot,) = spots_on_map(spawned.field, body, 1, generator(seed, 0, name))
                 x, y = spawned.outside(spot.x, spot.y)
                 if all(hypot(at.x - x, at.y - y) > radius + RADIUS for at in others):
-                    return [x, y, spawned.at.z + spot.z + robot.lift + DROP_HEIGHT, spawned.at.yaw + spot.yaw]
-    return []
+                    inside = start_pose(spot)
+                    z, yaw = spawned.at.z + inside.z + robot.lift, spawned.at.yaw + spot.yaw
+                    return replace(inside, x=x, y=y, z=z, yaw=yaw)
+    return None
 
 
 def _robot_or_map(target: Target | Robot | SdfRobot, which: int | str | None, output: Path) -> _Spawnable:

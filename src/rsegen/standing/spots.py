@@ -1,0 +1,467 @@
+"""Spots: places at which a robot stands level and firmly, and from which it can drive away, drawn at random.
+
+1. Places are drawn: half of them at centres, edges and corners of cells with one of 16 headings, as platforms have
+   them, the others anywhere. Those come first where the ground is level below the robot's feet, its contacts on level
+   ground, and nowhere too high; of these, those where it is so ahead too, the more the better: some look-ups each.
+2. There the robot is put down (settling.py). It must stand within the largest tilt, on its feet and driven parts alone,
+   not on a frame, far from tipping over, and be able to push itself on (resting.py, pushing.py).
+3. It must drive away: ahead, over a lane a little longer than itself (ways.py), without tilting or falling so far that it might tip
+   over. The top of a tower is level, and no spot.
+
+Cost: some tenths of a second, on a map of any size, since a bounded number of places is drawn. What breaks it: a map
+with very few spots among very many places; they may be missed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from dataclasses import field as field_of
+from enum import IntEnum
+from math import degrees, pi, radians, tan
+from typing import NamedTuple
+
+import numpy as np
+
+from rsegen.errors import ParameterError
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.standing.body import Body, Part, body_of_shapes, box, sample_distance
+from rsegen.standing.pushing import TOUCHING, below_samples
+from rsegen.standing.resting import GRAVITY, Poses, has_stood, of_settled
+from rsegen.standing.settling import Ground, Settled, reach_of, settle
+from rsegen.standing.ways import drive
+
+MOST_TILT = radians(3)
+"""Largest tilt at which a robot may rest at its start. A robot 40 cm wide then stands on heights that differ by 2 cm at
+most, which are the gaps and tolerances of sawn blocks; a whole unit tilts it by far more."""
+
+HEADINGS = 16
+"""Headings at the centres, edges and corners of cells, evenly spread: 22.5 degrees apart."""
+
+_SPARE = 0.002
+"""Metres that stay free below all that does not bear the robot on level ground: a TurtleBot3's wheel sinks 1 mm into
+the floor in Gazebo Classic (decision 8)."""
+
+_FIRM = 0.5
+"""Share of its angle to tip over on level ground that a robot must have left, at a spot, and on the lane from it: it
+starts and stops there."""
+
+_DRAWN = 60_000
+"""Places that are drawn: a map of 10 x 10 blocks has 6,000 half cells with their headings."""
+
+_AT_ONCE = 64
+"""Places at which the robot is put down together: ten milliseconds."""
+
+_SETTLED, _MORE = 600, 60
+"""Places at which the robot is put down at most, and more of them for each spot: some tenths of a second."""
+
+_LEAST_UNEVEN = 256
+"""Places with other ground at which it is put down at last, the least uneven ones first."""
+
+_LANES, _MORE_LANES = 24, 6
+"""Places from which it is driven away at most, and more of them for each spot: 20 milliseconds a lane."""
+
+_BINS = 8
+"""Squares along a robot of which the lowest point is looked at first."""
+
+_LOOKED_AT = 2000
+"""Places with level ground of which the room ahead is looked at, and the roomiest are taken first."""
+
+_LANE = 1.25
+"""Lengths of a robot that it drives away: its own, and some more, as it must not stop on a brink."""
+
+_LOOKS = 4
+"""Poses on a lane that are looked at before it is driven in small steps: steep ones need no more."""
+
+_ROOM = tuple((lengths, turn * pi / 8) for lengths in (1, 2) for turn in (-1, 0, 1))
+"""Lanes of these lengths of a robot, and turned to a side, are looked at for level ground: robots also steer, and where
+there is more room they go farther before something happens."""
+
+_EXACT = 1e-9
+"""Metres of rounding errors by which an outline may be beyond the map."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Spot:
+    """A place for a start or a goal of a robot.
+
+    x, y, z, roll, pitch, yaw: pose of the robot's origin at rest, metres and radians, as in Gazebo
+    tilt: angle between its upright and the vertical, radians; tip_angle: the least turn that tips it over, radians
+    reason: empty; at a place that was taken for want of a spot, why it is none
+    """
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+    roll: float = 0.0
+    pitch: float = 0.0
+    tilt: float = 0.0
+    tip_angle: float = 0.0
+    reason: str = ""
+
+
+class Outline(NamedTuple):
+    """The smallest rectangle around a robot that heads along x, seen from above, in its own frame, metres."""
+
+    low_x: float
+    low_y: float
+    high_x: float
+    high_y: float
+
+    @classmethod
+    def of(cls, body: Body) -> Outline:
+        """Return the outline of a body."""
+        (low_x, low_y, _), (high_x, high_y, _) = body.low.tolist(), body.high.tolist()
+        return cls(low_x, low_y, high_x, high_y)
+
+    @property
+    def length(self) -> float:
+        """Side along x."""
+        return self.high_x - self.low_x
+
+    @property
+    def width(self) -> float:
+        """Side along y."""
+        return self.high_y - self.low_y
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """Centre of the rectangle."""
+        return (self.low_x + self.high_x) / 2, (self.low_y + self.high_y) / 2
+
+    def corners(self, x: Array, y: Array, yaw: Array) -> Array:
+        """Return the corners of robots at poses, shape (n, 4, 2), counterclockwise from the rear right one."""
+        own_x = np.array([self.low_x, self.high_x, self.high_x, self.low_x])
+        own_y = np.array([self.low_y, self.low_y, self.high_y, self.high_y])
+        c, s = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
+        return np.stack([x[:, None] + c * own_x - s * own_y, y[:, None] + s * own_x + c * own_y], axis=-1)
+
+    def at(self, spot: Spot) -> Array:
+        """Return its corners at a spot, shape (4, 2)."""
+        return np.asarray(self.corners(*(np.array([value]) for value in (spot.x, spot.y, spot.yaw)))[0])
+
+
+def apart(outline: Outline, gap: float, x: Array, y: Array, yaw: Array, spot: Spot) -> Mask:
+    """Return whether a robot at each x, y, yaw is at least `gap` metres away from one at a spot, along some axis.
+
+    Two rectangles are apart exactly if their projections on a side of one of them are (Gottschalk, Lin and Manocha
+    1996).
+    """
+    first = outline.at(spot)[None]
+    others = outline.corners(x, y, yaw)
+    separated = np.zeros(len(x), dtype=bool)
+    for axis in (np.full(len(x), spot.yaw), np.full(len(x), spot.yaw + pi / 2), yaw, yaw + pi / 2):
+        normal = np.stack([np.cos(axis), np.sin(axis)], axis=-1)[:, None, :]
+        one, other = (first * normal).sum(axis=-1), (others * normal).sum(axis=-1)
+        between = np.maximum(one.min(axis=1) - other.max(axis=1), other.min(axis=1) - one.max(axis=1))
+        separated |= between >= gap - _EXACT
+    return separated
+
+
+def body_of_size(length: float, width: float) -> Body:
+    """Return the body of a box of a length and a width [m] that lies on the ground and drives with all its underside.
+
+    It is as high as it is long or wide, whichever is less, since nothing is known of its height.
+    """
+    height = min(length, width)
+    at = np.eye(4)
+    at[2, 3] = height / 2
+    distance = max(sample_distance(length), max(length, width) / 600)  # of large ones not more than a robot is worth
+    solid = box((length, width, height), distance)
+    return body_of_shapes(
+        [(Part("box", drives=True, mu=1.0, mu2=1.0), solid, at)],
+        mass=1.0,
+        centre=np.array([0.0, 0.0, height / 2]),
+        speed=0.0,
+        distance=distance,
+        where="size",
+    )
+
+
+def fits(field: StepField, body: Body) -> bool:
+    """Return whether a robot is wholly on a field at one of the 16 headings, however uneven it is there."""
+    yaw = np.arange(HEADINGS) * 2 * pi / HEADINGS
+    room = _room(field, Outline.of(body), yaw)
+    return bool((room[:, :, 0] <= room[:, :, 1]).all(axis=1).any())
+
+
+def _room(field: StepField, outline: Outline, yaw: Array) -> Array:
+    """Return the least and largest x and y of a robot that is wholly on a field, at each heading: (n, 2, 2)."""
+    corners = outline.corners(0 * yaw, 0 * yaw, yaw)
+    half = np.array(field.extent) / 2 + _EXACT
+    return np.stack([-half - corners.min(axis=1), half - corners.max(axis=1)], axis=-1)
+
+
+class _Fault(IntEnum):
+    """Why a place is no spot, in the order in which that is found out."""
+
+    TIPS = 0
+    TILTS = 1
+    FRAME = 2
+    HANGS = 3
+    UNSTEADY = 4
+    STUCK = 5
+    CAUGHT = 6
+    NONE = 7
+
+    def reason(self, tilt: float, tip_angle: float) -> str:
+        """Return it in words that follow "there it"; angles in degrees."""
+        return (
+            "tips over",
+            f"tilts by {tilt:.3g} degrees",
+            "stands on a frame",
+            "touches a block with more than it stands on",
+            f"tips over as soon as it is turned by {tip_angle:.2g} degrees",
+            "cannot push itself on",
+            "cannot drive away: a little more than its length ahead it would fall, tip over or be stopped",
+            "",
+        )[self]
+
+
+_Place = tuple[_Fault, Spot]
+_At = tuple[Array, Array, Array]
+"""x, y [m] and yaw [rad] of n robots."""
+
+
+def _some(at: _At, chosen: Ints | Mask) -> _At:
+    x, y, yaw = (values[chosen] for values in at)
+    return x, y, yaw
+
+
+class _Judge:
+    """What is asked of a place on a field, for one body.
+
+    feet: (k, 2), its outermost contacts on level ground, about its origin, metres; coarse: (m, 3), its lowest points
+    hanging: the samples that must touch nothing; level: the largest unevenness at a spot, metres
+    lane, steep, fall: length of a lane, metres, the largest tilt on it, radians, and the highest fall in a step, metres
+    """
+
+    def __init__(self, field: StepField, body: Body, most_tilt: float) -> None:
+        self.field, self.body, self.most_tilt = field, body, most_tilt
+        self.lane = _LANE * body.length
+        self.ground = Ground.of(field, reach_of(body) + self.lane)
+        frame = np.pad(field.frame, self.ground.border).ravel()
+        self.blocks = replace(self.ground, heights=np.where(frame, np.nan, self.ground.heights))
+        # All else follows from how it stands on level ground.
+        level, origin = replace(self.ground, heights=np.zeros_like(self.ground.heights)), np.zeros(1)
+        rest = settle(level, body, origin, origin, origin)
+        stands = of_settled(level, body, rest)
+        _, above = below_samples(level, body, rest, np.zeros(1, np.intp))
+        bearing = np.isin(np.arange(len(body.parts)), body.part[above[0] < TOUCHING])
+        self.feet = np.nan_to_num(stands.support[0, :, :2])
+        self.level = tan(most_tilt) * float(np.ptp(self.feet, axis=0).max()) + TOUCHING
+        self.coarse = _coarse(body, max(field.block_width / 2, body.length / _BINS))
+        self.hanging = np.flatnonzero(~body.drives & ~bearing[body.part])
+        self.steep = _FIRM * float(stands.tip_angle[0])
+        self.fall = float(stands.tip_energy[0]) / (body.mass * GRAVITY)
+
+    def unevenness(self, at: _At, along: Sequence[float] | Array = (0.0,), turn: float = 0.0) -> Array:
+        """Return how uneven the ground is below the feet, or too high elsewhere, at places and so far ahead, (n,).
+
+        Metres, NaN with a foot on a frame; turn: to which side ahead is, radians
+        """
+        feet = self._below(self.blocks, self.feet, at, along, turn)
+        over = self._below(self.ground, self.coarse, at, along, turn) - np.tile(self.coarse[:, 2], len(along))
+        return np.asarray(np.ptp(feet, axis=1) + np.maximum(over.max(axis=1) - feet.max(axis=1), 0.0))
+
+    def _below(self, ground: Ground, points: Array, at: _At, along: Sequence[float] | Array, turn: float) -> Array:
+        """Return the heights of the ground below points of the robot at places, and so far ahead, (n, k points)."""
+        x, y, yaw = (values[:, None] for values in at)
+        c, s = np.cos(yaw + turn), np.sin(yaw + turn)
+        ahead, aside = np.add.outer(np.asarray(along), points[:, 0]).ravel(), np.tile(points[:, 1], len(along))
+        return np.asarray(ground.below(x + c * ahead - s * aside, y + s * ahead + c * aside))
+
+    def ordered(self, at: _At) -> tuple[Ints, Ints]:
+        """Return places where the ground is level, roomy ones first; and others, those first with even ground below."""
+        differs = np.ptp(self._below(self.blocks, self.feet, at, (0.0,), 0.0), axis=1)
+        level = np.flatnonzero(differs <= self.level)
+        level = level[self.unevenness(_some(at, level)) <= self.level][:_LOOKED_AT]
+        room = np.zeros(len(level))
+        for lengths, turn in _ROOM:
+            looks = np.linspace(0, lengths * self.lane, _LOOKS * lengths + 1)
+            room += self.unevenness(_some(at, level), looks, turn) <= self.level
+        others = np.argsort(differs, kind="stable")
+        return level[np.argsort(-room, kind="stable")], others[~np.isin(others, level)]
+
+    def put_down(self, at: _At) -> Iterator[_Place]:
+        """Yield how a robot rests at each place, and what is wrong about standing there."""
+        rest = settle(self.ground, self.body, *at)
+        poses = of_settled(self.ground, self.body, rest)
+        _, above = below_samples(self.ground, self.body, rest, np.arange(len(rest.x)))
+        wrong = {
+            _Fault.TIPS: ~has_stood(rest),
+            _Fault.TILTS: poses.tilt > self.most_tilt + _EXACT,
+            _Fault.FRAME: self._on_frame(poses),
+            _Fault.HANGS: above[:, self.hanging].min(axis=1, initial=np.inf) < _SPARE,
+            _Fault.UNSTEADY: poses.tip_angle < self.steep,
+            _Fault.STUCK: ~poses.pushes,
+        }
+        faults = np.select(list(wrong.values()), list(wrong), _Fault.NONE)
+        (left,) = np.nonzero(faults == _Fault.NONE)
+        faults[left[~self._is_open(_some(at, left))]] = _Fault.CAUGHT
+        columns = (poses.x, poses.y, poses.z, poses.yaw, poses.roll, poses.pitch, poses.tilt, poses.tip_angle)
+        for fault, row in zip(faults.tolist(), np.round(np.stack(columns, axis=1), 6) + 0.0, strict=True):
+            yield _place(_Fault(fault), row.tolist())
+
+    def _on_frame(self, poses: Poses) -> Mask:
+        corners = np.nan_to_num(poses.support[..., :2])
+        cells = np.floor(corners / self.field.block_width + np.array(self.field.shape) / 2).astype(np.intp)
+        i, j = (np.clip(cells[..., axis], 0, self.field.shape[axis] - 1) for axis in (0, 1))
+        return np.asarray(self.field.frame[i, j].any(axis=1))
+
+    def _is_open(self, at: _At) -> Mask:
+        """Return from which places the robot is nowhere steep at a few poses of the lane ahead."""
+        x, y, yaw = (np.repeat(values, _LOOKS) for values in at)
+        along = np.tile(np.arange(1, _LOOKS + 1) * self.lane / _LOOKS, len(at[0]))
+        looks = settle(self.ground, self.body, x + np.cos(yaw) * along, y + np.sin(yaw) * along, yaw)
+        return np.asarray(~self._is_steep(looks).reshape(-1, _LOOKS).any(axis=1))
+
+    def leaves(self, spot: Spot) -> bool:
+        """Return whether a lane ahead is driven to its end, and the robot is nowhere steep and does not fall on it."""
+        x, y, yaw = np.array([spot.x]), np.array([spot.y]), np.array([spot.yaw])
+        lanes = drive(self.ground, self.body, x, y, yaw, self.lane)
+        falls = -np.diff(lanes.poses.z).min(initial=0.0)
+        return bool(lanes.passed[0] and not self._is_steep(lanes.poses).any() and falls <= self.fall)
+
+    def _is_steep(self, rest: Settled) -> Mask:
+        return np.asarray(~has_stood(rest) | (np.arctan(np.hypot(*rest.slope.T)) > self.steep))
+
+
+def _coarse(body: Body, width: float) -> Array:
+    """Return the lowest sample of a body in each square of a width, (m, 3), metres."""
+    lowest_first = body.points[np.argsort(body.points[:, 2], kind="stable")]
+    _, first = np.unique(np.floor(lowest_first[:, :2] / width), axis=0, return_index=True)
+    return lowest_first[first]
+
+
+def _place(fault: _Fault, row: Sequence[float]) -> _Place:
+    x, y, z, yaw, roll, pitch, tilt, tip_angle = row
+    reason = fault.reason(degrees(tilt), degrees(tip_angle))
+    return fault, Spot(x=x, y=y, z=z, yaw=yaw, roll=roll, pitch=pitch, tilt=tilt, tip_angle=tip_angle, reason=reason)
+
+
+def spots(  # noqa: PLR0913  # the last three by name
+    field: StepField,
+    body: Body,
+    count: int,
+    rng: np.random.Generator,
+    *,
+    gap: float = 0.0,
+    most_tilt: float = MOST_TILT,
+    evenest: bool = False,
+) -> tuple[Spot, ...]:
+    """Return `count` spots at least `gap` metres apart; most_tilt: the largest tilt there, radians.
+
+    evenest: if there are too few, take places where the robot stands at all, with what is wrong about them: those first
+    that were refused last, and of these the least tilted. ParameterError if there are too few.
+    """
+    if not fits(field, body):
+        n_x, n_y = field.shape
+        raise ParameterError("robot", f"too large for {n_x} x {n_y} cells; give a smaller robot or a larger map")
+    search = _Search(judge=_Judge(field, body, most_tilt), outline=Outline.of(body), gap=gap, count=count)
+    search.look(rng)
+    if evenest:
+        search.fill()
+    if len(search.chosen) < count:
+        raise search.error()
+    return tuple(search.chosen)
+
+
+@dataclass(kw_only=True, slots=True)
+class _Search:
+    """The spots that are chosen, and the places that are none."""
+
+    judge: _Judge
+    outline: Outline
+    gap: float
+    count: int
+    chosen: list[Spot] = field_of(default_factory=list)
+    others: list[_Place] = field_of(default_factory=list)
+
+    def look(self, rng: np.random.Generator) -> None:
+        """Choose spots until there are enough, or enough was tried."""
+        lanes = _LANES + _MORE_LANES * self.count
+        for at in _places(self.judge, self.outline, self.count, rng):
+            for fault, spot in self.judge.put_down(self._free(at)):
+                if fault is not _Fault.NONE:
+                    self.others.append((fault, spot))
+                elif self._is_free(spot):
+                    lanes -= 1
+                    self._drive_away(spot)
+                    if len(self.chosen) == self.count or not lanes:
+                        return
+
+    def _drive_away(self, spot: Spot) -> None:
+        """Choose a spot if the robot leaves it."""
+        if self.judge.leaves(spot):
+            self.chosen.append(spot)
+        else:
+            self.others.append((_Fault.CAUGHT, replace(spot, reason=_Fault.CAUGHT.reason(0, 0))))
+
+    def fill(self) -> None:
+        """Choose of the places that are no spots those at which it stands, the best first."""
+        for fault, spot in sorted(self.others, key=_badness):
+            if len(self.chosen) < self.count and fault is not _Fault.TIPS and self._is_free(spot):
+                self.chosen.append(spot)
+
+    def error(self) -> ParameterError:
+        """Return the error that says how many spots there are, or what is wrong with the best place."""
+        found = len(self.chosen)
+        if found:
+            return ParameterError(
+                "count", f"found spots for {found} of {self.count} on this map; give fewer, or {_HELP}"
+            )
+        reason = min(self.others, key=_badness)[1].reason
+        return ParameterError("robot", f"no spot on this map: at the best place it {reason}; {_HELP}")
+
+    def _free(self, at: _At) -> _At:
+        """Return the places that are apart from all that are chosen."""
+        free = np.ones(len(at[0]), bool)
+        for spot in self.chosen:
+            free &= apart(self.outline, self.gap, *at, spot)
+        return _some(at, free)
+
+    def _is_free(self, spot: Spot) -> bool:
+        one = np.array([spot.x]), np.array([spot.y]), np.array([spot.yaw])
+        return len(self._free(one)[0]) > 0
+
+
+def _badness(place: _Place) -> tuple[int, float]:
+    return -place[0], place[1].tilt
+
+
+_HELP = "add a platform obstacle, or give a smaller robot or another map"
+
+
+def _places(judge: _Judge, outline: Outline, count: int, rng: np.random.Generator) -> Iterator[_At]:
+    """Yield places in parts: those with level ground below the feet, and at last the least uneven ones."""
+    at = _drawn(judge.field, outline, rng)
+    level, others = judge.ordered(at)
+    yield from _parts(at, level[: _SETTLED + _MORE * count])
+    yield from _parts(at, others[:_LEAST_UNEVEN])
+
+
+def _parts(at: _At, chosen: Ints) -> Iterator[_At]:
+    for begin in range(0, len(chosen), _AT_ONCE):
+        yield _some(at, chosen[begin : begin + _AT_ONCE])
+
+
+def _drawn(field: StepField, outline: Outline, rng: np.random.Generator) -> _At:
+    """Return places at which the robot is wholly on the map, every second one on a half cell with a heading of 16."""
+    along, across, turn = rng.random((3, _DRAWN))
+    even = np.arange(_DRAWN) % 2 == 0
+    yaw = np.where(even, np.floor(turn * HEADINGS) / HEADINGS, turn) * 2 * pi
+    room, half = _room(field, outline, yaw), field.block_width / 2
+    inside = np.asarray((room[:, :, 0] <= room[:, :, 1]).all(axis=1))
+    sides: list[Array] = []
+    for axis, share in enumerate((along, across)):
+        low, high = room[:, axis].T
+        # The edges of cells are at multiples of a block from the rim, so their halves are too.
+        rim = -field.extent[axis] / 2
+        first, last = np.ceil((low - rim) / half - _EXACT), np.floor((high - rim) / half + _EXACT)
+        inside &= ~even | (first <= last)
+        sides.append(
+            np.where(even, rim + half * (first + np.floor(share * (last - first + 1))), low + share * (high - low))
+        )
+    return _some((sides[0], sides[1], yaw), inside)
