@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.poses.body import Body
 
 _ROUNDS, _FULL, _STILL, _DAMPED = 10, 2, 1e-4, 0.7
@@ -202,6 +202,9 @@ def _plane(u: Array, v: Array, g: Array, three: Ints) -> tuple[Ints, Array, Arra
     """Return three samples around the origin and a, b, c of the plane through them, which no sample is above; (n, ...)."""
     count = len(u)
     three, a, b, c = three.copy(), np.zeros(count), np.zeros(count), np.zeros(count)
+    # The contacts of the round before have moved as the robot was turned; where the origin left them, from afar again.
+    rows = np.arange(count)[:, None]
+    three[~_surrounds(u[rows, three], v[rows, three])] = np.arange(u.shape[1] - 3, u.shape[1])
     live = np.arange(count)
     for _ in range(_EXCHANGES):
         rows = np.arange(len(live))[:, None]
@@ -235,6 +238,12 @@ def _through(u: Array, v: Array, g: Array) -> tuple[Array, Array, Array]:
     area = np.where(np.abs(area) < 1e-12, 1e-12, area)
     a, b = (g1 * v2 - g2 * v1) / area, (u1 * g2 - u2 * g1) / area
     return a, b, g[:, 0] - a * u[:, 0] - b * v[:, 0]
+
+
+def _surrounds(u: Array, v: Array) -> Mask:
+    """Return which triangles (n, 3) hold the origin, (n,): it is on the same side of all of their sides."""
+    sides = np.stack([u[:, j] * v[:, k] - u[:, k] * v[:, j] for j, k in _PAIRS], axis=1)
+    return np.asarray((sides >= 0).all(axis=1) | (sides <= 0).all(axis=1))
 
 
 _PAIRS = np.array([(0, 1), (1, 2), (2, 0)])
