@@ -2,9 +2,9 @@
 
 python -m benchmarks.crossings    prints the tables and keeps benchmarks/results/crossings.json; twelve minutes
 
-Several robots drive side by side over each field, which has a seed of its own; `poses.ways.straight` predicts each lane
-from the field and the robot's shapes alone. Its rivals know less or more: one always says yes, and one is a limit of
-the highest step below a robot that is chosen afterwards, such that it is right most often on these very drives.
+Several robots drive side by side over each field, which has a seed of its own. Each lane is predicted from the field and
+the robot's shapes alone. The rivals of this prediction know less or more: one always says yes; one is a limit of the
+highest step below a robot that is chosen afterwards, such that it is right most often on these very drives.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
-from rsegen.poses.ways import End, entry, step_of, straight
 from rsegen.recipe.codec import decode
 from rsegen.robots import ROBOTS, Robot
 from rsegen.robots.body import body_of
 from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.simulators import SIMULATORS
+from rsegen.standing.ways import End, entry, step_of, straight
 
 FILE = RESULTS / "crossings.json"
 
@@ -254,7 +254,7 @@ def _outcome(drive: Drive) -> str:
 
 
 TURNED = 20.0
-"""Degrees from which a robot that is stuck has left its lane: XX"""
+"""Degrees from which a robot that is stuck has left its lane."""
 
 
 def best_limit(found: Sequence[Drive]) -> tuple[float, int]:

@@ -28,9 +28,6 @@ from benchmarks.machine import machine
 from benchmarks.report import short
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import Array
-from rsegen.poses.body import Body
-from rsegen.poses.resting import has_stood, poses
-from rsegen.poses.settling import Ground, Settled, _demands, _plane, reach_of, settle
 from rsegen.recipe.codec import decode
 from rsegen.robots import ROBOTS, Robot
 from rsegen.robots.body import body_of
@@ -39,6 +36,9 @@ from rsegen.simulation.driving.world_file import world_with_robots
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.server import retried, running_server
 from rsegen.simulation.worlds import world_of
+from rsegen.standing.body import Body
+from rsegen.standing.resting import has_stood, poses
+from rsegen.standing.settling import SINGLE, Ground, Settled, _demands, _plane, reach_of, settle
 
 FILE = RESULTS / "rests.json"
 
@@ -352,7 +352,7 @@ def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
 
 def _is_stable(ground: Ground, body: Body, at: At) -> bool:
     """Return whether a robot that rests like this would not be turned: three contacts are around its centre of mass."""
-    relative, place = (body.points - body.centre).T, (at.centre[:1], at.centre[1:2])
+    relative, place = (body.points - body.centre).T.astype(SINGLE), (at.centre[:1], at.centre[1:2])
     u, v, g = _demands(ground, relative, None, *place, at.axes[None])
     afar = np.arange(len(body.points), len(body.points) + 3)[None]
     _, along, across, _ = _plane(u, v, g, afar)

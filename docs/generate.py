@@ -31,12 +31,11 @@ from rsegen import (
     Peak,
     Random,
     Recipe,
-    RobotLimits,
     Scene,
+    StepLimits,
     Terrain,
     compose,
     load,
-    metrics,
     schema,
     series,
 )
@@ -44,7 +43,7 @@ from rsegen.cli.commands import COMMANDS, GROUPS, module_of
 from rsegen.cli.parser import Parser
 from rsegen.cli.schema import FUNCTIONS
 from rsegen.exporters.pictures.preview import figure_bytes, preview
-from rsegen.exporters.pictures.robot_plots import path_plot
+from rsegen.exporters.pictures.robot_plots import describe_limits, path_plot
 from rsegen.exporters.sheet import pages
 from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.params.command import rows
@@ -228,8 +227,8 @@ def main(arguments: list[str]) -> int:
 
 
 def _ways(scene: Scene) -> bytes:
-    reach = metrics(scene.field, RobotLimits(climb_cm=10)).reach
-    return path_plot(scene, reach) if reach else b""
+    limits = StepLimits(climb_cm=10)
+    return path_plot(scene, limits.reach(scene.field), describe_limits(limits))
 
 
 def _rise(*, same_field: bool) -> bytes:

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from rsegen.exporters.scene import compose as compose
     from rsegen.exporters.sheet import sheet as sheet
     from rsegen.field.metrics import Metrics as Metrics
-    from rsegen.field.metrics import RobotLimits as RobotLimits
+    from rsegen.field.metrics import StepLimits as StepLimits
     from rsegen.field.metrics import metrics as metrics
     from rsegen.field.metrics.catalogue import Metric as Metric
     from rsegen.field.metrics.catalogue import metric as metric
@@ -78,6 +78,8 @@ if TYPE_CHECKING:
     from rsegen.recipe.codec import schema as schema
     from rsegen.recipe.recipe import Recipe as Recipe
     from rsegen.recipe.terrain import Terrain as Terrain
+    from rsegen.robots.lookup import poses as poses
+    from rsegen.robots.lookup import robot_of as robot_of
     from rsegen.run.exports import Exported as Exported
     from rsegen.run.exports import ExportedMap as ExportedMap
     from rsegen.run.journal import Verified as Verified
@@ -94,6 +96,7 @@ if TYPE_CHECKING:
     from rsegen.simulation.spawning.respawn import RemoveResult as RemoveResult
     from rsegen.simulation.spawning.respawn import RespawnResult as RespawnResult
     from rsegen.simulation.spawning.spawn import SpawnResult as SpawnResult
+    from rsegen.standing.resting import Poses as Poses
 
 __version__ = "1.0.0"
 
@@ -113,7 +116,7 @@ _HOMES = {
     "rsegen.exporters.scene": ("Scene", "compose"),
     "rsegen.exporters.sheet": ("sheet",),
     "rsegen.exporters.cut_settings": ("CutSettings",),
-    "rsegen.field.metrics": ("Metrics", "RobotLimits", "metrics"),
+    "rsegen.field.metrics": ("Metrics", "StepLimits", "metrics"),
     "rsegen.field.metrics.catalogue": ("Metric", "metric"),
     "rsegen.field.obstacles": ("KINDS", "Obstacle"),
     "rsegen.field.obstacles.barrier": ("DiagonalBarrier", "HorizontalBarrier"),
@@ -139,6 +142,8 @@ _HOMES = {
     "rsegen.recipe.codec": ("schema",),
     "rsegen.recipe.recipe": ("Recipe",),
     "rsegen.recipe.terrain": ("Terrain",),
+    "rsegen.standing.resting": ("Poses",),
+    "rsegen.robots.lookup": ("poses", "robot_of"),
     "rsegen.run.exports": ("Exported", "ExportedMap"),
     "rsegen.run.journal": ("Verified", "verify"),
     "rsegen.run.series": ("Series",),

@@ -334,7 +334,7 @@ def test_help_of_generate_has_the_values_of_every_parameter(
         ("sheet", ["RECIPE-or-DIR", "--output", "--csv", "--map", "--force", "--kerf-mm", "--stock-cm", "pdf or csv"]),
         ("sheet", ["--kerf-mm MM", "(0..100 mm; default: 3)", "(0.001..100000 cm; default: 240)"]),
         ("dataset", ["--shard-maps MAPS", "--metrics {npy,parquet,none}", "(default: npy)", "--workers"]),
-        ("metrics", ["--climb-cm CM", "highest step that the robot can climb (0..100000 cm)", "--width-cm CM"]),
+        ("metrics", ["--climb-cm CM", "highest step up on a path of cells (0..100000 cm)", "--width-cm CM"]),
         ("export", ["RECIPE-or-DIR", "--to", "--output", "--map", "--force", "--json", "--workers", "heightmap"]),
         ("info", ["RECIPE-or-DIR", "--map", "--json"]),
         ("obstacles", ["--json"]),

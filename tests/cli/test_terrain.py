@@ -38,7 +38,7 @@ def test_rows_rise_by_a_metric_of_a_robot(tmp_path: Path) -> None:
     made = [str(tmp_path / "a.yaml"), *SMALL[2:], *flags, "-o", str(tmp_path / "out")]
     assert main(["terrain", *made]) == 0
     usual = Terrain(recipes=recipe, rows=3, columns=4, gap=1, border=2)
-    expected = replace(usual, by=flags[1], robot=rsegen.RobotLimits(climb_cm=7))
+    expected = replace(usual, by=flags[1], robot=rsegen.StepLimits(climb_cm=7))
     assert rsegen.build(load(tmp_path / "out" / "terrain_0000" / "recipe.json")) == expected.field
     assert expected.field != usual.field
 

@@ -15,10 +15,10 @@ from PIL import Image
 from rsegen import Random, Recipe, Scene, compose
 from rsegen.exporters.pictures import pose_plots
 from rsegen.exporters.pictures.pose_plots import _hull, draw_robot, pose_maps, reasons
-from rsegen.poses.resting import poses
 from rsegen.recipe.codec import decode
 from rsegen.robots import ROBOTS
 from rsegen.robots.body import body_of
+from rsegen.standing.resting import poses
 
 RECIPE = Recipe(seed=1, unit_cm=1, frame_height_cm=1, boundary="none", obstacles=(Random(levels=4),))
 BURGER = body_of(ROBOTS["burger"])
@@ -44,7 +44,7 @@ def test_the_maps_show_every_reason_that_there_is_and_the_robot() -> None:
     assert len(set(found.tolist())) > 1
     for number, colour in enumerate(pose_plots._REASON_COLOURS):
         assert share(image, colour) >= 0.15 * (found == number).mean()
-    assert share(image, pose_plots._DRIVEN) > 1e-4
+    assert share(image, pose_plots._DRIVEN) > 2e-5  # lines, blurred
     assert decode(json.loads(image.info["Description"])) == RECIPE
 
 

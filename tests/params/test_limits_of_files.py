@@ -13,7 +13,7 @@ import pytest
 
 import rsegen
 from rsegen.errors import UserError
-from rsegen.field.robot_limits import SIDE, SPEED, TURN
+from rsegen.field.limits import SIDE, SPEED, TURN
 from rsegen.io.importers import imported, importer_for
 from rsegen.io.inventory import inventory_in
 from rsegen.io.recipe_file import load

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import Random, Recipe, RobotLimits, StepField
+from rsegen import Random, Recipe, StepField, StepLimits
 from rsegen.errors import ParameterError
 from rsegen.field.metrics.catalogue import metric_by
 from rsegen.recipe.tiles import Span, eased, mean_of, share_of, span_of
 
 RUBBLE = Recipe(seed=3, unit_cm=2, boundary="none", obstacles=[Random(levels=20)])
-ROBOT = RobotLimits(climb_cm=7)
+ROBOT = StepLimits(climb_cm=7)
 OPENING, COVER = metric_by("opening.west_east"), metric_by("reach.cover", ROBOT)
 COST = metric_by("reach.west_east.cost", ROBOT)
 

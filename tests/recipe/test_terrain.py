@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Peak, Random, Recipe, RobotLimits, Terrain
+from rsegen import Peak, Random, Recipe, StepLimits, Terrain
 from rsegen.errors import ParameterError, UserError
 from rsegen.field.metrics.batch import batch_metrics
 from rsegen.field.metrics.catalogue import metric_by
@@ -106,7 +106,7 @@ def test_a_tile_without_an_even_place_is_named() -> None:
 
 @pytest.mark.parametrize("by", ["opening.west_east", "reach.west_east.cost", lambda field: field.levels.mean()])
 def test_rows_rise_evenly_by_any_metric(by: Any) -> None:
-    robot = RobotLimits(climb_cm=7) if by == "reach.west_east.cost" else None
+    robot = StepLimits(climb_cm=7) if by == "reach.west_east.cost" else None
     fine = replace(ROUGH, unit_cm=1, obstacles=[Random(levels=30)])
     terrain, metric = Terrain(recipes=[fine, TABLE_OF_1], rows=5, columns=6, by=by, robot=robot), metric_by(by, robot)
     assert not terrain.levels[0].any()

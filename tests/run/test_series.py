@@ -19,13 +19,12 @@ import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import Random, Recipe, RobotLimits, build, load, metrics, series
+from rsegen import Random, Recipe, StepLimits, build, load, metrics, series
 from rsegen.cli import main
 from rsegen.errors import OutputError, ParameterError
 from rsegen.field.metrics.catalogue import metric_by
 from rsegen.io.input_files import JOURNAL
 from rsegen.recipe.codec import decode
-from rsegen.robots import robot
 from rsegen.run import execute as execute_module
 from rsegen.run.series_rows import SeriesPlan, SeriesRow
 from tests.cli.test_cli import contents, printed, read
@@ -208,7 +207,7 @@ FINE = replace(RANDOM, boundary="none", unit_cm=2, maps=6, obstacles=(Random(lev
 @pytest.mark.parametrize("same_field", [False, True])
 @pytest.mark.parametrize("by", ["opening.west_east", "reach.west_east.cost"])
 def test_a_series_rises_by_another_metric(tmp_path: Path, by: str, same_field: bool) -> None:
-    robot = RobotLimits(climb_cm=7)
+    robot = StepLimits(climb_cm=7)
     found = series(FINE, tmp_path, by=by, robot=robot, same_field=same_field)
     line = [row.asked or 0 for row in found.rows]
     np.testing.assert_allclose(np.diff(line), np.diff(line)[0], rtol=1e-5)
@@ -253,19 +252,21 @@ def test_a_metric_that_cannot_rise_is_refused(tmp_path: Path, given: dict[str, A
 # The command.
 
 
-def test_the_command_takes_a_metric_and_a_robot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_takes_a_metric_and_limits_of_steps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     flags = ["--obstacle", "random levels=20", "--unit-cm", "2", "--boundary", "none", "--seed", "7", "--name", "rough"]
     by = ["--maps", "6", "--by", "reach.west_east.cost"]
-    told = [
-        printed(capsys, "series", *flags, *by, "--robot", said, "-o", tmp_path / name)
-        for said, name in (("crawler", "kind"), ("7,7,53", "limits"))
-    ]
-    limits = robot("crawler").limits
-    assert limits == RobotLimits(climb_cm=7, width_cm=53)
-    assert contents(tmp_path / "kind") == contents(tmp_path / "limits")
-    series(FINE, tmp_path / "python", by=by[-1], robot=limits)
-    assert (tmp_path / "python" / "series.csv").read_bytes() == (tmp_path / "kind" / "series.csv").read_bytes()
-    assert "difficulty       asked    measured     highest" in told[0]
+    told = printed(capsys, "series", *flags, *by, "--robot", "7,7,53", "-o", tmp_path / "shell")
+    series(FINE, tmp_path / "python", by=by[-1], robot=StepLimits(climb_cm=7, width_cm=53))
+    assert (tmp_path / "python" / "series.csv").read_bytes() == (tmp_path / "shell" / "series.csv").read_bytes()
+    assert "difficulty       asked    measured     highest" in told
+
+
+def test_a_series_rises_by_the_tilt_of_a_robot(tmp_path: Path) -> None:
+    small = replace(FINE, chunk_size=6, maps=2, obstacles=(Random(levels=5),))
+    rows = series(small, tmp_path, by="reach.west_east.tilt", robot="jackal", from_=0.5, same_field=True).rows
+    assert (rows[0].measured or 0) < (rows[1].measured or 0) < 0.3
+    for row in rows:
+        assert row.measured == pytest.approx(min(row.asked or 0, row.full or 0), abs=0.08)
 
 
 @pytest.mark.parametrize(
@@ -275,7 +276,10 @@ def test_the_command_takes_a_metric_and_a_robot(tmp_path: Path, capsys: pytest.C
         (("--by", "cost"), "by: unknown metric 'cost'"),
         (("--robot", "crawler"), "robot: steps.rms does not depend on a robot; give by=reach.west_east.cost"),
         (("--robot", "burgr"), "--robot: unknown robot 'burgr'; did you mean 'burger'"),
-        (("--robot", "1,2,3,4"), "is not a kind of robot, or climb, drop and width in cm, as in 7,7,30"),
+        (
+            ("--robot", "1,2,3,4"),
+            "is not a kind of robot or a file of one, or steps up, down and a width in cm, as in 7,7,30",
+        ),
         (("--robot", "7,x"), "--robot: 'x' is not a number"),
     ],
     ids=" ".join,

@@ -8,7 +8,7 @@ from rsegen import Recipe
 from rsegen.errors import ParameterError
 from rsegen.params.sorts import CellRef, Choice, Flag, Float, Integer, ListOf, Parameter, Size2D, Text, parameters
 from rsegen.recipe.codec import decode
-from rsegen.recipe.map_design import DifficultySort
+from rsegen.recipe.map_design import CrossableBySort, DifficultySort
 
 NUMBERS = (12.5, 5, 0.5)
 TEXTS = ("course", "#3a0F10")
@@ -27,8 +27,8 @@ def _candidates(parameter: Parameter) -> list[Any]:
             return list(reversed(values))
         case Integer() | Float() | Text():
             return [*NUMBERS, *TEXTS]
-        case DifficultySort():
-            return [0.5]
+        case DifficultySort() | CrossableBySort():
+            return [0.5, [20, 20, 20]]
         case Size2D() | CellRef():
             return [[2, 3]]
         case ListOf(sort=sort, length=length):

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from rsegen import KINDS, Recipe
 from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.params.sorts import CellRef, Choice, Flag, Float, Integer, ListOf, Parameter, Size2D, Text, parameters
-from rsegen.recipe.map_design import DifficultySort
+from rsegen.recipe.map_design import CrossableBySort, DifficultySort
 from tests.support.complaints import MANY_DIGITS, NO_WORD
 
 OWNERS: Mapping[str, type] = {"recipe": Recipe, **KINDS}
@@ -57,6 +57,7 @@ _OF_A_SORT: Mapping[type, tuple[object, ...]] = {
     CellRef: (1, 1.5, [], [1], [1, 2, 3], [0, -1], [0, 0.5], [0, True], [0, None], [0, "1"], "random,random"),
     Size2D: (0, -1, 1.5, 10**9 + 1, MANY_DIGITS, "2", "2x2", [], [1], [1, 2, 3], [1, 0], [1, True]),
     ListOf: (-1, [], [[1]], [0, None], [0, NO_WORD], [-0.5], [1001.5]),
+    CrossableBySort: ("buger", "", 5, [], [5], [5, 5], [5, 5, -1], [5, 5, 5, 5], [5, 5, math.nan], {"robot": "burger"}),
     DifficultySort: (-0.1, 1.1, "0", [], [0.5], [1, 0], [0, 1, 1], [0, 1, 2.5], [0, 1, 2, 3], [0, None], [0, math.nan]),
 }
 _OF_OTHERS: tuple[object, ...] = (

@@ -97,17 +97,12 @@ def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
     from dataclasses import replace
 
     added = tuple(obstacle_in(text) for text in arguments.obstacle)
-    said = _without_names(recipe_flags(arguments), start.unit_cm)
+    said = _with_blocks_of_file(recipe_flags(arguments), start.unit_cm)
     return replace(start, **said, obstacles=(*start.obstacles, *added))
 
 
-def _without_names(said: dict[str, Any], unit_cm: float) -> dict[str, Any]:
-    """Put a robot's figures in place of its name, and a file's blocks in place of the file."""
-    match said:
-        case {"crossable_by": [str(name)]} if name:
-            from rsegen.robots import robot
-
-            said["crossable_by"] = robot(name, "crossable_by").climber.figures
+def _with_blocks_of_file(said: dict[str, Any], unit_cm: float) -> dict[str, Any]:
+    """Put a file's blocks in place of the file."""
     match said:
         case {"inventory": [str(name)]} if name:
             from rsegen.io.inventory import inventory_in

@@ -6,8 +6,9 @@ import argparse
 import csv
 import io
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain
+from math import degrees
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.cli.flags import add_target_recipe_flags
@@ -16,17 +17,20 @@ from rsegen.cli.targets import add_target_flags, picture_path, scenes_of
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
 from rsegen.exporters.numbers import decimal
-from rsegen.field.robot_limits import RobotLimits
+from rsegen.field.limits import StepLimits
 from rsegen.params.command import Shell, add_flags, given
-from rsegen.params.sorts import FilePath
+from rsegen.params.sorts import FilePath, Reference
 
 if TYPE_CHECKING:
     from rsegen.exporters.scene import Scene
     from rsegen.field.metrics import Crossing, Metrics, Scale, Spread, Steps, Traversability
+    from rsegen.field.metrics.catalogue import Crosser
+    from rsegen.standing.ways import Reach, Way
 
     Measured = tuple[Scene, Metrics]
 
-_NO_ROBOT = "give a robot, as in --robot burger or --climb-cm 10"
+_KINDS = Reference("a kind of robot, or a file of one", help="kind of robot, or SDF, URDF or Xacro file of a model")
+_NO_ROBOT = "give a robot, as in --robot burger, or limits of steps, as in --climb-cm 10"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -37,11 +41,18 @@ class _Drawing:
         str | None,
         FilePath(
             "a picture",
-            help="draw the robot's cheapest paths over the first map, and the area that it can reach",
+            help="draw the ways of the robot across the first map, and the area that it can reach",
         ),
         Shell(("-o", "--output"), "PICTURE"),
     ] = None
     force: Force = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Robot:
+    """The robot that the shell can name."""
+
+    robot: Annotated[str | None, _KINDS, Shell(metavar="KIND|FILE")] = None
 
 
 def add(commands: Subparsers) -> None:
@@ -49,13 +60,15 @@ def add(commands: Subparsers) -> None:
     text = (
         "Measure how rough maps are: heights, steps, scale, ruggedness, and the smallest step with which they can be "
     )
-    text += "crossed. With a robot, also the area that it can reach, and its cheapest paths across."
+    text += (
+        "crossed. With a robot, also where it gets, and its ways across, by its poses; with limits of steps, by cells."
+    )
     command = add_command(commands, "metrics", text=text, epilog=f"docs/metrics.md has every formula. {robot_kinds()}")
     add_target_flags(command, "all")
-    group = command.add_argument_group("robot", "the limits of a kind of robot, each overridden by a flag")
-    text = "use the highest step that this robot usually crosses, and its width"
-    group.add_argument("--robot", metavar="KIND", help=text)
-    add_flags(group, RobotLimits)
+    group = command.add_argument_group("robot", "a robot, which stands, tips and pushes itself on, pose by pose")
+    add_flags(group, _Robot)
+    group = command.add_argument_group("limits of steps", "in place of a robot: paths from cell to cell")
+    add_flags(group, StepLimits)
     output = command.add_argument_group("output")
     output.add_argument("--csv", action="store_true", help="print a table as CSV, lengths in metres")
     add_flags(output, _Drawing)
@@ -72,30 +85,41 @@ def run(arguments: argparse.Namespace) -> Report:
 
     if arguments.json and arguments.csv:
         raise ParameterError("--csv", "--json and --csv exclude each other")
-    limits = _limits(arguments)
+    robot = _crosser(arguments)
     path = picture_path(arguments.output, force=arguments.force)
-    if path and limits is None:
+    if path and robot is None:
         raise ParameterError("-o/--output", f"there is nothing to draw without a robot; {_NO_ROBOT}")
     scenes = scenes_of(arguments, "measure")
     first = next(scenes)
-    measured = metrics(first.field, limits)
+    measured = metrics(first.field, robot)
     if path and measured.reach:
-        write_file([path_plot(first, measured.reach, image_format(path))], path, force=arguments.force)
-    rows = chain([(first, measured)], ((scene, metrics(scene.field, limits)) for scene in scenes))
-    lines = _csv(rows) if arguments.csv else _report(rows)
+        write_file([path_plot(first, measured.reach, _title(robot), image_format(path))], path, force=arguments.force)
+    rows = chain([(first, measured)], ((scene, metrics(scene.field, robot)) for scene in scenes))
+    lines = _csv(rows) if arguments.csv else _report(rows, _title(robot))
     return Report(lines=lines, content=lambda: [_entry(*row) for row in rows])
 
 
-def _limits(arguments: argparse.Namespace) -> RobotLimits | None:
-    """The robot that the flags describe."""
-    said = given(RobotLimits, arguments)
+def _crosser(arguments: argparse.Namespace) -> Crosser | None:
+    """The robot or the limits of steps that the flags give."""
+    said = given(StepLimits, arguments)
     if arguments.robot is not None:
-        from rsegen.robots import robot
+        from rsegen.robots import robot_of
 
-        return replace(robot(arguments.robot, "--robot").limits, **said)
+        if said:
+            raise ParameterError("--climb-cm", "limits of steps are measured without --robot, which knows its own")
+        return robot_of(arguments.robot, "--robot")
     if said and "climb_cm" not in said:
         raise ParameterError("--climb-cm", f"is missing; {_NO_ROBOT}")
-    return RobotLimits(**said) if said else None
+    return StepLimits(**said) if said else None
+
+
+def _title(crosser: Crosser | None) -> str:
+    """What gets across, in words; a robot by its kind."""
+    from rsegen.exporters.pictures.robot_plots import describe_limits
+
+    if crosser is None:
+        return ""
+    return describe_limits(crosser) if isinstance(crosser, StepLimits) else getattr(crosser, "kind", "a robot")
 
 
 def _entry(scene: Scene, measured: Metrics) -> dict[str, Any]:
@@ -121,17 +145,17 @@ def _csv(measured: Iterable[Measured]) -> Iterator[str]:
         yield text.getvalue()[:-1]
 
 
-def _report(measured: Iterable[Measured]) -> Iterator[str]:
+def _report(measured: Iterable[Measured], crosser: str) -> Iterator[str]:
     """The lines of a page for one map, of a table for more of them."""
     maps = iter(measured)
     first, second = next(maps), next(maps, None)
-    yield from _table(chain([first, second], maps)) if second else _page(*first)
+    yield from _table(chain([first, second], maps)) if second else _page(*first, crosser)
 
 
 def _table(measured: Iterable[Measured]) -> Iterator[str]:
     from rsegen.field.metrics.catalogue import custom
 
-    yield "lengths in cm; opens: minimax step; region, ways: of the robot (rsegen metrics --map INDEX says more)"
+    yield "lengths in cm; opens: minimax step; region, way: of the robot (rsegen metrics --map INDEX says more)"
     for number, (scene, found) in enumerate(measured):
         cells = _cells(found) | {name: _plain(value) for name, value in custom(scene.field).items()}
         if not number:
@@ -164,11 +188,16 @@ def _cells(found: Metrics) -> dict[str, str]:
     if found.reach is None:
         return cells
     ways = {"way w-e": found.reach.west_east, "way s-n": found.reach.south_north}
-    ratios = {name: f"{way.cost_ratio:.2f}" if way.crosses else "none" for name, way in ways.items()}
+    ratios = {name: _ratio(way) for name, way in ways.items()}
     return {**cells, "region": f"{found.reach.cover:.0%}", **ratios}
 
 
-def _page(scene: Scene, found: Metrics) -> Iterator[str]:
+def _ratio(way: Crossing | Way) -> str:
+    ratio = getattr(way, "cost_ratio", way.length_ratio)
+    return "none" if ratio is None else f"{ratio:.2f}"
+
+
+def _page(scene: Scene, found: Metrics, crosser: str) -> Iterator[str]:
     blocks, width = sum(found.spread.level_counts.values()), decimal(scene.field.block_width * 100)
     yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {width} x {width} cm; frames are not blocks"
     yield from _spread(found.spread)
@@ -177,11 +206,11 @@ def _page(scene: Scene, found: Metrics) -> Iterator[str]:
     rugged, opens = found.ruggedness, found.opening
     yield f"local    TRI {_cm(rugged.tri)} cm (root mean), {_cm(rugged.riley)} cm (Riley), of {rugged.cells:,} blocks"
     yield f"surface  {rugged.surface_ratio:.2f} times the plan"
-    wide = " for this width" if found.reach and found.reach.climber.width_cm else ""
+    wide = " for this width" if found.reach else ""
     ways = f"{_cm(opens.west_east)} cm west to east, {_cm(opens.south_north)} cm south to north"
     yield f"opens    at a step of {ways}{wide}"
     if found.reach:
-        yield from _reach(found.reach)
+        yield from _reach(found.reach, crosser)
     from rsegen.field.metrics.catalogue import METRICS, custom
 
     for name, value in custom(scene.field).items():
@@ -213,22 +242,24 @@ def _scale(found: Scale) -> str:
     return f"scale    {grows} (Hurst exponent {round(found.hurst, 2) + 0:.2f}{weak})"
 
 
-def _reach(found: Traversability) -> Iterator[str]:
-    from rsegen.exporters.pictures.robot_plots import describe_robot
-
-    yield f"{describe_robot(found.climber)}:"
-    if found.climbable is not None and found.droppable is not None:
-        yield f"steps    {found.climbable:.1%} it climbs, {found.droppable:.1%} it gets down"
+def _reach(found: Traversability | Reach, crosser: str) -> Iterator[str]:
+    yield f"{crosser}:"
+    climbable, droppable = getattr(found, "climbable", None), getattr(found, "droppable", None)
+    if climbable is not None and droppable is not None:
+        yield f"steps    {climbable:.1%} it goes up, {droppable:.1%} it goes down"
     yield f"region   {found.cover:.1%} of the blocks, from each to each (analogue of coverability)"
     yield f"ways     west to east: {_way(found.west_east)} (analogue of crossability)"
     yield f"         south to north: {_way(found.south_north)}"
 
 
-def _way(found: Crossing) -> str:
-    if found.length is None or found.cost is None:
-        return "none"
+def _way(found: Crossing | Way) -> str:
+    if found.length is None:
+        reason, at = getattr(found, "reason", None), getattr(found, "at", None)
+        return "none" if reason is None or at is None else f"none; it {reason} at x {at[0]:.2f}, y {at[1]:.2f} m"
     straight = f"{found.length:.2f} m, {found.length_ratio:.2f} x straight"
-    return f"{straight}; with rises {found.cost:.2f} m, {found.cost_ratio:.2f} x"
+    if isinstance(cost := getattr(found, "cost", None), float):
+        return f"{straight}; with rises {cost:.2f} m, {getattr(found, 'cost_ratio', 0):.2f} x"
+    return f"{straight}, tilts up to {degrees(getattr(found, 'tilt', 0.0)):.0f} degrees"
 
 
 def _plain(value: float | None) -> str:

@@ -11,7 +11,7 @@ from rsegen.cli.flags import add_recipe_argument
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.report import Report, Subparsers, add_command, counting
 from rsegen.commands.parameters import By, ByRobot
-from rsegen.field.robot_limits import SIDE
+from rsegen.field.limits import SIDE
 from rsegen.params.command import Shell, add_flags, declared, flags_in_errors, given
 from rsegen.params.sorts import Integer, ListOf
 from rsegen.params.streams import SEEDS

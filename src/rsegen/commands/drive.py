@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.commands.parameters import Force, MapReference, RobotModel, Seed, SimulatorName
-from rsegen.field.robot_limits import SIDE, SPEED, TURN
+from rsegen.field.limits import SIDE, SPEED, TURN
 from rsegen.params.command import Shell, command
 from rsegen.params.sorts import Choice, FilePath, Flag, Float, Integer, ListOf, Reference
 

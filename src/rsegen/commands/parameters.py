@@ -15,7 +15,7 @@ from rsegen.params.streams import SEEDS
 
 if TYPE_CHECKING:
     from rsegen.exporters.formats import Format
-    from rsegen.field.robot_limits import RobotLimits
+    from rsegen.field.metrics.catalogue import Crosser
     from rsegen.robots.base import DrivableRobot
 
 Force = Annotated[bool, Flag(help="replace what is there, if rsegen wrote it and nobody has changed it since")]
@@ -149,25 +149,26 @@ Formats = Annotated[
 
 
 @dataclass(frozen=True)
-class LimitsOf:
-    """The limits of a robot: of a kind by its name, or climb, drop and width in cm."""
+class CrosserSort:
+    """What gets across: a robot, of a kind or of a file, or limits of steps, as climb, drop and width in cm."""
 
     help: str = ""
 
-    def check(self, where: str, value: object) -> RobotLimits:
-        """Return the limits; an UnknownName for an unknown kind, a ParameterError for anything else."""
-        from rsegen.field.robot_limits import RobotLimits
-        from rsegen.robots import robot
+    def check(self, where: str, value: object) -> Crosser:
+        """Return the robot or the limits; an UnknownName for an unknown kind, a ParameterError for anything else."""
+        from rsegen.field.limits import StepLimits
+        from rsegen.field.metrics.catalogue import Crosser
+        from rsegen.robots import robot_of
 
-        if isinstance(value, RobotLimits):
+        if isinstance(value, Crosser):
             return value
-        if isinstance(value, str):
-            return robot(value, where).limits
+        if isinstance(value, str | os.PathLike):
+            return robot_of(value, where)
         if not isinstance(value, list | tuple) or not 1 <= len(value) <= 3:
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
         names = ("climb_cm", "drop_cm", "width_cm")
         lengths = (Float(0, 100_000, unit="cm").check(where, length) for length in value)
-        return RobotLimits(**dict(zip(names, lengths, strict=False)))
+        return StepLimits(**dict(zip(names, lengths, strict=False)))
 
     def parse(self, text: str) -> object:
         """Return the name, or the numbers."""
@@ -184,20 +185,20 @@ class LimitsOf:
 
     def describe(self) -> str:
         """Return what may be given."""
-        return "a kind of robot, or climb, drop and width in cm, as in 7,7,30"
+        return "a kind of robot or a file of one, or steps up, down and a width in cm, as in 7,7,30"
 
 
 By = Annotated[
     Any,
     Reference(
         "a metric by its name in rsegen metrics --csv",
-        help="what rises evenly, as in opening.west_east or, with a robot, reach.west_east.cost",
+        help="what rises evenly, as in opening.west_east or, with a robot, reach.west_east.tilt",
     ),
     Shell(metavar="METRIC"),
 ]
 
 ByRobot = Annotated[
-    "RobotLimits | str | None",
-    LimitsOf(help="robot of the metric by which it rises"),
-    Shell(metavar="KIND|CM,CM,CM"),
+    "Crosser | str | None",
+    CrosserSort(help="robot, or limits of steps, of the metric by which it rises"),
+    Shell(metavar="KIND|FILE|CM,CM,CM"),
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.commands.parameters import MapReference, RobotModel
-from rsegen.field.robot_limits import SIDE
+from rsegen.field.limits import SIDE
 from rsegen.params.command import Shell, command
 from rsegen.params.sorts import Float, Integer, ListOf
 from rsegen.params.streams import SEEDS

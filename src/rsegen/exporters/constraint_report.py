@@ -4,32 +4,49 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.recipe.building import build
 
+if TYPE_CHECKING:
+    from rsegen.recipe.recipe import Recipe
+
 
 def constraint_report(scene: Scene) -> dict[str, Any]:
     """Return the demanded and the actual value of each constraint of a map's recipe, as JSON values."""
     from rsegen.field.metrics.roughness import differences
-    from rsegen.field.metrics.traversability import crossing
 
     recipe = scene.recipe
     report: dict[str, Any] = {}
     if recipe.max_step is not None:
         report["max_step"] = {"asked": recipe.max_step, "is": int(differences(scene.field).max(initial=0))}
-    if recipe.climber:
-        robot = {name: getattr(recipe.climber, name) for name in ("climb_cm", "drop_cm", "width_cm")}
-        ways = (crossing(scene.field, recipe.climber, axis) for axis in (0, 1))
-        report["crossable_by"] = robot | {
-            name: {"crosses": way.crosses, "length_m": way.length, "cells": way.path.tolist()}
-            for name, way in zip(("west_east", "south_north"), ways, strict=True)
-        }
+    if (crosser := recipe.crosser) is not None:
+        ways = zip(("west_east", "south_north"), (crosser.crossing(scene.field, axis) for axis in (0, 1)), strict=True)
+        report["crossable_by"] = _asked(recipe) | {name: _way(way) for name, way in ways}
     if recipe.inventory is not None:
         report["inventory"] = _inventory(scene, recipe.inventory)
     return report
+
+
+def _asked(recipe: Recipe) -> dict[str, Any]:
+    """Return what is to get across: a robot by its kind, or limits of steps."""
+    if isinstance(recipe.crossable_by, str):
+        return {"robot": recipe.crossable_by}
+    return dict(zip(("climb_cm", "drop_cm", "width_cm"), recipe.crossable_by or (), strict=False))
+
+
+def _way(way: Any) -> dict[str, Any]:
+    """Return a way as JSON values: by cells, or by the points of a robot's, metres."""
+    from rsegen.field.metrics import Crossing
+
+    ends: dict[str, Any] = {"crosses": way.crosses, "length_m": way.length}
+    if isinstance(way, Crossing):
+        return ends | {"cells": way.path.tolist()}
+    return ends | {"points_m": np.round(way.points, 6).tolist()}
 
 
 def describe_constraints(scene: Scene) -> Iterator[str]:
@@ -40,8 +57,9 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
     if "crossable_by" in report:
         both = ((name, report["crossable_by"][name]) for name in ("west_east", "south_north"))
         paths = [name.replace("_", " to ") for name, way in both if way["crosses"]] or ["no side"]
-        robot = "climbs {climb_cm:g} cm, descends {drop_cm:g} cm and is {width_cm:g} cm wide"
-        yield f"a robot that {robot.format(**report['crossable_by'])} can cross from {' and from '.join(paths)}"
+        limits = "a path of steps of {climb_cm:g} cm up and {drop_cm:g} cm down, {width_cm:g} cm wide, leads"
+        what = "{robot} drives" if "robot" in report["crossable_by"] else limits
+        yield f"{what.format(**report['crossable_by'])} across from {' and from '.join(paths)}"
     if "inventory" in report:
         used, owned = (sum(report["inventory"][name].values()) for name in ("used", "owned"))
         yield f"uses {used:,} of the {owned:,} blocks of the inventory"

@@ -15,12 +15,13 @@ from itertools import count
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.robot_limits import RobotLimits
+from rsegen.field.limits import StepLimits
 from rsegen.params.sorts import MOST_LEVELS, Cell, Choice, Float, Integer, Json, ListOf, Size2D, validate
 from rsegen.params.streams import SEEDS, fresh_seed, generator
 
 if TYPE_CHECKING:
     from rsegen.field.obstacles import Grid, Obstacle
+    from rsegen.standing.kinds import Standing
 
 Difficulty = float | tuple[float, float] | tuple[float, float, int]
 """One number for all maps; or (least, most), drawn for each map; or (least, most, steps), rising from map to map."""
@@ -75,6 +76,34 @@ def difficulty_of_map(given: Difficulty, seed: int, index: int) -> float:
     return round(low + (high - low) * share, 9)  # a number that files have in full: 0.3, not 0.30000000000000004
 
 
+@dataclass(frozen=True)
+class CrossableBySort:
+    """What gets across every map: a kind of robot, or the climb, drop and width [cm] of a path of cells."""
+
+    help: str = ""
+
+    def check(self, where: str, value: object) -> str | tuple[float, ...]:
+        if isinstance(value, str):
+            from rsegen.standing.kinds import ROBOTS
+
+            return ROBOTS.named(value, where).kind
+        return _FIGURES.check(where, value)
+
+    def parse(self, text: str) -> object:
+        return _FIGURES.parse(text) if text[:1].isdecimal() or not text else text
+
+    def format(self, value: Any) -> str:
+        return value if isinstance(value, str) else _FIGURES.format(value)
+
+    def schema(self) -> dict[str, Json]:
+        return {"anyOf": [{"type": "string"}, _FIGURES.schema()]}
+
+    def describe(self) -> str:
+        return f"a kind of robot, as in burger, or {_FIGURES.describe()}"
+
+
+_FIGURES = ListOf(Float(0, 100_000, unit="cm"), 3)
+
 _CENTIMETRES = Float(0.001, 100_000, unit="cm")
 
 
@@ -107,11 +136,10 @@ class MapDesign:
         ),
     ] = None
     crossable_by: Annotated[
-        tuple[float, float, float] | None,
-        ListOf(
-            Float(0, 100_000, unit="cm"),
-            3,
-            help="guarantees that a robot with this climb, drop and width can cross west to east and south to north",
+        str | tuple[float, float, float] | None,
+        CrossableBySort(
+            help="guarantees a way from west to east and one from south to north: for a kind of robot, by its poses on "
+            "a straight lane; or of cells, for these steps up and down and this width"
         ),
     ] = None
     inventory: Annotated[
@@ -151,12 +179,16 @@ class MapDesign:
         return Grid(m_x * self.chunk_size, m_y * self.chunk_size, self.chunk_size)
 
     @property
-    def climber(self) -> RobotLimits | None:
-        """Limits of the robot that gets across every map; None if the recipe demands no such robot."""
+    def crosser(self) -> Standing | StepLimits | None:
+        """What gets across every map: a robot, or limits of steps; None if the recipe demands nothing of the sort."""
         if self.crossable_by is None:
             return None
+        if isinstance(self.crossable_by, str):
+            from rsegen.standing.kinds import ROBOTS
+
+            return ROBOTS[self.crossable_by]
         climb, drop, width = self.crossable_by
-        return RobotLimits(climb_cm=climb, drop_cm=drop, width_cm=width)
+        return StepLimits(climb_cm=climb, drop_cm=drop, width_cm=width)
 
     def difficulty_of(self, index: int) -> float:
         """Return the difficulty of map `index`."""
@@ -179,12 +211,14 @@ class MapDesign:
         return max([self.top_level, *owned])
 
     def _check_frames(self) -> None:
-        """Raise a ParameterError if a robot that is to get across cannot get over the frames."""
-        least = min(self.crossable_by[:2]) if self.crossable_by else self.frame_height_cm
+        """Raise a ParameterError if frames are too high for a path that is to lead across; poses show it of a robot."""
+        if self.crossable_by is None or isinstance(self.crossable_by, str):
+            return
+        least = min(self.crossable_by[:2])
         if self.boundary != "none" and self.frame_height_cm > least:
             raise ParameterError(
                 "crossable_by",
-                f"the robot gets over {least:g} cm, and the frames are {self.frame_height_cm:g} cm high; "
+                f"the path goes over {least:g} cm, and the frames are {self.frame_height_cm:g} cm high; "
                 f"give boundary none, or a frame_height_cm of up to {least:g}",
             )
 

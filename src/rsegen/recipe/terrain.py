@@ -15,9 +15,9 @@ from math import gcd
 import numpy as np
 
 from rsegen.errors import ParameterError, TooLarge, inside
-from rsegen.field.metrics.catalogue import RMS, By, metric_by
+from rsegen.field.limits import SIDE
+from rsegen.field.metrics.catalogue import RMS, By, Crosser, metric_by
 from rsegen.field.obstacles.matrix import Matrix
-from rsegen.field.robot_limits import SIDE, RobotLimits
 from rsegen.field.stepfield import Array, Levels, StepField
 from rsegen.footprints import Footprint, even_spots
 from rsegen.params.sorts import NANOMETRE_DIGITS, Integer, ListOf, validate
@@ -68,7 +68,7 @@ class Terrain(TerrainDesign):
 
     recipes: Recipe | Sequence[Recipe]
     by: By = RMS
-    robot: RobotLimits | None = None
+    robot: Crosser | None = None
     progress: Callable[[], object] | None = None
 
     def __post_init__(self) -> None:

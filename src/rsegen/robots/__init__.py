@@ -2,7 +2,18 @@
 
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.drives import BACKENDS, Command
-from rsegen.robots.lookup import robot, robot_of
+from rsegen.robots.lookup import poses, robot, robot_of
 from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
 
-__all__ = ["BACKENDS", "ROBOTS", "Command", "Robot", "SdfRobot", "from_file", "is_robot_file", "robot", "robot_of"]
+__all__ = [
+    "BACKENDS",
+    "ROBOTS",
+    "Command",
+    "Robot",
+    "SdfRobot",
+    "from_file",
+    "is_robot_file",
+    "poses",
+    "robot",
+    "robot_of",
+]

@@ -9,15 +9,20 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Protocol, cast
 
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
 from rsegen.exporters.gazebo.sdf import FOOTER, HEADER, numbers
-from rsegen.field.robot_limits import SIDE, RobotLimits
-from rsegen.params.registry import Contract, Registry
+from rsegen.field.limits import SIDE
+from rsegen.field.stepfield import StepField
+from rsegen.params.registry import Registry
 from rsegen.params.sorts import Float, Parameter
 from rsegen.robots.drives import BACKENDS, Command, Drive, Servo, element, pose_publisher, servo_plugins, system
 from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
+from rsegen.standing.body import Body
+from rsegen.standing.kinds import ROBOTS as STANDING
+from rsegen.standing.kinds import Standing
+from rsegen.standing.ways import Reach, Way
 
 
 class DrivableRobot(Protocol):
@@ -34,6 +39,16 @@ class DrivableRobot(Protocol):
     def speed(self) -> float: ...  # noqa: D102  # the class says it
     @property
     def turn(self) -> float: ...  # noqa: D102  # the class says it
+    @property
+    def body(self) -> Body: ...  # noqa: D102  # the class says it
+    @property
+    def width(self) -> float: ...  # noqa: D102  # the class says it
+    def reach(self, field: StepField) -> Reach:
+        """Return where it gets on a field, and its ways across."""
+
+    def crossing(self, field: StepField, axis: int) -> Way:
+        """Return its way across a field, along x for axis 0, along y for axis 1."""
+
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
         """Return its <model>, with its origin at a pose."""
 
@@ -42,12 +57,11 @@ class DrivableRobot(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Robot:
+class Robot(Standing):
     """A robot; the origin of its model is on the ground below its centre, and the first link is its body.
 
     size, clearance: overall length, width and height, and ground clearance of the body, metres
-    climbs: the highest single step that it drives up in Gazebo Classic, measured, metres
-    crosses: the highest step of a way across a map up to which it mostly comes across, as a share of `climbs`, measured
+    climbs: the highest single step that it drives up in Gazebo Classic, measured, metres: a fact that nothing uses
     source: the origin of its figures, and which are ours
     """
 
@@ -60,7 +74,6 @@ class Robot:
     links: tuple[Link, ...]
     joints: tuple[Joint, ...]
     drive: Drive
-    crosses: float = 1.0
     servos: tuple[Servo, ...] = ()
     lidar: Lidar | None = None
 
@@ -75,14 +88,11 @@ class Robot:
         return self.drive.turn
 
     @property
-    def climber(self) -> RobotLimits:
-        """The highest single step that it drives up, and its width."""
-        return RobotLimits.of(self.climbs, self.size[1])
+    def body(self) -> Body:
+        """The robot from below, with its servos at rest."""
+        from rsegen.robots.body import body_of
 
-    @property
-    def limits(self) -> RobotLimits:
-        """The limits for the metrics: on a map it meets several steps at once, and stands on them askew."""
-        return RobotLimits.of(self.climbs * self.crosses, self.size[1])
+        return body_of(self)
 
     @property
     def mass(self) -> float:
@@ -158,13 +168,8 @@ def _named(name: str) -> str:
     return name
 
 
-ROBOTS: Registry[Robot] = Registry(
-    "robot",
-    package="rsegen.robots",
-    group="rsegen.robots",
-    contract=Contract(base=Robot, names=lambda robot: (robot.kind,), is_class=False),
-)
-"""Every robot by its kind."""
+ROBOTS = cast("Registry[Robot]", STANDING)
+"""Every robot by its kind: the registry of what stands, in which all are of this class."""
 
 
 def register(robot: Robot) -> Robot:

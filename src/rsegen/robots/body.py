@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import lru_cache, singledispatch
 from pathlib import Path
+from typing import Any
 from xml.etree.ElementTree import Element, fromstring
 
 import numpy as np
@@ -17,7 +18,12 @@ import numpy as np
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.io.input_files import open_regular, read_by_library
-from rsegen.poses.body import (
+from rsegen.robots.base import DrivableRobot, Robot
+from rsegen.robots.drives import Drive, Wheels
+from rsegen.robots.links import Box, Cylinder, Link, SdfPose, Vector, rotation
+from rsegen.robots.sdf_file import SdfRobot
+from rsegen.robots.sdf_shapes import ModelFrames, floats, inertials
+from rsegen.standing.body import (
     Body,
     Part,
     Shape,
@@ -30,11 +36,6 @@ from rsegen.poses.body import (
     mesh,
     sample_distance,
 )
-from rsegen.robots.base import DrivableRobot, Robot
-from rsegen.robots.drives import Drive, Wheels
-from rsegen.robots.links import Box, Cylinder, Link, SdfPose, Vector, rotation
-from rsegen.robots.sdf_file import SdfRobot
-from rsegen.robots.sdf_shapes import ModelFrames, floats, inertials
 
 DRIVING_SPEED = 0.4
 """Speed, m/s, at which faster robots drive on rough ground: tracked ones climb stairs of 10 and 20 cm with it.
@@ -200,7 +201,7 @@ def _mesh(element: Element, distance: float, where: str) -> Solid:
 
         with open_regular(path) as file:
             form, resolver = path.suffix[1:].lower(), trimesh.resolvers.FilePathResolver(str(path))
-            loaded = trimesh.load(file, file_type=form, resolver=resolver, force="mesh")
+            loaded: Any = trimesh.load(file, file_type=form, resolver=resolver, force="mesh")
         return mesh(np.asarray(loaded.vertices) * scale, np.asarray(loaded.faces), distance)
 
     try:

@@ -66,7 +66,6 @@ BURGER = register(
         size=(0.138, 0.178, 0.192),
         clearance=0.010,
         climbs=0.010,
-        crosses=0.6,
         links=(_BASE, _wheel("left", _SEPARATION / 2), _wheel("right", -_SEPARATION / 2)),
         joints=(_axle("left"), _axle("right")),
         drive=Wheels(

@@ -129,7 +129,6 @@ CRAWLER = register(
         size=(0.975, 0.53, 0.320),
         clearance=0.050,
         climbs=0.20,
-        crosses=0.35,
         links=(
             _BASE,
             *(_track(side) for side in _SIDES),

@@ -43,7 +43,6 @@ JACKAL = register(
         size=(_BASE + 2 * _RADIUS, _SEPARATION + _WIDTH, 0.250),
         clearance=0.066,
         climbs=0.05,
-        crosses=0.7,
         links=(
             Link(name="base", mass=16.523, solid=_CHASSIS, centre=(0, 0, 0.130, 0, 0, 0), parts=(_PART,)),
             *(_wheel(corner, x, y) for corner, (x, y) in _CORNERS.items()),

@@ -1,11 +1,16 @@
-"""Find a robot by the name of its kind or by the path of its file."""
+"""Find a robot by the name of its kind or by the path of its file, and how it stands."""
 
 from __future__ import annotations
 
 import os
 
+from numpy.typing import ArrayLike
+
+from rsegen.field.stepfield import StepField
 from rsegen.robots.base import ROBOTS, DrivableRobot, Robot
 from rsegen.robots.sdf_file import from_file, is_robot_file
+from rsegen.standing import resting
+from rsegen.standing.resting import Poses
 
 
 def robot(kind: str, where: str = "robot") -> Robot:
@@ -13,8 +18,22 @@ def robot(kind: str, where: str = "robot") -> Robot:
     return ROBOTS.named(kind, where)
 
 
-def robot_of(what: str | os.PathLike[str] | DrivableRobot) -> DrivableRobot:
-    """Return the robot of a kind or of a file; a robot itself as it is."""
+def robot_of(what: str | os.PathLike[str] | DrivableRobot, where: str = "robot") -> DrivableRobot:
+    """Return the robot of a kind, or of an SDF, URDF or Xacro file; a robot itself as it is.
+
+    UnknownName for an unknown kind, FileError for a file that is no robot.
+    """
     if isinstance(what, str | os.PathLike):
-        return from_file(what) if is_robot_file(what) else robot(os.fspath(what))
+        return from_file(what) if is_robot_file(what) else robot(os.fspath(what), where)
     return what
+
+
+def poses(
+    field: StepField, robot: str | os.PathLike[str] | DrivableRobot, x: ArrayLike, y: ArrayLike, heading: ArrayLike
+) -> Poses:
+    """Return how a robot stands at each x, y [m] and heading [rad] of a field, where it was put down level.
+
+    robot: a kind, the file of one, or a robot. The numbers go together as in numpy. ParameterError for a place outside
+    the field, a number that is none, or a robot without collision shapes.
+    """
+    return resting.poses(field, robot_of(robot).body, x, y, heading)

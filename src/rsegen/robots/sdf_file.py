@@ -21,7 +21,7 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError
 from rsegen.exporters.gazebo.sdf import numbers, prefixes
-from rsegen.field.robot_limits import SIDE
+from rsegen.field.limits import SIDE
 from rsegen.io.input_files import elements, text_of
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.drives import Command, Drive, Wheels, pose_publisher
@@ -31,6 +31,8 @@ from rsegen.robots.sdf_shapes import Extents, ModelFrames, extents, impossible_i
 from rsegen.robots.urdf import converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro
+from rsegen.standing.body import Body
+from rsegen.standing.kinds import Standing
 
 MAX_MIB = 4
 """The largest file that is read, MiB: a second's work for the parser; robots' files have some tens of kilobytes."""
@@ -58,7 +60,7 @@ _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYS
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class SdfRobot:
+class SdfRobot(Standing):
     """A robot from a file: its name, its <model> as text, its drive, and what of it was derived from the model.
 
     backend: the simulator that its own plug-in is of, None if ROS's or none that is known; read_drive: its drive, None
@@ -82,6 +84,13 @@ class SdfRobot:
     derived: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+
+    @property
+    def body(self) -> Body:
+        """The robot from below, with its joints at 0; FileError for a shape that cannot be measured."""
+        from rsegen.robots.body import body_of
+
+        return body_of(self)
 
     @property
     def drive(self) -> Drive:

@@ -20,10 +20,9 @@ from typing import Annotated, NamedTuple
 
 from rsegen.errors import ParameterError, shown
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics.catalogue import RMS, By, Metric, metric_by
+from rsegen.field.metrics.catalogue import RMS, By, Crosser, Metric, metric_by
 from rsegen.field.metrics.roughness import spread, steps
 from rsegen.field.metrics.traversability import percolation
-from rsegen.field.robot_limits import RobotLimits
 from rsegen.params.sorts import NANOMETRE_DIGITS, Flag, Float, validate
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
@@ -47,7 +46,7 @@ class SeriesPlan:
     to: Annotated[float, Float(0, 1, help="difficulty of the last map")] = 1.0
     same_field: Annotated[bool, Flag(help="one field at rising difficulty; else every map is another field")] = False
     by: By = RMS
-    robot: RobotLimits | None = None
+    robot: Crosser | None = None
 
     def __post_init__(self) -> None:
         validate(self)

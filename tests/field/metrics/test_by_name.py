@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given
 
 import rsegen
-from rsegen import Metric, RobotLimits, StepField
+from rsegen import Metric, StepField, StepLimits
 from rsegen.errors import UserError
 from rsegen.field.metrics.catalogue import OF_A_ROBOT, UNITS, flattened, metric_by, nested
 from tests.support.strategies import fields
 
-ROBOT = RobotLimits(climb_cm=15, width_cm=20)
-NOT_MEASURED = ("steps.unit", "scale.hurst_is_weak", "ruggedness.cells", "reach.climber.", ".crosses")
+LIMITS = StepLimits(climb_cm=15, width_cm=20)
+NOT_MEASURED = ("steps.unit", "scale.hurst_is_weak", "ruggedness.cells", "reach.limits.", ".crosses", ".reason", ".at")
 """What the table has beside figures by which maps may be ordered."""
 
 
@@ -23,19 +23,35 @@ NOT_MEASURED = ("steps.unit", "scale.hurst_is_weak", "ruggedness.cells", "reach.
 def test_every_name_is_that_of_the_table(field: StepField) -> None:
     if field.frame.all():
         return
-    table = dict(flattened(nested(rsegen.metrics(field, ROBOT))))
+    table = dict(flattened(nested(rsegen.metrics(field, LIMITS))))
     table.update(flattened({"opening": nested(rsegen.metrics(field).opening)}))
-    assert {name for name in table if not any(part in name for part in NOT_MEASURED)} == set(UNITS)
-    for name in UNITS:
-        found = metric_by(name, ROBOT if name in OF_A_ROBOT else None)(field)
+    figures = {name for name in table if not any(part in name for part in NOT_MEASURED)}
+    assert figures == {name for name in UNITS if not name.endswith(".tilt")}
+    for name in figures:
+        found = metric_by(name, LIMITS if name in OF_A_ROBOT else None)(field)
         assert found == pytest.approx(math.nan if table[name] is None else table[name], abs=1e-9, nan_ok=True)
+
+
+def test_every_name_of_a_robot_is_that_of_its_table() -> None:
+    recipe = rsegen.Recipe(seed=1, unit_cm=2, boundary="none", obstacles=[rsegen.Random(levels=3)])
+    field, jackal = rsegen.build(recipe), rsegen.robot_of("jackal")
+    table = dict(flattened({"reach": nested(jackal.reach(field))}))
+    figures = {name for name in table if not any(part in name for part in NOT_MEASURED)}
+    assert figures < OF_A_ROBOT
+    assert {name for name in figures if name.endswith(".tilt")}
+    for name in figures:
+        assert metric_by(name, jackal)(field) == pytest.approx(table[name])
+    with pytest.raises(UserError, match=r"by: reach\.west_east\.cost is measured with limits of steps"):
+        metric_by("reach.west_east.cost", jackal)(field)
+    with pytest.raises(UserError, match=r"by: reach\.west_east\.tilt is measured with a robot"):
+        metric_by("reach.west_east.tilt", LIMITS)(field)
 
 
 def test_an_opening_has_the_width_of_the_robot() -> None:
     recipe = rsegen.Recipe(seed=3, boundary="none", obstacles=[rsegen.Random(levels=9)])
     field = rsegen.build(recipe)
-    wide = metric_by("opening.west_east", RobotLimits(climb_cm=1, width_cm=30))(field)
-    assert wide == rsegen.metrics(field, RobotLimits(climb_cm=1, width_cm=30)).opening.west_east
+    wide = metric_by("opening.west_east", StepLimits(climb_cm=1, width_cm=30))(field)
+    assert wide == rsegen.metrics(field, StepLimits(climb_cm=1, width_cm=30)).opening.west_east
     assert wide != metric_by("opening.west_east")(field)
 
 
@@ -56,9 +72,17 @@ def test_a_function_is_a_metric_and_a_metric_is_itself() -> None:
         (7, None, "by: unknown metric 7"),
         (["steps.rms"], None, "by: unknown metric"),
         (min(OF_A_ROBOT), None, f"by: {min(OF_A_ROBOT)} needs a robot; give robot too"),
-        ("steps.rms", ROBOT, "robot: steps.rms does not depend on a robot; give by=reach.west_east.cost, or leave rob"),
-        (len, ROBOT, "robot: a function does not depend on a robot"),
-        ("steps.rms", "burger", r"robot: 'burger' is not a robot's limits; give RobotLimits\(climb_cm=10\)"),
+        (
+            "steps.rms",
+            LIMITS,
+            "robot: steps.rms does not depend on a robot; give by=reach.west_east.cost, or",
+        ),
+        (len, LIMITS, "robot: a function does not depend on a robot"),
+        (
+            "steps.rms",
+            "burger",
+            r"robot: 'burger' is neither a robot nor limits of steps; give rsegen.robot_of",
+        ),
     ],
 )
 def test_an_unknown_metric_is_refused(by: Any, robot: Any, message: str) -> None:

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 import rsegen
-from rsegen import RobotLimits
+from rsegen import StepLimits
 from rsegen.cli import main
 from rsegen.exporters.pictures.robot_plots import path_plot
 from rsegen.field.metrics.traversability import traversability
@@ -84,7 +84,7 @@ def test_a_recipe_and_its_maps_have_the_same_metrics(capsys: pytest.CaptureFixtu
 
 def test_json_and_csv_equal_the_values_of_python(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
     expected = rsegen.metrics(
-        rsegen.compose(rsegen.load(maps / "rse_0002" / "recipe.json"), 2).field, RobotLimits(climb_cm=10)
+        rsegen.compose(rsegen.load(maps / "rse_0002" / "recipe.json"), 2).field, StepLimits(climb_cm=10)
     )
     told = json.loads(printed(capsys, maps, "--json", *TEN))
     rows = list(csv.DictReader(io.StringIO(printed(capsys, maps, "--csv", *TEN))))
@@ -97,16 +97,21 @@ def test_json_and_csv_equal_the_values_of_python(capsys: pytest.CaptureFixture[s
     } == expected.spread.level_counts
 
 
-def test_a_robot_s_figures_are_its_own_and_each_is_overridden(capsys: pytest.CaptureFixture[str]) -> None:
-    kind = ROBOTS["burger"]
+def test_a_robot_is_measured_by_its_poses_whether_it_is_a_kind_or_a_file(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "jackal.sdf"
+    file.write_text(ROBOTS["jackal"].file("jackal"))
+    found = rsegen.metrics(rsegen.build(rsegen.load(PALLET)), ROBOTS["jackal"]).reach
+    for robot in ("jackal", file):
+        reach = json.loads(printed(capsys, PALLET, "--json", "--robot", robot))[0]["reach"]
+        assert reach["cover"] == pytest.approx(found.cover, abs=0.03)  # it rocks on two of its four wheels
+        assert reach["west_east"]["crosses"] == found.west_east.crosses
 
-    def climber(*flags: str) -> dict[str, float]:
-        return dict(json.loads(printed(capsys, PALLET, "--json", "--robot", "burger", *flags))[0]["reach"]["climber"])
 
-    usual = climber()
-    assert usual["climb_cm"] / 100 == pytest.approx(kind.climbs * kind.crosses)
-    assert usual["width_cm"] / 100 == pytest.approx(kind.size[1])
-    assert climber("--climb-cm", "10", "--drop-cm", "20") == {**usual, "climb_cm": 10, "drop_cm": 20}
+def test_limits_of_steps_are_no_robot(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["metrics", str(PALLET), "--robot", "burger", "--climb-cm", "10"]) == 2
+    assert "--climb-cm: limits of steps are measured without --robot" in capsys.readouterr().err
 
 
 def test_without_a_robot_the_report_names_none(capsys: pytest.CaptureFixture[str]) -> None:
@@ -125,8 +130,8 @@ def test_a_picture_is_written(capsys: pytest.CaptureFixture[str], tmp_path: Path
 def test_a_picture_shows_existing_paths(climb_cm: float) -> None:
     """A robot that gets nowhere has a picture too."""
     scene = rsegen.compose(rsegen.load(PALLET))
-    found = traversability(scene.field, RobotLimits(climb_cm=climb_cm))
-    pixels = Image.open(io.BytesIO(path_plot(scene, found))).convert("RGB")
+    found = traversability(scene.field, StepLimits(climb_cm=climb_cm))
+    pixels = Image.open(io.BytesIO(path_plot(scene, found, "a path"))).convert("RGB")
     assert pixels.size == (1400, 700)
     heat = pixels.crop((700, 100, 1300, 600)).getcolors(2**24)
     assert heat is not None

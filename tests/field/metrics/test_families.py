@@ -96,7 +96,7 @@ def test_ground_alone_has_neither_variation_nor_exponent() -> None:
 
 
 def test_one_block_alone_has_metrics() -> None:
-    found = rsegen.metrics(field("3"), rsegen.RobotLimits(climb_cm=30))
+    found = rsegen.metrics(field("3"), rsegen.StepLimits(climb_cm=30))
     assert (found.steps.mean, found.ruggedness.tri, found.scale.lags) == (None, None, ())
     assert found.opening.west_east == pytest.approx(0.3)
     assert found.reach is not None

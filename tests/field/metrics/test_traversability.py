@@ -13,23 +13,23 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 
 import rsegen
-from rsegen import RobotLimits, StepField
+from rsegen import StepField, StepLimits
+from rsegen.field.limits import NANOMETRES
 from rsegen.field.metrics.graphs import connected, strongly_connected
 from rsegen.field.metrics.traversability import Ground, Traversability, ground, lane, traversability
-from rsegen.field.robot_limits import NANOMETRES
 from rsegen.field.stepfield import Ints
 from tests.field.metrics.test_families import field, turned
 from tests.support.strategies import fields
 
 CLIMBERS = st.builds(
-    RobotLimits,
+    StepLimits,
     climb_cm=st.sampled_from([0.0, 1.0, 7.0, 10.0, 20.0, 40.0]),
     drop_cm=st.sampled_from([None, 0.0, 10.0, 20.0, 40.0]),
     width_cm=st.sampled_from([0.0, 10.0, 17.8, 30.0, 1000.0]),
 )
 
 
-def graph(carrying: Ground, climber: RobotLimits, tread: int) -> csr_array:
+def graph(carrying: Ground, climber: StepLimits, tread: int) -> csr_array:
     """Every move that a robot can make, with its cost."""
     heights, (climb, drop) = carrying.heights.ravel(), climber.limits
     one, other = carrying.moves()
@@ -40,7 +40,7 @@ def graph(carrying: Ground, climber: RobotLimits, tread: int) -> csr_array:
 
 
 @given(fields(), CLIMBERS)
-def test_the_cheapest_way_is_scipy_s(found: StepField, climber: RobotLimits) -> None:
+def test_the_cheapest_way_is_scipy_s(found: StepField, climber: StepLimits) -> None:
     assume(not found.frame.all())
     tread = round(found.block_width * NANOMETRES)
     for axis, crossing in enumerate(
@@ -55,7 +55,7 @@ def test_the_cheapest_way_is_scipy_s(found: StepField, climber: RobotLimits) -> 
 
 
 @given(fields(), CLIMBERS)
-def test_of_equally_cheap_ways_the_shortest_is_taken(found: StepField, climber: RobotLimits) -> None:
+def test_of_equally_cheap_ways_the_shortest_is_taken(found: StepField, climber: StepLimits) -> None:
     """scipy's cheapest way, if every move costs a bit more."""
     assume(not found.frame.all())
     carrying = lane(found, climber.width, 0)
@@ -71,7 +71,7 @@ def test_of_equally_cheap_ways_the_shortest_is_taken(found: StepField, climber: 
 
 
 def test_a_mirrored_field_has_the_same_length() -> None:
-    limits = RobotLimits(climb_cm=40)
+    limits = StepLimits(climb_cm=40)
     recipe = rsegen.Recipe(seed=1, obstacles=[rsegen.Random(levels=5)])
     detours = 0
     for index in range(30):
@@ -86,7 +86,7 @@ def test_a_mirrored_field_has_the_same_length() -> None:
 
 
 @given(fields(), CLIMBERS)
-def test_the_region_is_scipy_s_largest(found: StepField, climber: RobotLimits) -> None:
+def test_the_region_is_scipy_s_largest(found: StepField, climber: StepLimits) -> None:
     assume(not found.frame.all())
     """Of those with the most blocks that are as high as all that is below a robot on them."""
     carrying, blocks = ground(found, climber.width), ~found.frame
@@ -109,7 +109,7 @@ def test_the_region_of_a_wide_robot_is_the_floor_and_not_the_surroundings_of_bar
     field = StepField(
         levels=levels, frame=np.zeros(levels.shape, dtype=bool), block_width=0.1, unit=0.1, frame_height=0.0
     )
-    narrow, wide = (traversability(field, RobotLimits(climb_cm=5, width_cm=width)) for width in (0, 30))
+    narrow, wide = (traversability(field, StepLimits(climb_cm=5, width_cm=width)) for width in (0, 30))
     expected = np.zeros(levels.shape, dtype=bool)
     expected[7:22, :19] = True
     assert np.array_equal(narrow.region, expected)
@@ -138,7 +138,7 @@ def partition(group: Ints) -> set[frozenset[int]]:
 
 
 @given(fields(), CLIMBERS)
-def test_a_path_is_passable_and_costs_what_is_reported(found: StepField, climber: RobotLimits) -> None:
+def test_a_path_is_passable_and_costs_what_is_reported(found: StepField, climber: StepLimits) -> None:
     assume(not found.frame.all())
     crossing = traversability(found, climber).west_east
     assume(crossing.crosses)
@@ -158,27 +158,27 @@ def test_a_path_is_passable_and_costs_what_is_reported(found: StepField, climber
 @given(fields(), st.sampled_from([0.0, 10.0, 30.0]))
 def test_a_robot_crosses_from_the_opening_on_and_not_below_it(found: StepField, width_cm: float) -> None:
     assume(not found.frame.all())
-    at = RobotLimits(climb_cm=1e-3, width_cm=width_cm)
+    at = StepLimits(climb_cm=1e-3, width_cm=width_cm)
     opens = rsegen.metrics(found, at).opening
     for axis, least in (("west_east", opens.west_east), ("south_north", opens.south_north)):
-        climbs = RobotLimits(climb_cm=round(least * 100, 7), width_cm=width_cm)
+        climbs = StepLimits(climb_cm=round(least * 100, 7), width_cm=width_cm)
         assert getattr(traversability(found, climbs), axis).crosses
         if least > 1e-5:
-            below = RobotLimits(climb_cm=round(least * 100 - 1e-3, 7), width_cm=width_cm)
+            below = StepLimits(climb_cm=round(least * 100 - 1e-3, 7), width_cm=width_cm)
             assert not getattr(traversability(found, below), axis).crosses
 
 
 @given(fields(), CLIMBERS)
-def test_a_better_climber_reaches_every_cell_that_another_reaches(found: StepField, climber: RobotLimits) -> None:
+def test_a_better_climber_reaches_every_cell_that_another_reaches(found: StepField, climber: StepLimits) -> None:
     assume(not found.frame.all())
     one = traversability(found, climber)
-    two = traversability(found, RobotLimits(climb_cm=climber.climb_cm + 5, drop_cm=50, width_cm=climber.width_cm))
+    two = traversability(found, StepLimits(climb_cm=climber.climb_cm + 5, drop_cm=50, width_cm=climber.width_cm))
     assert two.cover >= one.cover
     assert (two.west_east.costs <= one.west_east.costs).all()
 
 
 @given(fields(), CLIMBERS)
-def test_a_quarter_turn_swaps_the_directions(found: StepField, climber: RobotLimits) -> None:
+def test_a_quarter_turn_swaps_the_directions(found: StepField, climber: StepLimits) -> None:
     """What was west-east is south-north then: x has become y."""
     assume(not found.frame.all())
     one, other = traversability(found, climber), traversability(turned(found), climber)
@@ -187,7 +187,7 @@ def test_a_quarter_turn_swaps_the_directions(found: StepField, climber: RobotLim
 
 
 def reached(rows: list[str], climb_cm: float, drop_cm: float | None = None, width_cm: float = 0) -> Traversability:
-    return traversability(field(*rows), RobotLimits(climb_cm=climb_cm, drop_cm=drop_cm, width_cm=width_cm))
+    return traversability(field(*rows), StepLimits(climb_cm=climb_cm, drop_cm=drop_cm, width_cm=width_cm))
 
 
 def test_a_wall_with_a_door_is_gone_round() -> None:
@@ -238,5 +238,5 @@ def test_a_million_cells_are_measured_within_seconds_of_cpu_time() -> None:
     levels = np.random.default_rng(1).integers(0, 5, (1000, 1000)).astype(np.int16)
     large = StepField(levels=levels, frame=levels < 0, block_width=0.1, unit=0.1, frame_height=0.1)
     start = time.process_time()
-    rsegen.metrics(large, RobotLimits(climb_cm=10, drop_cm=20))
+    rsegen.metrics(large, StepLimits(climb_cm=10, drop_cm=20))
     assert time.process_time() - start < 60

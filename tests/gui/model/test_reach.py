@@ -9,8 +9,8 @@ import pytest
 
 import rsegen
 from rsegen import Random, Recipe, compose
+from rsegen.field.limits import cells_to_each_side
 from rsegen.field.metrics.traversability import traversability
-from rsegen.field.robot_limits import cells_to_each_side
 from rsegen.footprints import Rectangle, Spot
 from rsegen.gui.model.preview import costs
 from rsegen.gui.model.reach import corners

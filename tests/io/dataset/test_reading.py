@@ -113,7 +113,7 @@ def test_tiles_get_harder_from_row_to_row(spacing: str, dataset: Dataset) -> Non
 
 
 def test_tiles_by_a_metric_of_a_robot_can_be_crossed_by_it(dataset: Dataset) -> None:
-    robot = rsegen.RobotLimits(climb_cm=10, width_cm=5)
+    robot = rsegen.StepLimits(climb_cm=10, width_cm=5)
     found = dataset.tiles(2, 3, by="reach.west_east.cost", robot=robot)
     costs = [rsegen.metrics(dataset.field(place), robot).reach for place in range(20)]
     every = {place: one.west_east.cost for place, one in enumerate(costs) if one and one.west_east.cost}

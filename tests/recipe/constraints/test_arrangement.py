@@ -64,8 +64,8 @@ def test_every_constraint_is_met(
     assert differences(field).max() <= max_step
     used = field.level_counts()
     assert all(count <= owned[level - 1] for level, count in used.items() if level)
-    if made.climber:
-        assert all(crossing(field, made.climber, axis).crosses for axis in (0, 1))
+    if made.crosser:
+        assert all(crossing(field, made.crosser, axis).crosses for axis in (0, 1))
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_the_way_of_a_robot_costs_few_blocks(inventory: tuple[int, ...], least: 
         made = recipe(seed, inventory=inventory, max_step=1, crossable_by=(10.0, 10.0, 53.0))
         field = rsegen.build(made)
         assert blocks_used(field) >= least
-        assert all(crossing(field, made.climber, axis).crosses for axis in (0, 1) if made.climber)
+        assert all(crossing(field, made.crosser, axis).crosses for axis in (0, 1) if made.crosser)
 
 
 def test_a_map_that_loses_no_block_to_its_largest_step_stays_as_it_is() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from math import ceil
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -23,6 +24,8 @@ from rsegen.params.streams import generator
 from rsegen.recipe.constraints import meeting
 from rsegen.recipe.constraints.inventory import fitted_to_inventory
 from rsegen.recipe.constraints.meeting import crossing_caps
+from rsegen.robots import ROBOTS
+from rsegen.standing.ways import straight, straight_lane
 from tests.support.complaints import the_line
 from tests.support.strategies import fields, recipes
 
@@ -35,7 +38,7 @@ def recipe(**values: object) -> rsegen.Recipe:
 
 
 def crosses(field: rsegen.StepField, climb: float, drop: float, width: float) -> bool:
-    climber = rsegen.RobotLimits(climb_cm=climb, drop_cm=drop, width_cm=width)
+    climber = rsegen.StepLimits(climb_cm=climb, drop_cm=drop, width_cm=width)
     return all(crossing(field, climber, axis).crosses for axis in (0, 1))
 
 
@@ -82,10 +85,8 @@ def test_a_robot_gets_across_frames(boundary: str) -> None:
         assert not crosses(rsegen.build(recipe(chunks=(3, 2), boundary=boundary), index), 10, 10, 53)
 
 
-def test_frames_that_a_robot_cannot_get_over_are_refused() -> None:
-    with pytest.raises(
-        rsegen.UserError, match=r"crossable_by: the robot gets over 5 cm, and the frames are 10 cm high"
-    ):
+def test_frames_that_a_path_cannot_go_over_are_refused() -> None:
+    with pytest.raises(rsegen.UserError, match=r"crossable_by: the path goes over 5 cm, and the frames are 10 cm high"):
         recipe(crossable_by=(20, 5, 0))
     assert crosses(rsegen.build(recipe(crossable_by=(20, 5, 0), frame_height_cm=5)), 20, 5, 0)
     assert crosses(rsegen.build(recipe(crossable_by=(20, 5, 0), boundary="none")), 20, 5, 0)
@@ -132,18 +133,15 @@ def test_the_proof_is_written_and_measured_on_the_field(tmp_path: Path) -> None:
     assert main(["generate", "--seed", "3", "--obstacle", "random levels=5", *asked, "-o", str(tmp_path)]) == 0
     told = json.loads((tmp_path / "rse_0000/constraints.json").read_text())
     assert told["max_step"] == {"asked": 2, "is": 2}
-    assert {name: told["crossable_by"][name] for name in ("climb_cm", "drop_cm", "width_cm")} == {
-        "climb_cm": 20,
-        "drop_cm": 20,
-        "width_cm": 53,
-    }
-    assert told["crossable_by"]["west_east"]["crosses"]
+    assert told["crossable_by"]["robot"] == "crawler"
+    for name, axis in (("west_east", 0), ("south_north", 1)):
+        assert told["crossable_by"][name]["crosses"]
+        field = rsegen.build(rsegen.load(tmp_path / "rse_0000/recipe.json"))
+        assert straight_lane(field, ROBOTS["crawler"].body, axis) is not None
     assert sum(told["inventory"]["used"].values()) <= 100
     again = rsegen.load(tmp_path / "rse_0000/recipe.json")
-    assert again.crossable_by == pytest.approx((20, 20, 53))
-    assert rsegen.build(again) == rsegen.build(
-        recipe(max_step=2, crossable_by=(20, 20, 53), inventory=(40, 30, 20, 10))
-    )
+    assert again.crossable_by == "crawler"
+    assert rsegen.build(again) == rsegen.build(recipe(max_step=2, crossable_by="crawler", inventory=(40, 30, 20, 10)))
 
 
 def test_the_constraints_that_the_map_meets_are_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -151,7 +149,7 @@ def test_the_constraints_that_the_map_meets_are_reported(tmp_path: Path, capsys:
     assert main(["generate", "--seed", "3", "--obstacle", "random levels=5", *asked, "-o", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     assert "largest step between neighbours in units: 1, allowed: 1" in said
-    assert "a robot that climbs 10 cm, descends 12.5 cm and is 30 cm wide can cross from west to east" in said
+    assert "a path of steps of 10 cm up and 12.5 cm down, 30 cm wide, leads across from west to east" in said
     assert "warning: missing blocks, replaced by others: " in said
 
 
@@ -189,6 +187,25 @@ def test_a_file_that_is_no_inventory(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert main(["generate", "--inventory", str(file), "-o", str(tmp_path / "out")]) == 2
     assert says in the_line(capsys.readouterr().err)
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("kind", "unit_cm", "levels"), [("burger", 1, 4), ("jackal", 3, 5), ("crawler", 7, 6)])
+def test_a_robot_crosses_the_maps_that_were_made_for_it(kind: str, unit_cm: float, levels: int) -> None:
+    """It does on few of them as they were designed; and as few blocks are lowered as one lane and another one have."""
+    rough = replace(recipe(boundary="none", unit_cm=unit_cm), obstacles=(rsegen.Random(levels=levels),))
+    free, made = (rsegen.build(replace(rough, crossable_by=robot)) for robot in (None, kind))
+    body = ROBOTS[kind].body
+    assert all(straight(made, body, axis).passed.any() for axis in (0, 1))
+    assert not all(straight(free, body, axis).passed.any() for axis in (0, 1))
+    assert (made.levels <= free.levels).all()
+    lanes = 2 * (2 * ceil(body.width / made.block_width / 2) + 1) * made.shape[0]
+    assert (made.levels != free.levels).sum() <= lanes
+
+
+def test_frames_that_a_robot_does_not_get_over_are_refused() -> None:
+    with pytest.raises(rsegen.UserError, match="crossable_by: burger does not get over frames of 10 cm; give boundary"):
+        rsegen.build(recipe(crossable_by="burger"))
+    assert straight(rsegen.build(recipe(crossable_by="crawler")), ROBOTS["crawler"].body, 0).passed.any()
 
 
 def test_a_robot_that_is_unknown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -32,7 +32,7 @@ def test_more_blocks_are_used_and_the_robot_still_crosses(climb: float, monkeypa
     before = [rsegen.build(recipe(seed, climb), 0) for seed in range(10)]
     assert all(used(new) >= used(old) for new, old in zip(found, before, strict=True))
     assert sum(map(used, found)) > sum(map(used, before))
-    limits = recipe(0, climb).climber
+    limits = recipe(0, climb).crosser
     assert limits is not None
     for field in found:
         assert crossing_caps(field, limits) is None

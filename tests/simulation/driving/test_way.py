@@ -60,7 +60,7 @@ def test_a_robot_stays_on_its_way(example: str, kind: str) -> None:
 
 def test_a_path_avoids_steps_that_the_robot_cannot_climb() -> None:
     field = walled(gap=True)
-    way = planned_way(field, 0.1, rsegen.RobotLimits(climb_cm=5, width_cm=10))
+    way = planned_way(field, 0.1, rsegen.StepLimits(climb_cm=5, width_cm=10))
     assert (way.crosses, way.least_step) == (True, 0.0)
     through = way.points[np.abs(way.points[:, 0]) < field.block_width]
     assert through[:, 1] == pytest.approx(0.85)
@@ -68,7 +68,7 @@ def test_a_path_avoids_steps_that_the_robot_cannot_climb() -> None:
 
 def test_without_a_path_the_least_highest_step_is_taken() -> None:
     field = walled(gap=False)
-    way = planned_way(field, 0.1, rsegen.RobotLimits(climb_cm=5, width_cm=10))
+    way = planned_way(field, 0.1, rsegen.StepLimits(climb_cm=5, width_cm=10))
     assert way.crosses is False
     assert way.least_step == pytest.approx(0.1)
     assert planned_way(field, 0.1, None).crosses is None

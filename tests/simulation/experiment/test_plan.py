@@ -54,7 +54,7 @@ def test_a_plan_with_more_robots_than_its_smallest_map_holds_is_refused_before_a
 def test_no_step_of_the_default_plans_and_rows_is_too_high_for_their_robots(rows: tuple[TableRow, ...]) -> None:
     for row in rows:
         found = steps(build(row.map_of(80, seed=1)))
-        assert found.share_above(robot(row.robot).limits.climb_cm / 100) == 0
+        assert found.share_above(robot(row.robot).climbs) == 0
 
 
 def test_half_of_the_steps_of_the_paper_s_plan_are_too_high() -> None:

@@ -14,9 +14,9 @@ import numpy as np
 from rsegen.exporters.pictures.preview import figure_bytes
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.poses.body import Body
-from rsegen.poses.resting import Poses, poses
-from rsegen.poses.settling import reach_of
+from rsegen.standing.body import Body
+from rsegen.standing.resting import Poses, poses
+from rsegen.standing.settling import reach_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,4 +1,4 @@
-"""Pictures of a robot on a map: its cheapest paths with a map of their costs, and spots where it stands level."""
+"""Pictures of a robot on a map: its ways with a map of where it gets, and spots where it stands level."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from rsegen.exporters.numbers import decimal
 from rsegen.exporters.pictures.plan import GROUND_GREY, boundary, draw_plan
 from rsegen.exporters.pictures.preview import figure_bytes
 from rsegen.exporters.scene import Scene
-from rsegen.field.metrics import Crossing, RobotLimits, Traversability
+from rsegen.field.metrics import Crossing, StepLimits, Traversability
 from rsegen.field.stepfield import Array
 from rsegen.footprints import Rectangle, Spot
+from rsegen.standing.ways import Reach, Way
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,8 +24,11 @@ if TYPE_CHECKING:
 _DIRECTIONS = {"west to east": "#ff2d95", "south to north": "#ff8c00"}
 
 
-def path_plot(scene: Scene, reach: Traversability, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """Return the plot of paths and costs as the bytes of an image file, which carries the map's recipe."""
+def path_plot(scene: Scene, reach: Traversability | Reach, crosser: str, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+    """Return the plot of ways and of what is reached as the bytes of an image file, which carries the map's recipe.
+
+    crosser: what gets across, in words
+    """
     from matplotlib.figure import Figure
 
     along_x, along_y = scene.field.extent
@@ -36,45 +40,56 @@ def path_plot(scene: Scene, reach: Traversability, format: str = "png") -> bytes
         _draw_path(plan, scene, crossing, name, colour)
     figure.legend(loc="outside lower center", ncols=2, frameon=False)
     _draw_costs(heat, scene, reach)
-    figure.suptitle(f"{scene.name}: {describe_robot(reach.climber)}")
+    figure.suptitle(f"{scene.name}: {crosser}")
     return figure_bytes(figure, scene, format)
 
 
-def describe_robot(climber: RobotLimits) -> str:
-    """Describe the limits of a robot in words."""
-    up, down = (decimal(limit / 1e7) for limit in climber.limits)
-    wide = f", {decimal(climber.width_cm)} cm wide" if climber.width_cm else ""
-    return f"a robot that climbs {up} cm and gets down {down} cm{wide}"
+def describe_limits(limits: StepLimits) -> str:
+    """Describe limits of steps in words."""
+    up, down = (decimal(limit / 1e7) for limit in limits.limits)
+    wide = f", {decimal(limits.width_cm)} cm wide" if limits.width_cm else ""
+    return f"a path of steps of up to {up} cm up and {down} cm down{wide}"
 
 
-def _draw_path(axes: Axes, scene: Scene, crossing: Crossing, name: str, colour: str) -> None:
-    """Draw a path from a ring to a dot; if there is none, the legend says so."""
+def _draw_path(axes: Axes, scene: Scene, crossing: Crossing | Way, name: str, colour: str) -> None:
+    """Draw a way from a ring to a dot; if there is none, the legend says so, and a cross stands where it ends."""
     if not crossing.crosses:
-        axes.plot([], [], color=colour, label=f"no way from {name}")
+        reason = f": it {crossing.reason}" if isinstance(crossing, Way) and crossing.reason else ""
+        at = np.array([crossing.at]) if isinstance(crossing, Way) and crossing.at else np.empty((0, 2))
+        axes.plot(*at.T, "X", color=colour, markersize=11, markeredgecolor="white", label=f"no way from {name}{reason}")
         return
-    x, y = ((crossing.path + 0.5 - np.array(scene.field.shape) / 2) * scene.field.block_width).T
-    label = f"{name}: {crossing.length_ratio:.2f} times as long as straight, {crossing.cost_ratio:.2f} with its rises"
+    if isinstance(crossing, Way):
+        (x, y), rises = crossing.points.T, ""
+    else:
+        x, y = ((crossing.path + 0.5 - np.array(scene.field.shape) / 2) * scene.field.block_width).T
+        rises = f", {crossing.cost_ratio:.2f} with its rises"
+    label = f"{name}: {crossing.length_ratio:.2f} times as long as straight{rises}"
     axes.plot(x, y, color="white", linewidth=8, alpha=0.35, solid_joinstyle="round")
     axes.plot(x, y, color=colour, linewidth=4, alpha=0.75, solid_joinstyle="round", label=label)
     axes.plot(x[:1], y[:1], "o", color=colour, markersize=9, markerfacecolor="white", markeredgewidth=2)
     axes.plot(x[-1:], y[-1:], "o", color=colour, markersize=9, markeredgecolor="white")
 
 
-def _draw_costs(axes: Axes, scene: Scene, reach: Traversability) -> None:
-    """Draw the cost of the cheapest path from the west to each cell, and the outline of the largest area."""
+def _draw_costs(axes: Axes, scene: Scene, reach: Traversability | Reach) -> None:
+    """Draw what is reached: by limits of steps the cost from the west to each cell; and the outline of the area."""
     edges_x, edges_y = scene.field.edges()
     extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
-    costs = np.ma.masked_invalid(reach.west_east.costs.T)
     axes.imshow(np.full((1, 1, 3), GROUND_GREY), extent=extent)
-    if costs.count():
-        image = axes.imshow(costs, origin="lower", extent=extent, interpolation="nearest", cmap="viridis")
-        axes.figure.colorbar(image, ax=axes, shrink=0.8, label="cost of the way there [m]; grey: none")
     outlined = f"outlined: {reach.cover:.0%} of the blocks in one region"
-    axes.set(aspect="equal", xlabel="x [m]", title=f"in reach from the west; {outlined}")
+    if isinstance(reach, Reach):
+        shown = np.ma.masked_array(np.ones(reach.region.T.shape), ~reach.region.T)
+        axes.imshow(shown, origin="lower", extent=extent, interpolation="nearest", cmap="summer", vmin=0, vmax=2)
+        axes.set(aspect="equal", xlabel="x [m]", title=outlined)
+    else:
+        costs = np.ma.masked_invalid(reach.west_east.costs.T)
+        if costs.count():
+            image = axes.imshow(costs, origin="lower", extent=extent, interpolation="nearest", cmap="viridis")
+            axes.figure.colorbar(image, ax=axes, shrink=0.8, label="cost of the way there [m]; grey: none")
+        axes.set(aspect="equal", xlabel="x [m]", title=f"in reach from the west; {outlined}")
     _outline(axes, reach, edges_x, edges_y)
 
 
-def _outline(axes: Axes, reach: Traversability, edges_x: Array, edges_y: Array) -> None:
+def _outline(axes: Axes, reach: Traversability | Reach, edges_x: Array, edges_y: Array) -> None:
     """Draw the boundary of the largest traversable area."""
     from matplotlib.collections import LineCollection
 

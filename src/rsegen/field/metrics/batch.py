@@ -15,8 +15,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rsegen.field.limits import NANOMETRES
 from rsegen.field.metrics.traversability import percolation
-from rsegen.field.robot_limits import NANOMETRES
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 
 COLUMNS = (

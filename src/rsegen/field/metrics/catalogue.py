@@ -13,40 +13,53 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from functools import partial
 from operator import attrgetter
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
 from rsegen.errors import ParameterError, PluginError, UnknownName, shown
 from rsegen.field.metrics.roughness import Ruggedness, Scale, Spread, Steps, ruggedness, scale, spread, steps
-from rsegen.field.metrics.traversability import (
-    Percolation,
-    Traversability,
-    crossing,
-    percolation,
-    traversability,
-)
-from rsegen.field.robot_limits import RobotLimits
+from rsegen.field.metrics.traversability import Percolation, percolation
 from rsegen.field.stepfield import StepField
 from rsegen.params.plugins import failure
 from rsegen.params.registry import Contract, Registry
 from rsegen.params.sorts import NANOMETRE_DIGITS
 
 
+@runtime_checkable
+class Crosser(Protocol):
+    """What gets across a field: a robot, by its poses, or limits of steps, by a path of cells.
+
+    width: metres, for the minimax step
+    """
+
+    @property
+    def width(self) -> float: ...  # noqa: D102  # the class says it
+    def reach(self, field: StepField) -> Any:
+        """Return what it reaches, with `cover`, `west_east` and `south_north`."""
+
+    def crossing(self, field: StepField, axis: int) -> Any:
+        """Return its way across along an axis, with `crosses` and `length`."""
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Metrics:
-    """The metrics of one map; `reach`, its traversability, is None if no robot was given."""
+    """The metrics of one map; `reach`, of a robot or of limits of steps, is None without one."""
 
     spread: Spread
     steps: Steps
     scale: Scale
     ruggedness: Ruggedness
     opening: Percolation
-    reach: Traversability | None = None
+    reach: Any = None
 
 
-def metrics(field: StepField, climber: RobotLimits | None = None) -> Metrics:
-    """Return the metrics of a field: of its blocks without frames; and of the paths across it, frames counted."""
+def metrics(field: StepField, robot: Crosser | None = None) -> Metrics:
+    """Return the metrics of a field: of its blocks without frames; and of the ways across it, frames counted.
+
+    robot: as `rsegen.robot_of("burger")`, or limits of steps, as `rsegen.StepLimits(climb_cm=10)`
+    """
+    _refuse_no_crosser(robot)
     if field.frame.all():
         raise ParameterError("field", "has only frame cells; there is no block to measure")
     return Metrics(
@@ -54,8 +67,8 @@ def metrics(field: StepField, climber: RobotLimits | None = None) -> Metrics:
         steps=steps(field),
         scale=scale(field),
         ruggedness=ruggedness(field),
-        opening=percolation(field, climber.width if climber else 0.0),
-        reach=traversability(field, climber) if climber else None,
+        opening=percolation(field, robot.width if robot else 0.0),
+        reach=robot.reach(field) if robot else None,
     )
 
 
@@ -152,28 +165,29 @@ _LENGTHS = (
 _NUMBERS = ("spread.variation", "spread.entropy", "scale.hurst", "ruggedness.surface_ratio")
 _SIDES = ("reach.west_east", "reach.south_north")
 _LENGTHS_OF_A_ROBOT = tuple(f"{side}.{what}" for side in _SIDES for what in ("length", "cost"))
+_ANGLES_OF_A_ROBOT = tuple(f"{side}.tilt" for side in _SIDES)
 _NUMBERS_OF_A_ROBOT = (
     *("reach.climbable", "reach.droppable", "reach.cover"),
     *(f"{side}.{what}_ratio" for side in _SIDES for what in ("length", "cost")),
 )
-OF_A_ROBOT = frozenset({*_LENGTHS_OF_A_ROBOT, *_NUMBERS_OF_A_ROBOT})
+OF_A_ROBOT = frozenset({*_LENGTHS_OF_A_ROBOT, *_ANGLES_OF_A_ROBOT, *_NUMBERS_OF_A_ROBOT})
 
 UNITS: Mapping[str, str] = {
     **dict.fromkeys((*_LENGTHS, *_LENGTHS_OF_A_ROBOT), "m"),
+    **dict.fromkeys(_ANGLES_OF_A_ROBOT, "rad"),
     **dict.fromkeys((*_NUMBERS, *_NUMBERS_OF_A_ROBOT), ""),
 }
 """Every metric of rsegen's own that is a number, and its unit."""
 
 
-def metric_by(by: By, robot: RobotLimits | None = None) -> Metric:
+def metric_by(by: By, robot: Crosser | None = None) -> Metric:
     """Return the metric of a name, of rsegen's own or of a plug-in, or of a function StepField -> float.
 
     robot: metrics named `reach` need it, for `opening` its width counts, and others do not depend on it. ParameterError
     if it is missing or does not apply, UnknownName for another name.
     """
     # First what is refused whatever the name is; then a function, rsegen's own metrics, and those of plug-ins.
-    if robot is not None and not isinstance(robot, RobotLimits):
-        raise ParameterError("robot", f"{shown(robot)} is not a robot's limits; give RobotLimits(climb_cm=10)")
+    _refuse_no_crosser(robot)
     if robot is not None and not (isinstance(by, str) and by.startswith(("reach.", "opening."))):
         what = by if isinstance(by, str) else "a function"
         raise ParameterError(
@@ -190,9 +204,21 @@ def metric_by(by: By, robot: RobotLimits | None = None) -> Metric:
     return METRICS[by]
 
 
-def _measured(name: str, robot: RobotLimits | None, field: StepField) -> Any:
+def _refuse_no_crosser(robot: object) -> None:
+    if robot is not None and not isinstance(robot, Crosser):
+        what = "is neither a robot nor limits of steps"
+        raise ParameterError(
+            "robot", f"{shown(robot)} {what}; give rsegen.robot_of('burger') or StepLimits(climb_cm=10)"
+        )
+
+
+def _measured(name: str, robot: Crosser | None, field: StepField) -> Any:
     family = next(prefix for prefix in _FAMILIES if name.startswith(f"{prefix}."))
-    return attrgetter(name.removeprefix(f"{family}."))(_FAMILIES[family](field, robot))
+    try:
+        return attrgetter(name.removeprefix(f"{family}."))(_FAMILIES[family](field, robot))
+    except AttributeError:
+        other = "a robot" if name.endswith(".tilt") else "limits of steps, as in 10,10,0"
+        raise ParameterError("by", f"{name} is measured with {other}") from None
 
 
 _FAMILIES: Mapping[str, Callable[[StepField, Any], Any]] = {
@@ -201,8 +227,8 @@ _FAMILIES: Mapping[str, Callable[[StepField, Any], Any]] = {
     "scale": lambda field, _: scale(field),
     "ruggedness": lambda field, _: ruggedness(field),
     "opening": lambda field, robot: percolation(field, robot.width if robot else 0.0),
-    "reach.west_east": lambda field, robot: crossing(field, robot, 0),
-    "reach.south_north": lambda field, robot: crossing(field, robot, 1),
-    "reach": traversability,
+    "reach.west_east": lambda field, robot: robot.crossing(field, 0),
+    "reach.south_north": lambda field, robot: robot.crossing(field, 1),
+    "reach": lambda field, robot: robot.reach(field),
 }
 """Function that measures each part of the metrics; longer names come first, as the first prefix that fits is taken."""

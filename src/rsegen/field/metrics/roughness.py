@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from rsegen.field.robot_limits import NANOMETRES
+from rsegen.field.limits import NANOMETRES
 from rsegen.field.stepfield import Array, Ints, StepField
 
 

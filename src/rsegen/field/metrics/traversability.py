@@ -1,8 +1,8 @@
-"""Traversability for one robot: analogous to NIST's coverability and crossability, by formulas of our own.
+"""Traversability within limits of steps: like NIST's coverability and crossability, by formulas of our own.
 
-1. Ground: a robot of some width, centred on a cell, stands on the highest of the cells below it. So the ground is the
-   maximum over (2 aside + 1)^2 cells, by doubling runs along each axis. Frames count. A robot crosses frames but does
-   not drive along them, which would lead around every obstacle: there are no moves along x in a row of only frame
+1. Ground: a path of some width, centred on a cell, is as high as the highest of the cells below it. So the ground is
+   the maximum over (2 aside + 1)^2 cells, by doubling runs along each axis. Frames count. A path crosses frames but
+   does not go along them, which would lead around every obstacle: there are no moves along x in a row of only frame
    cells, and none along y in such a column.
 2. Coverage: moves within climb and drop are a directed graph; the largest strongly connected component (graphs.py) is
    the area in which the robot can drive from every block to every other.
@@ -13,8 +13,8 @@
 4. Percolation step: the smallest step at which a path from side to side exists, by bisection over the steps of the
    field, with union of the components below the middle one; half of the edges are left after each round.
 
-Heights are whole nanometres, so comparisons are exact. The model knows neither length and heading of a robot nor its
-dynamics: that it tips over, or hangs on its belly, is found by driving it.
+Heights are whole nanometres, so comparisons are exact. Nothing stands, tips or hangs on its belly here: how a robot
+gets across is in standing.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsegen.field.limits import NANOMETRES, StepLimits, cells_to_each_side
 from rsegen.field.metrics.graphs import connected, strongly_connected
 from rsegen.field.metrics.roughness import steps
-from rsegen.field.robot_limits import NANOMETRES, RobotLimits, cells_to_each_side
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 
 Heights = NDArray[np.int64]
@@ -185,14 +185,14 @@ class Crossing:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Traversability:
-    """The traversability of a field for one robot: passable steps, coverage and crossings.
+    """The traversability of a field within limits of steps: passable steps, coverage and crossings.
 
-    climbable, droppable: share of the steps between blocks that it can climb, or descend; None if there are none
-    cover: coverage, the share of the blocks in the largest traversable area, in which the robot can drive from every
-    block to every other, measured by the blocks that carry it; region: (n_x, n_y), the mask of that area
+    climbable, droppable: share of the steps between blocks within the limit up, or down; None if there are none
+    cover: coverage, the share of the blocks in the largest traversable area, in which paths lead from every block to
+    every other, measured by the blocks that carry it; region: (n_x, n_y), the mask of that area
     """
 
-    climber: RobotLimits
+    limits: StepLimits
     climbable: float | None
     droppable: float | None
     cover: float
@@ -204,17 +204,17 @@ class Traversability:
         self.region.setflags(write=False)
 
 
-def traversability(field: StepField, climber: RobotLimits) -> Traversability:
-    """Return the traversability of a field for a robot; frames are obstacles, but are not counted as area."""
-    climbable, droppable = (_share_within(field, limit / NANOMETRES) for limit in climber.limits)
-    region = _largest_region(field, climber)
+def traversability(field: StepField, limits: StepLimits) -> Traversability:
+    """Return the traversability of a field within limits; frames are obstacles, but are not counted as area."""
+    climbable, droppable = (_share_within(field, limit / NANOMETRES) for limit in limits.limits)
+    region = _largest_region(field, limits)
     return Traversability(
-        climber=climber,
+        limits=limits,
         climbable=climbable,
         droppable=droppable,
         cover=float(region.sum() / (~field.frame).sum()),
-        west_east=crossing(field, climber, 0),
-        south_north=crossing(field, climber, 1),
+        west_east=crossing(field, limits, 0),
+        south_north=crossing(field, limits, 1),
         region=region,
     )
 
@@ -224,14 +224,14 @@ def _share_within(field: StepField, limit: float) -> float | None:
     return None if above is None else 1 - above
 
 
-def _largest_region(field: StepField, climber: RobotLimits) -> Mask:
+def _largest_region(field: StepField, limits: StepLimits) -> Mask:
     """Return the mask of the blocks of the largest strongly connected component; of two equal ones, of the first.
 
     The largest component has the most blocks that carry the robot, as no cell below it is higher; of equal ones, the
     most blocks. So it is the floor, and not the surroundings of a barrier, on which a wide robot would stand.
     """
-    carrying = ground(field, climber.width)
-    (low, high), (climb, drop) = carrying.moves(), climber.limits
+    carrying = ground(field, limits.width)
+    (low, high), (climb, drop) = carrying.moves(), limits.limits
     rise = carrying.heights.flat[high] - carrying.heights.flat[low]
     onward, back = (rise <= climb) & (-rise <= drop), (-rise <= climb) & (rise <= drop)
     group = strongly_connected(field.levels.size, low, high, onward, back).reshape(field.shape)
@@ -241,10 +241,10 @@ def _largest_region(field: StepField, climber: RobotLimits) -> Mask:
     return np.asarray(blocks & (group == (carried * (group.size + 1) + size).argmax()))
 
 
-def crossing(field: StepField, climber: RobotLimits, axis: int, *, shortest: bool = True) -> Crossing:
+def crossing(field: StepField, limits: StepLimits, axis: int, *, shortest: bool = True) -> Crossing:
     """Return the cheapest crossing of a field, along x for axis 0, along y for axis 1; the shortest of equal ones."""
-    carrying = lane(field, climber.width, axis)
-    paths = cheapest_paths(carrying, round(field.block_width * NANOMETRES), climber.limits, shortest=shortest)
+    carrying = lane(field, limits.width, axis)
+    paths = cheapest_paths(carrying, round(field.block_width * NANOMETRES), limits.limits, shortest=shortest)
     margin = (len(paths.costs) - field.shape[axis]) // 2  # rows of level ground before and behind the field
     costs = np.where(paths.costs == UNREACHABLE, np.inf, paths.costs / NANOMETRES)[margin:-margin]
     costs = costs if axis == 0 else costs.T

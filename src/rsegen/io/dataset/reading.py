@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from rsegen.errors import DatasetDamaged, FileError, ParameterError, UserError, pip_install
 from rsegen.field.metrics.batch import COLUMNS, Table, batch_metrics
-from rsegen.field.metrics.catalogue import RMS, By
-from rsegen.field.robot_limits import RobotLimits
+from rsegen.field.metrics.catalogue import RMS, By, Crosser
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.io import npy_files
 from rsegen.io.dataset.layout import (
@@ -272,7 +271,7 @@ class Dataset:
         columns: int,
         by: By = RMS,
         *,
-        robot: RobotLimits | None = None,
+        robot: Crosser | None = None,
         spacing: str = "value",
         recipes: Sequence[str] | None = None,
     ) -> Tiles:

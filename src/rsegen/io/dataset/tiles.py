@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.field.metrics.batch import COLUMNS
-from rsegen.field.metrics.catalogue import By, metric_by
-from rsegen.field.robot_limits import RobotLimits
+from rsegen.field.metrics.catalogue import By, Crosser, metric_by
 from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.params.sorts import Choice, Integer
 from rsegen.recipe.tiles import amid, kind_of_column
@@ -57,7 +56,7 @@ def tiles(  # noqa: PLR0913  # as Dataset.tiles
     rows: int,
     columns: int,
     by: By,
-    robot: RobotLimits | None,
+    robot: Crosser | None,
     *,
     spacing: str,
     recipes: Sequence[str] | None,
@@ -127,7 +126,7 @@ def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int,
     return places
 
 
-def _figures(dataset: Dataset, by: By, robot: RobotLimits | None, wanted: Mask) -> tuple[NDArray[np.float32], str]:
+def _figures(dataset: Dataset, by: By, robot: Crosser | None, wanted: Mask) -> tuple[NDArray[np.float32], str]:
     """Return a metric of every map, NaN for none, and its name: from the table, or measured on each that is wanted."""
     metric = metric_by(by, robot)
     if isinstance(by, str) and by in COLUMNS and robot is None:

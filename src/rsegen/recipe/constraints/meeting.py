@@ -6,8 +6,11 @@
    distance(p, q), the lower envelope (a distance transform with the L1 metric); the lowest levels above it are the
    same, upside down. Half-way between the two every step is within the limit too, and slopes are flattened on both
    sides.
-2. Crossing: along the cheapest of the paths whose highest step is least (the percolation step), blocks are lowered
-   until the robot can drive each step of the path.
+2. Crossing, within limits of steps: along the cheapest of the paths whose highest step is least (the percolation step),
+   blocks are lowered until each step of the path is within the limits.
+   Crossing, for a robot: if it drives across on no straight lane (poses), the steps of a lane of its width are limited,
+   from the largest one that changes anything down to none, on the lane where that lowers the fewest levels, until it
+   does; the lanes a little to either side have to be driven too, as no robot keeps to a line.
 3. Inventory: inventory.py.
 
 Only lowering is repeated, and a flat field meets every constraint, so it ends; each round lowers at least one block by
@@ -25,9 +28,9 @@ from math import ceil
 import numpy as np
 
 from rsegen.errors import ParameterError
+from rsegen.field.limits import NANOMETRES, StepLimits, cells_to_each_side
 from rsegen.field.metrics.traversability import crossing, lane, percolation_step
 from rsegen.field.obstacles.random import Random
-from rsegen.field.robot_limits import NANOMETRES, RobotLimits, cells_to_each_side
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.params.streams import generator
 from rsegen.recipe.constraints.inventory import (
@@ -41,6 +44,8 @@ from rsegen.recipe.constraints.inventory import (
     used,
 )
 from rsegen.recipe.map_design import MapDesign
+from rsegen.standing.kinds import Standing
+from rsegen.standing.ways import straight_lane
 
 _ANYTHING = 2**30
 """A level above all levels, for cells without a limit; twice it still fits into 32 bits."""
@@ -70,45 +75,87 @@ def envelope(levels: Ints, field: StepField, limit: int) -> Ints:
         highest = lower
 
 
-def crossing_caps(field: StepField, climber: RobotLimits) -> Ints | None:
-    """Return the highest levels along a path on which the robot can cross; None if it can cross both ways already."""
+def crossing_caps(field: StepField, crosser: Standing | StepLimits) -> Ints | None:
+    """Return the highest levels along a way on which it is crossed; None if it is crossed both ways already.
+
+    ParameterError if a robot does not get across even on a level lane, as frames are in its way.
+    """
     for axis in (0, 1):
-        step = percolation_step(field, climber.width, axis)
-        if not _crosses(field, climber, axis, step):
-            return _along(field, climber, axis, step)
+        if isinstance(crosser, StepLimits):
+            step = percolation_step(field, crosser.width, axis)
+            caps = None if _crosses(field, crosser, axis, step) else _along(field, crosser, axis, step)
+        else:
+            caps = _lane_caps(field, crosser, axis)
+        if caps is not None:
+            return caps
     return None
 
 
-def _crosses(field: StepField, climber: RobotLimits, axis: int, step: float) -> bool:
-    """Return whether the robot can cross; a path is searched only if the percolation step is between its two limits."""
-    least, most = sorted(climber.limits)
+def _lane_caps(field: StepField, robot: Standing, axis: int) -> Ints | None:
+    """Return the highest levels along a straight lane that the robot drives; None if there is one already."""
+    body = robot.body
+    if straight_lane(field, body, axis) is not None:
+        return None
+    turned = field if axis == 0 else replace(field, levels=field.levels.T, frame=field.frame.T)
+    aside = cells_to_each_side(field, body.width)
+    lines = range(aside, turned.shape[1] - aside) or [turned.shape[1] // 2]
+    for limit in range(int(field.levels.max(initial=0)) - 1, -1, -1):
+        # The lane whose levels need the least lowering, with the level ground at both ends.
+        lanes = ((line, _lane_levels(turned, line, aside, limit)) for line in lines)
+        line, caps = min(lanes, key=lambda lane: int((turned.levels - np.minimum(turned.levels, lane[1])).sum()))
+        caps = caps if axis == 0 else caps.T
+        middle = field.edges()[1 - axis][line] + field.block_width / 2
+        lowered = _with(field, np.minimum(field.levels, caps))
+        if straight_lane(lowered, body, axis, np.array([middle])) is not None:
+            return caps
+    raise ParameterError(
+        "crossable_by",
+        f"{robot.kind} does not get over frames of {100 * field.frame_height:g} cm; give boundary none or lower frames",
+    )
+
+
+def _lane_levels(field: StepField, line: int, aside: int, limit: int) -> Ints:
+    """Return the highest levels along x, about a line of cells, whose steps are within a limit; _ANYTHING elsewhere."""
+    caps = np.full(field.shape, _ANYTHING)
+    lane = slice(max(line - aside, 0), line + aside + 1)
+    levels = field.levels[:, lane].astype(np.int64)
+    steps = np.minimum(np.arange(len(levels)), np.arange(len(levels))[::-1]) + 1
+    levels = np.minimum(levels, limit * steps[:, None])
+    part = replace(field, levels=levels.astype(np.int16), frame=field.frame[:, lane])
+    caps[:, lane] = np.where(part.frame, _ANYTHING, envelope(part.levels, part, limit))
+    return caps
+
+
+def _crosses(field: StepField, limits: StepLimits, axis: int, step: float) -> bool:
+    """Return whether a path leads across; it is searched only if the percolation step is between its two limits."""
+    least, most = sorted(limits.limits)
     needed = round(step * NANOMETRES)
-    return needed <= least or (needed <= most and crossing(field, climber, axis).crosses)
+    return needed <= least or (needed <= most and crossing(field, limits, axis).crosses)
 
 
-def _along(field: StepField, climber: RobotLimits, axis: int, step: float) -> Ints:
+def _along(field: StepField, limits: StepLimits, axis: int, step: float) -> Ints:
     """Return the highest levels along the cheapest of the paths whose highest step is `step`, the least possible
     one.
     """
     path = crossing(
-        field, RobotLimits.of(step, climber.width), axis, shortest=False
+        field, StepLimits.of(step, limits.width), axis, shortest=False
     ).path  # any of the cheapest: another would be another map
-    aside = cells_to_each_side(field, climber.width)
+    aside = cells_to_each_side(field, limits.width)
     caps = np.full(field.shape, _ANYTHING)
-    for (i, j), top in zip(path, _tops(field, climber, axis, path), strict=True):
+    for (i, j), top in zip(path, _tops(field, limits, axis, path), strict=True):
         under = slice(max(i - aside, 0), max(i + aside + 1, 0)), slice(max(j - aside, 0), max(j + aside + 1, 0))
         caps[under] = np.minimum(caps[under], top)
     return caps
 
 
-def _tops(field: StepField, climber: RobotLimits, axis: int, path: Ints) -> Ints:
+def _tops(field: StepField, limits: StepLimits, axis: int, path: Ints) -> Ints:
     """Return the highest level below the robot at each cell of its path, such that it can go on from there."""
     # Lowered forward until no rise, and then backward until no drop, exceeds the limit; backward keeps the rises.
-    margin = cells_to_each_side(field, climber.width) + 1
+    margin = cells_to_each_side(field, limits.width) + 1
     along = (path if axis == 0 else path[:, ::-1]) + (margin, 0)
-    tops = lane(field, climber.width, axis).heights[along[:, 0], along[:, 1]]
+    tops = lane(field, limits.width, axis).heights[along[:, 0], along[:, 1]]
     unit = round(field.unit * NANOMETRES)
-    climb, drop = (0 if limit < unit else limit for limit in climber.limits)  # less than a block is no step at all
+    climb, drop = (0 if limit < unit else limit for limit in limits.limits)  # less than a block is no step at all
     for k in range(1, len(tops)):
         tops[k] = min(tops[k], tops[k - 1] + climb)
     for k in range(len(tops) - 2, -1, -1):
@@ -186,7 +233,7 @@ def _arranged(fitted: StepField, like: Array, design: MapDesign, index: int, inv
             continue
         field = _with(fitted, levels)
         met.append(_lowered(field, design, left_of(field, owned)))
-        on_its_way = crossing_caps(field, design.climber) if design.climber else None
+        on_its_way = crossing_caps(field, design.crosser) if design.crosser else None
         if on_its_way is None:
             break
         caps = envelope(on_its_way if caps is None else np.minimum(on_its_way, caps), field, stock.limit)
@@ -206,7 +253,7 @@ def _caps(field: StepField, design: MapDesign) -> Ints | None:
         caps = envelope(field.levels, field, design.max_step)
         if (field.levels > caps).any():
             return caps
-    return crossing_caps(field, design.climber) if design.climber else None
+    return crossing_caps(field, design.crosser) if design.crosser else None
 
 
 def _with(field: StepField, levels: Ints) -> StepField:

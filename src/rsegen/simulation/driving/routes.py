@@ -20,8 +20,8 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from rsegen.field.limits import StepLimits
 from rsegen.field.metrics.traversability import crossing, percolation_step
-from rsegen.field.robot_limits import RobotLimits
 from rsegen.field.stepfield import Array, StepField
 from rsegen.simulation.simulators.live_world import Pose
 
@@ -198,11 +198,11 @@ class PlannedWay:
             yield f"{x:.4f},{y:.4f}\n"
 
 
-def planned_way(field: StepField, width: float, limits: RobotLimits | None) -> PlannedWay:
+def planned_way(field: StepField, width: float, limits: StepLimits | None) -> PlannedWay:
     """Return the way across a field for a robot of a width in metres, with these limits if they are known."""
     least = percolation_step(field, width, 0)
     cheapest = crossing(field, limits, 0) if limits else None
-    path = cheapest.path if cheapest and cheapest.crosses else crossing(field, RobotLimits.of(least, width), 0).path
+    path = cheapest.path if cheapest and cheapest.crosses else crossing(field, StepLimits.of(least, width), 0).path
     half = np.array(field.extent) / 2
     return PlannedWay(
         points=(path + 0.5) * field.block_width - half, crosses=cheapest.crosses if cheapest else None, least_step=least

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Annotated
 
 from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown, shown
-from rsegen.field.robot_limits import SIDE, SPEED, TURN
+from rsegen.field.limits import SIDE, SPEED, TURN
 from rsegen.io.recipe_file import content
 from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Reference, Text, parameters, validate
 from rsegen.recipe.codec import decode

@@ -22,7 +22,7 @@ _SHARE, _LEAST, _MOST = 60, 0.0025, 0.012
 """Samples along a robot, and the least and largest distance between two of them, metres."""
 
 _DOWN = 0.2
-"""Largest upward part of a normal that is kept: a round end that is tilted by 11 degrees still finds its lowest point."""
+"""Largest upward part of a normal that is kept: a round end that is tilted by 11 degrees still has its lowest point."""
 
 _FLAT, _ROUND = 3, 4
 """A flat face has samples every three distances, as its edge counts; a ball at least every quarter of its radius."""
@@ -154,7 +154,6 @@ class Body:
     points, normals: samples of its surface (n, 3), metres, and the outward normals there
     part: (n,) index into `parts`; rim: (n,) whether a sample is on the edge of a flat face, with a wall above it
     mass, centre: kg, and the centre of mass (3,); speed: at which it drives over rough ground, m/s
-    climbs: the highest single step that it drives up in a simulator, if that was measured, metres
     """
 
     points: Array
@@ -179,6 +178,11 @@ class Body:
     def high(self) -> Array:
         """The largest x, y and z of its samples, metres."""
         return np.asarray(self.points.max(axis=0))
+
+    @property
+    def width(self) -> float:
+        """Its width, metres."""
+        return float(self.high[1] - self.low[1])
 
     @property
     def length(self) -> float:

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rsegen.field.stepfield import Ints
-from rsegen.poses.ways import End, Lattice, crossing, no_way, reach, straight
-from tests.poses.stands import BODIES, field_of
+from rsegen.standing.ways import End, Lattice, crossing, no_way, reach, straight
+from tests.standing.stands import BODIES, field_of
 
 KINDS = sorted(BODIES)
 BURGER = BODIES["burger"]
@@ -61,6 +61,7 @@ def walled(*, has_gap: bool) -> Ints:
 
 def test_a_robot_goes_through_the_gap_of_a_wall_and_nowhere_else() -> None:
     way = Lattice(field_of(walled(has_gap=True), 0.1), BURGER).way(0)
+    assert way is not None
     assert way.crosses
     at_wall = way.points[np.abs(way.points[:, 0]) < 0.06]
     assert ((at_wall[:, 1] > 0.05) & (at_wall[:, 1] < 0.35)).all()

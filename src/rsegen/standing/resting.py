@@ -11,12 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, shown
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.poses.body import Body
-from rsegen.poses.pushing import SLIDING, below_samples, outermost, surplus
-from rsegen.poses.settling import Ground, Settled, reach_of, settle
+from rsegen.standing.body import Body
+from rsegen.standing.pushing import SLIDING, below_samples, outermost, surplus
+from rsegen.standing.settling import Ground, Settled, reach_of, settle
 
 GRAVITY = 9.81
 
@@ -65,12 +66,16 @@ class Poses:
         return np.asarray(np.arccos(np.clip(np.cos(self.roll) * np.cos(self.pitch), -1, 1)))
 
 
-def poses(field: StepField, body: Body, x: Array, y: Array, heading: Array) -> Poses:
+def poses(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, heading: ArrayLike) -> Poses:
     """Return the robot at rest at each x, y [m] and heading [rad]; scalars and arrays go together as in numpy.
 
     ParameterError for a number that is none, and for a place outside the field.
     """
-    at_x, at_y, yaw = (np.ravel(each) for each in np.broadcast_arrays(*map(_numbers, (x, y, heading))))
+    if body.length > max(field.extent):
+        along, across = field.extent
+        raise ParameterError("robot", f"is {body.length:.3g} m long, longer than the map of {along:g} x {across:g} m")
+    given = (_numbers(name, values) for name, values in (("x", x), ("y", y), ("heading", heading)))
+    at_x, at_y, yaw = (np.ravel(array) for array in np.broadcast_arrays(*given))
     for name, values, extent in (("x", at_x, field.extent[0]), ("y", at_y, field.extent[1])):
         outside = values[np.abs(values) > extent / 2]
         if len(outside):
@@ -79,10 +84,13 @@ def poses(field: StepField, body: Body, x: Array, y: Array, heading: Array) -> P
     return of_settled(ground, body, settle(ground, body, at_x, at_y, yaw))
 
 
-def _numbers(values: object) -> Array:
-    array = np.asarray(values, np.float64)
+def _numbers(name: str, values: ArrayLike) -> Array:
+    try:
+        array = np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        raise ParameterError(name, f"{shown(values)} is not a number, nor an array of them") from None
     if not np.isfinite(array).all():
-        raise ParameterError("heading", "a place or heading is no finite number")
+        raise ParameterError(name, "has a number that is not finite")
     return array
 
 
@@ -156,7 +164,7 @@ def _measured(ground: Ground, body: Body, rest: Settled, rows: Ints) -> tuple[Ar
 
 
 def _loads(at: Array) -> Array:
-    """Return the share of the weight on each of three contacts around the origin, (n, 3): its barycentric coordinates."""
+    """Return the share of the weight on each of three contacts around the origin: barycentric coordinates, (n, 3)."""
     x, y = at[..., 0], at[..., 1]
     areas = np.stack([x[:, j] * y[:, k] - x[:, k] * y[:, j] for j, k in ((1, 2), (2, 0), (0, 1))], axis=1)
     return np.asarray(areas / areas.sum(axis=1, keepdims=True))

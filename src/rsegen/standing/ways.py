@@ -21,15 +21,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 from heapq import heappop, heappush
+from typing import Any
 
 import numpy as np
 
 from rsegen.field.metrics.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.poses.body import Body
-from rsegen.poses.pushing import SLIDING, surplus
-from rsegen.poses.resting import GRAVITY, has_stood
-from rsegen.poses.settling import Ground, Settled, reach_of, settle
+from rsegen.standing.body import Body
+from rsegen.standing.pushing import SLIDING, surplus
+from rsegen.standing.resting import GRAVITY, has_stood
+from rsegen.standing.settling import Ground, Settled, reach_of, settle
 
 _STEPS = 100
 """Steps per length of a robot."""
@@ -189,7 +190,7 @@ class Lattice:
 
     def __init__(self, field: StepField, body: Body) -> None:
         self.field, self.body, self.ground = field, body, Ground.of(field, reach_of(body))
-        self.x, self.y = ((edges[1:] + edges[:-1]) / 2 for edges in field.edges())
+        self.x, self.y = _middles(field, 0), _middles(field, 1)
         shape = (*field.shape, HEADINGS)
         i, j, k = (index.ravel() for index in np.indices(shape))
         on_i, on_j = i + _MOVES[k, 0], j + _MOVES[k, 1]
@@ -221,7 +222,8 @@ class Lattice:
     def region(self) -> Mask:
         """Return the largest set of blocks on which the robot gets from every place and heading to every other."""
         places = np.arange(self.moves.size).reshape(self.moves.shape)
-        low, high, onward, back = [], [], [], []
+        low: list[Any] = []
+        high, onward, back = list[Any](), list[Any](), list[Any]()
         for k, (along_x, along_y) in enumerate(_MOVES):
             # Each move once, as a pair of places: what is `next` in heading k is not `before` in any other.
             from_here, to_there = (
@@ -247,8 +249,8 @@ class Lattice:
             region[cells[cells[:, 0] == np.bincount(cells[:, 0]).argmax(), 1]] = True
         return region.reshape(self.field.shape)
 
-    def way(self, axis: int) -> Way:
-        """Return the shortest way across along an axis, 0 for x and 1 for y, with straight lanes at both ends."""
+    def way(self, axis: int) -> Way | None:
+        """Return the shortest way across along an axis, with straight lanes at both ends; None if there is none."""
         lanes, across = self._lanes_in(axis), self.field.shape[1 - axis]
         heading, last = 2 * axis, self.field.shape[axis] - 1
         half = float(np.hypot(self.body.high[1] - self.body.low[1], 0)) / 2
@@ -270,7 +272,7 @@ class Lattice:
                 if cost + length < costs[place] - 1e-9:
                     costs[place], before[place] = cost + length, (i, j, k)
                     heappush(front, (cost + length, place))
-        return no_way(straight(self.field, self.body, axis), self.body)
+        return None
 
     def _onward(self, i: int, j: int, k: int, half: float) -> Iterator[tuple[tuple[int, int, int], float]]:
         """Yield the places to which the robot can go on, and the length of each move; a turn moves its sides."""
@@ -316,7 +318,7 @@ class Lattice:
         )
 
 
-def _shifted(values: Array, along_x: int, along_y: int) -> Array:
+def _shifted(values: Any, along_x: int, along_y: int) -> Any:
     """Return the values whose neighbour by (along_x, along_y) is in the array too."""
     n_x, n_y = values.shape
     return values[
@@ -328,32 +330,30 @@ def _shifted(values: Array, along_x: int, along_y: int) -> Array:
 def reach(field: StepField, body: Body) -> Reach:
     """Return where a robot gets on a field, and its shortest ways across."""
     lattice = Lattice(field, body)
-    region = lattice.region()
-    blocks = int((~field.frame).sum())
-    return Reach(
-        cover=float(region.sum() / blocks) if blocks else 0.0,
-        west_east=lattice.way(0),
-        south_north=lattice.way(1),
-        region=region,
-    )
+    region, blocks, ways = lattice.region(), int((~field.frame).sum()), []
+    for axis in (0, 1):
+        lanes = straight(field, body, axis)
+        ways.append(_straight_way(lanes, field, body, axis) or lattice.way(axis) or no_way(lanes, body))
+    cover = float(region.sum() / blocks) if blocks else 0.0
+    return Reach(cover=cover, west_east=ways[0], south_north=ways[1], region=region)
 
 
 def crossing(field: StepField, body: Body, axis: int) -> Way:
-    """Return a way across a field along an axis: a straight one if there is one, else the shortest on the lattice."""
+    """Return the shortest way across a field along an axis, 0 for x and 1 for y.
+
+    That is a straight one if there is one, of these the one with the least tilt; else the shortest on the lattice.
+    """
     lanes = straight(field, body, axis)
-    if lanes.passed.any():
-        return _straight_way(lanes, field, body, axis)
-    return Lattice(field, body).way(axis)
+    return _straight_way(lanes, field, body, axis) or Lattice(field, body).way(axis) or no_way(lanes, body)
 
 
-def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way:
-    """Return the straight way with the least tilt."""
+def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way | None:
+    """Return the straight way with the least tilt; None if no lane is driven to its end."""
+    if not lanes.passed.any():
+        return None
     best = int(np.where(lanes.passed, lanes.tilt, np.inf).argmin())
-    count = len(lanes.poses.x) // len(lanes.end)
-    middles = (lambda edges: (edges[1:] + edges[:-1]) / 2)(field.edges()[1 - axis])
     low, high = -entry(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
-    points = np.array([(low, middles[best]), (high, middles[best])])
-    del count
+    points = np.array([(low, (middle := _middles(field, 1 - axis)[best])), (high, middle)])
     return Way(
         crosses=True,
         length=high - low,
@@ -361,6 +361,29 @@ def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way:
         tilt=float(lanes.tilt[best]),
         points=points if axis == 0 else points[:, ::-1].copy(),
     )
+
+
+_BESIDE = 0.003
+"""Metres to either side of a lane that have to be driven too: by so much a robot leaves its line in Gazebo."""
+
+
+def straight_lane(field: StepField, body: Body, axis: int, middles: Array | None = None) -> float | None:
+    """Return the place across, metres, of the first straight lane that is driven to its end; None if there is none.
+
+    The lanes a little to either side of it are driven too. middles: of the lanes, by default of all lines of cells.
+    """
+    middles = _middles(field, 1 - axis) if middles is None else middles
+    passed = straight(field, body, axis, middles).passed
+    for beside in (-_BESIDE, _BESIDE):
+        if passed.any():
+            passed[passed] = straight(field, body, axis, middles[passed] + beside).passed
+    return float(middles[passed.argmax()]) if passed.any() else None
+
+
+def _middles(field: StepField, axis: int) -> Array:
+    """Return the middles of the cells along an axis, metres."""
+    edges = field.edges()[axis]
+    return np.asarray((edges[1:] + edges[:-1]) / 2)
 
 
 def no_way(lanes: Lanes, body: Body) -> Way:
@@ -394,8 +417,7 @@ def straight(field: StepField, body: Body, axis: int, across: Array | None = Non
     They are where the robot is wholly outside at first and at last; by default through the middle of every line of
     cells.
     """
-    edges = field.edges()[1 - axis]
-    middles = (edges[1:] + edges[:-1]) / 2 if across is None else across
+    middles = _middles(field, 1 - axis) if across is None else across
     before = entry(field, body, axis)
     length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
     along = np.full(len(middles), -before)

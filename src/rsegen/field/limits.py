@@ -1,4 +1,4 @@
-"""The limits of a robot that metrics depend on: the largest step up, the largest step down and its width.
+"""Limits of steps: the largest one up and down on a path of cells, and its width; no robot, as nothing stands or tips.
 
 And the bounds within which the size and the speeds of any robot are.
 """
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 from rsegen.params.sorts import Float, validate
 
 if TYPE_CHECKING:
+    from rsegen.field.metrics.traversability import Crossing, Traversability
     from rsegen.field.stepfield import StepField
 
 NANOMETRES = 10**9
@@ -24,30 +25,25 @@ SPEED, TURN = Float(0.001, 100, unit="m/s"), Float(0.001, 100, unit="rad/s")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class RobotLimits:
-    """A robot that climbs steps of up to `climb_cm` and descends steps of up to `drop_cm`, `width_cm` wide."""
+class StepLimits:
+    """Limits of a path from cell to cell: steps of up to `climb_cm` up and `drop_cm` down, `width_cm` wide."""
 
-    climb_cm: Annotated[float, Float(0, 100_000, unit="cm", help="highest step that the robot can climb")]
+    climb_cm: Annotated[float, Float(0, 100_000, unit="cm", help="highest step up on a path of cells")]
     drop_cm: Annotated[
         float | None,
-        Float(0, 100_000, unit="cm", help="highest step that the robot can descend without damage; default: as climb"),
+        Float(0, 100_000, unit="cm", help="highest step down; default: as climb"),
     ] = None
     width_cm: Annotated[
         float,
-        Float(
-            0,
-            100_000,
-            unit="cm",
-            help="width of the robot, which rests on the highest of the cells below it; 0: one cell",
-        ),
+        Float(0, 100_000, unit="cm", help="width of the path, of which the highest cell counts; 0: one cell"),
     ] = 0.0
 
     def __post_init__(self) -> None:
         validate(self)
 
     @classmethod
-    def of(cls, climb: float, width: float) -> RobotLimits:
-        """Return the limits of a robot whose climb and width are given in metres."""
+    def of(cls, climb: float, width: float) -> StepLimits:
+        """Return the limits of a climb and a width in metres."""
         return cls(climb_cm=round(climb * 100, 7), width_cm=round(width * 100, 7))
 
     @property
@@ -65,6 +61,18 @@ class RobotLimits:
     def width(self) -> float:
         """Width in metres."""
         return self.width_cm / 100
+
+    def reach(self, field: StepField) -> Traversability:
+        """Return the traversability of a field within these limits."""
+        from rsegen.field.metrics.traversability import traversability
+
+        return traversability(field, self)
+
+    def crossing(self, field: StepField, axis: int) -> Crossing:
+        """Return the cheapest path across a field, along x for axis 0, along y for axis 1."""
+        from rsegen.field.metrics.traversability import crossing
+
+        return crossing(field, self, axis)
 
 
 def cells_to_each_side(field: StepField, width: float) -> int:

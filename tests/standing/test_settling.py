@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 
 from benchmarks import rests
 from rsegen.field.stepfield import Ints
-from rsegen.poses.body import Body
-from rsegen.poses.pushing import below_samples
-from rsegen.poses.resting import has_stood, poses
-from rsegen.poses.settling import Ground, Settled, reach_of, settle
 from rsegen.robots import ROBOTS
-from tests.poses.stands import BODIES, field_of, settled
+from rsegen.standing.body import Body
+from rsegen.standing.pushing import below_samples
+from rsegen.standing.resting import has_stood, poses
+from rsegen.standing.settling import Ground, Settled, reach_of, settle
+from tests.standing.stands import BODIES, field_of, settled
 
 KINDS = sorted(BODIES)
 HEADINGS = st.floats(-pi, pi)

@@ -19,9 +19,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.poses.body import Body
+from rsegen.standing.body import Body
 
 _ROUNDS, _FULL, _STILL, _DAMPED = 10, 2, 1e-4, 0.7
 """Rounds at most, rounds with all samples, the turn at which it ends, and the share of a turn that is made."""
@@ -42,6 +43,7 @@ _CHUNK = 1_000_000
 """Samples of all poses of a chunk: the calls of numpy then cost little beside their work."""
 
 SINGLE = np.float32
+Singles = NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +53,7 @@ class Ground:
     heights: metres, (rows * columns,); width: of a block, metres; half: cells from the corner to the origin
     """
 
-    heights: Array
+    heights: Singles
     shape: tuple[int, int]
     width: float
     half: tuple[float, float]
@@ -69,7 +71,7 @@ class Ground:
         """Return the heights of the ground at places in metres, of any shape; outside the field it is 0."""
         i = np.clip(x / self.width + self.half[0], 0, self.shape[0] - 1).astype(np.intp)
         j = np.clip(y / self.width + self.half[1], 0, self.shape[1] - 1).astype(np.intp)
-        return self.heights[i * self.shape[1] + j]
+        return np.asarray(self.heights[i * self.shape[1] + j], np.float64)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -165,8 +167,8 @@ def _positions(near: Ints, contacts: Ints, samples: int) -> Ints:
 
 
 def _demands(
-    ground: Ground, relative: Array, near: Ints | None, x: Array, y: Array, turned: Array
-) -> tuple[Array, Array, Array]:
+    ground: Ground, relative: Singles, near: Ints | None, x: Array, y: Array, turned: Array
+) -> tuple[Singles, Singles, Singles]:
     """Return u, v and g of samples, (n, m), three far ones last: of all samples, or of the rows of `near`."""
     count, samples = len(x), relative.shape[1]
     single = turned.astype(SINGLE)
@@ -198,8 +200,8 @@ def _demands(
     return u, v, g
 
 
-def _plane(u: Array, v: Array, g: Array, three: Ints) -> tuple[Ints, Array, Array, Array]:
-    """Return three samples around the origin and a, b, c of the plane through them, which no sample is above; (n, ...)."""
+def _plane(u: Singles, v: Singles, g: Singles, three: Ints) -> tuple[Ints, Array, Array, Array]:
+    """Return three samples around the origin and a, b, c of the plane through them, which no sample is above."""
     count = len(u)
     three, a, b, c = three.copy(), np.zeros(count), np.zeros(count), np.zeros(count)
     # The contacts of the round before have moved as the robot was turned; where the origin left them, from afar again.
@@ -240,7 +242,7 @@ def _through(u: Array, v: Array, g: Array) -> tuple[Array, Array, Array]:
     return a, b, g[:, 0] - a * u[:, 0] - b * v[:, 0]
 
 
-def _surrounds(u: Array, v: Array) -> Mask:
+def _surrounds(u: Singles, v: Singles) -> Mask:
     """Return which triangles (n, 3) hold the origin, (n,): it is on the same side of all of their sides."""
     sides = np.stack([u[:, j] * v[:, k] - u[:, k] * v[:, j] for j, k in _PAIRS], axis=1)
     return np.asarray((sides >= 0).all(axis=1) | (sides <= 0).all(axis=1))

@@ -16,8 +16,8 @@ from __future__ import annotations
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask
-from rsegen.poses.body import Body
-from rsegen.poses.settling import Ground, Settled
+from rsegen.standing.body import Body
+from rsegen.standing.settling import Ground, Settled
 
 TOUCHING = 0.0015
 """Metres between a sample and the ground up to which it counts as in contact: what contacts of simulators give way."""

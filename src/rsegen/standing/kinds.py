@@ -1,0 +1,48 @@
+"""What stands on fields: robots by their kinds. A robot is made in the room of robots, above this one, and kept here.
+
+So a recipe can name the robot that is to get across its maps, and knows nothing of links, drives and plug-ins.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+from rsegen.field.stepfield import StepField
+from rsegen.params.registry import Contract, Registry
+from rsegen.standing.body import Body
+from rsegen.standing.ways import Reach, Way, crossing, reach
+
+
+class Standing(ABC):
+    """A robot that stands and drives on step fields: whatever has a body."""
+
+    __slots__ = ()
+
+    kind: str
+
+    @property
+    @abstractmethod
+    def body(self) -> Body:
+        """The robot from below."""
+
+    @property
+    def width(self) -> float:
+        """Its width, metres."""
+        return self.body.width
+
+    def reach(self, field: StepField) -> Reach:
+        """Return where it gets on a field, and its ways across."""
+        return reach(field, self.body)
+
+    def crossing(self, field: StepField, axis: int) -> Way:
+        """Return its way across a field, along x for axis 0, along y for axis 1."""
+        return crossing(field, self.body, axis)
+
+
+ROBOTS: Registry[Standing] = Registry(
+    "robot",
+    package="rsegen.robots",
+    group="rsegen.robots",
+    contract=Contract(base=Standing, names=lambda robot: (robot.kind,), is_class=False),
+)
+"""Every robot by its kind."""

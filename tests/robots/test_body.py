@@ -1,0 +1,134 @@
+"""The body of a robot is that of its collision shapes, whether it is included or in a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen.errors import UserError
+from rsegen.robots import ROBOTS, from_file
+from rsegen.standing.body import Body
+
+FIELD = rsegen.build(rsegen.Recipe(seed=1, boundary="none", unit_cm=1, obstacles=[rsegen.Random(levels=3)]))
+
+
+def model(tmp_path: Path, *collisions: str, mass: float = 2.0) -> Path:
+    """A robot of one link with these collision shapes."""
+    shapes = "".join(
+        f'<collision name="c{number}">{collision}</collision>' for number, collision in enumerate(collisions)
+    )
+    file = tmp_path / "robot.sdf"
+    inertial = f"<inertial><pose>0.1 0 0.2 0 0 0</pose><mass>{mass}</mass></inertial>"
+    file.write_text(
+        f'<sdf version="1.6"><model name="m"><link name="l">{inertial}{shapes}</link></model></sdf>', "utf-8"
+    )
+    return file
+
+
+@pytest.mark.parametrize("kind", ROBOTS)
+def test_a_robot_reaches_down_to_its_origin_and_as_far_as_its_size(kind: str) -> None:
+    robot = ROBOTS[kind]
+    body = robot.body
+    assert abs(body.low[2]) < 1e-3
+    assert body.mass == pytest.approx(robot.mass)
+    assert (body.low[:2] < body.centre[:2]).all()
+    assert (body.centre[:2] < body.high[:2]).all()
+    assert body.length <= robot.size[0] + 0.01
+    assert body.width <= robot.size[1] + 0.01
+    assert body.drives.any()
+    assert not body.drives.all()
+    np.testing.assert_allclose(np.linalg.norm(body.normals, axis=1), 1)
+
+
+@pytest.mark.parametrize("kind", ["burger", "jackal"])
+def test_the_file_of_a_robot_has_the_same_body(kind: str, tmp_path: Path) -> None:
+    file = tmp_path / f"{kind}.sdf"
+    file.write_text(ROBOTS[kind].file(kind), "utf-8")
+    one, other = ROBOTS[kind].body, from_file(file).body
+    assert other.mass == pytest.approx(one.mass)
+    np.testing.assert_allclose(other.centre, one.centre, atol=1e-6)
+    np.testing.assert_allclose(other.low, one.low, atol=2e-3)
+    driven = [{part.name for part in body.parts if part.drives} for body in (one, other)]
+    assert driven[0] == driven[1]
+
+
+def test_flippers_are_where_their_motors_hold_them() -> None:
+    up, down = (ROBOTS["crawler"].holding(dict.fromkeys(FLIPPERS, angle)) for angle in (0.6, 0.0))
+    assert _flippers(up.body).max() > _flippers(down.body).max() + 0.1
+    np.testing.assert_allclose(_flippers(down.body).min(), 0.035, atol=2e-3)  # an axle at 8.5 cm, a radius of 5 cm
+
+
+FLIPPERS = ("left_flipper_pivot", "right_flipper_pivot")
+
+
+def _flippers(body: Body) -> np.ndarray:
+    """Heights of the samples of the flippers."""
+    own = [index for index, part in enumerate(body.parts) if "flipper" in part.name]
+    return np.asarray(body.points[np.isin(body.part, own), 2])
+
+
+def test_every_shape_of_sdf_is_sampled_from_below(tmp_path: Path) -> None:
+    shapes = {
+        "<box><size>0.4 0.2 0.1</size></box>": -0.05,
+        "<sphere><radius>0.1</radius></sphere>": -0.1,
+        "<cylinder><radius>0.1</radius><length>0.3</length></cylinder>": -0.15,
+        "<capsule><radius>0.1</radius><length>0.3</length></capsule>": -0.25,
+        "<ellipsoid><radii>0.2 0.1 0.3</radii></ellipsoid>": -0.3,
+    }
+    for shape, low in shapes.items():
+        robot = from_file(model(tmp_path, f"<geometry>{shape}</geometry>"))
+        assert robot.lift == pytest.approx(-low)
+        np.testing.assert_allclose(robot.body.low[2], 0, atol=1e-9)  # it is put down on its lowest point
+        np.testing.assert_allclose(robot.body.centre, (0.1, 0, 0.2 - low))
+
+
+def test_a_mesh_is_sampled_at_its_triangles(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.box(extents=(0.4, 0.2, 0.1)).export(tmp_path / "box.stl")
+    uri = f"<geometry><mesh><uri>{tmp_path}/box.stl</uri></mesh></geometry>"
+    robots = [
+        from_file(model(tmp_path, shape)) for shape in (uri, "<geometry><box><size>.4 .2 .1</size></box></geometry>")
+    ]
+    flat = rsegen.build(rsegen.Recipe(seed=1, boundary="none", unit_cm=1))
+    for x, y, heading in ((0, 0, 0.3), (-0.2, 0.1, 2)):
+        one, other = (rsegen.poses(field, robot, x, y, heading) for robot in robots for field in [flat])
+        assert one.z == pytest.approx(other.z, abs=1e-6)
+        np.testing.assert_allclose(one.tilt, 0, atol=1e-6)
+
+
+def test_a_robot_without_collision_shapes_is_refused_in_a_line(tmp_path: Path) -> None:
+    robot = from_file(model(tmp_path))
+    with pytest.raises(UserError, match=r"^m: has no collision shapes, so it stands on nothing$"):
+        rsegen.poses(FIELD, robot, 0, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((0.6, 0, 0), r"^x: 0\.6 m is outside the field, -0\.5\.\.0\.5 m$"),
+        ((0, [-0.4, -0.7], 0), r"^y: -0\.7 m is outside the field"),
+        ((0, 0, float("nan")), "^heading: has a number that is not finite$"),
+        (("a", 0, 0), "^x: 'a' is not a number, nor an array of them$"),
+    ],
+)
+def test_a_place_outside_and_what_is_no_number_is_refused(arguments: tuple[object, ...], message: str) -> None:
+    with pytest.raises(UserError, match=message):
+        rsegen.poses(FIELD, "burger", *arguments)  # type: ignore[arg-type]
+
+
+def test_a_robot_that_is_longer_than_the_map_is_refused() -> None:
+    small = rsegen.build(rsegen.Recipe(seed=1, boundary="none", chunk_size=4))
+    with pytest.raises(UserError, match=r"^robot: is 0\.9\d+ m long, longer than the map of 0\.4 x 0\.4 m$"):
+        rsegen.poses(small, "crawler", 0, 0, 0)
+
+
+def test_numbers_and_arrays_go_together() -> None:
+    x, heading = np.linspace(-0.3, 0.3, 5), np.array([[0.0], [1.0]])
+    found = rsegen.poses(FIELD, "burger", x, 0.1, heading)
+    assert found.z.shape == (10,)
+    single = rsegen.poses(FIELD, "burger", x[3], 0.1, 1.0)
+    for name in ("x", "y", "z", "roll", "pitch", "yaw", "clearance", "tip_angle", "stands", "holds", "pushes"):
+        np.testing.assert_allclose(getattr(found, name)[8], getattr(single, name)[0], atol=1e-5)
