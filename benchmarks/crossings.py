@@ -2,9 +2,9 @@
 
 python -m benchmarks.crossings    prints the tables and keeps benchmarks/results/crossings.json; twelve minutes
 
-Several robots drive side by side over each field, which has a seed of its own. Each lane is predicted from the field and
-the robot's shapes alone. The rivals of this prediction know less or more: one always says yes; one is a limit of the
-highest step below a robot that is chosen afterwards, such that it is right most often on these very drives.
+Several robots drive side by side over each field, which has a seed of its own. Each lane is predicted from the field
+and the robot's shapes alone. The rivals of this prediction know less or more: one always says yes; one is a limit of
+the highest step below a robot that is chosen afterwards, such that it is right most often on these very drives.
 """
 
 from __future__ import annotations
@@ -231,30 +231,13 @@ def _share(part: int, whole: int) -> str:
 
 
 def _wrong(found: Sequence[Drive]) -> Iterator[str]:
-    """Yield a table of the wrong predictions by what was predicted and what happened; each one is in the record."""
-    yield "| robot | predicted | what happened | drives |"
-    yield "|---|---|---|---|"
-    wrong: dict[tuple[str, str, str], int] = {}
-    for drive in found:
-        if not drive.is_right:
-            key = (drive.robot, drive.reason if not drive.foreseen else "crosses", _outcome(drive))
-            wrong[key] = wrong.get(key, 0) + 1
-    for key, count in wrong.items():
-        yield f"| {' | '.join(key)} | {count} |"
-
-
-def _outcome(drive: Drive) -> str:
-    if drive.crossed:
-        return "crosses"
-    if drive.tipped:
-        return "tips over"
-    if drive.incidents:
-        return drive.incidents[0].partition(" after")[0]
-    return "turned by its lane's blocks, and stuck" if abs(drive.turned) > TURNED else "stuck on its lane"
-
-
-TURNED = 20.0
-"""Degrees from which a robot that is stuck has left its lane."""
+    """Yield a table of all wrong predictions."""
+    yield "| robot, unit, seed, lane | predicted | what happened |"
+    yield "|---|---|---|"
+    for drive in (drive for drive in found if not drive.is_right):
+        lane = f"{drive.robot}, {drive.unit_cm:g} cm, {drive.seed}, y = {drive.line:.2f} m"
+        predicted = "crosses" if drive.at is None else f"{drive.reason} at x = {drive.at:.2f} m"
+        yield f"| {lane} | {predicted} | {drive.happened} |"
 
 
 def best_limit(found: Sequence[Drive]) -> tuple[float, int]:
