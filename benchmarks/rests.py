@@ -16,7 +16,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass
 from math import cos, degrees, hypot, remainder, sin, tau
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -136,13 +136,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "machine": machine(),
         "simulators": [str(here), _mujoco_version()],
         "units": {name: UNITS[name] for name in options.robots},
-        "rests": [asdict(rest) for rest in found],
-        "between": [asdict(rest) for rest in apart],
+        "columns": Rest.__slots__,
+        "rests": [astuple(rest) for rest in (*found, *apart)],
         "speeds": [asdict(_speed(ROBOTS[name])) for name in options.robots],
     }
     print("\n".join(table(record)))
     if not options.only_print:
-        FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+        FILE.write_text(json.dumps(record).replace("], [", "],\n[") + "\n", "utf-8")  # a line for each rest
     return 0
 
 
@@ -417,7 +417,7 @@ _TITLES = {"classic": "Gazebo Classic", "mujoco": "MuJoCo", "between": "Classic 
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:
     """The figures as lines of Markdown."""
-    found = [Rest(**rest) for rest in (*record["rests"], *record["between"])]
+    found = [Rest(**dict(zip(record["columns"], row, strict=True))) for row in record["rests"]]
     yield (
         "| compared with | robot, unit | poses | height, mm | orientation, degrees | within 5 mm and 1.5 degrees "
         "| of the others, in another stable pose | within, for where it was put down | tipped over | predicted to tip "

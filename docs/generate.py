@@ -293,7 +293,9 @@ SHOWN = {
 def _predictions() -> Iterator[str]:
     """Yield the tables of poses at rest and of crossings."""
     yield "### At rest\n"
-    yield from rests.table(json.loads(rests.FILE.read_text("utf-8")))
+    record = json.loads(rests.FILE.read_text("utf-8"))
+    yield from rests.table(record)
+    yield f"\nSpeeds are of CPU time, on: {record['machine']}."
     yield "\n### Across\n"
     yield from crossings.table(json.loads(crossings.FILE.read_text("utf-8")))
 

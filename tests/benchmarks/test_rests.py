@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict, astuple, replace
 
 import numpy as np
 import pytest
@@ -59,7 +59,7 @@ def test_the_table_counts_what_came_out_otherwise() -> None:
         replace(REST, angle=90.0, tilt=88.0, is_stable=False, slid=0.2, moving=0.1),
     ]
     speed = Speed(robot="burger", samples=500, at_rest=4000, in_full=2000)
-    record = {"rests": [asdict(each) for each in found], "between": [], "units": {"burger": 0.5}}
+    record = {"columns": Rest.__slots__, "rests": [astuple(each) for each in found], "units": {"burger": 0.5}}
     lines = list(table({**record, "speeds": [asdict(speed)]}))
     assert lines[2] == (
         "| MuJoCo | burger, 0.5 cm | 3 | 0.50, 0.50 | 6.00, 73.20 | 33 % | 1 of 2 | 33 % | 1 | 0 | 1 | 1 |"
