@@ -19,7 +19,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import rsegen
-from benchmarks import crossings, datasets, learning, scan, starts
+from benchmarks import crossings, datasets, learning, rests, scan, starts
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from docs import catalogue, difficulty, gallery, reliability
@@ -42,6 +42,7 @@ from rsegen import (
 from rsegen.cli.commands import COMMANDS, GROUPS, module_of
 from rsegen.cli.parser import Parser
 from rsegen.cli.schema import FUNCTIONS
+from rsegen.exporters.pictures.pose_plots import pose_maps
 from rsegen.exporters.pictures.preview import figure_bytes, preview
 from rsegen.exporters.pictures.robot_plots import describe_limits, path_plot
 from rsegen.exporters.sheet import pages
@@ -53,6 +54,7 @@ from rsegen.params.sorts import Parameter, parameters
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS
+from rsegen.robots.body import body_of
 from rsegen.simulation.experiment import report as experiments
 from rsegen.simulation.experiment.plot import plot as experiment_plot
 from rsegen.simulation.experiment.run import load_summary
@@ -63,7 +65,7 @@ DATASETS = DOCS / "datasets.md"
 DRIVING = DOCS / "driving.md"
 SCAN = DOCS / "scan.md"
 LEARNING = DOCS / "learning.md"
-METRICS = DOCS / "metrics.md"
+POSES = DOCS / "poses.md"
 RELIABILITY = DOCS / "reliability.md"
 ROBOTS_PAGE = DOCS / "robots.md"
 FORMATS_PAGE = DOCS / "formats.md"
@@ -71,6 +73,7 @@ MEASURED = DOCS / "measured.md"
 EXPERIMENT = RESULTS / "experiment.json"
 PLOT = "\n![Real-time factor, speed and memory over the side of the map](pictures/experiment.png)\n"
 WAYS = DOCS / "pictures" / "ways.png"
+POSE_MAPS = DOCS / "pictures" / "poses.png"
 TERRAIN = DOCS / "pictures" / "terrain.png"
 DIFFICULTY = DOCS / "difficulty.md"
 SHEET = DOCS / "pictures" / "sheet.png"
@@ -159,7 +162,7 @@ def texts() -> dict[Path, str]:
         MEASURED: with_table(MEASURED.read_text("utf-8"), figures),
         DOCS / "benchmarks.md": page(figures),
         DRIVING: filled(DRIVING.read_text("utf-8"), starts.table(json.loads(starts.FILE.read_text("utf-8")))),
-        METRICS: filled(METRICS.read_text("utf-8"), crossings.table(json.loads(crossings.FILE.read_text("utf-8")))),
+        POSES: filled(POSES.read_text("utf-8"), _predictions()),
         LEARNING: filled(LEARNING.read_text("utf-8"), learning.table(json.loads(learning.FILE.read_text("utf-8")))),
         SCAN: filled(SCAN.read_text("utf-8"), scan.table(json.loads(scan.FILE.read_text("utf-8")))),
         DATASETS: filled(DATASETS.read_text("utf-8"), datasets.table(loaded(datasets.FILE))),
@@ -188,7 +191,7 @@ def pictures() -> dict[Path, Scene]:
     """What every generated picture shows, by its file: the first map of each example, each kind alone, ways, sheets."""
     shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES.values()}
     shown |= {DOCS / "pictures" / f"kind-{kind}.png": catalogue.recipe_of(kind) for kind in KINDS}
-    shown[WAYS] = load(EXAMPLES["mixed-course"])
+    shown[WAYS] = shown[POSE_MAPS] = load(EXAMPLES["mixed-course"])
     shown[TERRAIN] = _terrain()
     shown |= {SHEET: load(EXAMPLES["five-pallet-dash"]), SHEET_OF_A_PALLET: load(EXAMPLES["red-diagonal-pallet"])}
     return {path: compose(recipe) for path, recipe in shown.items()}
@@ -238,6 +241,10 @@ def _ways(scene: Scene) -> bytes:
     return path_plot(scene, limits.reach(scene.field), describe_limits(limits))
 
 
+def _pose_maps(scene: Scene) -> bytes:
+    return pose_maps(scene, body_of(ROBOTS["jackal"]), 0.5, robot="jackal")
+
+
 def _rise(*, same_field: bool) -> bytes:
     with TemporaryDirectory() as folder:
         return series(difficulty.EXAMPLE, folder, same_field=same_field).picture.read_bytes()
@@ -249,6 +256,7 @@ def _page(scene: Scene, number: int) -> bytes:
 
 _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {
     WAYS: _ways,
+    POSE_MAPS: _pose_maps,
     SHEET: partial(_page, number=0),
     SHEET_OF_A_PALLET: partial(_page, number=1),
 }
@@ -286,6 +294,16 @@ SHOWN = {
     "block-mesh": "8 vertices and 6 faces per block, without soft contact",
 }
 """What of the contact benchmark is in the manual, and what it is called there."""
+
+
+def _predictions() -> Iterator[str]:
+    """Yield the tables of poses at rest and of crossings."""
+    yield "### At rest\n"
+    record = json.loads(rests.FILE.read_text("utf-8"))
+    yield from rests.table(record)
+    yield f"\nSpeeds are of CPU time, on: {record['machine']}."
+    yield "\n### Across\n"
+    yield from crossings.table(json.loads(crossings.FILE.read_text("utf-8")))
 
 
 def _told_apart(contact: str) -> Iterator[str]:

@@ -1,0 +1,479 @@
+"""How well poses at rest are predicted: robots fall on random fields in MuJoCo and in a real Gazebo Classic.
+
+python -m benchmarks.rests    prints the tables and keeps benchmarks/results/rests.json; ten minutes
+
+Every robot is put down level, 5 mm above the highest block below it, at places and headings of fresh seeds, the same in
+both simulators. Some slide from where they were put down, so the prediction is that for the place and heading of their
+centre of mass at the end; how good it is for the place where they were put down stands in a column of its own. All
+poses count, those of robots that tipped over, too. What the simulators differ by from each other is measured alike.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, astuple, dataclass
+from math import cos, degrees, hypot, remainder, sin, tau
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from benchmarks.figures import RESULTS
+from benchmarks.machine import machine
+from benchmarks.report import short
+from rsegen.exporters.scene import Scene, compose
+from rsegen.field.stepfield import Array
+from rsegen.recipe.codec import decode
+from rsegen.robots import ROBOTS, Robot
+from rsegen.robots.body import body_of
+from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, rotation
+from rsegen.simulation.driving.world_file import world_with_robots
+from rsegen.simulation.simulators import SIMULATORS, Installation
+from rsegen.simulation.simulators.server import retried, running_server
+from rsegen.simulation.worlds import world_of
+from rsegen.standing.body import Body
+from rsegen.standing.resting import has_stood, poses
+from rsegen.standing.settling import SINGLE, Ground, Settled, _demands, _plane, reach_of, settle
+
+FILE = RESULTS / "rests.json"
+
+UNITS: Mapping[str, float] = {"burger": 0.5, "jackal": 2.0, "crawler": 3.0}
+"""Units of the fields, cm, on which each robot mostly stands; normal random of 5 levels."""
+
+FIELDS, ON_A_FIELD, APART, FIRST_SEED = 5, 40, 1.4, 9000
+"""Fields of 10 x 10 m for each robot, robots on each, metres between them, and the seed of the first field."""
+
+ABOVE, SECONDS, STILL_FOR = 0.005, 3.0, 0.25
+"""Metres of the fall, seconds until the pose is read, and seconds before in which a robot that rests stays still."""
+
+STEP = 0.001
+"""Seconds of a physics step in both simulators."""
+
+TIPPED, SLID, STILL = 60.0, 0.02, 0.002
+"""Degrees of tilt from which a robot has tipped over; metres from which it has slid; metres by which it still moves."""
+
+CLOSE = (5.0, 1.5)
+"""Millimetres and degrees of a prediction that is close enough."""
+
+TIMED, RUNS = 4096, 5
+"""Poses that are timed together, and how often: the median counts."""
+
+PEER = 2000
+"""Poses a second that Oehler and von Stryk (2023) give for theirs, in C++ and on a machine of their own."""
+
+
+class At(NamedTuple):
+    """Where a centre of mass is, metres, and the robot's axes as columns, (3, 3)."""
+
+    centre: Array
+    axes: Array
+
+    @property
+    def yaw(self) -> float:
+        """Its heading, radians."""
+        return float(np.arctan2(self.axes[1, 0], self.axes[0, 0]))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Rest:
+    """A robot in a simulator at the end, and by how much a prediction differs: height in mm, orientation in degrees.
+
+    tilt: degrees, at the end; slid: metres along the ground, and turned: degrees about the vertical, since it was put
+    down; moving: metres in the last quarter of a second; stands: whether it was predicted to stand; is_stable:
+    whether the simulator's pose is one that the prediction would not turn, as a robot may rest in several; put_height,
+    put_angle: the errors of the prediction for the place where it was put down
+    """
+
+    simulator: str
+    robot: str
+    seed: int
+    number: int
+    height: float
+    angle: float
+    tilt: float
+    slid: float
+    turned: float
+    moving: float
+    stands: bool
+    is_stable: bool
+    put_height: float
+    put_angle: float
+
+    @property
+    def is_close(self) -> bool:
+        """Whether the prediction is close enough."""
+        return self.height <= CLOSE[0] and self.angle <= CLOSE[1]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Speed:
+    """Poses a second on one core: at rest alone, and with all that follows; samples of the robot's underside."""
+
+    robot: str
+    samples: int
+    at_rest: float
+    in_full: float
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Exit code: 0; 3 where there is no Gazebo Classic."""
+    options = _options(arguments)
+    here = SIMULATORS["classic"].installation()
+    if not here:
+        print("no Gazebo Classic here: run scripts/gazebo-classic", file=sys.stderr)
+        return 3
+    found, apart = [], []
+    for name in options.robots:
+        rests, between = _of_robot(here, ROBOTS[name], _say)
+        found += rests
+        apart += between
+    record = {
+        "machine": machine(),
+        "simulators": [str(here), _mujoco_version()],
+        "units": {name: UNITS[name] for name in options.robots},
+        "columns": Rest.__slots__,
+        "rests": [astuple(rest) for rest in (*found, *apart)],
+        "speeds": [asdict(_speed(ROBOTS[name])) for name in options.robots],
+    }
+    print("\n".join(table(record)))
+    if not options.only_print:
+        FILE.write_text(json.dumps(record).replace("], [", "],\n[") + "\n", "utf-8")  # a line for each rest
+    return 0
+
+
+def _of_robot(here: Installation, robot: Robot, say: Callable[[str], None]) -> tuple[list[Rest], list[Rest]]:
+    """Return the rests of a robot in both simulators, and those of one compared with the other."""
+    body, found, between = body_of(robot), [], []
+    for seed in range(FIRST_SEED, FIRST_SEED + FIELDS):
+        scene = _scene(seed, UNITS[robot.kind])
+        ground, starts = Ground.of(scene.field, reach_of(body)), _starts(scene, body, seed)
+        ends = {
+            "classic": retried(lambda scene=scene, starts=starts: _in_classic(here, scene, robot, starts)),  # type: ignore[misc]  # mypy has no types for defaults of lambdas
+            "mujoco": [_in_mujoco(scene, robot, start) for start in starts],
+        }
+        for simulator, states in ends.items():
+            for number, (start, state) in enumerate(zip(starts, states, strict=True)):
+                found.append(_rest(simulator, robot, seed, number, ground, start, state))
+        for number, (one, other) in enumerate(zip(ends["classic"], ends["mujoco"], strict=True)):
+            between.append(_difference(robot, seed, number, _at(body, one[1]), _at(body, other[1])))
+        close = sum(rest.is_close for rest in found[-2 * ON_A_FIELD :])
+        say(f"{robot.kind}, seed {seed}: {close} of {2 * ON_A_FIELD} close")
+    return found, between
+
+
+def _scene(seed: int, unit: float) -> Scene:
+    given = {"boundary": "none", "unit_cm": unit, "seed": seed, "chunks": [10, 10]}
+    return compose(decode({"name": "rests", **given, "obstacles": [{"kind": "normal_random", "levels": 5}]}), 0)
+
+
+Start = tuple[float, float, float, float]
+"""x, y, z of the origin, metres, and the heading, radians."""
+
+State = tuple[Array, Array]
+"""Poses x, y, z, roll, pitch, yaw of the origin, some time before the end and then."""
+
+
+def _starts(scene: Scene, body: Body, seed: int) -> list[Start]:
+    """Return starts in rows, with places in their squares and headings at random: level, above the highest block."""
+    rng, across = np.random.default_rng(seed), int(scene.field.extent[0] / APART)
+    ground = Ground.of(scene.field, reach_of(body))
+    free = (APART - 2 * reach_of(body)) / 2
+    starts = []
+    for k in range(ON_A_FIELD):
+        x, y = ((at - (across - 1) / 2) * APART for at in divmod(k, across))
+        x, y = x + max(free, 0.05) * (2 * rng.random() - 1), y + max(free, 0.05) * (2 * rng.random() - 1)
+        yaw = tau * rng.random()
+        c, s = cos(yaw), sin(yaw)
+        below = ground.below(
+            x + c * body.points[:, 0] - s * body.points[:, 1], y + s * body.points[:, 0] + c * body.points[:, 1]
+        )
+        starts.append((x, y, float((below - body.points[:, 2]).max()) + ABOVE, yaw))
+    return starts
+
+
+def _in_classic(here: Installation, scene: Scene, robot: Robot, starts: Sequence[Start]) -> list[State]:
+    """Return the states of robots that rest in one world, each far from the next."""
+    names = [f"{robot.kind}_{number}" for number in range(len(starts))]
+    at = [(x, y, z, 0, 0, yaw) for x, y, z, yaw in starts]
+    models = [robot.model(name, here.backend, pose) for name, pose in zip(names, at, strict=True)]
+    with world_of(scene).on_disk() as world, tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
+        file = Path(folder, world.name)
+        file.write_text(world_with_robots(world, models, unthrottled=True, backend=here.backend), "utf-8")
+        with running_server(here, file, models=world.absolute().parent.parent) as server, server.connect() as live:
+            live.step(round((SECONDS - STILL_FOR) / STEP))
+            before = live.poses()
+            live.step(round(STILL_FOR / STEP))
+            after = live.poses()
+    return [tuple(_six(poses[name]) for poses in (before, after)) for name in names]  # type: ignore[misc]  # two of them
+
+
+def _six(pose: Any) -> Array:
+    return np.array([pose.x, pose.y, pose.z, pose.roll, pose.pitch, pose.yaw])
+
+
+def _in_mujoco(scene: Scene, robot: Robot, start: Start) -> State:
+    """Return the state of a robot that rests alone, on the blocks that it can reach."""
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_string(mjcf(scene, robot, start))
+    data, states = mujoco.MjData(model), []
+    for seconds in (SECONDS - STILL_FOR, STILL_FOR):
+        for _ in range(round(seconds / STEP)):
+            mujoco.mj_step(model, data)
+        matrix = np.zeros(9)
+        mujoco.mju_quat2Mat(matrix, data.qpos[3:7])
+        states.append(np.concatenate([data.qpos[:3], _angles(matrix.reshape(3, 3))]))
+    return states[0], states[1]
+
+
+def _angles(axes: Array) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw of axes as columns, radians."""
+    pitch = -np.arcsin(np.clip(axes[2, 0], -1, 1))
+    return float(np.arctan2(axes[2, 1], axes[2, 2])), float(pitch), float(np.arctan2(axes[1, 0], axes[0, 0]))
+
+
+def mjcf(scene: Scene, robot: Robot, start: Start) -> str:
+    """Return an MJCF model: a robot whose joints do not move, above the blocks below and around it."""
+    field, (x, y, z, yaw) = scene.field, start
+    edges_x, edges_y = field.edges()
+    width, reach = field.block_width, reach_of(body_of(robot)) + 0.3
+    blocks = [
+        f'<geom type="box" size="{width / 2} {width / 2} {height / 2}" contype="1" conaffinity="2"'
+        f' pos="{edges_x[i] + width / 2} {edges_y[j] + width / 2} {height / 2}"/>'
+        for (i, j), height in np.ndenumerate(field.heights)
+        if height > 0 and abs(edges_x[i] + width / 2 - x) < reach and abs(edges_y[j] + width / 2 - y) < reach
+    ]
+    holders = {joint.child: joint for joint in robot.joints}
+    angles = {servo.joint: servo.rest for servo in robot.servos}
+    links = "".join(_link(link, holders.get(link.name), angles) for link in robot.links)
+    # The robot's friction counts, as that of Gazebo's blocks is larger; contacts are stiff, as ODE's are.
+    return f"""<mujoco>
+<compiler angle="radian" eulerseq="XYZ"/>
+<option timestep="{STEP}" integrator="implicitfast" cone="elliptic" impratio="10"/>
+<size memory="200M"/>
+<default><geom solref="0.004 1" solimp="0.99 0.999 0.0001"/></default>
+<worldbody><geom type="plane" size="99 99 1" contype="1" conaffinity="2"/>{"".join(blocks)}
+<body pos="{x} {y} {z}" euler="0 0 {yaw}"><freejoint/>{links}</body></worldbody>
+</mujoco>"""
+
+
+def _link(link: Link, holder: Joint | None, angles: Mapping[str, float]) -> str:
+    """Return a link that is fixed to the robot, turned by the angle of the servo that holds it."""
+    turned = rotation(*link.pose[3:])
+    if holder and holder.axis and angles.get(holder.name):
+        turned = turned @ _about(np.array(holder.axis, float), angles[holder.name])
+    inertia = " ".join(map(str, link.moments))
+    centre = f'pos="{_spaced(link.centre[:3])}" quat="{_quaternion(rotation(*link.centre[3:]))}"'
+    return (
+        f'<body pos="{_spaced(link.pose[:3])}" quat="{_quaternion(turned)}">'
+        f'<inertial {centre} mass="{link.mass}" diaginertia="{inertia}"/>'
+        + "".join(map(_geometry, link.parts))
+        + "</body>"
+    )
+
+
+def _geometry(part: Part) -> str:
+    if part.surface is None:
+        return ""
+    solid = part.solid
+    if isinstance(solid, Box):
+        shape = f'type="box" size="{_spaced(side / 2 for side in solid.size)}"'
+    elif isinstance(solid, Cylinder):
+        shape = f'type="cylinder" size="{solid.radius} {solid.length / 2}"'
+    else:
+        shape = f'type="sphere" size="{solid.radius}"'
+    place = f'pos="{_spaced(part.pose[:3])}" quat="{_quaternion(rotation(*part.pose[3:]))}"'
+    friction = f'friction="{max(part.surface.mu, 1e-3)} 0.005 0.0001" priority="1"'
+    return f'<geom {shape} {place} {friction} contype="2" conaffinity="1"/>'
+
+
+def _about(axis: Array, angle: float) -> Array:
+    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+
+
+def _spaced(values: Any) -> str:
+    return " ".join(f"{float(value):.9g}" for value in values)
+
+
+def _quaternion(axes: Array) -> str:
+    import mujoco
+
+    found = np.zeros(4)
+    mujoco.mju_mat2Quat(found, np.asarray(axes, float).ravel())
+    return _spaced(found)
+
+
+def _at(body: Body, pose: Array) -> At:
+    """Return the centre of mass and the axes of a robot whose origin is at a pose."""
+    axes = np.asarray(rotation(*pose[3:]))
+    return At(pose[:3] + axes @ body.centre, axes)
+
+
+def _predicted(ground: Ground, body: Body, at: At) -> tuple[Settled, At]:
+    """Return the robot at rest with its centre of mass above or below a place, and its heading there."""
+    c, s = cos(at.yaw), sin(at.yaw)
+    x = at.centre[0] - c * body.centre[0] + s * body.centre[1]
+    y = at.centre[1] - s * body.centre[0] - c * body.centre[1]
+    rest = settle(ground, body, np.array([x]), np.array([y]), np.array([at.yaw]))
+    return rest, At(np.array([rest.x[0], rest.y[0], rest.z[0]]), rest.axes[0])
+
+
+def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
+    simulator: str, robot: Robot, seed: int, number: int, ground: Ground, start: Start, state: State
+) -> Rest:
+    body = body_of(robot)
+    before, end, put = _at(body, state[0]), _at(body, state[1]), _at(body, np.array([*start[:3], 0, 0, start[3]]))
+    settled, rest = _predicted(ground, body, end)
+    _, there = _predicted(ground, body, put)
+    (height, angle), (put_height, put_angle) = _errors(rest, end), _errors(there, end)
+    return Rest(
+        simulator=simulator,
+        robot=robot.kind,
+        seed=seed,
+        number=number,
+        height=height,
+        angle=angle,
+        tilt=round(degrees(float(np.arccos(np.clip(end.axes[2, 2], -1, 1)))), 2),
+        slid=round(hypot(*(end.centre - put.centre)[:2]), 4),
+        turned=round(degrees(remainder(end.yaw - put.yaw, tau)), 2),
+        moving=round(float(np.linalg.norm(end.centre - before.centre)), 5),
+        stands=bool(has_stood(settled)[0]),
+        is_stable=_is_stable(ground, body, end),
+        put_height=put_height,
+        put_angle=put_angle,
+    )
+
+
+def _is_stable(ground: Ground, body: Body, at: At) -> bool:
+    """Return whether a robot that rests like this would not be turned: three contacts are around its centre of mass."""
+    relative, place = (body.points - body.centre).T.astype(SINGLE), (at.centre[:1], at.centre[1:2])
+    u, v, g = _demands(ground, relative, None, *place, at.axes[None])
+    afar = np.arange(len(body.points), len(body.points) + 3)[None]
+    _, along, across, _ = _plane(u, v, g, afar)
+    return bool(degrees(float(np.hypot(along[0], across[0]))) < CLOSE[1])
+
+
+def _errors(one: At, other: At) -> tuple[float, float]:
+    """Return the difference of heights, millimetres, and of orientations apart from the heading, degrees."""
+    cosine = float(one.axes[:, 2] @ other.axes[:, 2])
+    return round(1e3 * abs(float(one.centre[2] - other.centre[2])), 3), round(
+        degrees(float(np.arccos(np.clip(cosine, -1, 1)))), 3
+    )
+
+
+def _difference(robot: Robot, seed: int, number: int, one: At, other: At) -> Rest:
+    """Return how two simulators differ about a robot that was put down alike."""
+    height, angle = _errors(one, other)
+    tilt = round(degrees(float(np.arccos(np.clip(min(one.axes[2, 2], other.axes[2, 2]), -1, 1)))), 2)
+    return Rest(
+        simulator="between",
+        robot=robot.kind,
+        seed=seed,
+        number=number,
+        height=height,
+        angle=angle,
+        tilt=tilt,
+        slid=round(hypot(*(one.centre - other.centre)[:2]), 4),
+        turned=round(degrees(remainder(one.yaw - other.yaw, tau)), 2),
+        moving=0.0,
+        stands=True,
+        is_stable=True,
+        put_height=height,
+        put_angle=angle,
+    )
+
+
+def _speed(robot: Robot) -> Speed:
+    """Time poses of a robot: CPU time of all threads, so that it is that of one core."""
+    scene, body = _scene(FIRST_SEED, UNITS[robot.kind]), body_of(robot)
+    rng, half = np.random.default_rng(1), scene.field.extent[0] / 2
+    x, y, yaw = (rng.uniform(-most, most, TIMED) for most in (half, half, np.pi))
+    ground = Ground.of(scene.field, reach_of(body))
+
+    def rate(work: Callable[[], object]) -> float:
+        seconds = []
+        for _ in range(RUNS):
+            begin = time.process_time()
+            work()
+            seconds.append(time.process_time() - begin)
+        return TIMED / float(np.median(seconds))
+
+    return Speed(
+        robot=robot.kind,
+        samples=len(body.points),
+        at_rest=round(rate(lambda: settle(ground, body, x, y, yaw))),
+        in_full=round(rate(lambda: poses(scene.field, body, x, y, yaw))),
+    )
+
+
+_TITLES = {"classic": "Gazebo Classic", "mujoco": "MuJoCo", "between": "Classic from MuJoCo"}
+
+
+def table(record: Mapping[str, Any]) -> Iterator[str]:
+    """The figures as lines of Markdown."""
+    found = [Rest(**dict(zip(record["columns"], row, strict=True))) for row in record["rests"]]
+    yield (
+        "| compared with | robot, unit | poses | height, mm | orientation, degrees | within 5 mm and 1.5 degrees "
+        "| of the others, in another stable pose | within, for where it was put down | tipped over | predicted to tip "
+        "| slid 2 cm | not at rest |"
+    )
+    yield "|---" * 12 + "|"
+    for simulator, name in dict.fromkeys((rest.simulator, rest.robot) for rest in found):
+        own = [rest for rest in found if (rest.simulator, rest.robot) == (simulator, name)]
+        close = sum(rest.is_close for rest in own)
+        put = sum(rest.put_height <= CLOSE[0] and rest.put_angle <= CLOSE[1] for rest in own)
+        cells = [
+            _TITLES[simulator],
+            f"{name}, {record['units'][name]:g} cm",
+            f"{len(own)}",
+            _middle_and_high([rest.height for rest in own]),
+            _middle_and_high([rest.angle for rest in own]),
+            f"{100 * close / len(own):.0f} %",
+            f"{sum(rest.is_stable and not rest.is_close for rest in own)} of {len(own) - close}"
+            if simulator != "between"
+            else "",
+            f"{100 * put / len(own):.0f} %" if simulator != "between" else "",
+            f"{sum(rest.tilt > TIPPED for rest in own)}",
+            f"{sum(not rest.stands for rest in own)}" if simulator != "between" else "",
+            f"{sum(rest.slid > SLID for rest in own)}",
+            f"{sum(rest.moving > STILL for rest in own)}" if simulator != "between" else "",
+        ]
+        yield f"| {' | '.join(cells)} |"
+    yield ""
+    yield "| robot | samples | poses a second and core, at rest | x the peer's 2,000 | with stability and forces |"
+    yield "|---|---|---|---|---|"
+    for speed in (Speed(**speed) for speed in record["speeds"]):
+        rates = f"{speed.at_rest:,.0f} | {short(speed.at_rest / PEER)} | {speed.in_full:,.0f}"
+        yield f"| {speed.robot} | {speed.samples:,} | {rates} |"
+
+
+def _middle_and_high(values: Sequence[float]) -> str:
+    middle, high = np.percentile(values, [50, 90])
+    return f"{middle:.2f}, {high:.2f}"
+
+
+def _mujoco_version() -> str:
+    import mujoco
+
+    return f"MuJoCo {mujoco.__version__}"
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
+
+
+def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.rests", description=__doc__.splitlines()[0])
+    parser.add_argument("robots", nargs="*", metavar="ROBOT", default=list(UNITS), help="only these kinds")
+    parser.add_argument("--only-print", action="store_true", help="keep no record")
+    return parser.parse_args(arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,184 @@
+"""Pictures of poses: maps of how a robot of one heading rests at each place, and its outline from above.
+
+A pixel of a map is a pose, a quarter of a block from the next. The outline of a robot is the convex hull of each of
+its parts, of the samples from below, turned as the robot is.
+"""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rsegen.exporters.pictures.preview import figure_bytes
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.standing.body import Body
+from rsegen.standing.resting import Poses, poses
+from rsegen.standing.settling import reach_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_PER_BLOCK, _MOST = 4, 240
+"""Poses along the side of a block, and along the longer side of a map at most: 60,000 take some ten seconds."""
+
+_REASONS = ("stands and pushes", "cannot push itself on", "does not hold: it slides", "tips over")
+_REASON_COLOURS = ("#4caf78", "#f2c14e", "#e8743b", "#8e2043")
+"""From good to bad, in lightness too, so that they differ in grey."""
+
+_MOST_MARGIN = 45.0
+"""Degrees at which the colours of margins end: what is safer than that looks alike."""
+
+_DRIVEN, _UNDRIVEN = "#00a3ff", "#ff2d95"
+"""Colours of outlines, which no level and no map has."""
+
+
+def pose_maps(scene: Scene, body: Body, heading: float, format: str = "png", *, robot: str = "robot") -> bytes:  # noqa: A002  # matplotlib's word
+    """Return maps of tilt, margin and reason as the bytes of an image file, which carries the map's recipe.
+
+    heading: radians; robot: its name in the title. The margin is the angle by which it must be turned to tip over.
+    """
+    from matplotlib.figure import Figure
+
+    x, y = _places(scene.field)
+    found = poses(scene.field, body, x[:, None], y[None, :], np.array(heading))
+    shape = (len(x), len(y))
+    along_x, along_y = scene.field.extent
+    figure = Figure(figsize=(15, float(np.clip(3.9 * along_y / along_x + 1.7, 3.2, 16))), dpi=100, layout="constrained")
+    tilt, margin, reason = figure.subplots(1, 3, sharex=True, sharey=True)
+    tilts, margins = (np.degrees(np.where(found.stands, angle, np.nan)) for angle in (found.tilt, found.tip_angle))
+    _draw_angles(tilt, scene.field, tilts.reshape(shape), "tilt", colours="magma_r")
+    _draw_angles(margin, scene.field, margins.reshape(shape), "margin", colours="viridis", most=_MOST_MARGIN)
+    _draw_reasons(reason, scene.field, reasons(found).reshape(shape))
+    tilt.set(ylabel="y [m]", title="tilt" + _draw_steepest(tilt, scene.field, body, found))
+    margin.set(title="margin: the turn that tips it over")
+    figure.suptitle(f"{scene.name}: {robot}, heading {degrees(heading) % 360:.3g} degrees")
+    return figure_bytes(figure, scene, format)
+
+
+def _draw_steepest(axes: Axes, field: StepField, body: Body, found: Poses) -> str:
+    """Draw the robot where it is steepest of all places at which it is on the map; return what the title should say."""
+    reach = reach_of(body)
+    inside = (np.abs(found.x) < field.extent[0] / 2 - reach) & (np.abs(found.y) < field.extent[1] / 2 - reach)
+    if not (found.stands & inside).any():
+        return ""
+    draw_robot(axes, body, found, int(np.where(found.stands & inside, found.tilt, -1).argmax()))
+    return "; drawn: the robot where it is steepest"
+
+
+def reasons(found: Poses) -> Ints:
+    """Return for each pose whether it pushes (0), cannot push (1), does not hold (2) or tips over (3)."""
+    return np.select([~found.stands, ~found.holds, ~found.pushes], [3, 2, 1], 0)
+
+
+def _places(field: StepField) -> tuple[Array, Array]:
+    """Return x and y of the poses, metres: the middles of half blocks, or of larger parts of a large map."""
+    per_block = min(_PER_BLOCK, _MOST / max(field.shape))
+    counts = (max(round(cells * per_block), 1) for cells in field.shape)
+    x, y = (((np.arange(count) + 0.5) / count - 0.5) * side for count, side in zip(counts, field.extent, strict=True))
+    return x, y
+
+
+def _draw_angles(
+    axes: Axes, field: StepField, angles: Array, label: str, *, colours: str, most: float | None = None
+) -> None:
+    """Draw a map of angles in degrees; grey where there are none, as the robot does not stand."""
+    axes.set_facecolor("0.6")
+    image = axes.imshow(angles.T, origin="lower", extent=_extent(field), cmap=colours, vmin=0, vmax=most)
+    image.set_interpolation("nearest")
+    extend = "max" if most else "neither"
+    axes.figure.colorbar(image, ax=axes, shrink=0.85, extend=extend, label=f"{label} [degrees]; grey: tips over")
+    _draw_blocks(axes, field)
+
+
+def _draw_reasons(axes: Axes, field: StepField, reason: Ints) -> None:
+    """Draw a map of reasons, whose legend has the share of each."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    norm = BoundaryNorm(np.arange(len(_REASONS) + 1) - 0.5, len(_REASONS))
+    colours = ListedColormap(_REASON_COLOURS)
+    axes.imshow(reason.T, origin="lower", extent=_extent(field), interpolation="nearest", cmap=colours, norm=norm)
+    shares = [float((reason == number).mean()) for number in range(len(_REASONS))]
+    entries = [
+        Patch(facecolor=colour, label=f"{name}, {share:.0%}")
+        for colour, name, share in zip(_REASON_COLOURS, _REASONS, shares, strict=True)
+    ]
+    axes.set(title="what it can do there")
+    axes.figure.legend(handles=entries, loc="outside lower center", ncols=len(entries), frameon=False)
+    _draw_blocks(axes, field)
+
+
+def _extent(field: StepField) -> tuple[float, float, float, float]:
+    edges_x, edges_y = field.edges()
+    return float(edges_x[0]), float(edges_x[-1]), float(edges_y[0]), float(edges_y[-1])
+
+
+def _draw_blocks(axes: Axes, field: StepField) -> None:
+    """Draw the edges between blocks of different heights, and set the plan's axes."""
+    from matplotlib.collections import LineCollection
+
+    edges_x, edges_y = field.edges()
+    i, j = np.nonzero(np.diff(field.heights, axis=0))
+    upright = np.stack([np.stack([edges_x[i + 1], edges_y[j + side]], axis=-1) for side in (0, 1)], axis=1)
+    i, j = np.nonzero(np.diff(field.heights, axis=1))
+    level = np.stack([np.stack([edges_x[i + side], edges_y[j + 1]], axis=-1) for side in (0, 1)], axis=1)
+    width = float(np.clip(24 / max(field.shape), 0.1, 0.8))
+    lines = LineCollection([*upright, *level], colors="black", linewidths=width, alpha=0.45)
+    axes.add_collection(lines)
+    extent = _extent(field)
+    axes.set(aspect="equal", xlabel="x [m]", xlim=extent[:2], ylim=extent[2:])
+
+
+def draw_robot(axes: Axes, body: Body, found: Poses, index: int = 0) -> None:
+    """Draw the outlines of a robot's parts at one of its poses, driven ones in another colour, and an arrow forward."""
+    turned, at = _axes(found, index), np.array([found.x[index], found.y[index]])
+    for part, known in enumerate(body.parts):
+        own = body.points[body.part == part]
+        if len(own):
+            outline = _hull((own @ turned.T)[:, :2] + at)
+            colour = _DRIVEN if known.drives else _UNDRIVEN
+            axes.fill(*outline.T, facecolor=(colour, 0.25), edgecolor="white", linewidth=2.6)
+            axes.fill(*outline.T, facecolor="none", edgecolor=colour, linewidth=1.2)
+    middle = (body.low + body.high) / 2
+    ends = np.array([middle, [body.high[0] + 0.1 * body.length, middle[1], middle[2]]]) @ turned.T
+    tail, head = ends[:, :2] + at
+    arrow = {"arrowstyle": "-|>", "color": "black", "linewidth": 1.5, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=head, xytext=tail, arrowprops=arrow)
+
+
+def _axes(found: Poses, index: int) -> Array:
+    """Return the axes of a robot as columns, (3, 3): turned by roll, then pitch, then yaw, as in Gazebo."""
+    (cr, sr), (cp, sp), (cy, sy) = (
+        (np.cos(angles[index]), np.sin(angles[index])) for angles in (found.roll, found.pitch, found.yaw)
+    )
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def _hull(points: Array) -> Array:
+    """Return the corners of the convex hull of points (n, 2), counterclockwise (Andrew's monotone chain, 1979)."""
+    ordered = sorted(set(map(tuple, np.round(points, 6).tolist())))
+    if len(ordered) < 3:
+        return np.array(ordered)
+
+    def chain(along: list[tuple[float, ...]]) -> list[tuple[float, ...]]:
+        kept: list[tuple[float, ...]] = []
+        for x, y in along:
+            while len(kept) > 1 and _turn(kept[-2], kept[-1], (x, y)) <= 0:
+                kept.pop()
+            kept.append((x, y))
+        return kept[:-1]
+
+    return np.array(chain(ordered) + chain(ordered[::-1]))
+
+
+def _turn(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

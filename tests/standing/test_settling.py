@@ -1,0 +1,163 @@
+"""A robot at rest lies on three contacts around its centre of mass, wherever the field is and however it is turned."""
+
+from __future__ import annotations
+
+from math import asin, degrees, hypot, pi
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from benchmarks import rests
+from rsegen.field.stepfield import Ints
+from rsegen.robots import ROBOTS
+from rsegen.standing.body import Body
+from rsegen.standing.pushing import below_samples
+from rsegen.standing.resting import has_stood, poses
+from rsegen.standing.settling import Ground, Settled, reach_of, settle
+from tests.standing.stands import BODIES, field_of, settled
+
+KINDS = sorted(BODIES)
+HEADINGS = st.floats(-pi, pi)
+LENGTH = 12
+"""Blocks along each side of fields that are drawn."""
+
+EXACT = [kind for kind in KINDS if kind != "jackal"]
+"""The Jackal's centre of mass is above both diagonals of its wheels, so it rests in either of two ways."""
+
+UNITS = {kind: unit / 100 for kind, unit in rests.UNITS.items()}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("level", [0, 3])
+@given(yaw=HEADINGS)
+@settings(max_examples=20, deadline=None)
+def test_on_a_plane_a_robot_stands_level_at_its_own_height(kind: str, level: int, yaw: float) -> None:
+    field = field_of(np.full((20, 20), level))
+    found = poses(field, BODIES[kind], np.array([0.0]), np.array([0.0]), np.array([yaw]))
+    assert found.z[0] == pytest.approx(0.01 * level, abs=5e-4)
+    assert np.degrees([found.roll[0], found.pitch[0]]) == pytest.approx([0, 0], abs=0.2)
+    assert np.array([found.x[0], found.y[0]]) == pytest.approx([0, 0], abs=1e-3)
+    assert found.stands.all()
+    assert found.holds.all()
+    assert found.pushes.all()
+
+
+@pytest.mark.parametrize("height", [0.01, 0.02, 0.03])
+def test_with_its_front_wheels_on_a_block_the_jackal_is_as_steep_as_its_wheelbase_says(height: float) -> None:
+    levels = np.zeros((20, 20), int)
+    levels[10:] = 1
+    found = poses(field_of(levels, height), BODIES["jackal"], np.array([0.0]), np.array([0.0]), np.array([0.0]))
+    base = 0.262
+    assert degrees(found.pitch[0]) == pytest.approx(-degrees(asin(height / base)), abs=0.2)
+    assert degrees(found.roll[0]) == pytest.approx(0, abs=0.05)
+
+
+@pytest.mark.parametrize("height", [0.002, 0.005])
+def test_with_one_wheel_on_a_block_the_burger_rolls_as_its_track_says(height: float) -> None:
+    levels = np.zeros((20, 20), int)
+    levels[:, 10:] = 1
+    # Its caster is 8 cm behind the axle; beside the edge, so that it and the other wheel are on the ground.
+    found = poses(field_of(levels, height), BODIES["burger"], np.array([0.0]), np.array([-0.02]), np.array([0.0]))
+    between = 0.160
+    assert degrees(abs(found.roll[0])) == pytest.approx(degrees(asin(height / between)), abs=0.3)
+
+
+@st.composite
+def fields(draw: st.DrawFn) -> Ints:
+    """Levels of random blocks."""
+    seed = draw(st.integers(0, 2**32 - 1))
+    return np.random.default_rng(seed).integers(0, 5, (LENGTH, LENGTH))
+
+
+PLACES = st.floats(-0.2, 0.2)
+
+
+def upright(rest: Settled) -> tuple[float, float, float]:
+    """Height of the centre of mass, and x and y of the robot's upright."""
+    return float(rest.z[0]), *map(float, rest.axes[0, :2, 2])  # type: ignore[return-value]  # three of them
+
+
+@pytest.mark.parametrize("kind", EXACT)
+@given(levels=fields(), x=PLACES, y=PLACES, yaw=HEADINGS)
+@settings(max_examples=25, deadline=None)
+def test_a_field_that_is_turned_moved_or_mirrored_turns_moves_or_mirrors_the_pose(
+    kind: str, levels: Ints, x: float, y: float, yaw: float
+) -> None:
+    body, unit = BODIES[kind], UNITS[kind]
+    rest = settled(field_of(levels, unit), body, x, y, yaw)
+    assume(has_stood(rest)[0] and is_certain(levels, unit, body, rest))
+    z, up_x, up_y = upright(rest)
+    turned = settled(field_of(np.rot90(levels), unit), body, -y, x, yaw + pi / 2)
+    assert upright(turned) == pytest.approx((z, -up_y, up_x), abs=2e-3)
+    mirrored = settled(field_of(levels[:, ::-1], unit), body, x, -y, -yaw)
+    assert upright(mirrored) == pytest.approx((z, up_x, -up_y), abs=2e-3)
+    moved = settled(field_of(np.pad(levels, ((6, 0), (0, 2))), unit), body, x + 0.3, y - 0.1, yaw)
+    assert upright(moved) == pytest.approx((z, up_x, up_y), abs=2e-3)
+
+
+def is_certain(levels: Ints, unit: float, body: Body, rest: Settled) -> bool:
+    """Whether the pose is that of places and headings a little beside: no sample is just at the edge of a block."""
+    c, s = np.cos(rest.yaw[0]), np.sin(rest.yaw[0])
+    x = rest.x[0] - c * body.centre[0] + s * body.centre[1]
+    y = rest.y[0] - s * body.centre[0] - c * body.centre[1]
+    step = 2e-5
+    beside = np.array([(a, b, t) for a in (-step, step) for b in (-step, step) for t in (-step, step)]).T
+    ground = Ground.of(field_of(levels, unit), reach_of(body))
+    near = settle(ground, body, x + beside[0], y + beside[1], rest.yaw[0] + beside[2])
+    return bool(np.ptp(near.z) < 5e-4 and np.ptp(near.axes[:, :, 2], axis=0).max() < 1e-3)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nothing_is_below_the_ground_and_three_contacts_bear_the_robot(kind: str) -> None:
+    body, rng = BODIES[kind], np.random.default_rng(4)
+    field = field_of(rng.integers(0, 5, (30, 30)), UNITS[kind])
+    x, y, yaw = (rng.uniform(-most, most, 300) for most in (1.0, 1.0, pi))
+    ground = Ground.of(field, reach_of(body))
+    rest = settle(ground, body, x, y, yaw)
+    stood = np.flatnonzero(has_stood(rest))
+    assert len(stood) > 250
+    # Against the side of a block a part never comes to rest at the very edge, and the last round still turns it.
+    resting = stood[rest.turn[stood] < 1e-4]
+    assert len(resting) > 0.8 * len(stood)
+    _, above = below_samples(ground, body, rest, resting)
+    assert above.min() > -1e-3
+    contacts = np.take_along_axis(above, rest.contacts[resting], axis=1)
+    assert (np.abs(contacts).max(axis=1) < 1e-3).mean() > 0.99  # or it is just at the edge of a block
+    loads = poses(field, body, x, y, yaw).loads[resting]
+    assert (loads > -1e-6).all()
+    assert loads.sum(axis=1) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_mujoco_agrees(kind: str) -> None:
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+    robot, body = ROBOTS[kind], BODIES[kind]
+    scene = rests._scene(1, rests.UNITS[kind])
+    ground = Ground.of(scene.field, reach_of(body))
+    found = [
+        rests._rest("mujoco", robot, 1, number, ground, start, rests._in_mujoco(scene, robot, start))
+        for number, start in enumerate(rests._starts(scene, body, 1)[:20])
+    ]
+    assert np.median([rest.height for rest in found]) < 1.0
+    assert np.median([rest.angle for rest in found]) < 0.3
+
+
+def test_no_place_at_all_gives_no_poses() -> None:
+    nothing = np.empty(0)
+    assert poses(field_of(np.zeros((3, 3), int)), BODIES["burger"], nothing, nothing, nothing).support.shape == (
+        0,
+        11,
+        3,
+    )
+
+
+def test_the_margin_on_a_plane_is_that_of_the_nearest_edge() -> None:
+    found = poses(field_of(np.zeros((20, 20), int)), BODIES["jackal"], *np.zeros((3, 1)))
+    centre = BODIES["jackal"].centre
+    # From axle to axle 26.2 cm, less than across; of a wheel the samples next to the lowest one are in contact too.
+    high, aside = float(centre[2]), 0.131 - abs(float(centre[0]))
+    assert np.tan(found.tip_angle[0]) == pytest.approx(aside / high, rel=0.04)
+    energy = BODIES["jackal"].mass * 9.81 * (hypot(high, aside) - high)
+    assert found.tip_energy[0] == pytest.approx(energy, rel=0.08)

@@ -1,0 +1,92 @@
+"""Ways of robots: lanes that pass, lanes that end for a reason, and ways around what cannot be passed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rsegen.field.stepfield import Ints
+from rsegen.standing.ways import End, Lattice, crossing, no_way, reach, straight
+from tests.standing.stands import BODIES, field_of
+
+KINDS = sorted(BODIES)
+BURGER = BODIES["burger"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("axis", [0, 1])
+def test_on_flat_ground_every_lane_passes(kind: str, axis: int) -> None:
+    lanes = straight(field_of(np.zeros((8, 5), int)), BODIES[kind], axis)
+    assert len(lanes.passed) == (5, 8)[axis]
+    assert lanes.passed.all()
+    assert np.degrees(lanes.tilt) == pytest.approx(0, abs=0.3)
+    assert not lanes.drops.any()
+    assert not lanes.slips.any()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_wall_of_30_cm_stops_every_robot_for_a_reason(kind: str) -> None:
+    levels = np.zeros((12, 6), int)
+    levels[6] = 1
+    field = field_of(levels, 0.3)
+    lanes = straight(field, BODIES[kind], 0)
+    assert not lanes.passed.any()
+    assert (lanes.end != End.NONE).all()
+    way = no_way(lanes, BODIES[kind])
+    assert not way.crosses
+    assert way.reason in {end.words for end in End if end}
+    assert way.at is not None
+    assert way.at[0] < 0.1
+
+
+def test_on_a_flat_field_all_is_reached_and_the_way_is_straight() -> None:
+    found = reach(field_of(np.zeros((6, 5), int)), BURGER)
+    assert found.cover == 1
+    assert found.region.all()
+    for way in (found.west_east, found.south_north):
+        assert way.crosses
+        assert way.length_ratio == pytest.approx(1, abs=1e-9)
+        assert way.tilt == pytest.approx(0, abs=0.005)
+
+
+def walled(*, has_gap: bool) -> Ints:
+    """Levels of a wall across the field, with a gap of three blocks at its end."""
+    levels = np.zeros((5, 7), int)
+    levels[2] = 1
+    levels[2, 4:] = 0 if has_gap else 1
+    return levels
+
+
+def test_a_robot_goes_through_the_gap_of_a_wall_and_nowhere_else() -> None:
+    way = Lattice(field_of(walled(has_gap=True), 0.1), BURGER).way(0)
+    assert way is not None
+    assert way.crosses
+    at_wall = way.points[np.abs(way.points[:, 0]) < 0.06]
+    assert ((at_wall[:, 1] > 0.05) & (at_wall[:, 1] < 0.35)).all()
+    assert not crossing(field_of(walled(has_gap=False), 0.1), BURGER, 0).crosses
+
+
+def test_a_tower_in_the_way_is_gone_around() -> None:
+    levels = np.zeros((5, 9), int)
+    levels[2, 3:6] = 1
+    field = field_of(levels, 0.1)
+    passed = straight(field, BURGER, 0).passed
+    assert passed.tolist() == [True, True, *[False] * 5, True, True]
+    way = crossing(field, BURGER, 0)
+    assert way.crosses
+    assert way.length_ratio == pytest.approx(1)
+    assert np.abs(way.points[:, 1]).min() > 0.2
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+@settings(max_examples=5, deadline=None)
+def test_a_mirrored_field_has_mirrored_lanes(seed: int) -> None:
+    levels = np.random.default_rng(seed).integers(0, 3, (6, 8))
+    lines = np.random.default_rng(seed).uniform(-0.3, 0.3, 6)
+    for kind, unit in (("burger", 0.004), ("crawler", 0.02)):
+        lanes = straight(field_of(levels, unit), BODIES[kind], 0, lines)
+        mirrored = straight(field_of(levels[:, ::-1], unit), BODIES[kind], 0, -lines)
+        assert (lanes.end != mirrored.end).sum() <= 1  # a sample may be just at the edge of a block
+        assert np.median(np.abs(lanes.poses.z - mirrored.poses.z)) < 1e-4
