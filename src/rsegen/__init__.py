@@ -72,7 +72,6 @@ if TYPE_CHECKING:
     from rsegen.io.scans import compare as compare
     from rsegen.io.scans import scan as scan
     from rsegen.params.plugins import load_plugin as load_plugin
-    from rsegen.standing.spots import Spot as Spot
     from rsegen.recipe.batch import build_many as build_many
     from rsegen.recipe.building import build as build
     from rsegen.recipe.codec import schema as schema
@@ -97,6 +96,7 @@ if TYPE_CHECKING:
     from rsegen.simulation.spawning.respawn import RespawnResult as RespawnResult
     from rsegen.simulation.spawning.spawn import SpawnResult as SpawnResult
     from rsegen.standing.resting import Poses as Poses
+    from rsegen.standing.spots import Spot as Spot
 
 __version__ = "1.0.0"
 

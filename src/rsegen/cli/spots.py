@@ -50,11 +50,11 @@ def run(arguments: argparse.Namespace) -> Report:
     from rsegen.exporters.pictures.preview import image_format
     from rsegen.exporters.pictures.robot_plots import spots_plot
     from rsegen.params.streams import fresh_seed
-    from rsegen.standing.spots import Outline, body_of_size
     from rsegen.robots import robot_of
     from rsegen.robots.body import body_or_box
     from rsegen.run.store import write_file
     from rsegen.simulation.worlds import world_of
+    from rsegen.standing.spots import Outline, body_of_size
 
     path = picture_path(arguments.output, force=arguments.force)
     with flags_in_errors(spots):

@@ -11,8 +11,8 @@ from rsegen.params.sorts import Float, Integer, ListOf
 from rsegen.params.streams import SEEDS
 
 if TYPE_CHECKING:
-    from rsegen.standing.spots import Spot
     from rsegen.simulation.worlds import Target
+    from rsegen.standing.spots import Spot
 
 
 @command
@@ -42,11 +42,11 @@ def spots(  # noqa: PLR0913  # each is a flag
     from math import radians
 
     from rsegen.params.streams import fresh_seed
-    from rsegen.standing.spots import body_of_size
     from rsegen.robots import robot_of
     from rsegen.robots.body import body_or_box
     from rsegen.simulation.driving.robot_runs import spot_generator, spots_on_map
     from rsegen.simulation.worlds import world_of
+    from rsegen.standing.spots import body_of_size
 
     body = body_or_box(robot_of(robot)) if size is None else body_of_size(*size)
     rng = spot_generator(fresh_seed() if seed is None else seed)

@@ -21,9 +21,6 @@ from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.stepfield import Array, Levels, StepField
 from rsegen.params.sorts import NANOMETRE_DIGITS, Integer, ListOf, validate
 from rsegen.params.streams import generator
-from rsegen.standing.body import Body
-from rsegen.standing.spots import body_of_size
-from rsegen.standing.spots import spots as spots_of
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.terrain_design import TerrainDesign
 from rsegen.recipe.tiles import (
@@ -40,6 +37,9 @@ from rsegen.recipe.tiles import (
     tile_levels,
     tile_shape,
 )
+from rsegen.standing.body import Body
+from rsegen.standing.spots import body_of_size
+from rsegen.standing.spots import spots as spots_of
 
 _ALIKE = ("unit_cm", "block_width_cm", "friction", "level_friction", "level_colours")
 """Parameters that must be the same in all recipes, as the whole terrain has one value of each."""

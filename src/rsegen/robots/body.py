@@ -36,6 +36,7 @@ from rsegen.standing.body import (
     mesh,
     sample_distance,
 )
+from rsegen.standing.spots import body_of_size
 
 DRIVING_SPEED = 0.4
 """Speed, m/s, at which faster robots drive on rough ground: tracked ones climb stairs of 10 and 20 cm with it.

@@ -12,11 +12,11 @@ from rsegen import Random, Recipe, compose
 from rsegen.gui.model.preview import costs
 from rsegen.gui.model.reach import corners
 from rsegen.gui.model.simulation import reach
-from rsegen.standing.spots import Outline, Spot
-from rsegen.standing.ways import reach as reached
 from rsegen.robots import ROBOTS
 from rsegen.robots.body import body_of
 from rsegen.simulation.driving.routes import followed
+from rsegen.standing.spots import Outline, Spot
+from rsegen.standing.ways import reach as reached
 
 ROUGH = Recipe(seed=5, chunk_size=4, chunks=(3, 2), boundary="none", obstacles=[Random(levels=3)])
 

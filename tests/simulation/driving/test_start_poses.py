@@ -9,11 +9,11 @@ import pytest
 
 from rsegen import Random, Recipe, StepField, build, spots
 from rsegen.errors import ParameterError
-from rsegen.standing.spots import Outline
 from rsegen.robots import ROBOTS, Robot, SdfRobot
 from rsegen.robots.body import body_of, body_or_box
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, GAP, adjacent_pose, finish_x, robot_runs
 from rsegen.simulation.simulators.live_world import Pose
+from rsegen.standing.spots import Outline
 
 ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
 RECIPE = Recipe(chunk_size=20, boundary="none", unit_cm=1, seed=1, obstacles=(Random(levels=2),))

@@ -15,10 +15,6 @@ from rsegen.commands.generate import generate
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, StepField
 from rsegen.gui.model.reach import Reach, RobotPart, RobotShape, Way
-from rsegen.standing.body import Body
-from rsegen.standing.spots import Outline, Spot
-from rsegen.standing.ways import Reach as Places
-from rsegen.standing.ways import reach as reached
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import ROBOTS
 from rsegen.robots.body import body_of
@@ -30,6 +26,10 @@ from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand
 from rsegen.simulation.simulators.base import connected
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.spawning import SpawnedMap, at_free_place, map_model, spawn_map
+from rsegen.standing.body import Body
+from rsegen.standing.spots import Outline, Spot
+from rsegen.standing.ways import Reach as Places
+from rsegen.standing.ways import reach as reached
 
 __all__ = [
     "Installed",

@@ -20,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.errors import SimulatorFailed
-from rsegen.standing.spots import Spot
 from rsegen.robots.base import DrivableRobot
 from rsegen.simulation.driving.drive_metrics import Trajectory
 from rsegen.simulation.driving.routes import STOP, PlannedWay, Route
@@ -28,6 +27,7 @@ from rsegen.simulation.driving.world_file import camera, last_frame, time_step, 
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import Contact, LiveWorld, Pose, Record
 from rsegen.simulation.simulators.server import attempted, running_server
+from rsegen.standing.spots import Spot
 
 ContactSamples = Sequence[tuple[float, Sequence[Contact]]]
 """Simulated seconds, and all contacts at that time, sample by sample."""

@@ -15,13 +15,13 @@ import numpy as np
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
-from rsegen.standing.body import Body
-from rsegen.standing.spots import MOST_TILT, Outline, Spot, fits, spots
 from rsegen.robots.base import DrivableRobot
 from rsegen.robots.body import body_of, body_or_box, driving_speed
 from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.routes import AlongWay, PlannedWay, Route, Straight, Wandering, planned_way
 from rsegen.simulation.simulators.live_world import Pose
+from rsegen.standing.body import Body
+from rsegen.standing.spots import MOST_TILT, Outline, Spot, fits, spots
 
 GAP = 0.1
 """Gap, metres, between a robot and the map next to it, and between two robots: more than they drift on the way."""

@@ -21,9 +21,9 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from rsegen.field.stepfield import Array, StepField
+from rsegen.simulation.simulators.live_world import Pose
 from rsegen.standing.body import Body
 from rsegen.standing.ways import Way, crossing, entry
-from rsegen.simulation.simulators.live_world import Pose
 
 
 class Motion(NamedTuple):
