@@ -5,8 +5,8 @@
    ground, and nowhere too high; of these, those where it is so ahead too, the more the better: some look-ups each.
 2. There the robot is put down (settling.py). It must stand within the largest tilt, on its feet and driven parts alone,
    not on a frame, far from tipping over, and be able to push itself on (resting.py, pushing.py).
-3. It must drive away: ahead, over a lane a little longer than itself (ways.py), without tilting or falling so far that it might tip
-   over. The top of a tower is level, and no spot.
+3. It must drive away: ahead, over a lane a little longer than itself (ways.py), without tilting or falling so far that
+   it might tip over. The top of a tower is level, and no spot.
 
 Cost: some tenths of a second, on a map of any size, since a bounded number of places is drawn. What breaks it: a map
 with very few spots among very many places; they may be missed.
@@ -58,7 +58,7 @@ _SETTLED, _MORE = 600, 60
 _LEAST_UNEVEN = 256
 """Places with other ground at which it is put down at last, the least uneven ones first."""
 
-_LANES, _MORE_LANES = 24, 6
+_LANES, _MORE_LANES = 48, 6
 """Places from which it is driven away at most, and more of them for each spot: 20 milliseconds a lane."""
 
 _BINS = 8
