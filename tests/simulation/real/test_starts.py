@@ -14,7 +14,7 @@ from rsegen.simulation.worlds import world_of
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("example", "kind"), [("framed-2x2", "jackal"), ("mixed-course", "burger")])
+@pytest.mark.parametrize(("example", "kind"), [("framed-2x2", "jackal"), ("turtlebot", "burger")])
 def test_robots_that_start_at_spots_stay_upright_in_a_random_drive(
     example: str, kind: str, gazebo: Installation
 ) -> None:
