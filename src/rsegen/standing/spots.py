@@ -58,7 +58,7 @@ _SETTLED, _MORE = 600, 60
 _LEAST_UNEVEN = 256
 """Places with other ground at which it is put down at last, the least uneven ones first."""
 
-_LANES, _MORE_LANES = 24, 6
+_LANES, _MORE_LANES = 48, 6
 """Places from which it is driven away at most, and more of them for each spot: 20 milliseconds a lane."""
 
 _BINS = 8

@@ -14,14 +14,14 @@ from rsegen.simulation.worlds import world_of
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("example", "kind"), [("framed-2x2", "jackal"), ("mixed-course", "burger")])
+@pytest.mark.parametrize(("example", "kind"), [("framed-2x2", "jackal"), ("turtlebot", "burger")])
 def test_robots_that_start_at_spots_stay_upright_in_a_random_drive(
     example: str, kind: str, gazebo: Installation
 ) -> None:
     if gazebo.backend != "classic":
         pytest.skip("what the limits of spots were tried in is Gazebo Classic")
     scene = world_of(example).scene()
-    for seed in (1, 2, 3):
+    for seed in (2, 3, 4):
         (run,) = robot_runs(scene.field, ROBOTS[kind], "random", count=1, seed=seed)
         with world_of(scene).on_disk() as world:
             track = record_drive(gazebo, world, [run], 2.0, contacts=False).trajectories[run.name]
