@@ -8,7 +8,7 @@ import io
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import chain
-from math import degrees
+from math import degrees, radians
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.cli.flags import add_target_recipe_flags
@@ -19,7 +19,7 @@ from rsegen.errors import ParameterError
 from rsegen.exporters.numbers import decimal
 from rsegen.field.limits import StepLimits
 from rsegen.params.command import Shell, add_flags, given
-from rsegen.params.sorts import FilePath, Reference
+from rsegen.params.sorts import FilePath, Float, Reference
 
 if TYPE_CHECKING:
     from rsegen.exporters.scene import Scene
@@ -44,6 +44,13 @@ class _Drawing:
             help="draw the ways of the robot across the first map, and the area that it can reach",
         ),
         Shell(("-o", "--output"), "PICTURE"),
+    ] = None
+    heading: Annotated[
+        float | None,
+        Float(
+            -360, 360, unit="degrees", help="draw maps of the robot's tilt, margin and reason at this heading instead"
+        ),
+        Shell(metavar="DEG"),
     ] = None
     force: Force = False
 
@@ -79,7 +86,6 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> Report:
     """Measure and draw."""
     from rsegen.exporters.pictures.preview import image_format
-    from rsegen.exporters.pictures.robot_plots import path_plot
     from rsegen.field.metrics import metrics
     from rsegen.run.store import write_file
 
@@ -89,11 +95,15 @@ def run(arguments: argparse.Namespace) -> Report:
     path = picture_path(arguments.output, force=arguments.force)
     if path and robot is None:
         raise ParameterError("-o/--output", f"there is nothing to draw without a robot; {_NO_ROBOT}")
+    heading = given(_Drawing, arguments).get("heading")
+    if heading is not None and path is None:
+        raise ParameterError("--heading", "is for a picture; give -o too")
     scenes = scenes_of(arguments, "measure")
     first = next(scenes)
     measured = metrics(first.field, robot)
-    if path and measured.reach:
-        write_file([path_plot(first, measured.reach, _title(robot), image_format(path))], path, force=arguments.force)
+    if path and robot:
+        picture = _picture(first, robot, measured, heading, image_format(path))
+        write_file([picture], path, force=arguments.force)
     rows = chain([(first, measured)], ((scene, metrics(scene.field, robot)) for scene in scenes))
     lines = _csv(rows) if arguments.csv else _report(rows, _title(robot))
     return Report(lines=lines, content=lambda: [_entry(*row) for row in rows])
@@ -111,6 +121,19 @@ def _crosser(arguments: argparse.Namespace) -> Crosser | None:
     if said and "climb_cm" not in said:
         raise ParameterError("--climb-cm", f"is missing; {_NO_ROBOT}")
     return StepLimits(**said) if said else None
+
+
+def _picture(scene: Scene, crosser: Crosser, measured: Metrics, heading: float | None, form: str) -> bytes:
+    """The ways across a map, or maps of a robot's poses at a heading in degrees."""
+    from rsegen.exporters.pictures.pose_plots import pose_maps
+    from rsegen.exporters.pictures.robot_plots import path_plot
+    from rsegen.standing.kinds import Standing
+
+    if heading is None:
+        return path_plot(scene, measured.reach, _title(crosser), form)
+    if not isinstance(crosser, Standing):
+        raise ParameterError("--heading", "limits of steps have no poses; give --robot")
+    return pose_maps(scene, crosser.body, radians(heading), form, robot=crosser.kind)
 
 
 def _title(crosser: Crosser | None) -> str:

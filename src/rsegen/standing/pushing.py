@@ -138,10 +138,14 @@ def _largest_surplus(columns: Array) -> Array:
             entering, each = entering[~optimal], np.arange(len(live))
         column = table[each, :, entering]
         is_open = column[:, :rows] > _PIVOT
+        bounded = is_open.any(axis=1)  # forces in cones cannot push without end: else rounding has spoilt the table
+        if not bounded.all():
+            table, live, column, is_open = table[bounded], live[bounded], column[bounded], is_open[bounded]
+            if not len(live):
+                break
+            each = np.arange(len(live))
         ratios = np.where(is_open, table[:, :rows, -1] / np.where(is_open, column[:, :rows], 1), np.inf)
         leaving = ratios.argmin(axis=1)
-        unbounded = ~is_open.any(axis=1)  # rounding alone: forces in a cone with gravity cannot push without end
-        column[unbounded, leaving[unbounded]] = 1.0
         pivot = table[each, leaving] / column[each, leaving][:, None]
         column[each, leaving] = 0
         table[each, leaving] = pivot
