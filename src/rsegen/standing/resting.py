@@ -148,11 +148,9 @@ def _measured(ground: Ground, body: Body, rest: Settled, rows: Ints) -> tuple[Ar
     aside = np.maximum(np.nanmax(np.where(np.isnan(reach), -np.inf, reach), axis=1).min(axis=1), 0.0)
     high = np.where(np.isnan(corners[..., 2]), 0.0, -corners[..., 2]).sum(axis=1)
     high = np.maximum(high / np.maximum((chosen >= 0).sum(axis=1), 1), 1e-6)
-    hanging = ~body.drives
-    bears = np.zeros(len(body.parts), bool)
-    bears[np.unique(body.part[bearing[bearing >= 0]])] = True
-    free = np.flatnonzero(hanging)
-    clearance = above[:, free].min(axis=1) if len(free) else np.full(len(rows), np.inf)
+    # What drives, and the parts of the three contacts, are on the ground as they should be; the rest is above it.
+    bears = (body.part == body.part[bearing][..., None]).any(axis=1)
+    clearance = np.where(body.drives | bears, np.inf, above).min(axis=1)
     return (
         at + centres,
         _loads(at),

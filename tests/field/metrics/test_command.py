@@ -109,6 +109,19 @@ def test_a_robot_is_measured_by_its_poses_whether_it_is_a_kind_or_a_file(
         assert reach["west_east"]["crosses"] == found.west_east.crosses
 
 
+def test_poses_at_a_heading_are_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "poses.png"
+    printed(capsys, PALLET, "--robot", "jackal", "--heading", "45", "-o", path)
+    with Image.open(path) as picture:
+        assert picture.size[0] > 1000
+    for flags, message in (
+        (("--climb-cm", "5", "-o", path, "--force"), "--heading: limits of steps have no poses; give --robot"),
+        (("--robot", "jackal"), "--heading: is for a picture; give -o too"),
+    ):
+        assert main(["metrics", str(PALLET), "--heading", "45", *map(str, flags)]) == 2
+        assert message in capsys.readouterr().err
+
+
 def test_limits_of_steps_are_no_robot(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["metrics", str(PALLET), "--robot", "burger", "--climb-cm", "10"]) == 2
     assert "--climb-cm: limits of steps are measured without --robot" in capsys.readouterr().err
