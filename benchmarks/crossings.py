@@ -28,7 +28,6 @@ from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
 from rsegen.recipe.codec import decode
 from rsegen.robots import ROBOTS, Robot
-from rsegen.robots.body import body_of
 from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.standing.ways import End, entry, step_of, straight
@@ -141,7 +140,7 @@ def _scene(obstacle: str, unit: float, seed: int) -> Scene:
 
 
 def _driven(simulator: str, robot: Robot, scene: Scene, obstacle: str, plan: Plan) -> Iterator[Drive]:
-    field, body = scene.field, body_of(robot)
+    field, body = scene.field, robot.body
     lines = np.array([run.start.y for run in robot_runs(field, robot, "straight", count=plan.robots, seed=1)])
     lanes = straight(field, body, 0, lines)
     drive = partial(rsegen.drive, scene, robot=robot, robots=plan.robots, seed=1)

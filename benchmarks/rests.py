@@ -30,7 +30,6 @@ from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import Array
 from rsegen.recipe.codec import decode
 from rsegen.robots import ROBOTS, Robot
-from rsegen.robots.body import body_of
 from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, rotation
 from rsegen.simulation.driving.world_file import world_with_robots
 from rsegen.simulation.simulators import SIMULATORS, Installation
@@ -148,7 +147,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _of_robot(here: Installation, robot: Robot, say: Callable[[str], None]) -> tuple[list[Rest], list[Rest]]:
     """Return the rests of a robot in both simulators, and those of one compared with the other."""
-    body, found, between = body_of(robot), [], []
+    body, found, between = robot.body, [], []
     for seed in range(FIRST_SEED, FIRST_SEED + FIELDS):
         scene = _scene(seed, UNITS[robot.kind])
         ground, starts = Ground.of(scene.field, reach_of(body)), _starts(scene, body, seed)
@@ -241,7 +240,7 @@ def mjcf(scene: Scene, robot: Robot, start: Start) -> str:
     """Return an MJCF model: a robot whose joints do not move, above the blocks below and around it."""
     field, (x, y, z, yaw) = scene.field, start
     edges_x, edges_y = field.edges()
-    width, reach = field.block_width, reach_of(body_of(robot)) + 0.3
+    width, reach = field.block_width, reach_of(robot.body) + 0.3
     blocks = [
         f'<geom type="box" size="{width / 2} {width / 2} {height / 2}" contype="1" conaffinity="2"'
         f' pos="{edges_x[i] + width / 2} {edges_y[j] + width / 2} {height / 2}"/>'
@@ -327,7 +326,7 @@ def _predicted(ground: Ground, body: Body, at: At) -> tuple[Settled, At]:
 def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
     simulator: str, robot: Robot, seed: int, number: int, ground: Ground, start: Start, state: State
 ) -> Rest:
-    body = body_of(robot)
+    body = robot.body
     before, end, put = _at(body, state[0]), _at(body, state[1]), _at(body, np.array([*start[:3], 0, 0, start[3]]))
     settled, rest = _predicted(ground, body, end)
     _, there = _predicted(ground, body, put)
@@ -391,7 +390,7 @@ def _difference(robot: Robot, seed: int, number: int, one: At, other: At) -> Res
 
 def _speed(robot: Robot) -> Speed:
     """Time poses of a robot: CPU time of all threads, so that it is that of one core."""
-    scene, body = _scene(FIRST_SEED, UNITS[robot.kind]), body_of(robot)
+    scene, body = _scene(FIRST_SEED, UNITS[robot.kind]), robot.body
     rng, half = np.random.default_rng(1), scene.field.extent[0] / 2
     x, y, yaw = (rng.uniform(-most, most, TIMED) for most in (half, half, np.pi))
     ground = Ground.of(scene.field, reach_of(body))

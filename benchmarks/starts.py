@@ -27,7 +27,6 @@ from rsegen.errors import ParameterError
 from rsegen.exporters.scene import Scene
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS
-from rsegen.robots.body import driving_speed
 from rsegen.simulation.driving.drive_metrics import Course, Incident, drive_metrics
 from rsegen.simulation.driving.recording import RobotRun, record_drive
 from rsegen.simulation.driving.robot_runs import ROUTES, robot_runs
@@ -103,7 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not installed:
         print("no Gazebo here: run scripts/gazebo-classic", file=sys.stderr)
         return 3
-    found = [each for here in installed for each in starts(here, options.examples, SEEDS, _say)]
+    found = [each for here in installed for each in starts(here, options.examples, SEEDS, say=_say)]
     record = {"machine": machine(), "simulators": list(map(str, installed)), "starts": [asdict(each) for each in found]}
     print("\n".join(table(record)))
     if not options.only_print:
@@ -112,18 +111,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def starts(
-    here: Installation, examples: Sequence[str], seeds: Sequence[int], say: Callable[[str], None] = lambda _: None
+    here: Installation,
+    examples: Sequence[str],
+    seeds: Sequence[int],
+    routes: Sequence[str] = ROUTES,
+    say: Callable[[str], None] = lambda _: None,
 ) -> Iterator[Start]:
     """All trials of a simulator."""
     for example in examples:
         say(f"{here}: {example}")
-        yield from _of_example(here, example, seeds)
+        yield from _of_example(here, example, seeds, routes)
 
 
-def _of_example(here: Installation, example: str, seeds: Sequence[int]) -> Iterator[Start]:
+def _of_example(here: Installation, example: str, seeds: Sequence[int], routes: Sequence[str]) -> Iterator[Start]:
     """Every robot on every route, at each start that any seed gives; where there is no place, one trial without it."""
     scene, simulator = world_of(example).scene(), here.simulator.name
-    for kind, route in product([kind for kind in ROBOTS if kind not in _WITHOUT.get(simulator, ())], ROUTES):
+    for kind, route in product([kind for kind in ROBOTS if kind not in _WITHOUT.get(simulator, ())], routes):
         runs = {seed: _run(scene, kind, route, seed) for seed in seeds}
         distinct = {run.start if run else None: seed for seed, run in reversed(runs.items())}
         for seed in sorted(distinct.values()):
@@ -157,7 +160,7 @@ def _driven(here: Installation, scene: Scene, run: RobotRun) -> tuple[float, flo
         track = record_drive(here, world, [rested], REST + DRIVE, contacts=False).trajectories[run.name]
     at_rest = int(np.searchsorted(track.rows[:, 0], REST, side="right")) - 1
     tilt, fall = degrees(float(track.tilt[at_rest])), run.start.z - float(track.rows[at_rest, 3])
-    metrics = drive_metrics(track, driving_speed(run.robot), run.robot.size, Course.over(scene.field))
+    metrics = drive_metrics(track, run.robot.driving_speed, run.robot.size, Course.over(scene.field))
     return round(tilt, 2), round(fall, 4), not metrics.tipped and not metrics.has(Incident.IMPOSSIBLE)
 
 

@@ -54,7 +54,6 @@ from rsegen.params.sorts import Parameter, parameters
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS
-from rsegen.robots.body import body_of
 from rsegen.simulation.experiment import report as experiments
 from rsegen.simulation.experiment.plot import plot as experiment_plot
 from rsegen.simulation.experiment.run import load_summary
@@ -242,7 +241,7 @@ def _ways(scene: Scene) -> bytes:
 
 
 def _pose_maps(scene: Scene) -> bytes:
-    return pose_maps(scene, body_of(ROBOTS["jackal"]), 0.5, robot="jackal")
+    return pose_maps(scene, ROBOTS["jackal"].body, 0.5, robot="jackal")
 
 
 def _rise(*, same_field: bool) -> bytes:

@@ -17,11 +17,10 @@ from rsegen.exporters.pictures import pose_plots
 from rsegen.exporters.pictures.pose_plots import _hull, draw_robot, pose_maps, reasons
 from rsegen.recipe.codec import decode
 from rsegen.robots import ROBOTS
-from rsegen.robots.body import body_of
 from rsegen.standing.resting import poses
 
 RECIPE = Recipe(seed=1, unit_cm=1, frame_height_cm=1, boundary="none", obstacles=(Random(levels=4),))
-BURGER = body_of(ROBOTS["burger"])
+BURGER = ROBOTS["burger"].body
 
 
 def scene_of(recipe: Recipe = RECIPE) -> Scene:

@@ -264,7 +264,7 @@ def test_the_command_takes_a_metric_and_limits_of_steps(tmp_path: Path, capsys: 
 def test_a_series_rises_by_the_tilt_of_a_robot(tmp_path: Path) -> None:
     small = replace(FINE, chunk_size=6, maps=2, obstacles=(Random(levels=5),))
     rows = series(small, tmp_path, by="reach.west_east.tilt", robot="jackal", from_=0.5, same_field=True).rows
-    assert (rows[0].measured or 0) < (rows[1].measured or 0) < 0.3
+    assert (rows[0].measured or 0) < (rows[1].measured or 0) < 0.4
     for row in rows:
         assert row.measured == pytest.approx(min(row.asked or 0, row.full or 0), abs=0.08)
 

@@ -6,12 +6,11 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.robots import ROBOTS
-from rsegen.robots.body import body_of
 from rsegen.robots.links import ALONG_Y, rotation
 from rsegen.standing.body import Body, Part, ball, body_of_shapes, cylinder
 from rsegen.standing.settling import Ground, Settled, reach_of, settle
 
-BODIES = {kind: body_of(robot) for kind, robot in ROBOTS.items()}
+BODIES = {kind: robot.body for kind, robot in ROBOTS.items()}
 """The bodies of the included robots."""
 
 

@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 from rsegen import Random, Recipe, StepField, build
 from rsegen.errors import ParameterError
 from rsegen.robots import ROBOTS
-from rsegen.robots.body import body_of
 from rsegen.standing.body import Body
 from rsegen.standing.resting import poses
 from rsegen.standing.settling import Ground, reach_of
@@ -26,7 +25,7 @@ KINDS = pytest.mark.parametrize("kind", ["burger", "jackal", "crawler"])
 
 
 def body(kind: str) -> Body:
-    return body_of(ROBOTS[kind])
+    return ROBOTS[kind].body
 
 
 def rough(seed: int, blocks: int = 20, unit_cm: float = 1, boundary: str = "none") -> StepField:

@@ -51,7 +51,6 @@ def run(arguments: argparse.Namespace) -> Report:
     from rsegen.exporters.pictures.robot_plots import spots_plot
     from rsegen.params.streams import fresh_seed
     from rsegen.robots import robot_of
-    from rsegen.robots.body import body_or_box
     from rsegen.run.store import write_file
     from rsegen.simulation.worlds import world_of
     from rsegen.standing.spots import Outline, body_of_size
@@ -64,7 +63,7 @@ def run(arguments: argparse.Namespace) -> Report:
         places = spots(scene, **{name: value for name, value in said.items() if name != "map"})
         if path:
             size, robot = said.get("size"), said.get("robot", default(spots, "robot"))
-            outline = Outline.of(body_of_size(*size) if size else body_or_box(robot_of(robot)))
+            outline = Outline.of(body_of_size(*size) if size else robot_of(robot).body_or_box)
             write_file([spots_plot(scene, outline, places, image_format(path))], path, force=arguments.force)
     content = {"map": scene.name, "seed": said["seed"], "spots": [asdict(place) for place in places]}
     return Report(lines=[f"{scene.name}, seed {said['seed']}:", *_rows(places)], content=content)

@@ -43,11 +43,10 @@ def spots(  # noqa: PLR0913  # each is a flag
 
     from rsegen.params.streams import fresh_seed
     from rsegen.robots import robot_of
-    from rsegen.robots.body import body_or_box
     from rsegen.simulation.driving.robot_runs import spot_generator, spots_on_map
     from rsegen.simulation.worlds import world_of
     from rsegen.standing.spots import body_of_size
 
-    body = body_or_box(robot_of(robot)) if size is None else body_of_size(*size)
+    body = robot_of(robot).body_or_box if size is None else body_of_size(*size)
     rng = spot_generator(fresh_seed() if seed is None else seed)
     return spots_on_map(world_of(target, map).scene().field, body, count, rng, most_tilt=radians(max_tilt))

@@ -6,17 +6,13 @@ And the bounds within which the size and the speeds of any robot are.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.params.sorts import Float, validate
+from rsegen.params.sorts import NANOMETRES, Float, validate
 
 if TYPE_CHECKING:
     from rsegen.field.metrics.traversability import Crossing, Traversability
     from rsegen.field.stepfield import StepField
-
-NANOMETRES = 10**9
-"""Nanometres per metre: heights are compared with limits as whole nanometres."""
 
 # Centimetres to a hundred metres, and a millimetre per second to 360 km/h: all robots, and no model in millimetres.
 SIDE = Float(0.01, 100, unit="m")
@@ -73,10 +69,3 @@ class StepLimits:
         from rsegen.field.metrics.traversability import crossing
 
         return crossing(field, self, axis)
-
-
-def cells_to_each_side(field: StepField, width: float) -> int:
-    """Return the number of cells under a robot of a width [m], to each side of the cell that it is centred on."""
-    # Rounded to a millionth of a cell first, so that a robot of exactly three cells does not cover a fourth.
-    aside = ceil(round((width / field.block_width - 1) / 2, 6))
-    return min(max(aside, 0), max(field.shape))

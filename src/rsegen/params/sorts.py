@@ -449,6 +449,8 @@ class Size2D:
 NANOMETRE_DIGITS = 9
 """Decimals to which metres are rounded, so that 3 * 0.1 m and 0.3 m are equal: sums of lengths up to 100 km are exact
 to a nanometre in double precision."""
+NANOMETRES: int = 10**NANOMETRE_DIGITS
+"""Nanometres per metre: heights are compared with limits as whole nanometres."""
 
 CENTIMETRES = {"cm": 1.0, "mm": 0.1, "m": 100.0, "in": 2.54, "ft": 30.48}
 """Centimetres of each unit of length."""

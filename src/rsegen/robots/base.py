@@ -17,6 +17,7 @@ from rsegen.field.limits import SIDE
 from rsegen.field.stepfield import StepField
 from rsegen.params.registry import Registry
 from rsegen.params.sorts import Float, Parameter
+from rsegen.robots.body import body_of_links
 from rsegen.robots.drives import BACKENDS, Command, Drive, Servo, element, pose_publisher, servo_plugins, system
 from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
 from rsegen.standing.body import Body
@@ -40,7 +41,11 @@ class DrivableRobot(Protocol):
     @property
     def turn(self) -> float: ...  # noqa: D102  # the class says it
     @property
+    def driving_speed(self) -> float: ...  # noqa: D102  # the class says it
+    @property
     def body(self) -> Body: ...  # noqa: D102  # the class says it
+    @property
+    def body_or_box(self) -> Body: ...  # noqa: D102  # the class says it
     @property
     def width(self) -> float: ...  # noqa: D102  # the class says it
     def reach(self, field: StepField) -> Reach:
@@ -90,9 +95,7 @@ class Robot(Standing):
     @property
     def body(self) -> Body:
         """The robot from below, with its servos at rest."""
-        from rsegen.robots.body import body_of
-
-        return body_of(self)
+        return body_of_links(self)
 
     @property
     def mass(self) -> float:

@@ -2,15 +2,15 @@
 
 An included robot is made of links with parts; one of a file is read from its <model> once more. Joints are at rest: a
 servo at its angle, all others at 0, as the model has them. Wheels are what hangs on the joints of a drive, tracks the
-links that it names.
+links that it names; of a model without a drive that is known, whatever hangs on a joint that turns is taken to drive.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache, singledispatch
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import Element, fromstring
 
 import numpy as np
@@ -18,10 +18,8 @@ import numpy as np
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.io.input_files import open_regular, read_by_library
-from rsegen.robots.base import DrivableRobot, Robot
 from rsegen.robots.drives import Drive, Wheels
 from rsegen.robots.links import Box, Cylinder, Link, SdfPose, Vector, rotation
-from rsegen.robots.sdf_file import SdfRobot
 from rsegen.robots.sdf_shapes import ModelFrames, floats, inertials
 from rsegen.standing.body import (
     Body,
@@ -36,43 +34,18 @@ from rsegen.standing.body import (
     mesh,
     sample_distance,
 )
-from rsegen.standing.spots import body_of_size
 
-DRIVING_SPEED = 0.4
-"""Speed, m/s, at which faster robots drive on rough ground: tracked ones climb stairs of 10 and 20 cm with it.
-
-Faster, a robot leaves the ground at edges, and what it meets depends on its springs, which these models do not have.
-"""
+if TYPE_CHECKING:  # both have a body, which is made here
+    from rsegen.robots.base import Robot
+    from rsegen.robots.sdf_file import SdfRobot
 
 _GROUND = 1.0
 """Friction of the ground: simulators take the smaller of two, so more of a robot's own has no effect."""
 
 
-def driving_speed(robot: DrivableRobot) -> float:
-    """Return the commanded speed of a robot, m/s."""
-    return min(robot.speed, DRIVING_SPEED)
-
-
-def body_or_box(robot: DrivableRobot) -> Body:
-    """Return the body of a robot; a box of its size for a file whose shapes are unknown, or whose size is given."""
-    if isinstance(robot, SdfRobot) and "size" not in robot.derived:
-        return body_of_size(*robot.size[:2])
-    return body_of(robot)
-
-
-@singledispatch
-def body_of(robot: DrivableRobot) -> Body:
-    """Return the body of a robot; ParameterError if it has no collision shapes that are known."""
-    raise TypeError(f"{type(robot).__name__} is no robot whose shapes are known")
-
-
-@body_of.register
-def _of_links(robot: Robot) -> Body:
-    return _of_included(robot)
-
-
 @lru_cache(maxsize=16)
-def _of_included(robot: Robot) -> Body:
+def body_of_links(robot: Robot) -> Body:
+    """Return the body of an included robot; ParameterError if it has no collision shapes."""
     distance = sample_distance(robot.size[0])
     links = {link.name: (link, _placed(robot, link)) for link in robot.links}
     driven = _driven(robot.drive, {joint.name: joint.child for joint in robot.joints})
@@ -81,7 +54,7 @@ def _of_included(robot: Robot) -> Body:
         _shapes(links, driven, distance),
         mass=robot.mass,
         centre=np.average(centres, axis=0, weights=[link.mass for link in robot.links]),
-        speed=driving_speed(robot),
+        speed=robot.driving_speed,
         distance=distance,
         where=robot.kind,
     )
@@ -131,17 +104,15 @@ def _about(axis: Vector, angle: float) -> Array:
     return matrix
 
 
-@body_of.register
-def _of_file(robot: SdfRobot) -> Body:
-    return _of_model(robot)
-
-
 @lru_cache(maxsize=16)
-def _of_model(robot: SdfRobot) -> Body:
+def body_of_file(robot: SdfRobot) -> Body:
+    """Return the body of a robot of a file; ParameterError without collision shapes, FileError for unknown ones."""
     model = fromstring(robot.text)  # noqa: S314  # was found to be plain elements
     frames, distance = ModelFrames(model, robot.kind), sample_distance(robot.size[0])
     children = {name: (joint.findtext("child") or "").strip() for name, joint in frames.joints.items()}
-    driven = _driven(robot.read_drive.drive, children) if robot.read_drive else set()
+    driven = (
+        _driven(robot.read_drive.drive, children) if robot.read_drive else {children[name] for name in robot.joints}
+    )
     lifted = np.eye(4)
     lifted[2, 3] = robot.lift  # the origin of a robot in a world is below its lowest shape
     if robot.read_drive and robot.read_drive.backwards:
@@ -152,7 +123,7 @@ def _of_model(robot: SdfRobot) -> Body:
         shapes,
         mass=sum(inertial.mass for inertial in masses),
         centre=lifted[:3, :3] @ centre + lifted[:3, 3],
-        speed=driving_speed(robot),
+        speed=robot.driving_speed,
         distance=distance,
         where=robot.kind,
     )

@@ -24,6 +24,7 @@ from rsegen.exporters.gazebo.sdf import numbers, prefixes
 from rsegen.field.limits import SIDE
 from rsegen.io.input_files import elements, text_of
 from rsegen.robots.base import WHEEL, refuse_outside
+from rsegen.robots.body import body_of_file
 from rsegen.robots.drives import Command, Drive, Wheels, pose_publisher
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.sdf_drives import DEFAULT_SPEED, DEFAULT_TURN, KNOWN, ReadDrive, find_drive, named_wheels, plugin_key
@@ -33,6 +34,7 @@ from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro
 from rsegen.standing.body import Body
 from rsegen.standing.kinds import Standing
+from rsegen.standing.spots import body_of_size
 
 MAX_MIB = 4
 """The largest file that is read, MiB: a second's work for the parser; robots' files have some tens of kilobytes."""
@@ -88,9 +90,12 @@ class SdfRobot(Standing):
     @property
     def body(self) -> Body:
         """The robot from below, with its joints at 0; FileError for a shape that cannot be measured."""
-        from rsegen.robots.body import body_of
+        return body_of_file(self)
 
-        return body_of(self)
+    @property
+    def body_or_box(self) -> Body:
+        """The robot from below; a box of its size if its shapes are unknown, or its size is given."""
+        return self.body if "size" in self.derived else body_of_size(*self.size[:2])
 
     @property
     def drive(self) -> Drive:

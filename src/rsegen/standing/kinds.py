@@ -6,24 +6,45 @@ So a recipe can name the robot that is to get across its maps, and knows nothing
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING
 
 from rsegen.field.stepfield import StepField
 from rsegen.params.registry import Contract, Registry
 from rsegen.standing.body import Body
 from rsegen.standing.ways import Reach, Way, crossing, reach
 
+DRIVING_SPEED = 0.4
+"""Speed, m/s, at which faster robots drive on rough ground: tracked ones climb stairs of 10 and 20 cm with it.
+
+Faster, a robot leaves the ground at edges, and what it meets depends on its springs, which these models do not have.
+"""
+
 
 class Standing(ABC):
-    """A robot that stands and drives on step fields: whatever has a body."""
+    """A robot that stands and drives on step fields: whatever has a body, and a maximum speed, m/s."""
 
     __slots__ = ()
 
     kind: str
+    if TYPE_CHECKING:  # a field of the one, a property of the other
+
+        @property
+        def speed(self) -> float: ...  # noqa: D102  # the class says it
+
+    @property
+    def driving_speed(self) -> float:
+        """The speed at which it is driven on a field, m/s."""
+        return min(self.speed, DRIVING_SPEED)
 
     @property
     @abstractmethod
     def body(self) -> Body:
         """The robot from below."""
+
+    @property
+    def body_or_box(self) -> Body:
+        """The robot from below; a box of its size if its shapes are unknown."""
+        return self.body
 
     @property
     def width(self) -> float:

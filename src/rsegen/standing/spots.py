@@ -318,8 +318,13 @@ class _Judge:
         return np.asarray(~self._is_steep(looks).reshape(-1, _LOOKS).any(axis=1))
 
     def leaves(self, spot: Spot) -> bool:
-        """Return whether a lane ahead is driven to its end, and the robot is nowhere steep and does not fall on it."""
+        """Return whether a lane ahead is driven to its end, and the robot is nowhere steep and does not fall on it.
+
+        It is put down once more, where it rests: a place at the very edge of a block is none.
+        """
         x, y, yaw = np.array([spot.x]), np.array([spot.y]), np.array([spot.yaw])
+        if any(fault is not _Fault.NONE for fault, _ in self.put_down((x, y, yaw))):
+            return False
         lanes = drive(self.ground, self.body, x, y, yaw, self.lane)
         falls = -np.diff(lanes.poses.z).min(initial=0.0)
         return bool(lanes.passed[0] and not self._is_steep(lanes.poses).any() and falls <= self.fall)

@@ -11,7 +11,7 @@
 4. Moves between the centres of cells, in eight headings, are lanes; turns are poses between. What is passed is a graph
    over (x, y, heading), on which places are reached (strongly connected components) and ways are shortest (Dijkstra).
 
-Cost: poses of all lanes at once, some 20 for each move: a second or two for a robot on 10 x 10 blocks. What breaks it:
+Cost: poses of all lanes at once, some 20 for each move: a second to ten on 10 x 10 to 40 x 40 blocks. What breaks it:
 a robot that is turned by what it climbs, as by a block under one wheel, leaves its lane; the wheels' own dynamics.
 """
 
@@ -184,30 +184,66 @@ _LANES = 2000
 class Lattice:
     """The moves of a robot between the centres of a field's cells in eight headings, and those that it can make.
 
+    What it can do at a place and heading is found once it is asked for: no robot that a wall stops is tried behind it.
+
     moves: (n_x, n_y, 8) whether it can drive on to the next cell; turns: (n_x, n_y, 8) whether it can turn to the next
-    heading and back; tilts: (n_x, n_y, 8) the largest tilt on a move, radians
+    heading and back; tilts: (n_x, n_y, 8) the largest tilt on a move, radians; False and 0 where not yet found
     """
 
     def __init__(self, field: StepField, body: Body) -> None:
         self.field, self.body, self.ground = field, body, Ground.of(field, reach_of(body))
         self.x, self.y = _middles(field, 0), _middles(field, 1)
         shape = (*field.shape, HEADINGS)
-        i, j, k = (index.ravel() for index in np.indices(shape))
+        self.moves, self.turns, self.tilts = np.zeros(shape, bool), np.zeros(shape, bool), np.zeros(shape)
+        self._is_driven, self._is_turned = np.zeros(shape, bool), np.zeros(shape, bool)
+
+    def _drive_from(self, places: Ints) -> None:
+        """Find the moves from places, numbers in `moves`."""
+        places = places[~self._is_driven.ravel()[places]]
+        self._is_driven.ravel()[places] = True
+        i, j, k = np.unravel_index(places, self.moves.shape)
         on_i, on_j = i + _MOVES[k, 0], j + _MOVES[k, 1]
-        inside = (on_i >= 0) & (on_i < shape[0]) & (on_j >= 0) & (on_j < shape[1])
-        moves, tilts = np.zeros(i.size, bool), np.zeros(i.size)
+        inside = (on_i >= 0) & (on_i < self.moves.shape[0]) & (on_j >= 0) & (on_j < self.moves.shape[1])
         for is_diagonal in (0, 1):
             chosen = np.flatnonzero(inside & (k % 2 == is_diagonal))
             if len(chosen):
-                length = field.block_width * (2**0.5 if is_diagonal else 1.0)
+                length = self.field.block_width * (2**0.5 if is_diagonal else 1.0)
                 starts = self.x[i[chosen]], self.y[j[chosen]], k[chosen] * np.pi / 4
-                moves[chosen], tilts[chosen] = self._driven(*starts, length)
-        self.moves, self.tilts = moves.reshape(shape), tilts.reshape(shape)
-        between, there = (
-            has_stood(settle(self.ground, body, self.x[i], self.y[j], turn * np.pi / 4)).reshape(shape)
-            for turn in (k + 0.5, k)
+                passed, tilts = self._driven(*starts, length)
+                self.moves.ravel()[places[chosen]], self.tilts.ravel()[places[chosen]] = passed, tilts
+
+    def _turn_at(self, places: Ints) -> None:
+        """Find whether the robot can turn from places to their next headings, and back."""
+        places = places[~self._is_turned.ravel()[places]]
+        self._is_turned.ravel()[places] = True
+        i, j, k = np.unravel_index(places, self.turns.shape)
+        # At both headings, and half-way between.
+        turn = np.add.outer((0.0, 0.5, 1.0), k).ravel()
+        stands = has_stood(
+            settle(self.ground, self.body, np.tile(self.x[i], 3), np.tile(self.y[j], 3), turn * np.pi / 4)
         )
-        self.turns = between & there & np.roll(there, -1, axis=2)
+        self.turns.ravel()[places] = stands.reshape(3, -1).all(axis=0)
+
+    def _explore(self, front: Ints) -> None:
+        """Find all that the robot can do from places on: wave by wave, each of the places that the last one reached."""
+        seen = np.zeros(self.moves.size, bool)
+        while len(front):
+            seen[front] = True
+            i, j, k = np.unravel_index(front, self.moves.shape)
+            before = np.ravel_multi_index((i, j, (k - 1) % HEADINGS), self.moves.shape)
+            after = np.ravel_multi_index((i, j, (k + 1) % HEADINGS), self.moves.shape)
+            self._drive_from(front)
+            self._turn_at(np.unique(np.concatenate([front, before])))
+            driven = self.moves.ravel()[front]
+            ahead = i[driven] + _MOVES[k[driven], 0], j[driven] + _MOVES[k[driven], 1], k[driven]
+            reached = np.concatenate(
+                [
+                    np.ravel_multi_index(ahead, self.moves.shape),
+                    after[self.turns.ravel()[front]],
+                    before[self.turns.ravel()[before]],
+                ]
+            )
+            front = np.unique(reached[~seen[reached]])
 
     def _driven(self, x: Array, y: Array, yaw: Array, length: float) -> tuple[Mask, Array]:
         """Return which lanes are driven to their ends, and the largest tilt on each, radians."""
@@ -222,6 +258,8 @@ class Lattice:
     def region(self) -> Mask:
         """Return the largest set of blocks on which the robot gets from every place and heading to every other."""
         places = np.arange(self.moves.size).reshape(self.moves.shape)
+        self._drive_from(places.ravel())
+        self._turn_at(places.ravel())
         low: list[Any] = []
         high, onward, back = list[Any](), list[Any](), list[Any]()
         for k, (along_x, along_y) in enumerate(_MOVES):
@@ -256,12 +294,13 @@ class Lattice:
         half = float(np.hypot(self.body.high[1] - self.body.low[1], 0)) / 2
         costs = np.full(self.moves.shape, np.inf)
         before = np.full((*self.moves.shape, 3), -1)
-        front: list[tuple[float, tuple[int, int, int]]] = []
-        for line in range(across):
-            if lanes[0][line]:
-                start = (0, line, heading) if axis == 0 else (line, 0, heading)
-                costs[start] = 0.0
-                heappush(front, (0.0, start))
+        if not lanes[1].any():
+            return None
+        starts = [(0, line, heading) if axis == 0 else (line, 0, heading) for line in range(across) if lanes[0][line]]
+        self._explore(np.array([np.ravel_multi_index(start, self.moves.shape) for start in starts], np.intp))
+        front = [(0.0, start) for start in starts]  # a heap, as all are equal
+        for start in starts:
+            costs[start] = 0.0
         while front:
             cost, (i, j, k) = heappop(front)
             if cost > costs[i, j, k]:

@@ -105,7 +105,7 @@ def test_a_robot_is_measured_by_its_poses_whether_it_is_a_kind_or_a_file(
     found = rsegen.metrics(rsegen.build(rsegen.load(PALLET)), ROBOTS["jackal"]).reach
     for robot in ("jackal", file):
         reach = json.loads(printed(capsys, PALLET, "--json", "--robot", robot))[0]["reach"]
-        assert reach["cover"] == pytest.approx(found.cover, abs=0.03)  # it rocks on two of its four wheels
+        assert reach["cover"] == pytest.approx(found.cover, abs=0.05)  # it rocks on two of its four wheels
         assert reach["west_east"]["crosses"] == found.west_east.crosses
 
 

@@ -14,10 +14,10 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 
 import rsegen
 from rsegen import StepField, StepLimits
-from rsegen.field.limits import NANOMETRES
 from rsegen.field.metrics.graphs import connected, strongly_connected
 from rsegen.field.metrics.traversability import Ground, Traversability, ground, lane, traversability
 from rsegen.field.stepfield import Ints
+from rsegen.params.sorts import NANOMETRES
 from tests.field.metrics.test_families import field, turned
 from tests.support.strategies import fields
 

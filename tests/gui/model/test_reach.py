@@ -13,7 +13,6 @@ from rsegen.gui.model.preview import costs
 from rsegen.gui.model.reach import corners
 from rsegen.gui.model.simulation import reach
 from rsegen.robots import ROBOTS
-from rsegen.robots.body import body_of
 from rsegen.simulation.driving.routes import followed
 from rsegen.standing.spots import Outline, Spot
 from rsegen.standing.ways import reach as reached
@@ -26,7 +25,7 @@ ROUGH = Recipe(seed=5, chunk_size=4, chunks=(3, 2), boundary="none", obstacles=[
 def test_reach_is_that_of_metrics_drive_and_spots(name: str, unit_cm: float) -> None:
     recipe = replace(ROUGH, unit_cm=unit_cm)
     field, robot = compose(recipe).field, ROBOTS[name]
-    found, wanted = reach(field, name, 5), reached(field, body_of(robot))
+    found, wanted = reach(field, name, 5), reached(field, robot.body)
     assert np.array_equal(found.region, wanted.region)
     crosses = [wanted.west_east.crosses, wanted.south_north.crosses]
     assert [way.is_eastward for way in found.ways if not way.is_too_steep] == [
@@ -34,7 +33,7 @@ def test_reach_is_that_of_metrics_drive_and_spots(name: str, unit_cm: float) -> 
     ]
     assert ("crosses west to east" in found.text) == crosses[0]
     if crosses[0] or not any(crosses):
-        way = followed(field, body_of(robot), wanted.west_east)
+        way = followed(field, robot.body, wanted.west_east)
         assert np.allclose(found.ways[0].points, way.points)
         assert found.ways[0].is_too_steep == (not way.crosses)
     try:

@@ -10,7 +10,6 @@ import pytest
 from rsegen import Random, Recipe, StepField, build, spots
 from rsegen.errors import ParameterError
 from rsegen.robots import ROBOTS, Robot, SdfRobot
-from rsegen.robots.body import body_of, body_or_box
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, GAP, adjacent_pose, finish_x, robot_runs
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.standing.spots import Outline
@@ -25,25 +24,26 @@ def flat(blocks: int) -> StepField:
 
 
 def stairs() -> StepField:
+    """Steps of 4 cm up along both x and y: a robot stands there, but nowhere level."""
     levels = (np.indices((12, 12)).sum(0) * 2).astype(np.int16)
-    return StepField(levels=levels, frame=levels < 0, block_width=0.1, unit=0.1, frame_height=0.1)
+    return StepField(levels=levels, frame=levels < 0, block_width=0.1, unit=0.02, frame_height=0.1)
 
 
 @ROBOT
 def test_the_body_is_as_large_as_the_robot_and_stands_on_the_ground(robot: Robot) -> None:
-    outline = Outline.of(body_of(robot))
+    outline = Outline.of(robot.body)
     assert (outline.length, outline.width) == pytest.approx(robot.size[:2], abs=0.04)  # without hubs
-    assert float(body_of(robot).low[2]) == pytest.approx(0, abs=0.0005)
+    assert float(robot.body.low[2]) == pytest.approx(0, abs=0.0005)
 
 
 def test_a_robot_of_a_file_without_known_shapes_is_a_box_of_its_size() -> None:
     robot = SdfRobot(kind="mine", text="<model/>", size=(0.4, 0.2, 0.1))
-    assert tuple(Outline.of(body_or_box(robot))) == pytest.approx((-0.2, -0.1, 0.2, 0.1))
+    assert tuple(Outline.of(robot.body_or_box)) == pytest.approx((-0.2, -0.1, 0.2, 0.1))
 
 
 @ROBOT
 def test_outside_the_map_the_whole_robot_is_on_the_ground(robot: Robot) -> None:
-    field, body = flat(20), body_of(robot)
+    field, body = flat(20), robot.body
     place = adjacent_pose(field, body, 0.5)
     assert place.x + body.high[0] == pytest.approx(-1 - GAP)
     assert (place.y, place.z, place.yaw) == (0.5, DROP_HEIGHT, 0)

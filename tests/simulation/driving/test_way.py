@@ -12,7 +12,6 @@ import rsegen
 from rsegen.field.stepfield import StepField
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS, robot
-from rsegen.robots.body import body_of
 from rsegen.simulation.driving.robot_runs import finish_x, robot_runs
 from rsegen.simulation.driving.routes import Route, planned_way
 from rsegen.simulation.simulators.live_world import Pose
@@ -60,7 +59,7 @@ def test_a_robot_stays_on_its_way(example: str, kind: str) -> None:
 
 
 def test_a_way_avoids_steps_that_the_robot_cannot_climb() -> None:
-    field, body = walled(gap=True), body_of(ROBOTS["burger"])
+    field, body = walled(gap=True), ROBOTS["burger"].body
     way = planned_way(field, body)
     assert way.crosses
     assert way.length == pytest.approx(2.0, abs=0.3)
@@ -70,7 +69,7 @@ def test_a_way_avoids_steps_that_the_robot_cannot_climb() -> None:
 
 def test_without_a_way_the_lane_that_gets_farthest_is_taken_and_the_reason_is_told() -> None:
     field = walled(gap=False)
-    way = planned_way(field, body_of(ROBOTS["burger"]))
+    way = planned_way(field, ROBOTS["burger"].body)
     assert not way.crosses
     assert way.at is not None
     assert way.at[0] == pytest.approx(-0.1, abs=0.1)

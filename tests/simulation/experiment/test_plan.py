@@ -45,7 +45,7 @@ def test_the_paper_s_plan_has_the_paper_s_rows() -> None:
 
 def test_a_plan_with_more_robots_than_its_smallest_map_holds_is_refused_before_any_trial() -> None:
     rows = [{"sizes": [0, 10]}, {"robot": "crawler", "robots": 9, "sizes": [0, 80, 20]}]
-    with pytest.raises(ParameterError, match=r"^rows\[1\].robots: found room for \d of 9"):
+    with pytest.raises(ParameterError, match=r"^rows\[1\].robots: found spots for \d of 9"):
         refuse_undrivable(read_plan("crowd", {"rows": rows}))
     refuse_undrivable(read_plan("alone", {"rows": [{"robot": "crawler", "robots": 1, "sizes": [0, 10]}]}))
 

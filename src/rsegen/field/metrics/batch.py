@@ -15,9 +15,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.limits import NANOMETRES
 from rsegen.field.metrics.traversability import percolation
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.params.sorts import NANOMETRES
 
 COLUMNS = (
     "spread.lowest",

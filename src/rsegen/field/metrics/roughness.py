@@ -13,8 +13,8 @@ from itertools import product
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from rsegen.field.limits import NANOMETRES
 from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.params.sorts import NANOMETRES
 
 
 def differences(field: StepField, lag: int = 1) -> Ints:

@@ -20,15 +20,19 @@ gets across is in standing.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from math import ceil
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.limits import NANOMETRES, StepLimits, cells_to_each_side
 from rsegen.field.metrics.graphs import connected, strongly_connected
 from rsegen.field.metrics.roughness import steps
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.params.sorts import NANOMETRES
+
+if TYPE_CHECKING:  # they find paths here
+    from rsegen.field.limits import StepLimits
 
 Heights = NDArray[np.int64]
 
@@ -202,6 +206,13 @@ class Traversability:
 
     def __post_init__(self) -> None:
         self.region.setflags(write=False)
+
+
+def cells_to_each_side(field: StepField, width: float) -> int:
+    """Return the number of cells under a robot of a width [m], to each side of the cell that it is centred on."""
+    # Rounded to a millionth of a cell first, so that a robot of exactly three cells does not cover a fourth.
+    aside = ceil(round((width / field.block_width - 1) / 2, 6))
+    return min(max(aside, 0), max(field.shape))
 
 
 def traversability(field: StepField, limits: StepLimits) -> Traversability:

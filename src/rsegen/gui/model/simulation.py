@@ -17,7 +17,6 @@ from rsegen.field.stepfield import Array, StepField
 from rsegen.gui.model.reach import Reach, RobotPart, RobotShape, Way
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import ROBOTS
-from rsegen.robots.body import body_of
 from rsegen.robots.links import Box, Cylinder, SdfPose, Solid, rotation
 from rsegen.simulation.driving.robot_runs import ROUTES, spot_generator, spots_on_map
 from rsegen.simulation.driving.routes import followed
@@ -89,7 +88,7 @@ def _transform(pose: SdfPose) -> Array:
 
 def reach(field: StepField, name: str, seed: int) -> Reach:
     """What a robot can do on a field; its spots are a seed's."""
-    body = body_of(ROBOTS[name])
+    body = ROBOTS[name].body
     found = reached(field, body)
     crossings = {"west to east": found.west_east, "south to north": found.south_north}
     across = [way for way, crossing in crossings.items() if crossing.crosses]

@@ -28,10 +28,11 @@ from math import ceil
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.limits import NANOMETRES, StepLimits, cells_to_each_side
-from rsegen.field.metrics.traversability import crossing, lane, percolation_step
+from rsegen.field.limits import StepLimits
+from rsegen.field.metrics.traversability import cells_to_each_side, crossing, lane, percolation_step
 from rsegen.field.obstacles.random import Random
 from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.params.sorts import NANOMETRES
 from rsegen.params.streams import generator
 from rsegen.recipe.constraints.inventory import (
     Blocks,

@@ -20,7 +20,6 @@ from rsegen.exporters.scene import Scene
 from rsegen.recipe.codec import map_json
 from rsegen.robots import from_file, is_robot_file, robot_of
 from rsegen.robots.base import DrivableRobot, Robot
-from rsegen.robots.body import driving_speed
 from rsegen.robots.drives import Tracks, Wheels
 from rsegen.robots.sdf_file import SdfRobot
 from rsegen.run.store import refuse_busy, refuse_not_a_folder, refuse_taken, write_folder
@@ -263,13 +262,13 @@ def _hardly_moved(run: RobotRun, trajectory: Trajectory, route: str) -> Iterator
     """Yield a note if a robot moved by less than SLOW of its commanded distance where no block can be the reason."""
     # A robot is on level ground in the gap before the map. Only half of it counts, as one that stands at the first
     # block may not have come all of it. On a random route a block may hold a robot anywhere.
-    drive, _ = possible_part(trajectory, driving_speed(run.robot), run.robot.size)
+    drive, _ = possible_part(trajectory, run.robot.driving_speed, run.robot.size)
     t, x, y = drive.rows[:, :3].T
     level = x < run.start.x + GAP / 2
     end = len(x) if route == Wandering.name or level.all() else int(level.argmin()) + 1
     lengths, moves = moves_by_window(t[:end], x[:end], y[:end])
     seconds, moved = float(lengths.sum()), float(moves.sum())
-    commanded = driving_speed(run.robot) * seconds
+    commanded = run.robot.driving_speed * seconds
     if seconds < _NOTICED or moved >= SLOW * commanded or drive.tilt.max() > TIPPED:
         return
     share = f"{run.name} moved {moved:.2f} m in {seconds:.3g} s, {moved / commanded:.1%} of what was commanded"
@@ -287,5 +286,5 @@ def driven_robot(run: RobotRun, scene: Scene, recording: DriveRecording, route: 
     trajectory, robot = recording.trajectories[run.name], run.robot
     course = Course.over(scene.field, None if route == Wandering.name else finish_x(scene.field, robot))
     shares = contact_shares(recording.samples, run.name)
-    metrics = drive_metrics(trajectory, driving_speed(robot), robot.size, course, shares)
+    metrics = drive_metrics(trajectory, robot.driving_speed, robot.size, course, shares)
     return DrivenRobot(name=run.name, kind=robot.kind, start=run.start, metrics=metrics, trajectory=trajectory)

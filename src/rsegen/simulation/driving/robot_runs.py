@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from math import ceil
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from rsegen.errors import ParameterError, UnknownName
 from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
 from rsegen.robots.base import DrivableRobot
-from rsegen.robots.body import body_of, body_or_box, driving_speed
 from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.routes import AlongWay, PlannedWay, Route, Straight, Wandering, planned_way
 from rsegen.simulation.simulators.live_world import Pose
@@ -59,6 +59,9 @@ def start_pose(spot: Spot) -> Pose:
     return Pose(x=spot.x, y=spot.y, z=spot.z + DROP_HEIGHT, roll=spot.roll, pitch=spot.pitch, yaw=spot.yaw)
 
 
+_POINTS = 8
+"""Points of a way in the distance at which a robot heads for one."""
+
 ROUTES = (Straight.name, Wandering.name, AlongWay.name)
 
 
@@ -82,11 +85,11 @@ def robot_runs(  # the last three by name
 
 def finish_x(field: StepField, robot: DrivableRobot) -> float:
     """Return the x of a robot's centre beyond which the whole robot is east of the map, metres."""
-    return field.extent[0] / 2 - float(body_or_box(robot).low[0])
+    return field.extent[0] / 2 - float(robot.body_or_box.low[0])
 
 
 def _side_by_side(field: StepField, robot: DrivableRobot, count: int) -> list[RobotRun]:
-    body = body_or_box(robot)
+    body = robot.body_or_box
     lane = Outline.of(body).width + GAP
     lines = [(index - (count - 1) / 2) * lane for index in range(count)]
     goal = finish_x(field, robot) + GAP
@@ -102,11 +105,11 @@ def _side_by_side(field: StepField, robot: DrivableRobot, count: int) -> list[Ro
 
 
 def _straight(robot: DrivableRobot, line: float, goal: float) -> Route:
-    return Straight(speed=driving_speed(robot), turn=robot.turn, line=line, goal=goal)
+    return Straight(speed=robot.driving_speed, turn=robot.turn, line=line, goal=goal)
 
 
 def _one_behind_the_other(field: StepField, robot: DrivableRobot, count: int) -> list[RobotRun]:
-    body = body_of(robot)
+    body = robot.body
     way = planned_way(field, body)
     first = adjacent_pose(field, body, float(way.points[0, 1]))
     return [
@@ -124,14 +127,17 @@ def _one_behind_the_other(field: StepField, robot: DrivableRobot, count: int) ->
 def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
     """Return the route along a way, and straight on from its end until the whole robot is beyond the map."""
     ahead, goal = max(field.block_width, robot.size[0] / 2), finish_x(field, robot) + GAP
-    points = [(x, y) for x, y in way.points.tolist()]
-    points.append((goal + ahead, points[-1][1]))
-    return AlongWay(speed=driving_speed(robot), turn=robot.turn, points=points, ahead=ahead, goal=goal)
+    points = np.append(way.points, [(goal + ahead, way.points[-1, 1])], axis=0)
+    # As close together as it takes for the nearest of them to be beside the robot.
+    run = np.append(0.0, np.hypot(*np.diff(points, axis=0).T).cumsum())
+    at = np.linspace(0.0, run[-1], ceil(run[-1] / ahead * _POINTS) + 1)
+    dense = zip(*(np.interp(at, run, column).tolist() for column in points.T), strict=True)
+    return AlongWay(speed=robot.driving_speed, turn=robot.turn, points=tuple(dense), ahead=ahead, goal=goal)
 
 
 def _randomly_placed(field: StepField, robot: DrivableRobot, count: int, seed: int, *, evenest: bool) -> list[RobotRun]:
     """Return runs on the map if a robot fits there, else in a row west of it."""
-    body = body_or_box(robot)
+    body = robot.body_or_box
     places: Sequence[Spot | None] = [None] * count
     if fits(field, body):  # a command knows `robots`, not `count`
         try:
@@ -159,7 +165,7 @@ def _random(field: StepField, robot: DrivableRobot, seed: int, index: int) -> Ro
     reach = max(robot.size[:2])
     half_x, half_y = (max(along / 2 - reach, 0.0) for along in field.extent)
     rng = generator(seed, index, "route")
-    return Wandering(speed=driving_speed(robot), turn=robot.turn, half=(half_x, half_y), rng=rng)
+    return Wandering(speed=robot.driving_speed, turn=robot.turn, half=(half_x, half_y), rng=rng)
 
 
 def _name(robot: DrivableRobot, index: int) -> str:

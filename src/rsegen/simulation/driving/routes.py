@@ -44,7 +44,7 @@ _PERIODS_AHEAD = 3
 _TURN_FIRST = radians(60)
 """Angle, radians, to the side of which a robot turns on the spot: an arc would lead it far off its way."""
 
-_NEXT = 10
+_NEXT = 16
 """Points of a way among which the nearest is looked for, so that no bend of it is left out."""
 
 _MIN_PROGRESS = 0.2

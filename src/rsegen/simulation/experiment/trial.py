@@ -23,7 +23,6 @@ from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import Array, StepField
 from rsegen.robots.base import DrivableRobot
-from rsegen.robots.body import driving_speed
 from rsegen.simulation.driving.drive_metrics import (
     PLANE,
     Course,
@@ -74,8 +73,8 @@ def driving_figures(
     if not driven:
         return DrivingFigures()
     course = Course.over(field) if field else PLANE
-    every = [drive_metrics(track, driving_speed(robot), robot.size, course) for track, robot in driven]
-    parts = [possible_part(track, driving_speed(robot), robot.size, course)[0] for track, robot in driven]
+    every = [drive_metrics(track, robot.driving_speed, robot.size, course) for track, robot in driven]
+    parts = [possible_part(track, robot.driving_speed, robot.size, course)[0] for track, robot in driven]
     shares = [covered(part, robot, field) for part, (_, robot) in zip(parts, driven, strict=True)] if field else []
     return DrivingFigures(
         driven=round(fmean(metrics.distance for metrics in every), 3),

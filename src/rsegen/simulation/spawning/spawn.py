@@ -19,7 +19,6 @@ from rsegen.errors import ParameterError, UnknownName, shown
 from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS, Robot, SdfRobot, from_file, is_robot_file
-from rsegen.robots.body import body_or_box
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, spots_on_map, start_pose
 from rsegen.simulation.simulators.base import connected
 from rsegen.simulation.simulators.live_world import Pose
@@ -111,7 +110,7 @@ def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: M
     """Return the pose at a free spot of the first map that has one, for a robot of a file."""
     if not isinstance(robot, SdfRobot):
         return None
-    radius, body = hypot(*robot.size[:2]) / 2, body_or_box(robot)
+    radius, body = hypot(*robot.size[:2]) / 2, robot.body_or_box
     for spawned in maps:
         others = [
             at for other, at in poses.items() if other not in (spawned.name, GROUND) and spawned.covers(at, radius)
