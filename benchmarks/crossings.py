@@ -30,7 +30,7 @@ from rsegen.recipe.codec import decode
 from rsegen.robots import ROBOTS, Robot
 from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.simulators import SIMULATORS
-from rsegen.standing.ways import End, entry, step_of, straight
+from rsegen.standing.lanes import End, entry, step_of, straight
 
 FILE = RESULTS / "crossings.json"
 

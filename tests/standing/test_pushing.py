@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rsegen.field.stepfield import Array
+from rsegen.standing.lanes import End, drive, step_of
 from rsegen.standing.pushing import SLIDING, _largest_surplus, surplus
 from rsegen.standing.settling import Ground, reach_of, settle
-from rsegen.standing.ways import End, drive, step_of
 from tests.standing.stands import BODIES, cart, field_of
 
 FLAT = field_of(np.zeros((20, 20), int))

@@ -16,10 +16,10 @@ from rsegen import Random, Recipe, StepField, build
 from rsegen.errors import ParameterError
 from rsegen.robots import ROBOTS
 from rsegen.standing.body import Body
+from rsegen.standing.lanes import drive
 from rsegen.standing.resting import poses
 from rsegen.standing.settling import Ground, reach_of
 from rsegen.standing.spots import MOST_TILT, Outline, Spot, apart, body_of_size, fits, spots
-from rsegen.standing.ways import drive
 
 KINDS = pytest.mark.parametrize("kind", ["burger", "jackal", "crawler"])
 

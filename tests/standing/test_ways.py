@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+import rsegen
+from rsegen.cli import main
+from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints
-from rsegen.standing.ways import End, Lattice, crossing, no_way, reach, straight
+from rsegen.standing.lanes import End, straight
+from rsegen.standing.ways import BEST, Lattice, crossing, no_way, reach
 from tests.standing.stands import BODIES, field_of
 
 KINDS = sorted(BODIES)
@@ -78,6 +84,42 @@ def test_a_tower_in_the_way_is_gone_around() -> None:
     assert way.crosses
     assert way.length_ratio == pytest.approx(1)
     assert np.abs(way.points[:, 1]).min() > 0.2
+
+
+def test_the_best_way_is_the_shortest_the_most_level_or_that_with_the_largest_margin() -> None:
+    """Straight across is a low ridge; around it is longer and level."""
+    levels = np.zeros((7, 9), int)
+    levels[3, 2:7] = 1
+    field = field_of(levels, 0.008)
+    by = {best: crossing(field, BURGER, 0, best) for best in BEST}
+    assert all(way.crosses for way in by.values())
+    assert by["length"].length_ratio == pytest.approx(1)
+    assert (by["tilt"].length or 0) >= (by["length"].length or 0) - 1e-9
+    assert by["tilt"].tilt == pytest.approx(0, abs=1e-3)
+    assert (by["margin"].margin or 0) >= max(by["length"].margin or 0, by["tilt"].margin or 0) - 1e-6
+
+
+@given(seed=st.integers(0, 1000))
+@settings(max_examples=5, deadline=None)
+def test_no_way_is_better_than_the_best_one(seed: int) -> None:
+    levels = np.random.default_rng(seed).integers(0, 3, (6, 6))
+    field = field_of(levels, 0.02)
+    by = {best: Lattice(field, BODIES["crawler"], best).way(0) for best in BEST}
+    assume(all(by.values()))
+    ways = [way for way in by.values() if way]
+    # What a way is best of is asked of its moves, and told of poses on it: a little differs.
+    assert (by["length"] or ways[0]).length == pytest.approx(min(way.length or 0 for way in ways))
+    assert (by["tilt"] or ways[0]).tilt == pytest.approx(min(way.tilt or 0 for way in ways), abs=0.02)
+    assert (by["margin"] or ways[0]).margin == pytest.approx(max(way.margin or 0 for way in ways), abs=0.02)
+
+
+def test_the_command_knows_what_a_way_is_the_best_of(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(ParameterError, match="best: 'speed' is not one of length, tilt, margin"):
+        rsegen.drive("peak", route="way", best="speed")
+    with pytest.raises(ParameterError, match="best: is for route way, not for straight"):
+        rsegen.drive("peak", best="tilt")
+    assert main(["schema", "drive"]) == 0
+    assert json.loads(capsys.readouterr().out)["properties"]["best"]["enum"] == list(BEST)
 
 
 @given(seed=st.integers(0, 2**32 - 1))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.commands.parameters import Force, MapReference, RobotModel, Seed, SimulatorName
+from rsegen.errors import ParameterError
 from rsegen.field.limits import SIDE, SPEED, TURN
 from rsegen.params.command import Shell, command
 from rsegen.params.sorts import Choice, FilePath, Flag, Float, Integer, ListOf, Reference
@@ -52,9 +53,17 @@ def drive(  # noqa: PLR0913  # each is a flag
         str,
         Choice(
             ("straight", "random", "way"),
-            help="straight across the map, randomly on it, or across it on the path that rsegen metrics finds",
+            help="straight across the map, randomly on it, or across it on a way on which the robot's poses are good",
         ),
     ] = "straight",
+    best: Annotated[
+        str | None,
+        Choice(
+            ("length", "tilt", "margin"),
+            help="for route way: the shortest way, that with the least tilt, or with the largest angle to tip over",
+        ),
+        Shell(default="length"),
+    ] = None,
     duration: Annotated[float, Float(0.1, 1e5, unit="s", help="simulation time"), Shell(metavar="S")] = 30.0,
     seed: Seed = None,
     output: Annotated[
@@ -82,15 +91,18 @@ def drive(  # noqa: PLR0913  # each is a flag
     from rsegen.simulation.driving.drive import DriveResult, drivable, drive_notes, driven_robot, refuse_output
     from rsegen.simulation.driving.recording import record_drive
     from rsegen.simulation.driving.robot_runs import robot_runs
+    from rsegen.simulation.driving.routes import AlongWay
     from rsegen.simulation.simulators.server import choose_installation
     from rsegen.simulation.worlds import world_of
 
+    if best is not None and route != AlongWay.name:
+        raise ParameterError("best", f"is for route {AlongWay.name}, not for {route}")
     model = drivable(robot, wheels, size=size, speed=speed, turn=turn)
     seed = fresh_seed() if seed is None else seed
     refuse_output(None if output is None else Path(output), picture=picture, force=force)
     world = world_of(target, map)
     here, scene = choose_installation(world.made_for, simulator), world.scene()
-    runs = robot_runs(scene.field, model, route, count=robots, seed=seed)
+    runs = robot_runs(scene.field, model, route, count=robots, seed=seed, best=best or "length")
     with world.on_disk() as file:
         extent = scene.field.extent if picture and "pictures" not in here.simulator.drives_without else None
         recording = record_drive(here, file, runs, duration, progress, contacts=contacts, camera_extent=extent)

@@ -16,7 +16,7 @@ diagonal; it takes one of them. And a part against the side of a block: it never
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,6 +97,10 @@ class Settled:
     axes: Array
     contacts: Ints
     turn: Array
+
+    def some(self, rows: slice) -> Settled:
+        """Return some of them."""
+        return Settled(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
 
 def reach_of(body: Body) -> float:

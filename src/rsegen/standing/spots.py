@@ -5,7 +5,7 @@
    ground, and nowhere too high; of these, those where it is so ahead too, the more the better: some look-ups each.
 2. There the robot is put down (settling.py). It must stand within the largest tilt, on its feet and driven parts alone,
    not on a frame, far from tipping over, and be able to push itself on (resting.py, pushing.py).
-3. It must drive away: ahead, over a lane a little longer than itself (ways.py), without tilting or falling so far that
+3. It must drive away: ahead, over a lane a little longer than itself (lanes.py), without tilting or falling so far that
    it might tip over. The top of a tower is level, and no spot.
 
 Cost: some tenths of a second, on a map of any size, since a bounded number of places is drawn. What breaks it: a map
@@ -26,10 +26,10 @@ import numpy as np
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body, Part, body_of_shapes, box, sample_distance
+from rsegen.standing.lanes import drive
 from rsegen.standing.pushing import TOUCHING, below_samples
 from rsegen.standing.resting import GRAVITY, Poses, has_stood, of_settled
 from rsegen.standing.settling import Ground, Settled, reach_of, settle
-from rsegen.standing.ways import drive
 
 MOST_TILT = radians(3)
 """Largest tilt at which a robot may rest at its start. A robot 40 cm wide then stands on heights that differ by 2 cm at

@@ -1,26 +1,19 @@
-"""The way of a robot over a field: the pose at every step, and where and why a way ends.
+"""The ways of a robot over a field: where it gets, and how it best gets across.
 
-1. A lane is a straight piece of a way, cut into steps of a fraction of a block. At each step the robot rests
-   (settling.py), and its surplus of forward force is known (pushing.py).
-2. A lane ends where the robot tips over, where an upright face of it hits a block, or where it cannot push itself on:
-   the force that lacks, along the distance over which it lacks, is more than its kinetic energy gives back,
+Moves between the centres of neighbouring cells, in eight headings, are lanes (lanes.py); turns on the spot are poses
+between two headings. What is passed is a graph over (x, y, heading), on which places are reached (strongly connected
+components) and ways are found (Dijkstra): the shortest, or the shortest of those whose largest tilt is least, or whose
+least margin, the angle by which the robot must be turned to tip over, is largest.
 
-       sum of -s dx > v^2 / 2 g
-
-3. Drops and slips are told, but do not end a way: a robot that slides or falls forward goes on.
-4. Moves between the centres of cells, in eight headings, are lanes; turns are poses between. What is passed is a graph
-   over (x, y, heading), on which places are reached (strongly connected components) and ways are shortest (Dijkstra).
-
-Cost: poses of all lanes at once, some 20 for each move: a second to ten on 10 x 10 to 40 x 40 blocks. What breaks it:
-a robot that is turned by what it climbs, as by a block under one wheel, leaves its lane; the wheels' own dynamics.
+Cost: some 20 poses a move, of the moves that the robot reaches: a second to ten on 10 x 10 to 40 x 40 blocks. What
+breaks it: what breaks lanes; and each move begins at the robot's full speed, which a straight lane does not give.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from enum import IntEnum
-from heapq import heappop, heappush
+from heapq import heapify, heappop, heappush
 from typing import Any
 
 import numpy as np
@@ -28,119 +21,18 @@ import numpy as np
 from rsegen.field.metrics.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
-from rsegen.standing.pushing import SLIDING, surplus
-from rsegen.standing.resting import GRAVITY, has_stood
+from rsegen.standing.lanes import End, Lanes, drive, entry, middles_of, step_of, steps_on, straight
+from rsegen.standing.resting import has_stood, of_settled
 from rsegen.standing.settling import Ground, Settled, reach_of, settle
-
-_STEPS = 100
-"""Steps per length of a robot."""
-
-_LEAST_STEP, _MOST_STEP = 0.0025, 0.01
-"""Bounds of a step, metres: a wheel of 3 cm has turned by 5 degrees."""
-
-_HIT = 0.001
-"""Metres by which a block may be above the lower edge of an upright face: contacts give way by as much."""
-
-_DROP = 0.01
-"""Metres by which the centre of mass comes down in a step of a drop: several times what a slope gives."""
-
-
-class End(IntEnum):
-    """Why a way ends."""
-
-    NONE = 0
-    TIPS = 1
-    HITS = 2
-    STUCK = 3
-
-    @property
-    def words(self) -> str:
-        """The reason in words."""
-        return ("goes on", "tips over", "hits a block with an upright face", "cannot push itself on")[self]
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Lanes:
-    """Straight lanes that a robot drives, L of them with K poses each.
-
-    poses: L * K robots at rest, lane by lane; end: (L,) why a lane ends; last: (L,) the number of its last pose, K - 1
-    for one that is driven to its end; drops, slips: (L, K) where the robot falls, or slides by itself
-    """
-
-    poses: Settled
-    end: Ints
-    last: Ints
-    drops: Mask
-    slips: Mask
-
-    @property
-    def tilt(self) -> Array:
-        """Return the largest tilt on each lane, radians, (L,)."""
-        return np.asarray(np.arctan(np.hypot(*self.poses.slope.T)).reshape(len(self.end), -1).max(axis=1))
-
-    @property
-    def passed(self) -> Mask:
-        """Return which lanes are driven to their ends, (L,)."""
-        return np.asarray(self.end == End.NONE)
-
-
-def step_of(body: Body) -> float:
-    """Return the length of a step of a robot, metres."""
-    return min(max(body.length / _STEPS, _LEAST_STEP), _MOST_STEP)
-
-
-def drive(ground: Ground, body: Body, x: Array, y: Array, yaw: Array, length: float) -> Lanes:
-    """Return the lanes of a length [m] that begin at x, y [m] with a heading [rad], (L,)."""
-    count = max(round(length / step_of(body)), 1) + 1
-    step = length / (count - 1)
-    along = np.arange(count) * step
-    lanes = len(x)
-    every_x = (x[:, None] + np.cos(yaw)[:, None] * along).ravel()
-    every_y = (y[:, None] + np.sin(yaw)[:, None] * along).ravel()
-    rest = settle(ground, body, every_x, every_y, np.repeat(yaw, count))
-    force = surplus(ground, body, rest).reshape(lanes, count)
-    height = rest.z.reshape(lanes, count)
-    tips = ~has_stood(rest).reshape(lanes, count)
-    hits = _hits(ground, body, rest, lanes, count)
-    # A robot that nothing balances slides: forward, if it comes down with it, which takes it on; else it is held up.
-    ahead = np.minimum(np.arange(count) + 4, count - 1)
-    falls = height[:, ahead] < height - _HIT
-    sliding = force <= SLIDING
-    force = np.where(sliding & falls, 0.0, force)
-    # The force that lacks is taken from the kinetic energy; as soon as none lacks, the robot has its speed again.
-    lacking, energy = np.zeros(lanes), body.speed**2 / 2 / GRAVITY
-    end, last = np.zeros(lanes, np.int64), np.full(lanes, count - 1)
-    for k in range(count):
-        lacking = np.where(force[:, k] < 0, lacking - force[:, k] * step, 0.0)
-        reason = np.select([tips[:, k], hits[:, k], lacking > energy], [End.TIPS, End.HITS, End.STUCK], End.NONE)
-        now = (end == End.NONE) & (reason != End.NONE)
-        end[now], last[now] = reason[now], k
-    drops = np.diff(height, axis=1, prepend=height[:, :1]) < -max(_DROP, 2 * step)
-    return Lanes(poses=rest, end=end, last=last, drops=drops, slips=sliding & falls)
-
-
-def _hits(ground: Ground, body: Body, rest: Settled, lanes: int, count: int) -> Mask:
-    """Return at which step an upright face of a part that does not drive meets a block, (L, K)."""
-    front = np.flatnonzero(body.rim & ~body.drives & (body.points[:, 0] > body.centre[0]))
-    hits = np.zeros((lanes, count), bool)
-    if not len(front) or count < 2:
-        return hits
-    now = np.arange(lanes * count).reshape(lanes, count)
-    before, after = now[:, :-1].ravel(), now[:, 1:].ravel()
-    relative = (body.points[front] - body.centre) @ np.swapaxes(rest.axes[before], 1, 2)
-    under = ground.below(rest.x[after, None] + relative[..., 0], rest.y[after, None] + relative[..., 1])
-    into = (under - relative[..., 2] - rest.z[before, None]).max(axis=1)
-    step = np.hypot(rest.x[after] - rest.x[before], rest.y[after] - rest.y[before])
-    hits[:, 1:] = (into > _HIT + np.hypot(*rest.slope[before].T) * step).reshape(lanes, count - 1)
-    return hits
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Way:
-    """The shortest way of a robot from the level ground on one side of a field to that on the other.
+    """The best way of a robot from the level ground on one side of a field to that on the other.
 
     crosses: whether there is one; length: metres, with turns as the path of its sides; length_ratio: to straight across
-    points: (k, 2), x and y of the robot's origin, metres, empty without a way; tilt: the largest on it, radians
+    tilt: the largest on it, and margin: the least turn by which the robot tips over on it; radians
+    points: (k, 2), x and y of the robot's origin, metres, empty without a way
     reason: without a way, what ends the straight lane that gets farthest, and `at` which place, metres
     """
 
@@ -148,6 +40,7 @@ class Way:
     length: float | None
     length_ratio: float | None
     tilt: float | None
+    margin: float | None
     points: Array
     reason: str | None = None
     at: tuple[float, float] | None = None
@@ -177,6 +70,12 @@ HEADINGS = 8
 _MOVES = np.array([(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)])
 """Cells by which a move in each heading goes on along x and y; heading k is k times 45 degrees."""
 
+BEST = ("length", "tilt", "margin")
+"""What a way is the best of: the shortest, that with the least tilt, or that with the largest margin."""
+
+_Place = tuple[int, int, int]
+"""Cells along x and y, and the heading."""
+
 _LANES = 2000
 """Lanes whose poses are found together: some ten thousand poses."""
 
@@ -186,16 +85,19 @@ class Lattice:
 
     What it can do at a place and heading is found once it is asked for: no robot that a wall stops is tried behind it.
 
-    moves: (n_x, n_y, 8) whether it can drive on to the next cell; turns: (n_x, n_y, 8) whether it can turn to the next
-    heading and back; tilts: (n_x, n_y, 8) the largest tilt on a move, radians; False and 0 where not yet found
+    best: which ways are the best, one of BEST; the worst on a move is small where that is good: the largest tilt in
+    radians, or the least margin with a minus
+    moves, turns: (n_x, n_y, 8) whether it can drive on to the next cell, and turn to the next heading and back
+    worst_of_moves, worst_of_turns: the worst on each; False and 0 where not yet found
     """
 
-    def __init__(self, field: StepField, body: Body) -> None:
-        self.field, self.body, self.ground = field, body, Ground.of(field, reach_of(body))
-        self.x, self.y = _middles(field, 0), _middles(field, 1)
+    def __init__(self, field: StepField, body: Body, best: str = "length") -> None:
+        self.field, self.body, self.best = field, body, best
+        self.ground = Ground.of(field, reach_of(body))
+        self.x, self.y = middles_of(field, 0), middles_of(field, 1)
         shape = (*field.shape, HEADINGS)
-        self.moves, self.turns, self.tilts = np.zeros(shape, bool), np.zeros(shape, bool), np.zeros(shape)
-        self._is_driven, self._is_turned = np.zeros(shape, bool), np.zeros(shape, bool)
+        self.moves, self.turns, self._is_driven, self._is_turned = (np.zeros(shape, bool) for _ in range(4))
+        self.worst_of_moves, self.worst_of_turns = np.zeros(shape), np.zeros(shape)
 
     def _drive_from(self, places: Ints) -> None:
         """Find the moves from places, numbers in `moves`."""
@@ -209,8 +111,8 @@ class Lattice:
             if len(chosen):
                 length = self.field.block_width * (2**0.5 if is_diagonal else 1.0)
                 starts = self.x[i[chosen]], self.y[j[chosen]], k[chosen] * np.pi / 4
-                passed, tilts = self._driven(*starts, length)
-                self.moves.ravel()[places[chosen]], self.tilts.ravel()[places[chosen]] = passed, tilts
+                passed, worst = self._driven(*starts, length)
+                self.moves.ravel()[places[chosen]], self.worst_of_moves.ravel()[places[chosen]] = passed, worst
 
     def _turn_at(self, places: Ints) -> None:
         """Find whether the robot can turn from places to their next headings, and back."""
@@ -219,10 +121,9 @@ class Lattice:
         i, j, k = np.unravel_index(places, self.turns.shape)
         # At both headings, and half-way between.
         turn = np.add.outer((0.0, 0.5, 1.0), k).ravel()
-        stands = has_stood(
-            settle(self.ground, self.body, np.tile(self.x[i], 3), np.tile(self.y[j], 3), turn * np.pi / 4)
-        )
-        self.turns.ravel()[places] = stands.reshape(3, -1).all(axis=0)
+        rest = settle(self.ground, self.body, np.tile(self.x[i], 3), np.tile(self.y[j], 3), turn * np.pi / 4)
+        self.turns.ravel()[places] = has_stood(rest).reshape(3, -1).all(axis=0)
+        self.worst_of_turns.ravel()[places] = self._badness(rest).reshape(3, -1).max(axis=0)
 
     def _explore(self, front: Ints) -> None:
         """Find all that the robot can do from places on: wave by wave, each of the places that the last one reached."""
@@ -246,14 +147,20 @@ class Lattice:
             front = np.unique(reached[~seen[reached]])
 
     def _driven(self, x: Array, y: Array, yaw: Array, length: float) -> tuple[Mask, Array]:
-        """Return which lanes are driven to their ends, and the largest tilt on each, radians."""
-        passed, tilts = [], []
+        """Return which lanes are driven to their ends, and the worst on each."""
+        passed, worst = [], []
         for begin in range(0, len(x), _LANES):
             part = slice(begin, begin + _LANES)
             lanes = drive(self.ground, self.body, x[part], y[part], yaw[part], length)
             passed.append(lanes.passed)
-            tilts.append(lanes.tilt)
-        return np.concatenate(passed), np.concatenate(tilts)
+            worst.append(self._badness(lanes.poses).reshape(len(lanes.end), -1).max(axis=1))
+        return np.concatenate(passed), np.concatenate(worst)
+
+    def _badness(self, rest: Settled) -> Array:
+        """Return the tilt of each robot, radians, or its margin with a minus."""
+        if self.best == "margin":
+            return -of_settled(self.ground, self.body, rest).tip_angle
+        return np.asarray(np.arctan(np.hypot(*rest.slope.T)))
 
     def region(self) -> Mask:
         """Return the largest set of blocks on which the robot gets from every place and heading to every other."""
@@ -288,73 +195,114 @@ class Lattice:
         return region.reshape(self.field.shape)
 
     def way(self, axis: int) -> Way | None:
-        """Return the shortest way across along an axis, with straight lanes at both ends; None if there is none."""
-        lanes, across = self._lanes_in(axis), self.field.shape[1 - axis]
-        heading, last = 2 * axis, self.field.shape[axis] - 1
-        half = float(np.hypot(self.body.high[1] - self.body.low[1], 0)) / 2
-        costs = np.full(self.moves.shape, np.inf)
-        before = np.full((*self.moves.shape, 3), -1)
-        if not lanes[1].any():
+        """Return the best way across along an axis, with straight lanes at both ends; None if there is none."""
+        starts, goals = self._ends(axis)
+        if not starts or not goals:
             return None
-        starts = [(0, line, heading) if axis == 0 else (line, 0, heading) for line in range(across) if lanes[0][line]]
-        self._explore(np.array([np.ravel_multi_index(start, self.moves.shape) for start in starts], np.intp))
-        front = [(0.0, start) for start in starts]  # a heap, as all are equal
-        for start in starts:
-            costs[start] = 0.0
+        self._explore(np.array([np.ravel_multi_index(place, self.moves.shape) for place in starts], np.intp))
+        limit = np.inf
+        if self.best != "length":
+            least = self._cheapest(starts, goals, lambda cost, _, worst: max(cost, worst))
+            if least is None:
+                return None
+            limit = least[0] + 1e-9
+
+        def longer(cost: float, length: float, worst: float) -> float:
+            return cost + length if worst <= limit else np.inf
+
+        allowed = {place: 0.0 for place, worst in starts.items() if worst <= limit}
+        shortest = self._cheapest(allowed, goals, longer)
+        return self._way_of(axis, *shortest) if shortest else None
+
+    def _cheapest(
+        self, starts: Mapping[_Place, float], goals: Mapping[_Place, float], cost_of: Callable[..., float]
+    ) -> tuple[float, list[_Place]] | None:
+        """Return the least cost from a start to a goal, which have costs too, and the places between (Dijkstra).
+
+        cost_of: the cost after a move, from that before, the length and the worst of it; it never falls
+        """
+        costs, before = dict(starts), dict[_Place | None, _Place]()
+        # None is beyond all goals.
+        front: list[tuple[float, int, _Place | None]] = [(cost, 0, place) for place, cost in starts.items()]
+        heapify(front)
+        done, arrived = set[_Place](), np.inf
         while front:
-            cost, (i, j, k) = heappop(front)
-            if cost > costs[i, j, k]:
+            cost, _, place = heappop(front)
+            if place is None:
+                places = [before[None]]
+                while places[-1] in before:
+                    places.append(before[places[-1]])
+                return cost, places[::-1]
+            if place in done:
                 continue
-            if (i, j)[axis] == last and k == heading and lanes[1][(i, j)[1 - axis]]:
-                return self._found(axis, cost, before, (i, j, k))
-            for place, length in self._onward(i, j, k, half):
-                if cost + length < costs[place] - 1e-9:
-                    costs[place], before[place] = cost + length, (i, j, k)
-                    heappush(front, (cost + length, place))
+            done.add(place)
+            if place in goals and (last := cost_of(cost, 0.0, goals[place])) < arrived:
+                arrived, before[None] = last, place
+                heappush(front, (last, 1, None))
+            for onward, length, worst in self._onward(*place):
+                after = cost_of(cost, length, worst)
+                if after < costs.get(onward, np.inf) - 1e-9:
+                    costs[onward], before[onward] = after, place
+                    heappush(front, (after, 0, onward))
         return None
 
-    def _onward(self, i: int, j: int, k: int, half: float) -> Iterator[tuple[tuple[int, int, int], float]]:
-        """Yield the places to which the robot can go on, and the length of each move; a turn moves its sides."""
+    def _onward(self, i: int, j: int, k: int) -> Iterator[tuple[_Place, float, float]]:
+        """Yield the places to which the robot can go on, and length and worst of each move; a turn moves its sides."""
         if self.moves[i, j, k]:
             along_x, along_y = (int(cells) for cells in _MOVES[k])
-            yield (i + along_x, j + along_y, k), self.field.block_width * (2**0.5 if k % 2 else 1.0)
-        if self.turns[i, j, k]:
-            yield (i, j, (k + 1) % HEADINGS), half * np.pi / 4
-        if self.turns[i, j, k - 1]:
-            yield (i, j, (k - 1) % HEADINGS), half * np.pi / 4
+            length = self.field.block_width * (2**0.5 if k % 2 else 1.0)
+            yield (i + along_x, j + along_y, k), length, float(self.worst_of_moves[i, j, k])
+        length = self.body.width / 2 * np.pi / 4
+        for turn, after in ((k, k + 1), (k - 1, k - 1)):
+            if self.turns[i, j, turn]:
+                yield (i, j, after % HEADINGS), length, float(self.worst_of_turns[i, j, turn])
 
-    def _lanes_in(self, axis: int) -> tuple[Mask, Mask]:
-        """Return for each line of cells whether the robot comes in to its first cell, and gets out from its last."""
-        middles = self.y if axis == 0 else self.x
-        first = (self.x if axis == 0 else self.y)[0]
+    def _ends(self, axis: int) -> tuple[dict[_Place, float], dict[_Place, float]]:
+        """Return the places where the robot comes in, and those where it gets out, with the worst on the lane there."""
+        middles = middles_of(self.field, 1 - axis)
+        first, last = middles_of(self.field, axis)[0], self.field.shape[axis] - 1
         edge, yaw = entry(self.field, self.body, axis), np.full(len(middles), axis * np.pi / 2)
         outward = self.field.extent[axis] / 2 - min(float(self.body.low[0]), 0.0) + step_of(self.body) + first
-        results = []
-        for begin, length in ((-edge, edge + first), (-first, outward)):
+        ends = []
+        for cell, begin, length in ((0, -edge, edge + first), (last, -first, outward)):
             along = np.full(len(middles), begin)
             x, y = (along, middles) if axis == 0 else (middles, along)
-            results.append(self._driven(x, y, yaw, length)[0])
-        return results[0], results[1]
+            passed, worst = self._driven(x, y, yaw, length)
+            lines = np.flatnonzero(passed).tolist()
+            places = [(cell, line, 0) if axis == 0 else (line, cell, 2) for line in lines]
+            ends.append(dict(zip(places, worst[passed].tolist(), strict=True)))
+        return ends[0], ends[1]
 
-    def _found(self, axis: int, cost: float, before: Ints, place: tuple[int, int, int]) -> Way:
-        places = [place]
-        while (previous := tuple(before[places[-1]].tolist()))[0] >= 0:
-            places.append(previous)
-        i, j, k = np.array(places[::-1]).T
+    def _way_of(self, axis: int, cost: float, places: list[_Place]) -> Way:
+        """Return the way over places: what its poses are, on its lanes at both ends too, and where it turns."""
+        i, j, k = np.array(places).T
         points = np.stack([self.x[i], self.y[j]], axis=1)
-        moved = np.append(np.any(np.diff(points, axis=0) != 0, axis=1), False)
-        tilt = float(self.tilts[i, j, k][moved].max(initial=0.0))
         ends = points[[0, -1]].copy()
         ends[:, axis] = -entry(self.field, self.body, axis), self.field.extent[axis] / 2 - float(self.body.low[0])
         length = cost + float(np.abs(ends[:, axis] - points[[0, -1], axis]).sum())
+        # Once more the poses on its lanes, with those at both ends, and where it turns.
+        line, heading = np.concatenate([ends[:1], points, ends[1:]]), np.append(k[0], k) * np.pi / 4
+        counts = [steps_on(self.body, length) + 1 for length in np.hypot(*np.diff(line, axis=0).T)]
+        legs = [np.linspace(*leg) for leg in zip(line[:-1], line[1:], counts, strict=True)]
+        turning = np.linspace(k[:-1], k[:-1] + (np.diff(k) + 4) % HEADINGS - 4, 3) * np.pi / 4
+        x, y = np.concatenate([*legs, np.tile(points[:-1], (3, 1))]).T
+        yaw = np.concatenate([np.repeat(heading, counts), turning.ravel()])
+        tilt, margin = worst_of(self.ground, self.body, settle(self.ground, self.body, x, y, yaw))
         kept = np.append(True, np.any(np.diff(points, axis=0) != 0, axis=1))
         return Way(
             crosses=True,
             length=length,
             length_ratio=length / float(ends[1, axis] - ends[0, axis]),
             tilt=tilt,
+            margin=margin,
             points=np.concatenate([ends[:1], points[kept], ends[1:]]),
         )
+
+
+def worst_of(ground: Ground, body: Body, rest: Settled) -> tuple[float, float]:
+    """Return the largest tilt and the least margin of some poses, radians."""
+    found = of_settled(ground, body, rest)
+    return float(found.tilt.max()), float(found.tip_angle.min())
 
 
 def _shifted(values: Any, along_x: int, along_y: int) -> Any:
@@ -377,13 +325,16 @@ def reach(field: StepField, body: Body) -> Reach:
     return Reach(cover=cover, west_east=ways[0], south_north=ways[1], region=region)
 
 
-def crossing(field: StepField, body: Body, axis: int) -> Way:
-    """Return the shortest way across a field along an axis, 0 for x and 1 for y.
+def crossing(field: StepField, body: Body, axis: int, best: str = "length") -> Way:
+    """Return the best way across a field along an axis, 0 for x and 1 for y; best: one of BEST.
 
-    That is a straight one if there is one, of these the one with the least tilt; else the shortest on the lattice.
+    The shortest is a straight one if there is one, of these the one with the least tilt; all others are on the lattice.
     """
     lanes = straight(field, body, axis)
-    return _straight_way(lanes, field, body, axis) or Lattice(field, body).way(axis) or no_way(lanes, body)
+    direct = _straight_way(lanes, field, body, axis)
+    if direct and best == "length":
+        return direct
+    return Lattice(field, body, best).way(axis) or direct or no_way(lanes, body)
 
 
 def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way | None:
@@ -392,37 +343,16 @@ def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way 
         return None
     best = int(np.where(lanes.passed, lanes.tilt, np.inf).argmin())
     low, high = -entry(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
-    points = np.array([(low, (middle := _middles(field, 1 - axis)[best])), (high, middle)])
+    points = np.array([(low, (middle := middles_of(field, 1 - axis)[best])), (high, middle)])
+    tilt, margin = worst_of(Ground.of(field, reach_of(body)), body, lanes.poses_of(best))
     return Way(
         crosses=True,
         length=high - low,
         length_ratio=1.0,
-        tilt=float(lanes.tilt[best]),
+        tilt=tilt,
+        margin=margin,
         points=points if axis == 0 else points[:, ::-1].copy(),
     )
-
-
-_BESIDE = 0.003
-"""Metres to either side of a lane that have to be driven too: by so much a robot leaves its line in Gazebo."""
-
-
-def straight_lane(field: StepField, body: Body, axis: int, middles: Array | None = None) -> float | None:
-    """Return the place across, metres, of the first straight lane that is driven to its end; None if there is none.
-
-    The lanes a little to either side of it are driven too. middles: of the lanes, by default of all lines of cells.
-    """
-    middles = _middles(field, 1 - axis) if middles is None else middles
-    passed = straight(field, body, axis, middles).passed
-    for beside in (-_BESIDE, _BESIDE):
-        if passed.any():
-            passed[passed] = straight(field, body, axis, middles[passed] + beside).passed
-    return float(middles[passed.argmax()]) if passed.any() else None
-
-
-def _middles(field: StepField, axis: int) -> Array:
-    """Return the middles of the cells along an axis, metres."""
-    edges = field.edges()[axis]
-    return np.asarray((edges[1:] + edges[:-1]) / 2)
 
 
 def no_way(lanes: Lanes, body: Body) -> Way:
@@ -438,26 +368,8 @@ def no_way(lanes: Lanes, body: Body) -> Way:
         length=None,
         length_ratio=None,
         tilt=None,
+        margin=None,
         points=np.empty((0, 2)),
         reason=End(int(lanes.end[best])).words,
         at=(float(at[0]), float(at[1])),
     )
-
-
-def entry(field: StepField, body: Body, axis: int) -> float:
-    """Return how far before a field, along an axis, the origin of a robot is that is wholly outside it, metres."""
-    return field.extent[axis] / 2 + max(float(body.high[0]), 0.0) + step_of(body)
-
-
-def straight(field: StepField, body: Body, axis: int, across: Array | None = None) -> Lanes:
-    """Return the straight lanes across a field along an axis, 0 for x and 1 for y, at places across, in metres.
-
-    They are where the robot is wholly outside at first and at last; by default through the middle of every line of
-    cells.
-    """
-    middles = _middles(field, 1 - axis) if across is None else across
-    before = entry(field, body, axis)
-    length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
-    along = np.full(len(middles), -before)
-    x, y = (along, middles) if axis == 0 else (middles, along)
-    return drive(Ground.of(field, reach_of(body)), body, x, y, np.full(len(middles), axis * np.pi / 2), length)

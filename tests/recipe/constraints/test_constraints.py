@@ -25,7 +25,7 @@ from rsegen.recipe.constraints import meeting
 from rsegen.recipe.constraints.inventory import fitted_to_inventory
 from rsegen.recipe.constraints.meeting import crossing_caps
 from rsegen.robots import ROBOTS
-from rsegen.standing.ways import straight, straight_lane
+from rsegen.standing.lanes import straight, straight_lane
 from tests.support.complaints import the_line
 from tests.support.strategies import fields, recipes
 

@@ -46,7 +46,7 @@ from rsegen.recipe.constraints.inventory import (
 )
 from rsegen.recipe.map_design import MapDesign
 from rsegen.standing.kinds import Standing
-from rsegen.standing.ways import straight_lane
+from rsegen.standing.lanes import straight_lane
 
 _ANYTHING = 2**30
 """A level above all levels, for cells without a limit; twice it still fits into 32 bits."""

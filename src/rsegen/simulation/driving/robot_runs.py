@@ -65,21 +65,28 @@ _POINTS = 8
 ROUTES = (Straight.name, Wandering.name, AlongWay.name)
 
 
-def robot_runs(  # the last three by name
-    field: StepField, robot: DrivableRobot, route: str, *, count: int, seed: int, evenest: bool = False
+def robot_runs(  # noqa: PLR0913  # the last four by name
+    field: StepField,
+    robot: DrivableRobot,
+    route: str,
+    *,
+    count: int,
+    seed: int,
+    best: str = "length",
+    evenest: bool = False,
 ) -> Sequence[RobotRun]:
     """Return the runs of `count` robots on a route.
 
-    For a straight crossing they start side by side west of the map, along a planned way one behind the other, else at
-    spots on the map, or west of it if they are larger than it. ParameterError if there are too few spots; with
-    `evenest` they start at the best places there are.
+    For a straight crossing they start side by side west of the map; along the planned way that is `best` one behind
+    the other; else at spots on the map, or west of it if they are larger than it. ParameterError if there are too few
+    spots; with `evenest` they start at the best places there are.
     """
     if route not in ROUTES:
         raise UnknownName.among("route", "route", route, ROUTES)
     if route == Straight.name:
         return _side_by_side(field, robot, count)
     if route == AlongWay.name:
-        return _one_behind_the_other(field, robot, count)
+        return _one_behind_the_other(field, robot, count, best)
     return _randomly_placed(field, robot, count, seed, evenest=evenest)
 
 
@@ -108,9 +115,9 @@ def _straight(robot: DrivableRobot, line: float, goal: float) -> Route:
     return Straight(speed=robot.driving_speed, turn=robot.turn, line=line, goal=goal)
 
 
-def _one_behind_the_other(field: StepField, robot: DrivableRobot, count: int) -> list[RobotRun]:
+def _one_behind_the_other(field: StepField, robot: DrivableRobot, count: int, best: str) -> list[RobotRun]:
     body = robot.body
-    way = planned_way(field, body)
+    way = planned_way(field, body, best)
     first = adjacent_pose(field, body, float(way.points[0, 1]))
     return [
         RobotRun(

@@ -5,7 +5,7 @@ Straight and AlongWay are pure pursuit: the robot drives the arc that leads to a
     w = 2 v sin(a) / d,    a the angle between its heading and that point
 
 (Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992). The way is one on which
-the robot's poses are known to be good (poses/ways.py), or, if there is none, the straight lane on which it gets
+the robot's poses are known to be good (standing/ways.py), or, if there is none, the straight lane on which it gets
 farthest. Wandering draws motions at random. Cost: none beside the simulation. What breaks it: a robot that skids, as
 no error is summed up, and a way whose bends are closer together than the robot is long, which it cuts.
 """
@@ -23,7 +23,8 @@ import numpy as np
 from rsegen.field.stepfield import Array, StepField
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.standing.body import Body
-from rsegen.standing.ways import Way, crossing, entry
+from rsegen.standing.lanes import entry
+from rsegen.standing.ways import Way, crossing
 
 
 class Motion(NamedTuple):
@@ -177,13 +178,15 @@ class PlannedWay:
     """A way from west to east on which a robot can drive; if there is none, the straight lane that gets farthest.
 
     points: (n, 2), x and y of its origin in metres, from the ground west of the map to that east of it
-    length: metres, with turns as the path of its sides, None if there is no way; tilt: the largest on it, radians
+    length: metres, with turns as the path of its sides, None if there is no way
+    tilt, margin: the largest tilt on it, and the least turn by which the robot tips over on it, radians
     reason: without a way, what ends the lane, in words that follow "it", and `at` which place, metres
     """
 
     points: Array
     length: float | None
     tilt: float | None = None
+    margin: float | None = None
     reason: str | None = None
     at: tuple[float, float] | None = None
 
@@ -197,9 +200,10 @@ class PlannedWay:
 
     def as_json(self) -> dict[str, object]:
         """Return the entry of drive.json."""
-        if self.length is None or self.tilt is None:
+        if self.length is None or self.tilt is None or self.margin is None:
             return {"crosses": False, "reason": self.reason, "at": self.at}
-        return {"crosses": True, "length": round(self.length, 9), "tilt": round(self.tilt, 9)}
+        figures = {"length": self.length, "tilt": self.tilt, "margin": self.margin}
+        return {"crosses": True, **{name: round(value, 9) for name, value in figures.items()}}
 
     def csv(self) -> Iterator[str]:
         """Yield the lines of a CSV file."""
@@ -208,15 +212,15 @@ class PlannedWay:
             yield f"{x:.4f},{y:.4f}\n"
 
 
-def planned_way(field: StepField, body: Body) -> PlannedWay:
-    """Return the way of a robot across a field from west to east."""
-    return followed(field, body, crossing(field, body, 0))
+def planned_way(field: StepField, body: Body, best: str = "length") -> PlannedWay:
+    """Return the way of a robot across a field from west to east that is best, as in rsegen.standing.ways.BEST."""
+    return followed(field, body, crossing(field, body, 0, best))
 
 
 def followed(field: StepField, body: Body, way: Way) -> PlannedWay:
     """Return a way from west to east with points also where there is none: those of the lane that gets farthest."""
     if way.crosses:
-        return PlannedWay(points=way.points, length=way.length, tilt=way.tilt)
+        return PlannedWay(points=way.points, length=way.length, tilt=way.tilt, margin=way.margin)
     line = (way.at or (0.0, 0.0))[1]
     ends = -entry(field, body, 0), field.extent[0] / 2 - float(body.low[0])
     return PlannedWay(points=np.array([(x, line) for x in ends]), length=None, reason=way.reason, at=way.at)

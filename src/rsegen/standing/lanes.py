@@ -1,0 +1,181 @@
+"""Lanes: the pose of a robot at every step of a straight piece of its way, and where and why a lane ends.
+
+1. A lane is cut into steps of a fraction of a block. At each step the robot rests (settling.py), and its surplus of
+   forward force is known (pushing.py).
+2. A lane ends where the robot tips over, where an upright face of it hits a block, or where it cannot push itself on:
+   the force that lacks, along the distance over which it lacks, is more than its kinetic energy gives back,
+
+       sum of -s dx > v^2 / 2 g
+
+3. Drops and slips are told, but do not end a lane: a robot that slides or falls forward goes on.
+
+Cost: poses of all lanes at once. What breaks it: a robot that is turned by what it climbs, as by a block under one
+wheel, leaves its lane; the wheels' own dynamics.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.standing.body import Body
+from rsegen.standing.pushing import SLIDING, surplus
+from rsegen.standing.resting import GRAVITY, has_stood
+from rsegen.standing.settling import Ground, Settled, reach_of, settle
+
+_STEPS = 100
+"""Steps per length of a robot."""
+
+_LEAST_STEP, _MOST_STEP = 0.0025, 0.01
+"""Bounds of a step, metres: a wheel of 3 cm has turned by 5 degrees."""
+
+_HIT = 0.001
+"""Metres by which a block may be above the lower edge of an upright face: contacts give way by as much."""
+
+_DROP = 0.01
+"""Metres by which the centre of mass comes down in a step of a drop: several times what a slope gives."""
+
+
+class End(IntEnum):
+    """Why a way ends."""
+
+    NONE = 0
+    TIPS = 1
+    HITS = 2
+    STUCK = 3
+
+    @property
+    def words(self) -> str:
+        """The reason in words."""
+        return ("goes on", "tips over", "hits a block with an upright face", "cannot push itself on")[self]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Lanes:
+    """Straight lanes that a robot drives, L of them with K poses each.
+
+    poses: L * K robots at rest, lane by lane; end: (L,) why a lane ends; last: (L,) the number of its last pose, K - 1
+    for one that is driven to its end; drops, slips: (L, K) where the robot falls, or slides by itself
+    """
+
+    poses: Settled
+    end: Ints
+    last: Ints
+    drops: Mask
+    slips: Mask
+
+    @property
+    def tilt(self) -> Array:
+        """Return the largest tilt on each lane, radians, (L,)."""
+        return np.asarray(np.arctan(np.hypot(*self.poses.slope.T)).reshape(len(self.end), -1).max(axis=1))
+
+    def poses_of(self, number: int) -> Settled:
+        """Return the poses of one lane."""
+        count = len(self.poses.x) // len(self.end)
+        return self.poses.some(slice(number * count, (number + 1) * count))
+
+    @property
+    def passed(self) -> Mask:
+        """Return which lanes are driven to their ends, (L,)."""
+        return np.asarray(self.end == End.NONE)
+
+
+def step_of(body: Body) -> float:
+    """Return the length of a step of a robot, metres."""
+    return min(max(body.length / _STEPS, _LEAST_STEP), _MOST_STEP)
+
+
+def steps_on(body: Body, length: float) -> int:
+    """Return the number of steps of a robot on a lane of a length in metres."""
+    return max(round(length / step_of(body)), 1)
+
+
+def drive(ground: Ground, body: Body, x: Array, y: Array, yaw: Array, length: float) -> Lanes:
+    """Return the lanes of a length [m] that begin at x, y [m] with a heading [rad], (L,)."""
+    count = steps_on(body, length) + 1
+    step = length / (count - 1)
+    along = np.arange(count) * step
+    lanes = len(x)
+    every_x = (x[:, None] + np.cos(yaw)[:, None] * along).ravel()
+    every_y = (y[:, None] + np.sin(yaw)[:, None] * along).ravel()
+    rest = settle(ground, body, every_x, every_y, np.repeat(yaw, count))
+    force = surplus(ground, body, rest).reshape(lanes, count)
+    height = rest.z.reshape(lanes, count)
+    tips = ~has_stood(rest).reshape(lanes, count)
+    hits = _hits(ground, body, rest, lanes, count)
+    # A robot that nothing balances slides: forward, if it comes down with it, which takes it on; else it is held up.
+    ahead = np.minimum(np.arange(count) + 4, count - 1)
+    falls = height[:, ahead] < height - _HIT
+    sliding = force <= SLIDING
+    force = np.where(sliding & falls, 0.0, force)
+    # The force that lacks is taken from the kinetic energy; as soon as none lacks, the robot has its speed again.
+    lacking, energy = np.zeros(lanes), body.speed**2 / 2 / GRAVITY
+    end, last = np.zeros(lanes, np.int64), np.full(lanes, count - 1)
+    for k in range(count):
+        lacking = np.where(force[:, k] < 0, lacking - force[:, k] * step, 0.0)
+        reason = np.select([tips[:, k], hits[:, k], lacking > energy], [End.TIPS, End.HITS, End.STUCK], End.NONE)
+        now = (end == End.NONE) & (reason != End.NONE)
+        end[now], last[now] = reason[now], k
+    drops = np.diff(height, axis=1, prepend=height[:, :1]) < -max(_DROP, 2 * step)
+    return Lanes(poses=rest, end=end, last=last, drops=drops, slips=sliding & falls)
+
+
+def _hits(ground: Ground, body: Body, rest: Settled, lanes: int, count: int) -> Mask:
+    """Return at which step an upright face of a part that does not drive meets a block, (L, K)."""
+    front = np.flatnonzero(body.rim & ~body.drives & (body.points[:, 0] > body.centre[0]))
+    hits = np.zeros((lanes, count), bool)
+    if not len(front) or count < 2:
+        return hits
+    now = np.arange(lanes * count).reshape(lanes, count)
+    before, after = now[:, :-1].ravel(), now[:, 1:].ravel()
+    relative = (body.points[front] - body.centre) @ np.swapaxes(rest.axes[before], 1, 2)
+    under = ground.below(rest.x[after, None] + relative[..., 0], rest.y[after, None] + relative[..., 1])
+    into = (under - relative[..., 2] - rest.z[before, None]).max(axis=1)
+    step = np.hypot(rest.x[after] - rest.x[before], rest.y[after] - rest.y[before])
+    hits[:, 1:] = (into > _HIT + np.hypot(*rest.slope[before].T) * step).reshape(lanes, count - 1)
+    return hits
+
+
+_BESIDE = 0.003
+"""Metres to either side of a lane that have to be driven too: by so much a robot leaves its line in Gazebo."""
+
+
+def straight_lane(field: StepField, body: Body, axis: int, middles: Array | None = None) -> float | None:
+    """Return the place across, metres, of the first straight lane that is driven to its end; None if there is none.
+
+    The lanes a little to either side of it are driven too. middles: of the lanes, by default of all lines of cells.
+    """
+    middles = middles_of(field, 1 - axis) if middles is None else middles
+    passed = straight(field, body, axis, middles).passed
+    for beside in (-_BESIDE, _BESIDE):
+        if passed.any():
+            passed[passed] = straight(field, body, axis, middles[passed] + beside).passed
+    return float(middles[passed.argmax()]) if passed.any() else None
+
+
+def middles_of(field: StepField, axis: int) -> Array:
+    """Return the middles of the cells along an axis, metres."""
+    edges = field.edges()[axis]
+    return np.asarray((edges[1:] + edges[:-1]) / 2)
+
+
+def entry(field: StepField, body: Body, axis: int) -> float:
+    """Return how far before a field, along an axis, the origin of a robot is that is wholly outside it, metres."""
+    return field.extent[axis] / 2 + max(float(body.high[0]), 0.0) + step_of(body)
+
+
+def straight(field: StepField, body: Body, axis: int, across: Array | None = None) -> Lanes:
+    """Return the straight lanes across a field along an axis, 0 for x and 1 for y, at places across, in metres.
+
+    They are where the robot is wholly outside at first and at last; by default through the middle of every line of
+    cells.
+    """
+    middles = middles_of(field, 1 - axis) if across is None else across
+    before = entry(field, body, axis)
+    length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
+    along = np.full(len(middles), -before)
+    x, y = (along, middles) if axis == 0 else (middles, along)
+    return drive(Ground.of(field, reach_of(body)), body, x, y, np.full(len(middles), axis * np.pi / 2), length)
