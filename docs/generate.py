@@ -116,6 +116,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "standing/settling",
         "standing/pushing",
         "standing/resting",
+        "standing/lanes",
         "standing/ways",
         "standing/spots",
     ),
