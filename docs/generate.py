@@ -15,6 +15,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from importlib import import_module
+from math import radians
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -73,6 +74,7 @@ EXPERIMENT = RESULTS / "experiment.json"
 PLOT = "\n![Real-time factor, speed and memory over the side of the map](pictures/experiment.png)\n"
 WAYS = DOCS / "pictures" / "ways.png"
 POSE_MAPS = DOCS / "pictures" / "poses.png"
+SETTLED = DOCS / "pictures" / "settled.png"
 TERRAIN = DOCS / "pictures" / "terrain.png"
 DIFFICULTY = DOCS / "difficulty.md"
 SHEET = DOCS / "pictures" / "sheet.png"
@@ -191,7 +193,7 @@ def pictures() -> dict[Path, Scene]:
     """What every generated picture shows, by its file: the first map of each example, each kind alone, ways, sheets."""
     shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES.values()}
     shown |= {DOCS / "pictures" / f"kind-{kind}.png": catalogue.recipe_of(kind) for kind in KINDS}
-    shown[WAYS] = shown[POSE_MAPS] = load(EXAMPLES["mixed-course"])
+    shown[WAYS] = shown[POSE_MAPS] = shown[SETTLED] = load(EXAMPLES["mixed-course"])
     shown[TERRAIN] = _terrain()
     shown |= {SHEET: load(EXAMPLES["five-pallet-dash"]), SHEET_OF_A_PALLET: load(EXAMPLES["red-diagonal-pallet"])}
     return {path: compose(recipe) for path, recipe in shown.items()}
@@ -257,6 +259,7 @@ def _page(scene: Scene, number: int) -> bytes:
 _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {
     WAYS: _ways,
     POSE_MAPS: _pose_maps,
+    SETTLED: partial(preview, robot=ROBOTS["jackal"].body, at=(-0.9, 0.3, radians(200))),
     SHEET: partial(_page, number=0),
     SHEET_OF_A_PALLET: partial(_page, number=1),
 }

@@ -13,8 +13,9 @@ from matplotlib.patches import Polygon
 from PIL import Image
 
 from rsegen import Random, Recipe, Scene, compose
-from rsegen.exporters.pictures import pose_plots
-from rsegen.exporters.pictures.pose_plots import _hull, draw_robot, pose_maps, reasons
+from rsegen.exporters.pictures import pose_plots, robot_drawing
+from rsegen.exporters.pictures.pose_plots import pose_maps, reasons
+from rsegen.exporters.pictures.robot_drawing import draw_robot, hull
 from rsegen.recipe.codec import decode
 from rsegen.robots import ROBOTS
 from rsegen.standing.resting import poses
@@ -43,7 +44,7 @@ def test_the_maps_show_every_reason_that_there_is_and_the_robot() -> None:
     assert len(set(found.tolist())) > 1
     for number, colour in enumerate(pose_plots._REASON_COLOURS):
         assert share(image, colour) >= 0.15 * (found == number).mean()
-    assert share(image, pose_plots._DRIVEN) > 2e-5  # lines, blurred
+    assert share(image, robot_drawing._DRIVEN) > 2e-5  # lines, blurred
     assert decode(json.loads(image.info["Description"])) == RECIPE
 
 
@@ -69,7 +70,7 @@ def test_a_robot_is_drawn_where_it_is_with_its_wheels_in_another_colour() -> Non
     found = poses(scene_of().field, BURGER, np.array([0.1]), np.array([-0.2]), np.array([np.pi / 2]))
     draw_robot(axes, BURGER, found)
     outlines = [patch for patch in axes.patches if isinstance(patch, Polygon)]
-    wheels = [patch for patch in outlines if patch.get_edgecolor() == to_rgba(pose_plots._DRIVEN)]
+    wheels = [patch for patch in outlines if patch.get_edgecolor() == to_rgba(robot_drawing._DRIVEN)]
     assert len(wheels) == 2
     # The heading is north, so the wheels, 16 cm apart, are west and east of the robot.
     middles = np.array(sorted(np.mean(wheel.get_xy(), axis=0).tolist() for wheel in wheels))
@@ -81,8 +82,8 @@ def test_a_robot_is_drawn_where_it_is_with_its_wheels_in_another_colour() -> Non
 
 def test_a_hull_holds_all_points_counterclockwise() -> None:
     points = np.random.default_rng(1).uniform(-1, 1, (200, 2))
-    hull = _hull(points)
-    sides = np.roll(hull, -1, axis=0) - hull
-    to_points = points[:, None] - hull
+    corners = hull(points)
+    sides = np.roll(corners, -1, axis=0) - corners
+    to_points = points[:, None] - corners
     assert (sides[:, 0] * to_points[..., 1] - sides[:, 1] * to_points[..., 0] > -1e-5).all()
-    assert _hull(points[:1]).shape == (1, 2)
+    assert hull(points[:1]).shape == (1, 2)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass
+from math import radians
 from pathlib import Path
 from typing import Annotated
 
@@ -11,8 +12,9 @@ from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.cli.targets import add_target_flags, picture_path, scene_of
 from rsegen.commands.parameters import Force
-from rsegen.params.command import Shell, add_flags
-from rsegen.params.sorts import FilePath, Flag
+from rsegen.errors import ParameterError
+from rsegen.params.command import Shell, add_flags, flags_in_errors, given
+from rsegen.params.sorts import FilePath, Flag, Float, ListOf, Reference, validate
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -27,6 +29,15 @@ class _Drawing:
     outlines: Annotated[
         bool, Flag(help="draw on the plan which cells each obstacle covers, numbered from 0 as in error messages")
     ] = False
+    robot: Annotated[
+        str | None,
+        Reference("KIND or FILE", help="robot to draw where it settles: its kind, or a file of it"),
+    ] = None
+    at: Annotated[
+        tuple[float, float, float] | None,
+        ListOf(Float(-1e6, 1e6), 3, help="where the robot is put down: x and y [m], and its heading [degrees]"),
+        Shell(metavar="X,Y,HEADING", default="0,0,0"),
+    ] = None
     force: Force = False
 
 
@@ -43,11 +54,23 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> Report:
     """Draw, and write the picture."""
     from rsegen.exporters.pictures.preview import image_format, preview
+    from rsegen.robots import robot_of
     from rsegen.run.store import write_file
 
-    path = picture_path(arguments.output, force=bool(arguments.force)) or Path()
+    with flags_in_errors(_Drawing):
+        drawing = _Drawing(**given(_Drawing, arguments))
+        validate(drawing)
+        if drawing.at and not drawing.robot:
+            raise ParameterError("at", "is the place of a robot; give --robot too")
+    robot = robot_of(drawing.robot, "--robot").body if drawing.robot else None
+    x, y, heading = drawing.at or (0.0, 0.0, 0.0)
+    path = picture_path(drawing.output, force=drawing.force) or Path()
     scene = scene_of(arguments)
-    picture = preview(scene, image_format(path), outlines=bool(arguments.outlines))
-    write_file([picture], path, force=bool(arguments.force))
+    try:
+        at = x, y, radians(heading)
+        picture = preview(scene, image_format(path), outlines=drawing.outlines, robot=robot, at=at)
+    except ParameterError as error:  # of x or y
+        raise ParameterError("--at" if error.where in ("x", "y") else f"--{error.where}", error.problem) from None
+    write_file([picture], path, force=drawing.force)
     content = {"file": str(path), "map": scene.name, "seed": scene.recipe.seed}
     return Report(lines=[f"{path}: {scene.name}, seed {scene.recipe.seed}"], content=content)

@@ -154,6 +154,7 @@ class Body:
     points, normals: samples of its surface (n, 3), metres, and the outward normals there
     part: (n,) index into `parts`; rim: (n,) whether a sample is on the edge of a flat face, with a wall above it
     mass, centre: kg, and the centre of mass (3,); speed: at which it drives over rough ground, m/s
+    surface, part_of_surface: samples from all sides, (m, 3) and (m,), to draw it
     """
 
     points: Array
@@ -164,9 +165,11 @@ class Body:
     mass: float
     centre: Array
     speed: float
+    surface: Array
+    part_of_surface: Ints
 
     def __post_init__(self) -> None:
-        for array in (self.points, self.normals, self.part, self.rim, self.centre):
+        for array in (self.points, self.normals, self.part, self.rim, self.centre, self.surface, self.part_of_surface):
             array.setflags(write=False)
 
     @property
@@ -209,11 +212,12 @@ def body_of_shapes(
 ) -> Body:
     """Return the body of collision shapes; ParameterError if nothing of them looks down."""
     shapes = list(shapes)
-    points, normals, part, rim = [], [], [], []
+    points, normals, part, rim, placed_points = [], [], [], [], []
     for index, (_, solid, pose) in enumerate(shapes):
         placed, turned = solid.points @ pose[:3, :3].T + pose[:3, 3], solid.normals @ pose[:3, :3].T
         # Faces of a box that stand upright have nothing to stand on; their lower edge is that of the face below.
         down = turned[:, 2] < (-0.05 if solid.kind == "box" else _DOWN)
+        placed_points.append(placed)
         points.append(placed[down])
         normals.append(turned[down])
         part.append(np.full(int(down.sum()), index))
@@ -237,6 +241,8 @@ def body_of_shapes(
         mass=mass,
         centre=centre,
         speed=speed,
+        surface=np.concatenate(placed_points),
+        part_of_surface=np.repeat(np.arange(len(shapes)), [len(placed) for placed in placed_points]),
     )
 
 

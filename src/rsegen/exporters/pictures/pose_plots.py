@@ -1,7 +1,6 @@
 """Pictures of poses: maps of how a robot of one heading rests at each place, and its outline from above.
 
-A pixel of a map is a pose, a quarter of a block from the next. The outline of a robot is the convex hull of each of
-its parts, of the samples from below, turned as the robot is.
+A pixel of a map is a pose, a quarter of a block from the next.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rsegen.exporters.pictures.preview import figure_bytes
+from rsegen.exporters.pictures.robot_drawing import draw_robot
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.standing.body import Body
@@ -30,9 +30,6 @@ _REASON_COLOURS = ("#4caf78", "#f2c14e", "#e8743b", "#8e2043")
 
 _MOST_MARGIN = 45.0
 """Degrees at which the colours of margins end: what is safer than that looks alike."""
-
-_DRIVEN, _UNDRIVEN = "#00a3ff", "#ff2d95"
-"""Colours of outlines, which no level and no map has."""
 
 
 def pose_maps(scene: Scene, body: Body, heading: float, format: str = "png", *, robot: str = "robot") -> bytes:  # noqa: A002  # matplotlib's word
@@ -130,55 +127,3 @@ def _draw_blocks(axes: Axes, field: StepField) -> None:
     axes.add_collection(lines)
     extent = _extent(field)
     axes.set(aspect="equal", xlabel="x [m]", xlim=extent[:2], ylim=extent[2:])
-
-
-def draw_robot(axes: Axes, body: Body, found: Poses, index: int = 0) -> None:
-    """Draw the outlines of a robot's parts at one of its poses, driven ones in another colour, and an arrow forward."""
-    turned, at = _axes(found, index), np.array([found.x[index], found.y[index]])
-    for part, known in enumerate(body.parts):
-        own = body.points[body.part == part]
-        if len(own):
-            outline = _hull((own @ turned.T)[:, :2] + at)
-            colour = _DRIVEN if known.drives else _UNDRIVEN
-            axes.fill(*outline.T, facecolor=(colour, 0.25), edgecolor="white", linewidth=2.6)
-            axes.fill(*outline.T, facecolor="none", edgecolor=colour, linewidth=1.2)
-    middle = (body.low + body.high) / 2
-    ends = np.array([middle, [body.high[0] + 0.1 * body.length, middle[1], middle[2]]]) @ turned.T
-    tail, head = ends[:, :2] + at
-    arrow = {"arrowstyle": "-|>", "color": "black", "linewidth": 1.5, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", xy=head, xytext=tail, arrowprops=arrow)
-
-
-def _axes(found: Poses, index: int) -> Array:
-    """Return the axes of a robot as columns, (3, 3): turned by roll, then pitch, then yaw, as in Gazebo."""
-    (cr, sr), (cp, sp), (cy, sy) = (
-        (np.cos(angles[index]), np.sin(angles[index])) for angles in (found.roll, found.pitch, found.yaw)
-    )
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
-
-
-def _hull(points: Array) -> Array:
-    """Return the corners of the convex hull of points (n, 2), counterclockwise (Andrew's monotone chain, 1979)."""
-    ordered = sorted(set(map(tuple, np.round(points, 6).tolist())))
-    if len(ordered) < 3:
-        return np.array(ordered)
-
-    def chain(along: list[tuple[float, ...]]) -> list[tuple[float, ...]]:
-        kept: list[tuple[float, ...]] = []
-        for x, y in along:
-            while len(kept) > 1 and _turn(kept[-2], kept[-1], (x, y)) <= 0:
-                kept.pop()
-            kept.append((x, y))
-        return kept[:-1]
-
-    return np.array(chain(ordered) + chain(ordered[::-1]))
-
-
-def _turn(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

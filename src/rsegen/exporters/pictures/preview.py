@@ -16,6 +16,7 @@ import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,14 +32,20 @@ from rsegen.exporters.pictures.plan import (
     draw_outlines,
     number_cells,
 )
+from rsegen.exporters.pictures.robot_drawing import draw_robot, in_front, silhouettes
 from rsegen.exporters.scene import FRAME_COLOUR, Colour, Scene, level_colour
-from rsegen.field.stepfield import Array, StepField, coarse, coarseness
+from rsegen.field.stepfield import Array, Ints, StepField, coarse, coarseness
 from rsegen.recipe.codec import to_json
+from rsegen.standing.body import Body
+from rsegen.standing.resting import Poses, poses
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+
+Robot = tuple[Body, Poses]
+"""A robot and its one pose."""
 
 Box = tuple[float, float, float, float]
 """Left, low, width and height of a part of the picture; inches, or shares of the picture."""
@@ -114,6 +121,9 @@ _AZIMUTH, _ELEVATION = np.radians(-62), np.radians(38)
 """Direction of the view: x runs nearly to the right, and tops are seen as well as sides. At 45 degrees both sides of a
 block would be equally wide, and rows behind one another hard to tell apart."""
 
+_TOWARD = np.array([np.cos(_AZIMUTH) * np.cos(_ELEVATION), np.sin(_AZIMUTH) * np.cos(_ELEVATION), np.sin(_ELEVATION)])
+"""The direction to the viewer."""
+
 _LIT = {"top": 1.0, "x": 0.8, "y": 0.62}
 """Brightness of tops and of sides to the east and to the south, as if the sun were in the east."""
 
@@ -132,15 +142,23 @@ def view_bounds(drawn: Drawable) -> Array:
     return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
-def draw_view(axes: Axes, drawn: Drawable) -> str:
+def draw_view(axes: Axes, drawn: Drawable, robot: Robot | None = None) -> str:
     """Draw the view without a title; return what the title should say."""
     from matplotlib.collections import PolyCollection
 
     factor = min(-(-max(drawn.field.shape) // DRAWN), *drawn.field.shape)
     field = coarse(drawn.field, factor)
-    shapes, colours = _polygons(field.heights, cell_colours(drawn.surface_colour, field), field.block_width)
+    colours = cell_colours(drawn.surface_colour, field)
+    shapes, lit, cells = _polygons(field.heights, colours, field.block_width)
     line = 0.35 if max(field.shape) <= 60 else 0.0
-    axes.add_collection(PolyCollection(list(shapes), facecolors=colours, edgecolors=colours * 0.55, linewidths=line))
+    front = in_front(field, *robot).ravel()[cells] if robot else np.zeros(len(cells), bool)
+    for order, (part, is_last) in enumerate(((~front, False), (front, True))):
+        blocks = PolyCollection(list(shapes[part]), facecolors=lit[part], edgecolors=lit[part] * 0.55, linewidths=line)
+        blocks.set_zorder(2 * order + 1)
+        axes.add_collection(blocks)
+        if robot and not is_last:
+            for outline, colour in silhouettes(*robot, _project, _TOWARD):
+                axes.fill(*outline.T, facecolor=colour, edgecolor="black", linewidth=0.6, alpha=0.85, zorder=2)
     (left, low), (right, high) = view_bounds(drawn)
     axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", anchor="C")
     axes.set_axis_off()
@@ -148,8 +166,11 @@ def draw_view(axes: Axes, drawn: Drawable) -> str:
     return "seen from the south-east" + (f" (each column the highest of {factor} x {factor})" if factor > 1 else "")
 
 
-def _polygons(heights: Array, colours: Array, width: float) -> tuple[Array, Array]:
-    """Return tops and visible sides of all columns, the farthest first: (m, 4, 2) in the picture, (m, 3) colours."""
+def _polygons(heights: Array, colours: Array, width: float) -> tuple[Array, Array, Ints]:
+    """Return tops and visible sides of all columns, the farthest first: (m, 4, 2) in the picture, (m, 3) colours.
+
+    And of which cell each is, (m,).
+    """
     # The farthest column is in the north-west: i ascending, j descending. A side is what rises above the neighbour.
     n_x, n_y = heights.shape
     padded = np.pad(heights, 1)
@@ -165,7 +186,7 @@ def _polygons(heights: Array, colours: Array, width: float) -> tuple[Array, Arra
     shapes = np.stack([np.stack([_project(*corner) for corner in corners], axis=1) for corners in faces.values()], 1)
     lit = np.stack([np.where(top[:, None] > 0, colours[i, j], GROUND_GREY) * _LIT[face] for face in faces], axis=1)
     seen = np.stack([np.ones(len(i), dtype=bool), east < top, south < top], axis=1)
-    return shapes[seen], lit[seen]
+    return shapes[seen], lit[seen], np.repeat(i * n_y + j, 3).reshape(-1, 3)[seen]
 
 
 def _project(x: Array, y: Array, z: Array) -> Array:
@@ -195,19 +216,31 @@ def _mean_side(drawn: Drawable) -> float:
 IMAGE_FORMATS = ("png", "svg", "pdf", "jpg", "webp")
 
 
-def preview(shown: StepField | Scene, format: str = "png", *, outlines: bool = False) -> bytes:  # noqa: A002  # matplotlib's word
+def preview(
+    shown: StepField | Scene,
+    format: str = "png",  # noqa: A002  # matplotlib's word
+    *,
+    outlines: bool = False,
+    robot: Body | None = None,
+    at: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> bytes:
     """Return the plan and a 3D view of a field or a scene as the bytes of an image file: png, svg, pdf, jpg or webp.
 
     outlines: draw the outline of every obstacle on the plan; a field has none. The file of a scene carries its recipe.
+    robot: drawn where it settles after it was put down at x, y [m] with a heading [rad]: `rsegen.robot_of(KIND).body`.
+    ParameterError if that is outside the map, or the robot longer than it.
     """
+    field = shown.field if isinstance(shown, Scene) else shown
+    drawn = (robot, poses(field, robot, *at)) if robot else None
     if isinstance(shown, Scene):
-        return figure_bytes(preview_figure(shown, _title(shown), outlined=shown if outlines else None), shown, format)
+        figure = preview_figure(shown, _title(shown), outlined=shown if outlines else None, robot=drawn)
+        return figure_bytes(figure, shown, format)
     (n_x, n_y), (along_x, along_y) = shown.shape, map(decimal, shown.extent)
     title = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
-    return encoded(preview_figure(ColouredField(field=shown), title), format)
+    return encoded(preview_figure(ColouredField(field=shown), title, robot=drawn), format)
 
 
-def preview_figure(drawn: Drawable, title: str, *, outlined: Scene | None = None) -> Figure:
+def preview_figure(drawn: Drawable, title: str, *, outlined: Scene | None = None, robot: Robot | None = None) -> Figure:
     """Return the plan and the 3D view of a field with a legend; outlined: the scene whose obstacles are on the plan."""
     from matplotlib.figure import Figure
 
@@ -218,11 +251,23 @@ def preview_figure(drawn: Drawable, title: str, *, outlined: Scene | None = None
     plan, view = (figure.add_axes(placed.share(box)) for box in (placed.plan, placed.view))
     plan.set_title(draw_heights(plan, drawn))
     number_cells(plan, drawn.field)
-    view.set_title(draw_view(view, drawn))
+    view.set_title(draw_view(view, drawn, robot))
+    if robot:
+        draw_robot(plan, *robot)
+        view.set_title(f"{view.get_title()}; {_how_it_stands(robot[1])}")
     shown = draw_outlines(plan, outlined) if outlined else []
     _draw_legend(figure, drawn, placed.legend / placed.size[0], shown)
     figure.suptitle(title, y=1 - 0.12 / placed.size[1], va="top")
     return figure
+
+
+def _how_it_stands(found: Poses) -> str:
+    """Return in words how the one robot of some poses stands."""
+    if not found.stands[0]:
+        return "the robot tips over"
+    tilt, margin = (degrees(float(angles[0])) for angles in (found.tilt, found.tip_angle))
+    what = "" if found.pushes[0] else ", and cannot push itself on" if found.holds[0] else ", and slides"
+    return f"the robot tilts by {tilt:.1f} degrees, {margin:.0f} degrees from tipping over{what}"
 
 
 def figure_bytes(figure: Figure, scene: Scene, format: str) -> bytes:  # noqa: A002  # matplotlib's word

@@ -1,0 +1,97 @@
+"""A robot as it settled, drawn on the plan of a map and in its 3D view: the outline of each of its parts.
+
+The outline of a part is the convex hull of its samples as they are seen, too large for a mesh that is not convex. In
+the view the robot is between the blocks behind it and those in front of it. What breaks it: a block beside the robot,
+within the rectangle along the axes around it, counts as behind it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rsegen.field.stepfield import Array, Mask, StepField
+from rsegen.standing.body import Body
+from rsegen.standing.resting import Poses
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_DRIVEN, _UNDRIVEN = "#00a3ff", "#ff2d95"
+"""Colours of outlines, which no level and no map has."""
+
+
+def draw_robot(axes: Axes, body: Body, found: Poses, index: int = 0) -> None:
+    """Draw the outlines of a robot's parts at one of its poses, driven ones in another colour, and an arrow forward."""
+    turned, at = axes_of(found, index), np.array([found.x[index], found.y[index]])
+    for part, known in enumerate(body.parts):
+        own = body.points[body.part == part]
+        if len(own):
+            outline = hull((own @ turned.T)[:, :2] + at)
+            colour = _DRIVEN if known.drives else _UNDRIVEN
+            axes.fill(*outline.T, facecolor=(colour, 0.25), edgecolor="white", linewidth=2.6)
+            axes.fill(*outline.T, facecolor="none", edgecolor=colour, linewidth=1.2)
+    middle = (body.low + body.high) / 2
+    ends = np.array([middle, [body.high[0] + 0.1 * body.length, middle[1], middle[2]]]) @ turned.T
+    tail, head = ends[:, :2] + at
+    arrow = {"arrowstyle": "-|>", "color": "black", "linewidth": 1.5, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=head, xytext=tail, arrowprops=arrow)
+
+
+def axes_of(found: Poses, index: int) -> Array:
+    """Return the axes of a robot as columns, (3, 3): turned by roll, then pitch, then yaw, as in Gazebo."""
+    (cr, sr), (cp, sp), (cy, sy) = (
+        (np.cos(angles[index]), np.sin(angles[index])) for angles in (found.roll, found.pitch, found.yaw)
+    )
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def hull(points: Array) -> Array:
+    """Return the corners of the convex hull of points (n, 2), counterclockwise (Andrew's monotone chain, 1979)."""
+    ordered = sorted(set(map(tuple, np.round(points, 6).tolist())))
+    if len(ordered) < 3:
+        return np.array(ordered)
+
+    def chain(along: list[tuple[float, ...]]) -> list[tuple[float, ...]]:
+        kept: list[tuple[float, ...]] = []
+        for x, y in along:
+            while len(kept) > 1 and _turn(kept[-2], kept[-1], (x, y)) <= 0:
+                kept.pop()
+            kept.append((x, y))
+        return kept[:-1]
+
+    return np.array(chain(ordered) + chain(ordered[::-1]))
+
+
+def _turn(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def silhouettes(
+    body: Body, found: Poses, project: Callable[[Array, Array, Array], Array], toward: Array
+) -> Iterator[tuple[Array, str]]:
+    """Yield outline and colour of each part of a robot in a view, the farthest first.
+
+    project: from x, y, z to the plane of the picture, (n, 2); toward: the direction to the viewer, (3,)
+    """
+    at = np.array([found.x[0], found.y[0], found.z[0]])
+    placed = body.surface @ axes_of(found, 0).T + at
+    parts = [placed[body.part_of_surface == number] for number in range(len(body.parts))]
+    for number in np.argsort([float((part @ toward).mean()) for part in parts], kind="stable"):
+        yield hull(project(*parts[number].T)), _DRIVEN if body.parts[number].drives else _UNDRIVEN
+
+
+def in_front(field: StepField, body: Body, found: Poses) -> Mask:
+    """Return which cells of a field are east or south of a robot, so in front of it as seen from there, (n_x, n_y)."""
+    placed = body.surface @ axes_of(found, 0).T
+    east, south = placed[:, 0].max() + found.x[0], placed[:, 1].min() + found.y[0]
+    edges_x, edges_y = field.edges()
+    return np.asarray(np.logical_or.outer(edges_x[:-1] > east, edges_y[1:] < south))
