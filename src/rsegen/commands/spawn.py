@@ -65,7 +65,7 @@ def spawn(
         Place(),
         Shell(
             metavar="X,Y[,Z[,YAW]]",
-            default="the free place nearest to the origin, or for a robot's file a spot on the map",
+            default="for a robot a spot of a map that is there, else the free place nearest to the origin",
         ),
     ] = None,
     output: MapsFolder = Path("worlds"),
