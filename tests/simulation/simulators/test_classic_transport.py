@@ -5,13 +5,15 @@ from __future__ import annotations
 import socket
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from queue import SimpleQueue
 
+import psutil
 import pytest
 
 from rsegen.simulation.simulators.classic_transport import TransportClient, transport_client
 from rsegen.simulation.simulators.wire import CLASSIC
+from tests.support.patience import until
 
 TOPIC = "/gazebo/lab/request"
 SUBSCRIBERS = 4
@@ -41,7 +43,8 @@ def a_client() -> Iterator[TransportClient]:
             try:
                 yield client
             finally:
-                client._master.shutdown(socket.SHUT_RDWR)
+                with suppress(OSError):
+                    client._master.shutdown(socket.SHUT_RDWR)
 
 
 def subscriber(client: TransportClient) -> socket.socket:
@@ -87,8 +90,75 @@ def test_a_publisher_that_is_gone_already_is_no_error() -> None:
     with a_client() as client:
         with socket.create_server(("127.0.0.1", 0)) as gone:
             port = gone.getsockname()[1]
-        client._read_publisher({"topic": TOPIC, "host": "127.0.0.1", "port": port})
+        for host, number in (("127.0.0.1", port), ("127.0.0.1", 2**31), ("127.0.0.1", -1), ("\0", port), ("a" * 99, 1)):
+            client._read_publisher(TOPIC, host, number)
         assert client._publishers == {}
+
+
+def test_a_closed_client_leaves_no_thread_and_no_socket() -> None:
+    before = threading.active_count(), open_sockets()
+    for _ in range(5):
+        with a_client() as client:
+            others = [subscriber(client) for _ in range(SUBSCRIBERS)]
+            for other in others:
+                other.sendall(packet("sub", "Subscribe", {"topic": TOPIC, "host": "127.0.0.1", "port": 1}))
+            client._wait("subscribers are lost", lambda: len(client._subscribers[TOPIC]) == SUBSCRIBERS, 5)
+        for other in others:
+            assert other.recv(1) == b""
+            other.close()
+    until(lambda: (threading.active_count(), open_sockets()) <= before)
+
+
+def open_sockets() -> int:
+    return len(psutil.Process().net_connections("tcp"))
+
+
+@pytest.mark.parametrize(
+    "junk",
+    [
+        b"-0000001",
+        b"FFFFFFFF",
+        b"0x000001a",
+        b"     001a",
+        b"00000003\x0a\xff\xff",
+        b"0000000B\x0a\xf5\xff\xff\xff\xff\xff\xff\xff\xff\x01",
+        b"00000000",
+        b"00000010short",
+    ],
+)
+def test_junk_ends_or_is_passed_over_and_others_are_served(junk: bytes) -> None:
+    with a_client() as client:
+        hostile = subscriber(client)
+        with hostile, subscriber(client) as other:
+            hostile.sendall(junk)
+            hostile.shutdown(socket.SHUT_WR)
+            assert hostile.recv(1) == b""
+            other.sendall(packet("sub", "Subscribe", {}) + packet("sub", "Subscribe", {"topic": TOPIC}))
+            client._wait("a subscriber is lost", lambda: bool(client._subscribers[TOPIC]), 5)
+            client.publish("~/request", "GzString", {"data": "hello"})
+            with other.makefile("rb") as stream:
+                assert CLASSIC.decode("GzString", stream.read(int(stream.read(8), 16))) == {"data": "hello"}
+
+
+def test_a_master_may_send_anything() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve() -> None:
+            client, _ = server.accept()
+            with client:
+                for junk in (b"", b"\x0a\xff", b"\x12\xf5\xff\xff\xff\xff\xff\xff\xff\xff\x01", b"\xff" * 20):
+                    client.sendall(b"%08X" % len(junk) + junk)
+                client.sendall(packet("publisher_add", "Publish", {"topic": TOPIC}))
+                client.sendall(packet("topic_namepaces_init", "GzString_V", {"data": ["lab"]}))
+                while client.recv(4096):
+                    pass
+
+        thread = threading.Thread(target=serve, daemon=True)
+        thread.start()
+        with transport_client(server.getsockname(), 5) as client:
+            assert client.world == "lab"
+        thread.join(5)
+        assert not thread.is_alive()
 
 
 def connected() -> tuple[socket.socket, socket.socket]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import select
 import socket
+import sys
 from contextlib import suppress
 from typing import Any
 
@@ -14,7 +15,8 @@ from hypothesis import strategies as st
 from rsegen.errors import SimulatorFailed
 from rsegen.robots import robot
 from rsegen.simulation.simulators.classic_transport import transport_client
-from rsegen.simulation.simulators.sim_transport import TOPICS, Discovery, Event
+from rsegen.simulation.simulators.sim_transport import TOPICS, Discovery, Event, interfaces
+from rsegen.simulation.simulators.sim_transport import transport_client as transport_client_of_sim
 from rsegen.simulation.simulators.wire import CLASSIC, NO_MESSAGE, SIM, MessageTypes, parse_text
 
 PLAIN: dict[object, st.SearchStrategy[Any]] = {
@@ -80,9 +82,58 @@ def test_a_server_that_does_not_answer_is_reported() -> None:
 
 @given(content=st.binary(max_size=80))
 def test_bytes_that_are_no_message_raise_one_of_the_errors_that_are_named(content: bytes) -> None:
-    for types, name in ((SIM, "Discovery"), (SIM, "Pose_V"), (CLASSIC, "Packet")):
+    for types, name in EVERY:
         with suppress(*NO_MESSAGE):
             assert isinstance(types.decode(name, content), dict)
+
+
+@pytest.mark.parametrize(("types", "type_name"), EVERY, ids=[name for _, name in EVERY])
+@pytest.mark.parametrize("wire_type", range(8))
+def test_no_length_and_no_number_hangs_the_decoder(types: MessageTypes, type_name: str, wire_type: int) -> None:
+    """A length of -11 once led back to its own beginning; a number without end has no value."""
+    backwards, endless = b"\xf5" + b"\xff" * 8 + b"\x01", b"\xff" * 40
+    for number in (1, 2, 15, 400):
+        for value in (backwards, endless, b"\x80", b"\x7f", b""):
+            key = number << 3 | wire_type
+            content = (bytes([key]) if key < 128 else bytes([key & 127 | 128, key >> 7])) + value
+            with suppress(*NO_MESSAGE):
+                assert isinstance(types.decode(type_name, content), dict)
+
+
+def test_a_field_that_is_longer_than_its_message_is_refused() -> None:
+    for content in (b"\x0a\x05rse", b"\x0a\xff\xff\xff\xff\x0f", b"\x0b", b"\x0d\x01"):
+        with pytest.raises(ValueError, match="a field of"):
+            CLASSIC.decode("GzString", content)
+
+
+@pytest.mark.parametrize("address", ["10.9.9.9", "here", "", "256.1.1.1", "127.0.0.5"])
+def test_an_address_that_this_computer_has_not_is_127_0_0_1(address: str) -> None:
+    (found, *others) = interfaces({"IGN_IP": address})
+    assert found == (address if address.startswith("127.") else "127.0.0.1") or not address
+    assert bool(others) == (not address)
+    with (
+        transport_client_of_sim({"IGN_IP": address, "GZ_DISCOVERY_MSG_PORT": "many"}) as client,
+        pytest.raises(SimulatorFailed, match="nobody offers /nothing"),
+    ):
+        client.offers("/nothing", 0.3)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a socket cannot be bound to a group")
+def test_discovery_listens_only_where_the_user_said() -> None:
+    environment = {"GZ_IP": "127.0.0.1", "GZ_DISCOVERY_MSG_PORT": str(free_udp_port())}
+    ours, theirs = (Discovery(TOPICS, name, environment) for name in ("us", "them"))
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+            for host in {"127.0.0.1", *interfaces({})}:
+                other.sendto(b"to one of our addresses", (host, int(environment["GZ_DISCOVERY_MSG_PORT"])))
+        theirs.send(Event.BYE)
+        select.select([ours.receiver], [], [], 5)
+        message = ours.receive()
+        assert message is not None
+        assert message["type"] == Event.BYE
+    finally:
+        ours.close()
+        theirs.close()
 
 
 def test_datagrams_of_others_are_passed_over() -> None:

@@ -13,6 +13,7 @@ so each step of a drive takes 0.4 s. What breaks it: disconnecting while a publi
 
 from __future__ import annotations
 
+import re
 import socket
 import threading
 import time
@@ -24,7 +25,7 @@ from typing import Any
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators.inbox import Inbox
-from rsegen.simulation.simulators.wire import CLASSIC, Message
+from rsegen.simulation.simulators.wire import CLASSIC, NO_MESSAGE, Message
 
 TIMEOUT = 20.0
 """Seconds for an answer: a server that loads a large map answers nothing meanwhile; a dead one is noticed this late."""
@@ -37,8 +38,13 @@ _QUIET_AFTER, _QUIET_TIME = 0.4, 0.05
 which none is on its way. With less, a client may disconnect while a publisher sends; more delays every command.
 """
 
-_HEAD = 8
-"""Hexadecimal digits of the length before each message, by Gazebo's transport."""
+_HEAD = re.compile(rb"[0-9A-Fa-f]{8}")
+"""The length before each message, by Gazebo's transport."""
+
+_HEAD_SIZE = 8
+
+_MOST = 2**26
+"""Bytes of a message at most: 64 MiB, many times a picture or the poses of a large world."""
 
 
 class TransportClient:
@@ -51,7 +57,9 @@ class TransportClient:
         self._takers: dict[str, Callable[[dict[str, Any]], None]] = {}
         self._subscribers: dict[str, list[socket.socket]] = defaultdict(list)
         self._publishers: dict[socket.socket, str] = {}
-        self._sockets: list[socket.socket] = []
+        self._sockets: set[socket.socket] = set()
+        self._threads: set[threading.Thread] = set()
+        self._guard = threading.Lock()
         self._is_closed = False
         self._world = ""
         self._last = 0.0
@@ -136,8 +144,13 @@ class TransportClient:
         self._is_closed = True
         with suppress(OSError):  # not every system ends a waiting accept() so
             self._own.shutdown(socket.SHUT_RDWR)
-        for connection in (self._own, *self._sockets):
-            connection.close()
+        with self._guard:
+            left, threads = list(self._sockets), list(self._threads)
+        for connection in left:
+            _disconnect(connection)
+        self._own.close()
+        for thread in threads:
+            thread.join(DISCONNECT_TIMEOUT)
 
     def _full_topic(self, topic: str) -> str:
         return topic if topic.startswith("/") else f"/gazebo/{self._world}/{topic.removeprefix('~/')}"
@@ -172,34 +185,38 @@ class TransportClient:
 
     def _read_master(self) -> None:
         for content in _received(self._master):
-            packet = CLASSIC.decode("Packet", content)
-            kind, inside = packet["type"], packet["serialized_data"]
-            if kind == "topic_namepaces_init":
-                names = CLASSIC.decode("GzString_V", inside).get("data", [])
-                world = next((name for name in names if "/" not in name), "")
-                self._inbox.update(partial(setattr, self, "_world", world))
-            elif kind in ("publisher_subscribe", "publisher_advertise", "publisher_add"):
-                self._connect_publisher(CLASSIC.decode("Publish", inside))
+            with suppress(KeyError, *NO_MESSAGE):  # what others send may be anything
+                packet = CLASSIC.decode("Packet", content)
+                kind, inside = packet["type"], packet["serialized_data"]
+                if kind == "topic_namepaces_init":
+                    names = CLASSIC.decode("GzString_V", inside).get("data", [])
+                    world = next((name for name in names if "/" not in name), "")
+                    self._inbox.update(partial(setattr, self, "_world", world))
+                elif kind in ("publisher_subscribe", "publisher_advertise", "publisher_add"):
+                    self._connect_publisher(CLASSIC.decode("Publish", inside))
+        self._end(self._master)
 
     def _connect_publisher(self, publisher: Mapping[str, Any]) -> None:
         """Connect to a publisher of a subscribed topic."""
-        if publisher["topic"] in self._types and publisher["port"] != self._port:
-            self._start_thread(partial(self._read_publisher, publisher))
+        topic, host, port = publisher["topic"], publisher["host"], publisher["port"]
+        if topic in self._types and port != self._port:
+            self._start_thread(partial(self._read_publisher, topic, host, port))
 
-    def _read_publisher(self, publisher: Mapping[str, Any]) -> None:
-        topic = publisher["topic"]
+    def _read_publisher(self, topic: str, host: str, port: int) -> None:
         try:
-            other = self._registered(socket.create_connection((publisher["host"], publisher["port"]), TIMEOUT))
-        except OSError:  # it is gone already
+            other = self._registered(socket.create_connection((host, port), TIMEOUT))
+        except (OSError, OverflowError, UnicodeError):  # it is gone already, or this is no address
             return
         self._inbox.update(lambda: self._publishers.update({other: topic}))
         with suppress(SimulatorFailed):  # it goes in this moment: then nothing is received
             _send(other, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
         for content in _received(other):
-            message = CLASSIC.decode(self._types[topic], content)
-            self._takers.get(topic, partial(self._inbox.add, topic))(message)
+            with suppress(*NO_MESSAGE):
+                message = CLASSIC.decode(self._types[topic], content)
+                self._takers.get(topic, partial(self._inbox.add, topic))(message)
             self._last = time.monotonic()
         self._inbox.update(lambda: self._publishers.pop(other))
+        self._end(other)
 
     def _accept_subscribers(self) -> None:
         """Accept subscribers of our topics."""
@@ -211,23 +228,46 @@ class TransportClient:
             self._start_thread(partial(self._read_subscriber, subscriber))
 
     def _read_subscriber(self, subscriber: socket.socket) -> None:
+        topics: list[str] = []
         for content in _received(self._registered(subscriber)):
-            packet = CLASSIC.decode("Packet", content)
-            if packet["type"] == "sub":
-                topic = CLASSIC.decode("Subscribe", packet["serialized_data"])["topic"]
-                self._inbox.update(lambda: self._subscribers[topic].append(subscriber))  # noqa: B023
+            with suppress(KeyError, *NO_MESSAGE):
+                packet = CLASSIC.decode("Packet", content)
+                if packet["type"] == "sub":
+                    topics.append(CLASSIC.decode("Subscribe", packet["serialized_data"])["topic"])
+                    self._inbox.update(lambda: self._subscribers[topics[-1]].append(subscriber))
+        for topic in topics:
+            self._inbox.update(partial(self._subscribers[topic].remove, subscriber))
+        self._end(subscriber)
 
     def _registered(self, other: socket.socket) -> socket.socket:
         """Note a connection, to be closed with this client, or at once if that is closed already; return it."""
         other.settimeout(None)
         other.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._sockets.append(other)
-        if self._is_closed:
-            other.close()
+        with self._guard:
+            self._sockets.add(other)
+            is_late = self._is_closed
+        if is_late:
+            self._end(other)
         return other
 
+    def _end(self, other: socket.socket) -> None:
+        """Disconnect, and forget a connection."""
+        _disconnect(other)
+        with self._guard:
+            self._sockets.discard(other)
+
     def _start_thread(self, run: Callable[[], None]) -> None:
-        threading.Thread(target=run, daemon=True).start()
+        def until_done() -> None:
+            try:
+                run()
+            finally:
+                with self._guard:
+                    self._threads.discard(threading.current_thread())
+
+        thread = threading.Thread(target=until_done, daemon=True)
+        with self._guard:
+            self._threads.add(thread)
+        thread.start()
 
     def _wait(self, why: str, until: Callable[[], bool], timeout: float = TIMEOUT) -> None:
         self._inbox.wait(why, until, timeout)
@@ -267,11 +307,18 @@ def _send(other: socket.socket, content: bytes) -> None:
         raise SimulatorFailed(f"Gazebo Classic: the server is gone ({error.strerror})") from None
 
 
+def _disconnect(other: socket.socket) -> None:
+    """Disconnect and close; without the first, a thread that reads would keep the connection open."""
+    with suppress(OSError):
+        other.shutdown(socket.SHUT_RDWR)
+    other.close()
+
+
 def _received(other: socket.socket) -> Iterator[bytes]:
-    """Message after message, until either side disconnects."""
-    try:
-        with other.makefile("rb") as stream:
-            while len(head := stream.read(_HEAD)) == _HEAD:
-                yield stream.read(int(head, 16))
-    except (OSError, ValueError):
-        return
+    """Message after message, until either side disconnects, or the other sends what is no length, or one too large."""
+    with suppress(OSError, ValueError), other.makefile("rb") as stream:
+        while _HEAD.fullmatch(head := stream.read(_HEAD_SIZE)) and (size := int(head, 16)) <= _MOST:
+            content = stream.read(size)
+            if len(content) < size:
+                return
+            yield content

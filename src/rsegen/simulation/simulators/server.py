@@ -79,7 +79,7 @@ class Server:
 
     def connect(self) -> AbstractContextManager[LiveWorld]:
         """Connect to its world."""
-        return self.here.simulator.connect(self.environment, TIMEOUT)
+        return self.here.simulator.connect(os.environ | dict(self.environment), TIMEOUT)
 
     def wait_until_loaded(self, timeout: float = TIMEOUT, watch: Callable[[], None] = lambda: None) -> None:
         """Wait until its world is loaded; SimulatorFailed if the server dies, reports a failure, or takes too long.

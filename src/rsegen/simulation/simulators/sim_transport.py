@@ -22,8 +22,10 @@ has wire version 10 up to Jetty; neither Gazebo nor its Python bindings need to 
 
 from __future__ import annotations
 
+import re
 import socket
 import struct
+import sys
 import threading
 import time
 import uuid
@@ -104,6 +106,9 @@ TOPICS, SERVICES = "MSG", "SRV"
 _PORTS = {TOPICS: 10317, SERVICES: 10318}
 _GROUP = "239.255.0.7"
 _WIRE_VERSION = 10
+_IP_MULTICAST_ALL = 49
+"""Linux's option that gives a socket what comes to groups that others joined; Python has no name for it."""
+
 _EVERYWHERE = 2
 """The scope of a topic that all computers may know."""
 
@@ -126,7 +131,9 @@ class Discovery:
     def __init__(self, sort: str, process: str, environment: Mapping[str, str]) -> None:
         self._process = process
         self._group = _variable(environment, "DISCOVERY_MULTICAST_IP") or _GROUP
-        self._port = int(_variable(environment, f"DISCOVERY_{sort}_PORT") or _PORTS[sort])
+        port = _variable(environment, f"DISCOVERY_{sort}_PORT")
+        self._port = int(port) if re.fullmatch("[0-9]{1,5}", port) and int(port) < 2**16 else _PORTS[sort]
+        self._is_alone = bool(_variable(environment, "IP"))
         self._relays = [relay for relay in _variable(environment, "RELAY").split(":") if relay]
         self._senders: list[socket.socket] = []
         self.receiver = _udp()
@@ -165,7 +172,11 @@ class Discovery:
     def _join(self, addresses: list[str]) -> None:
         for option in (socket.SO_REUSEADDR, getattr(socket, "SO_REUSEPORT", socket.SO_REUSEADDR)):
             self.receiver.setsockopt(socket.SOL_SOCKET, option, 1)
-        self.receiver.bind(("", self._port))
+        # On Linux only what comes to the group, and on the interfaces that the user chose; relays send to our address.
+        only_group = sys.platform == "linux" and self._is_alone and not self._relays
+        if only_group:
+            self.receiver.setsockopt(socket.IPPROTO_IP, _IP_MULTICAST_ALL, 0)
+        self.receiver.bind((self._group if only_group else "", self._port))
         self.receiver.settimeout(0)
         for address in addresses:
             membership = socket.inet_aton(self._group) + socket.inet_aton(address)
@@ -177,11 +188,14 @@ class Discovery:
 
 
 def interfaces(environment: Mapping[str, str]) -> list[str]:
-    """Return the addresses of this computer that messages go by: that of GZ_IP or IGN_IP, else all, 127.0.0.1 last."""
-    given = _variable(environment, "IP")
-    return (
-        [given] if given else sorted(set(_addresses()) | {"127.0.0.1"}, key=lambda address: address.startswith("127."))
-    )
+    """Return the addresses of this computer that messages go by: that of GZ_IP or IGN_IP, else all, 127.0.0.1 last.
+
+    One that this computer has not counts as 127.0.0.1, as in Gazebo Transport.
+    """
+    given, own = _variable(environment, "IP"), set(_addresses())
+    if given:
+        return [given if given in own or given.startswith("127.") else "127.0.0.1"]
+    return sorted(own | {"127.0.0.1"}, key=lambda address: address.startswith("127."))
 
 
 def partition_of(environment: Mapping[str, str]) -> str:

@@ -28,8 +28,11 @@ Kind: TypeAlias = type | str
 Fields: TypeAlias = Mapping[str, tuple[int, Kind]]
 """Number and kind of each field of a message type, by its name."""
 
-NO_MESSAGE = (AttributeError, IndexError, TypeError, ValueError, struct.error)
+NO_MESSAGE = (AttributeError, IndexError, OverflowError, TypeError, ValueError, struct.error)
 """Errors that `decode` raises for bytes that are no message of the type."""
+
+_MOST_BYTES = 10
+"""Bytes of a varint at most: 64 bits, seven each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,17 +100,20 @@ def parse_text(text: str) -> Message:
 
 
 def _fields(content: bytes) -> Iterator[tuple[int, Any]]:
-    """Yield number and raw value of each field, in order."""
+    """Yield number and raw value of each field, in order; ValueError for what is longer than the message."""
     at = 0
     while at < len(content):
         key, at = _number(content, at)
-        length = {1: 8, 5: 4}.get(key & 7)  # the wire types of a fixed length
         if key & 7 == 0:
             value, at = _number(content, at)
             yield key >> 3, value
             continue
-        if length is None:
+        if key & 7 == 2:
             length, at = _number(content, at)
+        else:
+            length = {1: 8, 5: 4}.get(key & 7, -1)  # the wire types of a fixed length; the others are groups, or none
+        if not 0 <= length <= len(content) - at:
+            raise ValueError(f"a field of {length} bytes")
         raw, at = content[at : at + length], at + length
         yield key >> 3, struct.unpack("<d", raw)[0] if key & 7 == 1 else raw
 
@@ -124,13 +130,14 @@ def _varint(number: int) -> bytes:
 
 def _number(content: bytes, at: int) -> tuple[int, int]:
     """Return the number that begins there, and where the next thing begins."""
-    number = shift = 0
-    while True:
-        byte = content[at]
-        number |= (byte & 127) << shift
-        at, shift = at + 1, shift + 7
+    number = 0
+    for place in range(_MOST_BYTES):
+        byte = content[at + place]
+        number |= (byte & 127) << 7 * place
         if byte < 128:
-            return (number - 2**64 if number >= 2**63 else number), at
+            number &= 2**64 - 1
+            return (number - 2**64 if number >= 2**63 else number), at + place + 1
+    raise ValueError("a number of more than 64 bits")
 
 
 CLASSIC = MessageTypes(
