@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import threading
 import time
 from collections.abc import Iterator
 from dataclasses import astuple, replace
@@ -11,6 +12,7 @@ from math import dist
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 
 import rsegen
@@ -187,3 +189,19 @@ def test_impossible_values_are_refused_in_one_line(server: Server, capsys: Captu
     assert "multi makes a map of many models" in refused(capsys, "spawn", "many.yaml")
     done(capsys, "spawn", "course.yaml")
     assert "'course_0000' exists already" in refused(capsys, "respawn", "course.yaml", "--map", "0")
+
+
+@pytest.mark.long(reason="a server more, and 30 robots one after the other")
+def test_a_program_that_spawns_and_removes_all_day_keeps_no_thread_and_no_socket(server: Server) -> None:
+    """After 27 robots Gazebo Classic once answered nobody any more."""
+    me, simulator, used = psutil.Process(), server.here.simulator.name, []
+    for number in range(30):
+        rsegen.spawn("burger", simulator=simulator)
+        rsegen.remove("burger", simulator=simulator)
+        used.append((threading.active_count(), me.num_fds()))
+        if number % 7 == 0:
+            rsegen.spawn(COURSE, simulator=simulator)
+            rsegen.remove("course_0000", simulator=simulator)
+    assert used[-1] <= used[1]
+    with server.connect() as live:
+        assert set(live.poses()) == {"ground_plane"}
