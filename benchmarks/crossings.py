@@ -1,10 +1,14 @@
-"""How often poses are right about a crossing: robots drive straight over random fields in a real Gazebo.
+"""How often poses are right about a crossing: robots drive straight over random fields in Gazebo Classic and in MuJoCo.
 
-python -m benchmarks.crossings    prints the tables and keeps benchmarks/results/crossings.json; twelve minutes
+python -m benchmarks.crossings    prints the tables and keeps benchmarks/results/crossings.json; thirteen minutes
+python -m benchmarks.crossings --simulator mujoco    drives in MuJoCo alone, and keeps the record of the other
 
 Several robots drive side by side over each field, which has a seed of its own. Each lane is predicted from the field
 and the robot's shapes alone. The rivals of this prediction know less or more: one always says yes; one is a limit of
 the highest step below a robot that is chosen afterwards, such that it is right most often on these very drives.
+
+Robots with wheels drive in both simulators, with the same starts, routes and ends: where the simulators differ about a
+drive, no prediction is right in both. The crawler drives in Classic alone, as MuJoCo has no tracks.
 """
 
 from __future__ import annotations
@@ -12,23 +16,31 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
-from itertools import product
+from importlib.util import find_spec
+from itertools import combinations, product
 from math import degrees
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
 import rsegen
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
+from benchmarks.mujoco_drives import drive_recording
+from benchmarks.mujoco_robots import version
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
 from rsegen.recipe.codec import decode
 from rsegen.robots import ROBOTS, Robot
+from rsegen.robots.drives import Wheels
+from rsegen.simulation.driving.drive import DrivenRobot, driven_robot
+from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.robot_runs import robot_runs
+from rsegen.simulation.driving.routes import Straight
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.standing.lanes import End, entry, step_of, straight
 
@@ -60,6 +72,21 @@ PLANS: Mapping[str, Plan] = {
 FIRST_SEED = 8000
 """Of other fields than those on which the poses were developed."""
 
+CLASSIC, MUJOCO = "classic", "mujoco"
+
+TITLES: Mapping[str, str] = {**{name: kind.title for name, kind in SIMULATORS.items()}, MUJOCO: "MuJoCo"}
+"""Simulators by their names on the command line and in the record."""
+
+
+class Lane(NamedTuple):
+    """What is the same in all simulators: the robot, the field, and y of the lane, metres."""
+
+    robot: str
+    field: str
+    unit_cm: float
+    seed: int
+    line: float
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Drive:
@@ -87,6 +114,11 @@ class Drive:
     incidents: tuple[str, ...]
 
     @property
+    def lane(self) -> Lane:
+        """Return the robot on its lane, whatever the simulator."""
+        return Lane(self.robot, self.field, self.unit_cm, self.seed, self.line)
+
+    @property
     def crossed(self) -> bool:
         """Whether the whole robot was beyond the map, upright and not by a way beside it."""
         return self.seconds is not None
@@ -108,29 +140,65 @@ class Drive:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Exit code: 0; 3 where the simulator is not installed."""
+    """Exit code: 0; 3 where a simulator is not installed."""
     options = _options(arguments)
-    here = SIMULATORS[options.simulator].installation()
-    if not here:
-        print(f"no {SIMULATORS[options.simulator].title} here", file=sys.stderr)
+    simulators = [options.simulator] if options.simulator else [CLASSIC, MUJOCO]
+    versions = {name: _version(name) for name in simulators}
+    for name in (name for name, here in versions.items() if not here):
+        print(f"no {TITLES[name]} here", file=sys.stderr)
         return 3
-    found = [drive for name in options.robots for drive in drives(options.simulator, name, _say)]
-    record = {"machine": machine(), "simulator": str(here), "drives": [asdict(drive) for drive in found]}
+    record: dict[str, Any] = json.loads(FILE.read_text("utf-8")) if FILE.exists() else {}
+    for simulator, name in product(simulators, options.robots):
+        if can_drive(ROBOTS[name], simulator):
+            lanes = [Drive(**drive).lane for drive in record.get("drives", ()) if drive["simulator"] == CLASSIC]
+            found = list(drives(simulator, name, _say, lanes if simulator == MUJOCO else ()))
+            record = merged(record, simulator, versions[simulator], found)
     print("\n".join(table(record)))
     if not options.only_print:
         FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
     return 0
 
 
-def drives(simulator: str, name: str, say: Callable[[str], None] = lambda _: None) -> Iterator[Drive]:
-    """Yield all drives of a robot, field by field."""
+def _version(simulator: str) -> str:
+    """Return the title and version of a simulator, empty where it is not installed."""
+    if simulator == MUJOCO:
+        return version() if find_spec("mujoco") else ""
+    return str(SIMULATORS[simulator].installation() or "")
+
+
+def can_drive(robot: Robot, simulator: str) -> bool:
+    """Return whether a simulator drives a robot: MuJoCo does not drive tracks."""
+    return simulator != MUJOCO or isinstance(robot.drive, Wheels)
+
+
+def merged(record: Mapping[str, Any], simulator: str, version: str, found: Sequence[Drive]) -> dict[str, Any]:
+    """Return a record in which drives replace those of the same robots in the same simulator."""
+    robots = {drive.robot for drive in found}
+    kept = [
+        drive for drive in record.get("drives", ()) if drive["simulator"] != simulator or drive["robot"] not in robots
+    ]
+    order = list(product(TITLES, PLANS))
+    return {
+        "machine": machine(),
+        "simulators": {**record.get("simulators", {}), simulator: version},
+        "drives": sorted(
+            [*kept, *map(asdict, found)], key=lambda drive: order.index((drive["simulator"], drive["robot"]))
+        ),
+    }
+
+
+def drives(
+    simulator: str, name: str, say: Callable[[str], None] = lambda _: None, lanes: Sequence[Lane] = ()
+) -> Iterator[Drive]:
+    """Yield all drives of a robot, field by field; lanes: on these of each field, if there are any, in MuJoCo."""
     for number, (obstacle, unit) in enumerate(product(OBSTACLES, PLANS[name].units)):
         seed = FIRST_SEED + number
-        scene = _scene(obstacle, unit, seed)
-        found = list(_driven(simulator, ROBOTS[name], scene, obstacle, PLANS[name]))
+        lines = [lane.line for lane in lanes if lane[:4] == (name, obstacle, unit, seed)]
+        found = list(_driven(simulator, ROBOTS[name], _scene(obstacle, unit, seed), obstacle, lines))
         right = sum(drive.is_right for drive in found)
         crossed = sum(drive.crossed for drive in found)
-        say(f"{name}, {obstacle}, unit {unit:g} cm, seed {seed}: {crossed} of {len(found)} cross, {right} predicted")
+        of = f"{simulator}, {name}, {obstacle}, unit {unit:g} cm, seed {seed}"
+        say(f"{of}: {crossed} of {len(found)} cross, {right} predicted")
         yield from found
 
 
@@ -139,13 +207,15 @@ def _scene(obstacle: str, unit: float, seed: int) -> Scene:
     return compose(decode({"name": "crossings", **given}), 0)
 
 
-def _driven(simulator: str, robot: Robot, scene: Scene, obstacle: str, plan: Plan) -> Iterator[Drive]:
-    field, body = scene.field, robot.body
-    lines = np.array([run.start.y for run in robot_runs(field, robot, "straight", count=plan.robots, seed=1)])
-    lanes = straight(field, body, 0, lines)
-    drive = partial(rsegen.drive, scene, robot=robot, robots=plan.robots, seed=1)
-    driven = drive(simulator=simulator, duration=plan.seconds, contacts=False).robots
-    for line, end, last, one in zip(lines, lanes.end, lanes.last, driven, strict=True):
+def _driven(simulator: str, robot: Robot, scene: Scene, obstacle: str, lines: Sequence[float]) -> Iterator[Drive]:
+    field, body, plan = scene.field, robot.body, PLANS[robot.kind]
+    runs = robot_runs(field, robot, Straight.name, count=plan.robots, seed=1)
+    if lines:
+        runs = [_on_line(run, line) for run, line in zip(runs, lines, strict=True)]
+    starts = np.array([run.start.y for run in runs])
+    lanes = straight(field, body, 0, starts)
+    driven = _robots_driven(simulator, robot, scene, runs)
+    for line, end, last, one in zip(starts, lanes.end, lanes.last, driven, strict=True):
         row, metrics = one.trajectory.rows[-1], one.metrics
         yield Drive(
             simulator=simulator,
@@ -166,6 +236,21 @@ def _driven(simulator: str, robot: Robot, scene: Scene, obstacle: str, plan: Pla
         )
 
 
+def _on_line(run: RobotRun, line: float) -> RobotRun:
+    """Return a straight run on another line."""
+    route = cast("Straight", run.route())
+    return replace(run, start=replace(run.start, y=line), route=partial(replace, route, line=line))
+
+
+def _robots_driven(simulator: str, robot: Robot, scene: Scene, runs: Sequence[RobotRun]) -> Sequence[DrivenRobot]:
+    seconds = PLANS[robot.kind].seconds
+    if simulator == MUJOCO:
+        recording = drive_recording(scene.field, runs, seconds)
+        return [driven_robot(run, scene, recording, Straight.name) for run in runs]
+    drive = partial(rsegen.drive, scene, robot=robot, robots=len(runs), seed=1)
+    return drive(simulator=simulator, duration=seconds, contacts=False).robots
+
+
 def highest_step(field: StepField, line: float, width: float) -> float:
     """Return the highest step along x, up or down, of the blocks below a lane of a width; metres, ground included."""
     edges = field.edges()[1]
@@ -177,30 +262,103 @@ def highest_step(field: StepField, line: float, width: float) -> float:
 def table(record: Mapping[str, Any]) -> Iterator[str]:
     """The figures as lines of Markdown."""
     found = [Drive(**drive) for drive in record["drives"]]
-    robots = list(dict.fromkeys(drive.robot for drive in found))
-    yield "| robot | drives | crossed | right | always yes | best limit, chosen afterwards | precision | recall |"
-    yield "|---|---|---|---|---|---|---|---|"
-    for name in robots:
-        yield _row(name, [drive for drive in found if drive.robot == name])
-    if len(robots) > 1:
-        yield _row("all", found)
+    simulators = list(dict.fromkeys(drive.simulator for drive in found))
+    yield (
+        "| simulator | robot | drives | crossed | right | always yes | best limit, chosen afterwards | precision "
+        "| recall |"
+    )
+    yield "|---" * 9 + "|"
+    for simulator in simulators:
+        own = [drive for drive in found if drive.simulator == simulator]
+        yield from (f"| {TITLES[simulator]} {row}" for row in _by_robot(own, _row))
     yield ""
-    yield "| robot, unit | drives | crossed | of these predicted | not crossed | of these predicted |"
-    yield "|---|---|---|---|---|---|"
-    for name, unit in dict.fromkeys((drive.robot, drive.unit_cm) for drive in found):
-        own = [drive for drive in found if (drive.robot, drive.unit_cm) == (name, unit)]
+    for one, other in combinations(simulators, 2):
+        yield from _agreement(one, other, found)
+        yield ""
+    yield "| simulator | robot, unit | drives | crossed | of these predicted | not crossed | of these predicted |"
+    yield "|---|---|---|---|---|---|---|"
+    for kind in dict.fromkeys((drive.simulator, drive.robot, drive.unit_cm) for drive in found):
+        own = [drive for drive in found if (drive.simulator, drive.robot, drive.unit_cm) == kind]
         crossed, ended = ([drive for drive in own if drive.crossed == claim] for claim in (True, False))
         counts = (len(own), len(crossed), _right(crossed), len(ended), _right(ended))
-        yield f"| {name}, {unit:g} cm | " + " | ".join(map(str, counts)) + " |"
+        simulator, name, unit = kind
+        yield f"| {TITLES[simulator]} | {name}, {unit:g} cm | " + " | ".join(map(str, counts)) + " |"
     yield ""
     yield from _wrong(found)
+
+
+def _by_robot(found: Sequence[Item], row: Callable[[str, Sequence[Item]], str]) -> Iterator[str]:
+    """Yield a row for each robot, and one for all."""
+    robots = list(dict.fromkeys(one.robot for one in found))
+    for name in robots:
+        yield row(name, [one for one in found if one.robot == name])
+    if len(robots) > 1:
+        yield row("all", found)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Pair:
+    """A robot on one lane in two simulators, predicted alike."""
+
+    one: Drive
+    other: Drive
+
+    @property
+    def robot(self) -> str:
+        """The kind of the robot."""
+        return self.one.robot
+
+    @property
+    def agrees(self) -> bool:
+        """Whether it crosses in both simulators or in neither."""
+        return self.one.crossed == self.other.crossed
+
+
+Item = TypeVar("Item", Drive, Pair)
+
+
+def pairs(one: str, other: str, found: Sequence[Drive]) -> list[Pair]:
+    """Return the lanes that were driven in both of two simulators; ValueError if they were not predicted alike."""
+    others = {drive.lane: drive for drive in found if drive.simulator == other}
+    both = [
+        Pair(one=drive, other=others[drive.lane]) for drive in found if drive.simulator == one and drive.lane in others
+    ]
+    for pair in both:
+        if pair.one.foreseen != pair.other.foreseen:
+            raise ValueError(f"{pair.one.lane}: predicted otherwise in {other} than in {one}; drive in both anew")
+    return both
+
+
+def _agreement(one: str, other: str, found: Sequence[Drive]) -> Iterator[str]:
+    """Yield a table of how often two simulators agree about the same drives: a prediction is right at most as often."""
+    titles = TITLES[one], TITLES[other]
+    yield (
+        f"| robot | drives in both | cross in both | only in {titles[0]} | only in {titles[1]} | in neither "
+        f"| simulators agree | right in {titles[0]} | right in {titles[1]} | right where they agree |"
+    )
+    yield "|---" * 10 + "|"
+    yield from _by_robot(pairs(one, other, found), _agreement_row)
+
+
+def _agreement_row(name: str, both: Sequence[Pair]) -> str:
+    count = Counter((pair.one.crossed, pair.other.crossed) for pair in both)
+    agreed = [pair for pair in both if pair.agrees]
+    cells = (
+        f"{len(both)}",
+        *(f"{count[crossed]}" for crossed in ((True, True), (True, False), (False, True), (False, False))),
+        _share(len(agreed), len(both)),
+        _share(sum(pair.one.is_right for pair in both), len(both)),
+        _share(sum(pair.other.is_right for pair in both), len(both)),
+        _share(sum(pair.one.is_right for pair in agreed), len(agreed)),
+    )
+    return f"| {name} | " + " | ".join(cells) + " |"
 
 
 def _row(name: str, found: Sequence[Drive]) -> str:
     foreseen, crossed = ([drive for drive in found if claim(drive)] for claim in (_is_foreseen, _is_crossed))
     hits = sum(drive.crossed for drive in foreseen)
     parts = [best_limit([drive for drive in found if drive.robot == robot]) for robot in {one.robot for one in found}]
-    limit = f" ({100 * parts[0][0]:.2g} cm)" if len(parts) == 1 else ""
+    limit = f" ({_limit(parts[0][0])})" if len(parts) == 1 else ""
     cells = (
         f"{len(found)}",
         f"{len(crossed)}",
@@ -211,6 +369,10 @@ def _row(name: str, found: Sequence[Drive]) -> str:
         _share(hits, len(crossed)),
     )
     return f"| {name} | " + " | ".join(cells) + " |"
+
+
+def _limit(metres: float) -> str:
+    return f"{100 * metres:.2g} cm" if metres >= 0 else "always no"
 
 
 def _is_foreseen(drive: Drive) -> bool:
@@ -231,12 +393,12 @@ def _share(part: int, whole: int) -> str:
 
 def _wrong(found: Sequence[Drive]) -> Iterator[str]:
     """Yield a table of all wrong predictions."""
-    yield "| robot, unit, seed, lane | predicted | what happened |"
-    yield "|---|---|---|"
+    yield "| simulator | robot, unit, seed, lane | predicted | what happened |"
+    yield "|---|---|---|---|"
     for drive in (drive for drive in found if not drive.is_right):
         lane = f"{drive.robot}, {drive.unit_cm:g} cm, {drive.seed}, y = {drive.line:.2f} m"
         predicted = "crosses" if drive.at is None else f"{drive.reason} at x = {drive.at:.2f} m"
-        yield f"| {lane} | {predicted} | {drive.happened} |"
+        yield f"| {TITLES[drive.simulator]} | {lane} | {predicted} | {drive.happened} |"
 
 
 def best_limit(found: Sequence[Drive]) -> tuple[float, int]:
@@ -254,7 +416,7 @@ def _say(line: str) -> None:
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.crossings", description=__doc__.splitlines()[0])
     parser.add_argument("robots", nargs="*", metavar="ROBOT", default=list(PLANS), help="only these kinds")
-    parser.add_argument("--simulator", default="classic", choices=tuple(SIMULATORS), help="default: classic")
+    parser.add_argument("--simulator", choices=tuple(TITLES), help="only this one; default: classic and mujoco")
     parser.add_argument("--only-print", action="store_true", help="keep no record")
     return parser.parse_args(arguments)
 

@@ -25,12 +25,13 @@ import numpy as np
 
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
+from benchmarks.mujoco_robots import STEP, blocks, free_robot, model, pose_of, version
 from benchmarks.report import short
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import Array
 from rsegen.recipe.codec import decode
 from rsegen.robots import ROBOTS, Robot
-from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, rotation
+from rsegen.robots.links import rotation
 from rsegen.simulation.driving.world_file import world_with_robots
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.server import retried, running_server
@@ -49,9 +50,6 @@ FIELDS, ON_A_FIELD, APART, FIRST_SEED = 5, 40, 1.4, 9000
 
 ABOVE, SECONDS, STILL_FOR = 0.005, 3.0, 0.25
 """Metres of the fall, seconds until the pose is read, and seconds before in which a robot that rests stays still."""
-
-STEP = 0.001
-"""Seconds of a physics step in both simulators."""
 
 TIPPED, SLID, STILL = 60.0, 0.02, 0.002
 """Degrees of tilt from which a robot has tipped over; metres from which it has slid; metres by which it still moves."""
@@ -133,7 +131,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         apart += between
     record = {
         "machine": machine(),
-        "simulators": [str(here), _mujoco_version()],
+        "simulators": [str(here), version()],
         "units": {name: UNITS[name] for name in options.robots},
         "columns": Rest.__slots__,
         "rests": [astuple(rest) for rest in (*found, *apart)],
@@ -219,93 +217,20 @@ def _in_mujoco(scene: Scene, robot: Robot, start: Start) -> State:
     """Return the state of a robot that rests alone, on the blocks that it can reach."""
     import mujoco
 
-    model = mujoco.MjModel.from_xml_string(mjcf(scene, robot, start))
-    data, states = mujoco.MjData(model), []
+    compiled = mujoco.MjModel.from_xml_string(mjcf(scene, robot, start))
+    data, states = mujoco.MjData(compiled), []
     for seconds in (SECONDS - STILL_FOR, STILL_FOR):
         for _ in range(round(seconds / STEP)):
-            mujoco.mj_step(model, data)
-        matrix = np.zeros(9)
-        mujoco.mju_quat2Mat(matrix, data.qpos[3:7])
-        states.append(np.concatenate([data.qpos[:3], _angles(matrix.reshape(3, 3))]))
+            mujoco.mj_step(compiled, data)
+        states.append(pose_of(mujoco, data))
     return states[0], states[1]
-
-
-def _angles(axes: Array) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw of axes as columns, radians."""
-    pitch = -np.arcsin(np.clip(axes[2, 0], -1, 1))
-    return float(np.arctan2(axes[2, 1], axes[2, 2])), float(pitch), float(np.arctan2(axes[1, 0], axes[0, 0]))
 
 
 def mjcf(scene: Scene, robot: Robot, start: Start) -> str:
     """Return an MJCF model: a robot whose joints do not move, above the blocks below and around it."""
-    field, (x, y, z, yaw) = scene.field, start
-    edges_x, edges_y = field.edges()
-    width, reach = field.block_width, reach_of(robot.body) + 0.3
-    blocks = [
-        f'<geom type="box" size="{width / 2} {width / 2} {height / 2}" contype="1" conaffinity="2"'
-        f' pos="{edges_x[i] + width / 2} {edges_y[j] + width / 2} {height / 2}"/>'
-        for (i, j), height in np.ndenumerate(field.heights)
-        if height > 0 and abs(edges_x[i] + width / 2 - x) < reach and abs(edges_y[j] + width / 2 - y) < reach
-    ]
-    holders = {joint.child: joint for joint in robot.joints}
-    angles = {servo.joint: servo.rest for servo in robot.servos}
-    links = "".join(_link(link, holders.get(link.name), angles) for link in robot.links)
-    # The robot's friction counts, as that of Gazebo's blocks is larger; contacts are stiff, as ODE's are.
-    return f"""<mujoco>
-<compiler angle="radian" eulerseq="XYZ"/>
-<option timestep="{STEP}" integrator="implicitfast" cone="elliptic" impratio="10"/>
-<size memory="200M"/>
-<default><geom solref="0.004 1" solimp="0.99 0.999 0.0001"/></default>
-<worldbody><geom type="plane" size="99 99 1" contype="1" conaffinity="2"/>{"".join(blocks)}
-<body pos="{x} {y} {z}" euler="0 0 {yaw}"><freejoint/>{links}</body></worldbody>
-</mujoco>"""
-
-
-def _link(link: Link, holder: Joint | None, angles: Mapping[str, float]) -> str:
-    """Return a link that is fixed to the robot, turned by the angle of the servo that holds it."""
-    turned = rotation(*link.pose[3:])
-    if holder and holder.axis and angles.get(holder.name):
-        turned = turned @ _about(np.array(holder.axis, float), angles[holder.name])
-    inertia = " ".join(map(str, link.moments))
-    centre = f'pos="{_spaced(link.centre[:3])}" quat="{_quaternion(rotation(*link.centre[3:]))}"'
-    return (
-        f'<body pos="{_spaced(link.pose[:3])}" quat="{_quaternion(turned)}">'
-        f'<inertial {centre} mass="{link.mass}" diaginertia="{inertia}"/>'
-        + "".join(map(_geometry, link.parts))
-        + "</body>"
-    )
-
-
-def _geometry(part: Part) -> str:
-    if part.surface is None:
-        return ""
-    solid = part.solid
-    if isinstance(solid, Box):
-        shape = f'type="box" size="{_spaced(side / 2 for side in solid.size)}"'
-    elif isinstance(solid, Cylinder):
-        shape = f'type="cylinder" size="{solid.radius} {solid.length / 2}"'
-    else:
-        shape = f'type="sphere" size="{solid.radius}"'
-    place = f'pos="{_spaced(part.pose[:3])}" quat="{_quaternion(rotation(*part.pose[3:]))}"'
-    friction = f'friction="{max(part.surface.mu, 1e-3)} 0.005 0.0001" priority="1"'
-    return f'<geom {shape} {place} {friction} contype="2" conaffinity="1"/>'
-
-
-def _about(axis: Array, angle: float) -> Array:
-    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
-
-
-def _spaced(values: Any) -> str:
-    return " ".join(f"{float(value):.9g}" for value in values)
-
-
-def _quaternion(axes: Array) -> str:
-    import mujoco
-
-    found = np.zeros(4)
-    mujoco.mju_mat2Quat(found, np.asarray(axes, float).ravel())
-    return _spaced(found)
+    x, y, z, yaw = start
+    near = (x, y, reach_of(robot.body) + 0.3)
+    return model([blocks(scene.field, near), free_robot(robot, (x, y, z, 0, 0, yaw))])
 
 
 def _at(body: Body, pose: Array) -> At:
@@ -455,12 +380,6 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
 def _middle_and_high(values: Sequence[float]) -> str:
     middle, high = np.percentile(values, [50, 90])
     return f"{middle:.2f}, {high:.2f}"
-
-
-def _mujoco_version() -> str:
-    import mujoco
-
-    return f"MuJoCo {mujoco.__version__}"
 
 
 def _say(line: str) -> None:
