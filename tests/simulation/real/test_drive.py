@@ -146,7 +146,8 @@ def test_sampling_contacts_does_not_change_a_drive(gazebo: Installation, tmp_pat
         assert other.metrics.touched == {}
     assert len(with_contacts.contact_samples) == 12
     assert without.contact_samples == []
-    assert with_contacts.notes == without.notes == ()
+    # On a busy machine a server may fail and be started again: the drive has to be the same all the more.
+    assert [note for note in (*with_contacts.notes, *without.notes) if "was started again" not in note] == []
 
 
 def test_errors_of_the_simulator_are_warned_of(
