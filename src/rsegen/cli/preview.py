@@ -57,6 +57,7 @@ def run(arguments: argparse.Namespace) -> Report:
     from rsegen.robots import robot_of
     from rsegen.run.store import write_file
 
+    path = picture_path(arguments.output, force=arguments.force) or Path()
     with flags_in_errors(_Drawing):
         drawing = _Drawing(**given(_Drawing, arguments))
         validate(drawing)
@@ -64,7 +65,6 @@ def run(arguments: argparse.Namespace) -> Report:
             raise ParameterError("at", "is the place of a robot; give --robot too")
     robot = robot_of(drawing.robot, "--robot").body if drawing.robot else None
     x, y, heading = drawing.at or (0.0, 0.0, 0.0)
-    path = picture_path(drawing.output, force=drawing.force) or Path()
     scene = scene_of(arguments)
     try:
         at = x, y, radians(heading)

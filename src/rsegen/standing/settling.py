@@ -98,7 +98,7 @@ class Settled:
     contacts: Ints
     turn: Array
 
-    def some(self, rows: slice) -> Settled:
+    def some(self, rows: slice | Ints) -> Settled:
         """Return some of them."""
         return Settled(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 

@@ -106,6 +106,12 @@ class Lattice:
         i, j, k = np.unravel_index(places, self.moves.shape)
         on_i, on_j = i + _MOVES[k, 0], j + _MOVES[k, 1]
         inside = (on_i >= 0) & (on_i < self.moves.shape[0]) & (on_j >= 0) & (on_j < self.moves.shape[1])
+        # Most moves of a robot that is small beside the blocks end where it tips over: three poses rule them out.
+        for share in (0.0, 0.5, 1.0):
+            left = np.flatnonzero(inside)
+            ahead = (share * self.field.block_width * _MOVES[k[left]]).T
+            x, y = self.x[i[left]] + ahead[0], self.y[j[left]] + ahead[1]
+            inside[left] = has_stood(settle(self.ground, self.body, x, y, k[left] * np.pi / 4))
         for is_diagonal in (0, 1):
             chosen = np.flatnonzero(inside & (k % 2 == is_diagonal))
             if len(chosen):

@@ -165,7 +165,7 @@ _LENGTHS = (
 _NUMBERS = ("spread.variation", "spread.entropy", "scale.hurst", "ruggedness.surface_ratio")
 _SIDES = ("reach.west_east", "reach.south_north")
 _LENGTHS_OF_A_ROBOT = tuple(f"{side}.{what}" for side in _SIDES for what in ("length", "cost"))
-_ANGLES_OF_A_ROBOT = tuple(f"{side}.tilt" for side in _SIDES)
+_ANGLES_OF_A_ROBOT = tuple(f"{side}.{what}" for side in _SIDES for what in ("tilt", "margin"))
 _NUMBERS_OF_A_ROBOT = (
     *("reach.climbable", "reach.droppable", "reach.cover"),
     *(f"{side}.{what}_ratio" for side in _SIDES for what in ("length", "cost")),
