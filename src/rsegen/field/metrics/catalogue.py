@@ -217,7 +217,7 @@ def _measured(name: str, robot: Crosser | None, field: StepField) -> Any:
     try:
         return attrgetter(name.removeprefix(f"{family}."))(_FAMILIES[family](field, robot))
     except AttributeError:
-        other = "a robot" if name.endswith(".tilt") else "limits of steps, as in 10,10,0"
+        other = "a robot" if name.endswith((".tilt", ".margin")) else "limits of steps, as in 10,10,0"
         raise ParameterError("by", f"{name} is measured with {other}") from None
 
 
