@@ -13,7 +13,7 @@ import numpy as np
 from rsegen.field.stepfield import Array, StepField
 from rsegen.robots import Robot
 from rsegen.robots.drives import Wheels
-from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, SdfPose, rotation
+from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, SdfPose, rotation, turn_about
 
 STEP = 0.001
 """Seconds of a physics step, as in Gazebo Classic."""
@@ -105,7 +105,7 @@ def _link(link: Link, holder: Joint | None, angles: Mapping[str, float], name: s
         place = f'axis="{_spaced(holder.axis)}" pos="{_spaced(holder.anchor)}" damping="{holder.damping}"'
         hinge = f'<joint type="hinge" name="{name}/{holder.name}" {place}/>'
     elif holder and holder.axis and angles.get(holder.name):
-        turned = turned @ _about(np.array(holder.axis, float), angles[holder.name])
+        turned = turned @ turn_about(holder.axis, angles[holder.name])
     inertia = " ".join(map(str, link.moments))
     centre = f'pos="{_spaced(link.centre[:3])}" quat="{_quaternion(rotation(*link.centre[3:]))}"'
     return (
@@ -136,11 +136,6 @@ def _angles(axes: Array) -> tuple[float, float, float]:
     """Return roll, pitch and yaw of axes as columns, radians."""
     pitch = -np.arcsin(np.clip(axes[2, 0], -1, 1))
     return float(np.arctan2(axes[2, 1], axes[2, 2])), float(pitch), float(np.arctan2(axes[1, 0], axes[0, 0]))
-
-
-def _about(axis: Array, angle: float) -> Array:
-    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
 
 
 def _spaced(values: Any) -> str:

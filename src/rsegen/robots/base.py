@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol, cast
+from typing import ClassVar, Protocol, cast
 
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
 from rsegen.exporters.gazebo.sdf import FOOTER, HEADER, numbers
@@ -65,10 +65,13 @@ class DrivableRobot(Protocol):
 class Robot(Standing):
     """A robot; the origin of its model is on the ground below its centre, and the first link is its body.
 
+    lift: height of the origin of its model above the ground, metres
     size, clearance: overall length, width and height, and ground clearance of the body, metres
     climbs: the highest single step that it drives up in Gazebo Classic, measured, metres: a fact that nothing uses
     source: the origin of its figures, and which are ours
     """
+
+    lift: ClassVar[float] = 0.0
 
     kind: str
     title: str

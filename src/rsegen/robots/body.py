@@ -19,7 +19,7 @@ from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.io.input_files import open_regular, read_by_library
 from rsegen.robots.drives import Drive, Wheels
-from rsegen.robots.links import Box, Cylinder, Link, SdfPose, Vector, rotation
+from rsegen.robots.links import Box, Cylinder, Link, SdfPose, rotation, turn_about
 from rsegen.robots.sdf_shapes import ModelFrames, floats, inertials
 from rsegen.standing.body import (
     Body,
@@ -64,8 +64,10 @@ def _placed(robot: Robot, link: Link) -> Array:
     """Return the pose of a link in the model, (4, 4), turned by the servo that holds it."""
     joint = next((joint for joint in robot.joints if joint.child == link.name), None)
     rest = next((servo.rest for servo in robot.servos if joint and servo.joint == joint.name), 0.0)
-    turned = _about(joint.axis, rest) if joint and joint.axis and rest else np.eye(4)
-    return _matrix(link.pose) @ turned
+    pose = _matrix(link.pose)
+    if joint and joint.axis and rest:
+        pose[:3, :3] = pose[:3, :3] @ turn_about(joint.axis, rest)
+    return pose
 
 
 def _shapes(links: dict[str, tuple[Link, Array]], driven: set[str], distance: float) -> Iterator[Shape]:
@@ -92,15 +94,6 @@ def _driven(drive: Drive, children: dict[str, str]) -> set[str]:
 def _matrix(pose: SdfPose) -> Array:
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = rotation(*pose[3:]), pose[:3]
-    return matrix
-
-
-def _about(axis: Vector, angle: float) -> Array:
-    """Return the turn about a unit axis through the origin, (4, 4) (Rodrigues)."""
-    x, y, z = axis
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    matrix = np.eye(4)
-    matrix[:3, :3] += np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
     return matrix
 
 

@@ -223,6 +223,13 @@ def rotation(roll: float, pitch: float, yaw: float) -> Array:
     return np.asarray(about_z @ about_y @ about_x)
 
 
+def turn_about(axis: Vector, angle: float) -> Array:
+    """Return the matrix (3, 3) of a turn about a unit axis, radians (Rodrigues)."""
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+
+
 TREAD = 0.004
 """Width of a tyre that has contact, metres: in ODE a wider one stands on its outer edges, and turns too slowly."""
 

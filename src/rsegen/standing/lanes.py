@@ -73,7 +73,7 @@ class Lanes:
     @property
     def tilt(self) -> Array:
         """Return the largest tilt on each lane, radians, (L,)."""
-        return np.asarray(np.arctan(np.hypot(*self.poses.slope.T)).reshape(len(self.end), -1).max(axis=1))
+        return np.asarray(self.poses.tilt.reshape(len(self.end), -1).max(axis=1))
 
     def poses_of(self, number: int) -> Settled:
         """Return the poses of one lane."""

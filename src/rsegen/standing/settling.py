@@ -98,6 +98,11 @@ class Settled:
     contacts: Ints
     turn: Array
 
+    @property
+    def tilt(self) -> Array:
+        """Return the angle between each robot's upright and the vertical, radians, (n,)."""
+        return np.asarray(np.arctan(np.hypot(*self.slope.T)))
+
     def some(self, rows: slice | Ints) -> Settled:
         """Return some of them."""
         return Settled(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})

@@ -330,7 +330,7 @@ class _Judge:
         return bool(lanes.passed[0] and not self._is_steep(lanes.poses).any() and falls <= self.fall)
 
     def _is_steep(self, rest: Settled) -> Mask:
-        return np.asarray(~has_stood(rest) | (np.arctan(np.hypot(*rest.slope.T)) > self.steep))
+        return np.asarray(~has_stood(rest) | (rest.tilt > self.steep))
 
 
 def _coarse(body: Body, width: float) -> Array:

@@ -166,7 +166,7 @@ class Lattice:
         """Return the tilt of each robot, radians, or its margin with a minus."""
         if self.best == "margin":
             return -of_settled(self.ground, self.body, rest).tip_angle
-        return np.asarray(np.arctan(np.hypot(*rest.slope.T)))
+        return rest.tilt
 
     def region(self) -> Mask:
         """Return the largest set of blocks on which the robot gets from every place and heading to every other."""

@@ -151,14 +151,20 @@ def draw_view(axes: Axes, drawn: Drawable, robot: Robot | None = None) -> str:
     colours = cell_colours(drawn.surface_colour, field)
     shapes, lit, cells = _polygons(field.heights, colours, field.block_width)
     line = 0.35 if max(field.shape) <= 60 else 0.0
-    front = in_front(field, *robot).ravel()[cells] if robot else np.zeros(len(cells), bool)
-    for order, (part, is_last) in enumerate(((~front, False), (front, True))):
-        blocks = PolyCollection(list(shapes[part]), facecolors=lit[part], edgecolors=lit[part] * 0.55, linewidths=line)
-        blocks.set_zorder(2 * order + 1)
-        axes.add_collection(blocks)
-        if robot and not is_last:
-            for outline, colour in silhouettes(*robot, _project, _TOWARD):
-                axes.fill(*outline.T, facecolor=colour, edgecolor="black", linewidth=0.6, alpha=0.85, zorder=2)
+
+    def add_blocks(part: Any) -> None:
+        edges = lit[part] * 0.55
+        axes.add_collection(PolyCollection(list(shapes[part]), facecolors=lit[part], edgecolors=edges, linewidths=line))
+
+    # What is added later is drawn over what was added before.
+    if robot:
+        front = in_front(field, *robot).ravel()[cells]
+        add_blocks(~front)
+        for outline, colour in silhouettes(*robot, _project, _TOWARD):
+            axes.fill(*outline.T, facecolor=colour, edgecolor="black", linewidth=0.6, alpha=0.85)
+        add_blocks(front)
+    else:
+        add_blocks(slice(None))
     (left, low), (right, high) = view_bounds(drawn)
     axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", anchor="C")
     axes.set_axis_off()

@@ -82,8 +82,7 @@ def silhouettes(
 
     project: from x, y, z to the plane of the picture, (n, 2); toward: the direction to the viewer, (3,)
     """
-    at = np.array([found.x[0], found.y[0], found.z[0]])
-    placed = body.surface @ axes_of(found, 0).T + at
+    placed = _placed(body, found)
     parts = [placed[body.part_of_surface == number] for number in range(len(body.parts))]
     for number in np.argsort([float((part @ toward).mean()) for part in parts], kind="stable"):
         yield hull(project(*parts[number].T)), _DRIVEN if body.parts[number].drives else _UNDRIVEN
@@ -91,7 +90,12 @@ def silhouettes(
 
 def in_front(field: StepField, body: Body, found: Poses) -> Mask:
     """Return which cells of a field are east or south of a robot, so in front of it as seen from there, (n_x, n_y)."""
-    placed = body.surface @ axes_of(found, 0).T
-    east, south = placed[:, 0].max() + found.x[0], placed[:, 1].min() + found.y[0]
+    placed = _placed(body, found)
+    east, south = placed[:, 0].max(), placed[:, 1].min()
     edges_x, edges_y = field.edges()
     return np.asarray(np.logical_or.outer(edges_x[:-1] > east, edges_y[1:] < south))
+
+
+def _placed(body: Body, found: Poses) -> Array:
+    """Return the surface of a robot at its one pose, in the world, (m, 3)."""
+    return np.asarray(body.surface @ axes_of(found, 0).T + np.array([found.x[0], found.y[0], found.z[0]]))

@@ -59,7 +59,6 @@ class TransportClient:
         self._publishers: dict[socket.socket, str] = {}
         self._sockets: set[socket.socket] = set()
         self._threads: set[threading.Thread] = set()
-        self._guard = threading.Lock()
         self._is_closed = False
         self._world = ""
         self._last = 0.0
@@ -144,12 +143,10 @@ class TransportClient:
         self._is_closed = True
         with suppress(OSError):  # not every system ends a waiting accept() so
             self._own.shutdown(socket.SHUT_RDWR)
-        with self._guard:
-            left, threads = list(self._sockets), list(self._threads)
-        for connection in left:
+        for connection in list(self._sockets):
             _disconnect(connection)
         self._own.close()
-        for thread in threads:
+        for thread in list(self._threads):
             thread.join(DISCONNECT_TIMEOUT)
 
     def _full_topic(self, topic: str) -> str:
@@ -243,30 +240,25 @@ class TransportClient:
         """Note a connection, to be closed with this client, or at once if that is closed already; return it."""
         other.settimeout(None)
         other.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        with self._guard:
-            self._sockets.add(other)
-            is_late = self._is_closed
-        if is_late:
+        self._sockets.add(other)
+        if self._is_closed:
             self._end(other)
         return other
 
     def _end(self, other: socket.socket) -> None:
         """Disconnect, and forget a connection."""
         _disconnect(other)
-        with self._guard:
-            self._sockets.discard(other)
+        self._sockets.discard(other)
 
     def _start_thread(self, run: Callable[[], None]) -> None:
         def until_done() -> None:
             try:
                 run()
             finally:
-                with self._guard:
-                    self._threads.discard(threading.current_thread())
+                self._threads.discard(threading.current_thread())
 
         thread = threading.Thread(target=until_done, daemon=True)
-        with self._guard:
-            self._threads.add(thread)
+        self._threads.add(thread)
         thread.start()
 
     def _wait(self, why: str, until: Callable[[], bool], timeout: float = TIMEOUT) -> None:

@@ -136,8 +136,8 @@ _TRANSPORT = {
 def _environment(opening: OpenRequest) -> dict[str, str]:
     """Return variables by both of their names; a partition on this machine alone, unless it is to be shared."""
     partition = f"rsegen-{secrets.token_hex(4)}"
-    own = {"GZ_PARTITION": partition, "IGN_PARTITION": partition, "GZ_IP": "127.0.0.1", "IGN_IP": "127.0.0.1"}
-    own |= _TRANSPORT
+    address = {"GZ_PARTITION": partition, "IGN_PARTITION": partition, "GZ_IP": "127.0.0.1", "IGN_IP": "127.0.0.1"}
+    own = address | _TRANSPORT
     names = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
     return {name: opening.model_path(name) for name in names} | ({} if opening.shared else own) | opening.home_variables
 

@@ -133,12 +133,11 @@ class Discovery:
         self._group = _variable(environment, "DISCOVERY_MULTICAST_IP") or _GROUP
         port = _variable(environment, f"DISCOVERY_{sort}_PORT")
         self._port = int(port) if re.fullmatch("[0-9]{1,5}", port) and int(port) < 2**16 else _PORTS[sort]
-        self._is_alone = bool(_variable(environment, "IP"))
         self._relays = [relay for relay in _variable(environment, "RELAY").split(":") if relay]
         self._senders: list[socket.socket] = []
         self.receiver = _udp()
         try:
-            self._join(interfaces(environment))
+            self._join(interfaces(environment), is_chosen=bool(_variable(environment, "IP")))
         except OSError as error:
             self.close()
             raise SimulatorFailed(f"Gazebo Sim: no multicast on this computer ({error.strerror or error})") from None
@@ -169,11 +168,11 @@ class Discovery:
         for own in (self.receiver, *self._senders):
             own.close()
 
-    def _join(self, addresses: list[str]) -> None:
+    def _join(self, addresses: list[str], *, is_chosen: bool) -> None:
         for option in (socket.SO_REUSEADDR, getattr(socket, "SO_REUSEPORT", socket.SO_REUSEADDR)):
             self.receiver.setsockopt(socket.SOL_SOCKET, option, 1)
         # On Linux only what comes to the group, and on the interfaces that the user chose; relays send to our address.
-        only_group = sys.platform == "linux" and self._is_alone and not self._relays
+        only_group = sys.platform == "linux" and is_chosen and not self._relays
         if only_group:
             self.receiver.setsockopt(socket.IPPROTO_IP, _IP_MULTICAST_ALL, 0)
         self.receiver.bind((self._group if only_group else "", self._port))

@@ -102,12 +102,7 @@ def _on_top(robot: Robot | SdfRobot, taken: list[Area], maps: list[SpawnedMap], 
     radius = hypot(*robot.size[:2]) / 2
     x, y = at[:2] if at else free_area(radius, radius, taken)[:2]
     ground = max((spawned.top(Pose(x=x, y=y, z=0), radius) for spawned in maps), default=0.0)
-    return _pose([x, y, ground + _lift(robot) + DROP_HEIGHT] if len(at) <= 2 else at)
-
-
-def _lift(robot: Robot | SdfRobot) -> float:
-    """Return how far the origin of a robot's file is above the ground, metres; that of an included one is on it."""
-    return robot.lift if isinstance(robot, SdfRobot) else 0.0
+    return _pose([x, y, ground + robot.lift + DROP_HEIGHT] if len(at) <= 2 else at)
 
 
 def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: Mapping[str, Pose]) -> Pose | None:
@@ -123,7 +118,7 @@ def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: M
                 x, y = spawned.outside(spot.x, spot.y)
                 if all(hypot(at.x - x, at.y - y) > radius + RADIUS for at in others):
                     inside = start_pose(spot)
-                    z, yaw = spawned.at.z + inside.z + _lift(robot), spawned.at.yaw + spot.yaw
+                    z, yaw = spawned.at.z + inside.z + robot.lift, spawned.at.yaw + spot.yaw
                     return replace(inside, x=x, y=y, z=z, yaw=yaw)
     return None
 
